@@ -1,0 +1,33 @@
+"""Code to HTML with CSS classes (Pygments): the colours are the style sheet's."""
+
+from __future__ import annotations
+
+import html
+from functools import lru_cache
+
+from pygments import highlight as draw
+from pygments.formatters import HtmlFormatter
+from pygments.lexer import Lexer
+from pygments.lexers import get_lexer_by_name
+from pygments.util import ClassNotFound
+
+
+def highlight(code: str, language: str = "python", _attributes: str = "") -> str:
+    """A whole `<pre>` element; plain where the language is unknown or not said."""
+    body = _body(code, language)
+    return f'<pre class="code" tabindex="0"><code>{body}</code></pre>\n'
+
+
+def _body(code: str, language: str) -> str:
+    lexer = _lexer(language)
+    if lexer is None:
+        return html.escape(code)
+    return str(draw(code, lexer, HtmlFormatter(nowrap=True)))
+
+
+@lru_cache(maxsize=16)
+def _lexer(language: str) -> Lexer | None:
+    try:
+        return get_lexer_by_name(language, stripnl=False) if language else None
+    except ClassNotFound:
+        return None

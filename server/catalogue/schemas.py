@@ -1,0 +1,62 @@
+"""The shape of `module.toml` and `exercise.toml`: strict, nothing unknown goes unnoticed."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Text = Annotated[str, Field(min_length=1)]
+
+
+class Strict(BaseModel):
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+
+class ModuleFile(Strict):
+    """`curriculum/<module>/module.toml`."""
+
+    title: Text
+    summary: Text
+    subtitle: str = ""
+    part: str = ""
+    level: str = ""
+    duration: str = ""
+    prerequisites: list[Text] = []
+    objectives: list[Text] = []
+    references: list[Text] = []
+    order: int = 0
+
+
+class FunctionEntry(Strict):
+    """One function to write. `signature` may carry a default or a keyword such as `class`."""
+
+    name: Annotated[str, Field(pattern=r"^[^\W\d]\w*$")]
+    signature: Text
+    returns: str = ""
+    doc: str = ""
+
+
+class Limits(Strict):
+    """Overrides of `server.sandbox.Policy`, field by field."""
+
+    cpu_seconds: Annotated[float, Field(gt=0, le=120)] | None = None
+    wall_seconds: Annotated[float, Field(gt=0, le=300)] | None = None
+    memory_bytes: Annotated[int, Field(ge=64 << 20, le=4 << 30)] | None = None
+    stdout_bytes: Annotated[int, Field(ge=1024, le=1 << 20)] | None = None
+    source_bytes: Annotated[int, Field(ge=1024, le=1 << 20)] | None = None
+
+    def overrides(self) -> dict[str, int | float]:
+        return self.model_dump(exclude_none=True)
+
+
+class ExerciseFile(Strict):
+    """`curriculum/<module>/exercices/<slug>/exercise.toml`."""
+
+    title: Text
+    summary: Text
+    order: int
+    stars: Annotated[int, Field(ge=0, le=3)] = 0
+    course: str = ""
+    functions: Annotated[list[FunctionEntry], Field(min_length=1)]
+    limits: Limits = Limits()

@@ -1,0 +1,186 @@
+"""Discovery of the course: what is well formed is served, what is not is reported with its place."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, TypeVar
+
+from server.catalogue import markdown, toml_file
+from server.catalogue.models import Catalogue, CatalogueFault, Exercise, FunctionSpec, Module, Problem
+from server.catalogue.schemas import ExerciseFile, ModuleFile
+from server.catalogue.version import digest
+
+if TYPE_CHECKING:
+    from graders.catalogue import Discovery
+
+T = TypeVar("T")
+ROOT = Path(__file__).parents[2]
+HINT_TITLE = re.compile(r"^##[ \t]+Indice[ \t]+(\d+)[ \t]*$", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Where an exercise's parts are, and what discovery found among the graders."""
+
+    curriculum: Path
+    code: Path
+    discovery: Discovery
+
+
+def load(
+    curriculum: Path = ROOT / "curriculum",
+    *,
+    code: Path = ROOT,
+    discovery: Discovery | None = None,
+    render: bool = True,
+) -> Catalogue:
+    """Read the whole course. Never raises for a malformed module or exercise: see `Catalogue.problems`.
+
+    `code` holds `graders/` and `reference/`, which versions cover. With `render=False` statements are not
+    rendered ahead (a command that only grades has no use for them), so their faults are not looked for.
+    """
+    if discovery is None:
+        from graders.catalogue import discover
+
+        discovery = discover()
+    problems = [Problem(one.path, one.line, one.message) for one in discovery.problems]
+    sources = Sources(curriculum, code, discovery)
+    modules = _each(problems, lambda path: _module(sources, path, problems, render), _modules(curriculum))
+    modules.sort(key=lambda one: (one.order, one.slug))
+    problems.extend(_orphans(sources))
+    return Catalogue(MappingProxyType({one.slug: one for one in modules}), tuple(problems))
+
+
+def _each(problems: list[Problem], build: Callable[[Path], T], paths: list[Path]) -> list[T]:
+    """What `build` makes of each path; where it cannot, its problem is noted and the others go on."""
+    built = []
+    for path in paths:
+        try:
+            built.append(build(path))
+        except CatalogueFault as fault:
+            problems.append(fault.problem)
+    return built
+
+
+def _modules(curriculum: Path) -> list[Path]:
+    return sorted(path for path in curriculum.iterdir() if path.is_dir() and path.name.isidentifier())
+
+
+def _exercises(module: Path) -> list[Path]:
+    folder = module / "exercices"
+    return sorted(path for path in folder.iterdir() if path.is_dir()) if folder.is_dir() else []
+
+
+def _module(sources: Sources, path: Path, problems: list[Problem], render: bool) -> Module:
+    card = toml_file.read(path / "module.toml", ModuleFile)
+    kit = _python(path / "kit" / f"{path.name}.py")
+    exercises = _each(problems, lambda folder: _exercise(sources, path, folder, render), _exercises(path))
+    exercises.sort(key=lambda one: (one.stars, one.order, one.slug))
+    return Module(
+        slug=path.name,
+        title=card.title,
+        subtitle=card.subtitle,
+        summary=card.summary,
+        part=card.part,
+        level=card.level,
+        duration=card.duration,
+        prerequisites=tuple(card.prerequisites),
+        objectives=tuple(card.objectives),
+        references=tuple(card.references),
+        order=card.order,
+        kit=kit,
+        exercises=tuple(exercises),
+    )
+
+
+def _exercise(sources: Sources, module: Path, path: Path, render: bool) -> Exercise:
+    card = toml_file.read(path / "exercise.toml", ExerciseFile)
+    grader = sources.discovery.graders.get(f"{module.name}/{path.name}")
+    if grader is None:
+        raise CatalogueFault(Problem(path / "exercise.toml", None, "aucun correcteur utilisable pour cet exercice"))
+    solution_path = sources.code / "graders" / module.name / path.name / "solution.py"
+    exercise = Exercise(
+        module=module.name,
+        slug=path.name,
+        title=card.title,
+        summary=card.summary,
+        order=card.order,
+        stars=card.stars,
+        course=card.course,
+        functions=tuple(FunctionSpec(one.name, one.signature, one.returns, one.doc) for one in card.functions),
+        starter=_python(path / "starter.py"),
+        solution=_compiles(grader.solution, solution_path),
+        statement=markdown.Source(toml_file.read_text(path / "enonce.md"), path / "enonce.md"),
+        hint_sources=_hints(path / "indices.md"),
+        grader=grader,
+        version=_version(sources, module, path),
+        policy_overrides=MappingProxyType(card.limits.overrides()),
+    )
+    if render:
+        _render(exercise)
+    return exercise
+
+
+def _python(path: Path) -> str:
+    return _compiles(toml_file.read_text(path), path)
+
+
+def _compiles(source: str, path: Path) -> str:
+    try:
+        ast.parse(source)
+    except (SyntaxError, ValueError) as error:
+        line = error.lineno if isinstance(error, SyntaxError) else None
+        raise CatalogueFault(Problem(path, line, f"ce fichier Python ne se compile pas ({error})")) from error
+    return source
+
+
+def _hints(path: Path) -> tuple[markdown.Source, markdown.Source, markdown.Source]:
+    text = toml_file.read_text(path)
+    titles = list(HINT_TITLE.finditer(text))
+    if [title[1] for title in titles] != ["1", "2", "3"]:
+        line = text[: titles[-1].start()].count("\n") + 1 if titles else 1
+        raise CatalogueFault(Problem(path, line, "il faut trois parties : « ## Indice 1 », « 2 » puis « 3 »"))
+    ends = [*(title.start() for title in titles[1:]), len(text)]
+    one, two, three = (_part(path, text, title.end(), end) for title, end in zip(titles, ends, strict=True))
+    return one, two, three
+
+
+def _part(path: Path, text: str, start: int, end: int) -> markdown.Source:
+    line = text[:start].count("\n") + 1
+    if not text[start:end].strip():
+        raise CatalogueFault(Problem(path, line, "indice vide"))
+    return markdown.Source(text[start:end], path, line)
+
+
+def _version(sources: Sources, module: Path, path: Path) -> str:
+    graders = sources.code / "graders"
+    shared = sorted((graders / module.name).glob("*.py"))
+    return digest(
+        [
+            ("exercise", path),
+            ("kit", module / "kit"),
+            ("grader", graders / module.name / path.name),
+            ("core", graders / "core"),
+            ("reference", sources.code / "reference"),
+            *((f"module/{one.name}", one) for one in shared),
+        ]
+    )
+
+
+def _render(exercise: Exercise) -> None:
+    try:
+        _ = exercise.statement_html, exercise.hints
+    except markdown.MarkupError as error:
+        raise CatalogueFault(Problem(error.path, error.line, error.message)) from error
+
+
+def _orphans(sources: Sources) -> Iterator[Problem]:
+    """Graders without an exercise: a renamed folder must not silently vanish from the course."""
+    for name in sorted(sources.discovery.graders):
+        if not (sources.curriculum / Path(name).parent / "exercices" / Path(name).name).is_dir():
+            yield Problem(sources.code / "graders" / name, None, f"ce correcteur n’a pas d’exercice « {name} »")

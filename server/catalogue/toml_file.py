@@ -1,0 +1,92 @@
+"""Reading a TOML file into a strict model, with the line of each fault."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from server.catalogue.models import CatalogueFault, Problem
+
+M = TypeVar("M", bound=BaseModel)
+Location = tuple[int | str, ...]
+
+MESSAGES = {
+    "missing": "champ manquant : « {field} »",
+    "extra_forbidden": "champ inconnu : « {field} »",
+    "string_type": "« {field} » doit être un texte entre guillemets",
+    "string_too_short": "« {field} » est vide",
+    "int_type": "« {field} » doit être un nombre entier",
+    "list_type": "« {field} » doit être une liste",
+    "too_short": "« {field} » est vide",
+}
+
+
+def read_text(path: Path) -> str:
+    """The file's text. Raises CatalogueFault when it is missing or not UTF-8."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        raise CatalogueFault(Problem(path, None, "fichier manquant")) from None
+    except UnicodeDecodeError as error:
+        line = path.read_bytes()[: error.start].count(b"\n") + 1
+        raise CatalogueFault(Problem(path, line, "ce fichier n’est pas en UTF-8")) from error
+
+
+def read(path: Path, model: type[M]) -> M:
+    """Read and validate. Raises CatalogueFault with the place of the first fault."""
+    text = read_text(path)
+    try:
+        return model.model_validate(tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise CatalogueFault(Problem(path, syntax_line(text, error), f"TOML mal formé ({error})")) from error
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise CatalogueFault(Problem(path, line_of(text, first["loc"]), describe(first["type"], first))) from error
+
+
+def describe(kind: str, fault: object) -> str:
+    """A French sentence for one of pydantic's faults."""
+    assert isinstance(fault, dict)
+    field = ".".join(str(part + 1) if isinstance(part, int) else part for part in fault["loc"])
+    return MESSAGES.get(kind, "« {field} » : valeur refusée ({detail})").format(field=field, detail=fault["msg"])
+
+
+def syntax_line(text: str, error: tomllib.TOMLDecodeError) -> int:
+    """tomllib states the line in its message only ("at line 3, column 5" or "at end of document")."""
+    found = re.search(r"at line (\d+)", str(error))
+    return int(found[1]) if found else max(1, len(text.splitlines()))
+
+
+def line_of(text: str, location: Location) -> int:
+    """The line (from 1) where the field at `location` stands, or the table that should hold it."""
+    lines = text.splitlines()
+    start, end = 0, _next_header(lines, 0)
+    for depth, part in enumerate(location):
+        if isinstance(part, int):
+            continue
+        index = location[depth + 1] if depth + 1 < len(location) else None
+        header = _header(lines, part, index if isinstance(index, int) else 0)
+        if header is not None:
+            start, end = header, _next_header(lines, header + 1)
+        elif (key := _key(lines, part, start, end)) is not None:
+            return key + 1
+    return start + 1
+
+
+def _header(lines: list[str], name: str, occurrence: int) -> int | None:
+    pattern = re.compile(rf"\s*\[\[?\s*{re.escape(name)}\s*\]\]?")
+    found = [number for number, line in enumerate(lines) if pattern.match(line)]
+    return found[occurrence] if occurrence < len(found) else None
+
+
+def _next_header(lines: list[str], start: int) -> int:
+    return next((number for number in range(start, len(lines)) if re.match(r"\s*\[", lines[number])), len(lines))
+
+
+def _key(lines: list[str], name: str, start: int, end: int) -> int | None:
+    pattern = re.compile(rf"\s*[\"']?{re.escape(name)}[\"']?\s*=")
+    return next((number for number in range(start, end) if pattern.match(lines[number])), None)
