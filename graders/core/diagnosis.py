@@ -1,0 +1,89 @@
+"""Diagnosis: which known mistake gives the very outputs of this submission?
+
+Every misconception of the exercise is run through the same checks with the same inputs. The one whose outputs coincide
+with the submission's wherever either is wrong, and which explains more failures than any other, names the mistake.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from graders.core.bench import Observation
+from graders.core.exercise import Misconception
+from graders.core.slips import SLIPS
+from graders.core.values import same_value
+from graders.core.verdict import Diagnosis
+
+MIN_AGREEMENT = 0.9
+
+Replay = Callable[[Misconception], Sequence[Observation]]
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """How well a misconception explains a submission."""
+
+    misconception: Misconception
+    explained: int
+    agreement: float
+
+    @property
+    def rank(self) -> tuple[int, float]:
+        return (self.explained, self.agreement)
+
+
+def diagnose(
+    observations: Sequence[Observation], misconceptions: Sequence[Misconception], replay: Replay
+) -> Diagnosis | None:
+    """Name the misconception that explains the failures better than any other, or None.
+
+    Two mistakes that cannot be told apart on the graded inputs are not named: a wrong name is worse than none.
+    """
+    failing = {o.function for o in observations if not o.ok}
+    candidates = [m for m in misconceptions if failing & set(m.functions)]
+    found = [e for e in (_explain(observations, m, replay(m)) for m in candidates) if e is not None]
+    if not found:
+        return None
+    found.sort(key=lambda e: e.rank, reverse=True)
+    best = found[0]
+    rivals = [e for e in found[1:] if e.rank == best.rank and _compete(e.misconception, best.misconception)]
+    return None if rivals else _diagnosis(best.misconception)
+
+
+def _compete(one: Misconception, other: Misconception) -> bool:
+    return bool(set(one.functions) & set(other.functions))
+
+
+def _explain(
+    observations: Sequence[Observation], misconception: Misconception, replayed: Sequence[Observation]
+) -> Explanation | None:
+    theirs = {(o.check, o.index): o for o in replayed}
+    pairs = [(o, theirs[o.check, o.index]) for o in observations if (o.check, o.index) in theirs]
+    pairs = [(mine, other) for mine, other in pairs if mine.function == other.function]
+    relevant = [p for p in pairs if p[0].function in misconception.functions and not (p[0].ok and p[1].ok)]
+    explained = sum(not mine.ok and agree(mine, other) for mine, other in pairs)
+    agreement = sum(agree(*p) for p in relevant) / len(relevant) if relevant else 0.0
+    if agreement < MIN_AGREEMENT or not any(not mine.ok and agree(mine, other) for mine, other in relevant):
+        return None
+    return Explanation(misconception, explained, agreement)
+
+
+def agree(one: Observation, other: Observation) -> bool:
+    """The same value, or the same way of failing."""
+    if one.fault or other.fault:
+        return one.fault == other.fault
+    return one.ok == other.ok and same_value(one.value, other.value)
+
+
+def _diagnosis(misconception: Misconception) -> Diagnosis:
+    explanation = f"{misconception.explanation.strip()}\n\n{misconception.question.strip()}"
+    return Diagnosis(misconception.id, misconception.title, explanation)
+
+
+def slip_diagnosis(slips: Sequence[str]) -> Diagnosis | None:
+    """When no misconception of the exercise fits, the usual slip common to the failures, if there is just one."""
+    if len(set(slips)) != 1:
+        return None
+    slip = SLIPS[slips[0]]
+    return Diagnosis(slip.id, slip.title, f"{slip.explanation}\n\n{slip.question}")

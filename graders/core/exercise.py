@@ -1,0 +1,129 @@
+"""An exercise as its grader's folder describes it: checks, misconceptions, solution, specimens, figures."""
+
+from __future__ import annotations
+
+import importlib
+import tomllib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from graders.core.checks import Check
+from graders.core.program import KitSettings
+from graders.core.verdict import MAX_POINTS, Outcome
+
+KitMaker = Callable[[np.random.Generator], KitSettings]
+
+
+class MalformedExerciseError(Exception):
+    """A grader's folder that does not hold together: where (path, line) and why."""
+
+    def __init__(self, path: Path, message: str, line: int = 1) -> None:
+        super().__init__(f"{path}:{line}: {message}")
+        self.path, self.message, self.line = path, message, line
+
+
+@dataclass(frozen=True)
+class Misconception:
+    """A named wrong implementation of `functions`; `source` is a whole submission that makes this mistake."""
+
+    id: str
+    functions: tuple[str, ...]
+    title: str
+    explanation: str
+    question: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """A submission kept with the outcome that it must get."""
+
+    outcome: Outcome
+    path: Path
+
+
+@dataclass(frozen=True)
+class ExerciseGrader:
+    """Everything that grades one exercise. `package` is its Python package, `folder` its place."""
+
+    exercise: str
+    package: str
+    folder: Path
+    functions: tuple[str, ...]
+    checks: tuple[Check, ...]
+    kit: KitMaker
+    misconceptions: tuple[Misconception, ...]
+    solution: str
+
+    def specimens(self) -> Iterator[Specimen]:
+        """The submissions under `specimens/<outcome>/`."""
+        for path in sorted((self.folder / "specimens").glob("*/*.py")):
+            yield Specimen(Outcome(path.parent.name), path)
+
+    def draw(self, data: dict[str, Any], *, theme: str = "light", extension: str = "svg") -> bytes:
+        """Draw the figure whose data a verdict left, as a "svg" or "png" file. Slow: it loads matplotlib."""
+        from graders.core.plotting import drawing, to_bytes
+
+        module = importlib.import_module(f"{self.package}.figures")
+        with drawing(theme) as figure:
+            module.FIGURES[data["kind"]](figure, data)
+            return to_bytes(figure, extension)
+
+
+def exercise(
+    package: str, file: str, slug: str, *, functions: Sequence[str], checks: Sequence[Check], kit: KitMaker
+) -> ExerciseGrader:
+    """Describe an exercise from its grader's module: `exercise(__package__, __file__, "l20/poses", ...)`.
+
+    Raises MalformedExerciseError when the folder does not hold together.
+    """
+    folder = Path(file).parent
+    total = sum(check.points for check in checks)
+    if abs(total - MAX_POINTS) > 1e-9:
+        raise MalformedExerciseError(Path(file), f"the checks sum to {total} points, not {MAX_POINTS}")
+    if len({check.id for check in checks}) != len(checks):
+        raise MalformedExerciseError(Path(file), "two checks have the same id")
+    solution = _read(folder / "solution.py")
+    misconceptions = tuple(_misconceptions(folder, solution, set(functions)))
+    return ExerciseGrader(slug, package, folder, tuple(functions), tuple(checks), kit, misconceptions, solution)
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise MalformedExerciseError(path, f"cannot be read: {error.strerror}") from error
+
+
+def _misconceptions(folder: Path, solution: str, functions: set[str]) -> Iterator[Misconception]:
+    path = folder / "misconceptions.toml"
+    try:
+        entries = tomllib.loads(_read(path))["misconception"]
+    except (tomllib.TOMLDecodeError, KeyError) as error:
+        raise MalformedExerciseError(path, f"not a list of misconceptions: {error}") from error
+    for entry in entries:
+        yield _misconception(folder, path, entry, solution, functions)
+
+
+def _misconception(
+    folder: Path, path: Path, entry: dict[str, Any], solution: str, functions: set[str]
+) -> Misconception:
+    missing = {"id", "functions", "title", "explanation", "question"} - entry.keys()
+    if missing:
+        raise MalformedExerciseError(path, f"misconception {entry.get('id', '?')} lacks {', '.join(sorted(missing))}")
+    unknown = set(entry["functions"]) - functions
+    if unknown:
+        raise MalformedExerciseError(path, f"{entry['id']} speaks of unknown functions: {sorted(unknown)}")
+    code = _read(folder / "misconceptions" / f"{entry['id']}.py")
+    return Misconception(
+        id=entry["id"],
+        functions=tuple(entry["functions"]),
+        title=entry["title"],
+        explanation=entry["explanation"],
+        question=entry["question"],
+        source=f"{solution}\n\n{code}",
+    )

@@ -1,0 +1,113 @@
+"""Numbers and values as a French reader writes them, and as strict JSON holds them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from graders.core.values import Value
+
+MAX_ITEMS = 400
+MAX_TEXT = 400
+MINUS = "\N{MINUS SIGN}"
+NEGLIGIBLE = 1e-13
+
+
+def to_jsonable(value: Value, *, limit: int = MAX_ITEMS) -> Any:
+    """Turn a plain value into strict JSON: NaN and infinities become text, large arrays a summary.
+
+    A number keeps all its digits, so that a counterexample can be typed in again.
+    """
+    if isinstance(value, np.ndarray):
+        if value.size > limit:
+            return {"forme": list(value.shape), "premiers": to_jsonable(value.ravel()[:12])}
+        return to_jsonable(value.tolist(), limit=limit)
+    if isinstance(value, np.generic):
+        return to_jsonable(value.item(), limit=limit)
+    if isinstance(value, dict):
+        return {str(key): to_jsonable(item, limit=limit) for key, item in list(value.items())[:limit]}
+    if isinstance(value, list | tuple):
+        return [to_jsonable(item, limit=limit) for item in value[:limit]]
+    return _scalar_to_jsonable(value)
+
+
+def _scalar_to_jsonable(value: Value) -> Any:
+    if value is None or isinstance(value, bool):
+        return value
+    if isinstance(value, int):
+        return value if abs(value) < 2**53 else _cut(str(value) if value.bit_length() < 4000 else "entier immense")
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    return _cut(str(value))
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= MAX_TEXT else text[: MAX_TEXT - 1] + "…"
+
+
+def number(value: complex, digits: int = 6) -> str:
+    """A number in French: decimal comma, true minus sign, at most `digits` significant digits, π/2 by its name.
+
+    What is below 1e-13 is the dust of rounding and reads 0.
+    """
+    if isinstance(value, complex):
+        return f"{number(value.real, digits)} + {number(value.imag, digits)} i"
+    if math.isnan(value):
+        return "nan"
+    if math.isinf(value):
+        return "∞" if value > 0 else f"{MINUS}∞"
+    turn = _fraction_of_pi(value)
+    if turn is not None:
+        return turn
+    if abs(value) < NEGLIGIBLE:
+        return "0"
+    text = f"{value:.{digits}g}" if not isinstance(value, int) or abs(value) >= 10**15 else str(value)
+    if "e" in text:
+        mantissa, exponent = text.split("e")
+        text = f"{mantissa} × 10^{int(exponent)}"
+    return text.replace(".", ",").replace("-", MINUS)
+
+
+def _fraction_of_pi(value: float) -> str | None:
+    """« π/2 » rather than 1,5708: only for simple fractions, exact to rounding."""
+    for denominator in (1, 2, 3, 4, 6):
+        multiple = value * denominator / math.pi
+        times = round(multiple)
+        if times and abs(times) < 12 and abs(multiple - times) < 1e-12:
+            sign = MINUS if times < 0 else ""
+            top = "π" if abs(times) == 1 else f"{abs(times)}π"
+            return sign + top + (f"/{denominator}" if denominator > 1 else "")
+    return None
+
+
+def text(value: Value, *, digits: int = 6) -> str:
+    """A plain value in one readable French line; long arrays are cut."""
+    if isinstance(value, np.ndarray):
+        if value.size > 40:
+            return f"un tableau de forme {shape_text(value.shape)}"
+        return text(value.tolist(), digits=digits)
+    if isinstance(value, bool | np.bool_):
+        return "vrai" if value else "faux"
+    if isinstance(value, int | float | complex | np.number):
+        return number(value.item() if isinstance(value, np.generic) else value, digits)
+    if isinstance(value, list | tuple):
+        left, right = ("[", "]") if isinstance(value, list) else ("(", ")")
+        items = [text(item, digits=digits) for item in value[:40]]
+        return left + " ; ".join([*items, "…"] if len(value) > 40 else items) + right
+    return _cut(str(value))
+
+
+def shape_text(shape: tuple[int, ...]) -> str:
+    """A shape in French: `(3,)` is « 3 nombres », `(2, 2)` is « 2 × 2 »."""
+    if shape == ():
+        return "un seul nombre"
+    if len(shape) == 1:
+        return f"({shape[0]},)"
+    return "(" + ", ".join(str(n) for n in shape) + ")"
+
+
+def angle(value: float) -> str:
+        """An angle in radians, with its degrees: « π/2 rad (90°) »."""
+    return f"{number(value)} rad ({number(math.degrees(value), 4)}°)"

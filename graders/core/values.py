@@ -1,0 +1,99 @@
+"""Plain values as they come back from a student's program, and how they are read as numbers.
+
+A program returns exact base types only: null, bool, int, float, complex, str, ndarray, and tuples, lists and
+dictionaries of these. Reading is generous about the container (list, tuple, array) and strict about the content.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Value: TypeAlias = Any
+Floats: TypeAlias = NDArray[np.float64]
+
+NUMERIC_KINDS = "biuf"
+
+
+class UnreadableError(Exception):
+    """A value that cannot be read as what a function must return; `args[0]` says why, in French."""
+
+
+def read_array(value: Value) -> Floats:
+    """Read nested lists, tuples or an array of real numbers as a float64 array of the same shape.
+
+    Raises UnreadableError for anything else (None, text, ragged lists, complex numbers with an imaginary part).
+    """
+    if value is None:
+        raise UnreadableError("la fonction n'a rien renvoyé (None) : il manque sans doute un « return »")
+    if isinstance(value, str | dict):
+        raise UnreadableError(f"la fonction renvoie {_kind(value)} au lieu de nombres")
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise UnreadableError("la fonction renvoie des lignes qui n'ont pas toutes la même longueur") from None
+    if array.dtype.kind == "c" and not np.any(array.imag):
+        array = array.real
+    if array.size == 0:
+        return np.zeros(array.shape)
+    if array.dtype.kind not in NUMERIC_KINDS:
+        return _read_objects(array)
+    return array.astype(np.float64)
+
+
+def _read_objects(array: NDArray[Any]) -> Floats:
+    """Integers too large for int64 arrive as an object array; everything else of that kind is unreadable."""
+    if array.dtype.kind == "O" and all(isinstance(x, int | float) for x in array.flat):
+        return np.array([_as_float(x) for x in array.flat]).reshape(array.shape)
+    raise UnreadableError("la fonction renvoie autre chose que des nombres réels")
+
+
+def _as_float(number: float) -> float:
+    try:
+        return float(number)
+    except OverflowError:
+        return np.inf if number > 0 else -np.inf
+
+
+def read_scalar(value: Value) -> float:
+    """Read a number or a 0-d array as a float. Raises UnreadableError."""
+    array = read_array(value)
+    if array.shape != ():
+        raise UnreadableError(f"la fonction renvoie un tableau de forme {array.shape} au lieu d'un seul nombre")
+    return float(array)
+
+
+def read_indices(value: Value) -> list[int]:
+    """Read a list, tuple or 1-D array of whole numbers. Raises UnreadableError."""
+    array = read_array(value)
+    if array.ndim != 1:
+        raise UnreadableError(f"la fonction renvoie un tableau de forme {array.shape} au lieu d'une liste d'indices")
+    if np.any(array != np.round(array)):
+        raise UnreadableError("la fonction renvoie des nombres qui ne sont pas des indices entiers")
+    return [int(x) for x in array]
+
+
+def _kind(value: Value) -> str:
+    return "un texte" if isinstance(value, str) else "un dictionnaire"
+
+
+def same_value(left: Value, right: Value, *, tolerance: float = 1e-7) -> bool:
+    """True when two plain values hold the same numbers in the same shape (NaN equals NaN)."""
+    if isinstance(left, dict) and isinstance(right, dict):
+        return left.keys() == right.keys() and all(same_value(left[k], right[k]) for k in left)
+    if isinstance(left, str) or isinstance(right, str) or left is None or right is None:
+        return left is right or (isinstance(left, str) and left == right)
+    try:
+        a, b = read_array(left), read_array(right)
+    except UnreadableError:
+        return _same_items(left, right)
+    return a.shape == b.shape and bool(np.allclose(a, b, rtol=tolerance, atol=tolerance, equal_nan=True))
+
+
+def _same_items(left: Value, right: Value) -> bool:
+    """Tuples of differently shaped arrays, such as (R, t), are the same when their items are."""
+    if not isinstance(left, tuple | list) or not isinstance(right, tuple | list):
+        return False
+    return len(left) == len(right) and all(same_value(a, b) for a, b in zip(left, right, strict=True))

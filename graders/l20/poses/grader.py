@@ -1,0 +1,248 @@
+"""l20/poses: composing, inverting and comparing poses of the plane (course exercise 3)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+
+from graders.core import render
+from graders.core.bench import Bench
+from graders.core.checks import Cases, FigureData, Rejection, Trial, Untouched
+from graders.core.compare import SamePose
+from graders.core.exercise import exercise
+from graders.core.shrink import Arguments, shrink_pose
+from graders.core.values import Floats, Value
+from graders.l20 import world
+from reference.se2 import compose, inverse, relative, wrap_angle
+
+QUARTER = math.pi / 2
+
+
+def pose(x: float, y: float, theta: float) -> Floats:
+    return np.array([x, y, theta], dtype=np.float64)
+
+
+def random_pose(rng: np.random.Generator, reach: float = 10.0) -> Floats:
+    """A pose (3,) with x, y in [-reach, reach] and theta in [-pi, pi]."""
+    return pose(*rng.uniform(-reach, reach, 2), rng.uniform(-math.pi, math.pi))
+
+
+def simple_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
+    """Whole numbers and quarter turns whose sum stays within half a turn."""
+    yield pose(0, 0, 0), pose(1, 2, QUARTER)
+    yield pose(1, 2, 0), pose(3, 0, 0)
+    yield pose(1, 2, QUARTER), pose(1, 0, 0)
+    yield pose(1, 2, QUARTER), pose(3, 1, -QUARTER)
+    for _ in range(4):
+        x1, y1, x2, y2 = rng.integers(-4, 5, 4)
+        yield pose(x1, y1, -QUARTER), pose(x2 or 1, y2 or 2, float(rng.choice([0.0, QUARTER])))
+
+
+def random_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
+    """Any two poses whose angles add up, and subtract, to less than half a turn."""
+    for _ in range(12):
+        a, b = random_pose(rng), random_pose(rng)
+        a[2], b[2] = a[2] / 2.1, b[2] / 2.1
+        yield a, b
+
+
+def wrapping_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
+    """Poses whose angles add up to more than half a turn, in both senses."""
+    yield pose(0, 0, QUARTER), pose(0, 0, 3 * math.pi / 4)
+    yield pose(1, 0, -QUARTER), pose(0, 1, -3 * math.pi / 4)
+    yield pose(0, 0, math.pi), pose(1, 0, math.pi)
+    for sign in (1, -1, 1, -1):
+        a, b = random_pose(rng), random_pose(rng)
+        a[2], b[2] = sign * rng.uniform(1.7, 3.1), sign * rng.uniform(1.7, 3.1)
+        yield a, b
+
+
+def single_poses(rng: np.random.Generator) -> Iterator[Arguments]:
+    yield (pose(0, 0, 0),)
+    yield (pose(1, 2, 0),)
+    yield (pose(0, 0, QUARTER),)
+    yield (pose(1, 0, QUARTER),)
+    yield (pose(2, 1, -QUARTER),)
+    yield (pose(1, 2, math.pi),)
+    for _ in range(10):
+        yield (random_pose(rng),)
+
+
+def relative_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
+    yield pose(1, 2, 0), pose(1, 2, 0)
+    yield pose(1, 2, 0), pose(3, 5, QUARTER)
+    yield pose(1, 2, QUARTER), pose(1, 3, QUARTER)
+    yield pose(2, 1, -QUARTER), pose(0, 1, 0)
+    for _ in range(10):
+        yield random_pose(rng), random_pose(rng)
+    for sign in (1, -1):
+        yield pose(1, 1, 3.0 * sign), pose(-2, 4, -3.0 * sign)
+
+
+def wraps(args: Arguments) -> bool:
+    """Does the sum of the angles leave ]-pi, pi]?"""
+    return abs(args[0][2] + args[1][2]) > math.pi + 1e-6
+
+
+def stays(args: Arguments) -> bool:
+    return not wraps(args)
+
+
+def frames_figure(args: Arguments, expected: Value, got: Floats | None) -> FigureData:
+    given = {name: arg for name, arg in zip("ab", args, strict=False)}
+    return {"kind": "frames", "given": given, "expected": expected, "got": got}
+
+
+def angle_distance(left: Floats, right: Floats) -> float:
+    return float(abs(wrap_angle(float(left[2] - right[2]))))
+
+
+def identities(bench: Bench) -> None:
+    """The three identities of the statement, on the student's own functions."""
+    same = SamePose(tolerance=1e-8)
+    for k in range(8):
+        a, b, c = (np.round(random_pose(bench.rng, 5.0), 0 if k < 3 else 6) for _ in range(3))
+        call = partial(_pose_or_reject, bench)
+        for law, left, right in (
+            ("composer(a, inverse(a)) = (0, 0, 0)", lambda a=a: call("composer", a, call("inverse", a)), pose(0, 0, 0)),
+            ("composer(a, relatif(a, b)) = b", lambda a=a, b=b: call("composer", a, call("relatif", a, b)), b),
+        ):
+            _hold(bench, law, {"a": a, "b": b}, left(), right, same)
+        left = call("composer", call("composer", a, b), c)
+        right = call("composer", a, call("composer", b, c))
+        law = "composer(composer(a, b), c) = composer(a, composer(b, c))"
+        _hold(bench, law, {"a": a, "b": b, "c": c}, left, right, same)
+
+
+def _pose_or_reject(bench: Bench, function: str, *args: Value) -> Value:
+    value = bench.call(function, *args)
+    mismatch = SamePose(tolerance=math.inf)(pose(0, 0, 0), value)
+    if mismatch is not None:
+        inputs = {f"argument {i + 1}": arg for i, arg in enumerate(args)}
+        bench.observe(function, value, ok=False)
+        raise Rejection(
+            f"{function} ne renvoie pas une pose. {mismatch.message}",
+            inputs=inputs, expected="une pose (x, y, θ)", got=value, slip=mismatch.slip, cause=mismatch.cause,
+        )  # fmt: skip
+    return np.asarray(value, dtype=np.float64)
+
+
+def _hold(bench: Bench, law: str, inputs: dict[str, Value], left: Value, right: Value, same: SamePose) -> None:
+    mismatch = same(right, left)
+    bench.observe("composer", left, ok=mismatch is None)
+    if mismatch is not None:
+        raise Rejection(
+            f"L'identité {law} n'est pas vérifiée : à gauche {render.text(left)}, à droite {render.text(right)}.",
+            inputs=inputs,
+            expected=right,
+            got=left,
+        )
+
+
+def arguments_to_keep(rng: np.random.Generator) -> dict[str, Arguments]:
+    a, b = random_pose(rng), random_pose(rng)
+    return {"composer": (a, b), "inverse": (a,), "relatif": (a, b)}
+
+
+PAIR = ("a", "b")
+ON_POSES = (shrink_pose, shrink_pose)
+
+CHECKS = (
+    Cases(
+        id="composer_exemples",
+        title="Composer : des nombres entiers et des quarts de tour",
+        points=3,
+        functions=("composer",),
+        names=PAIR,
+        cases=simple_pairs,
+        expected=compose,
+        compare=SamePose(),
+        shrinkers=ON_POSES,
+        valid=stays,
+        figure=frames_figure,
+        hint="Le robot regarde vers le haut (θ = π/2) et avance d'un mètre : laquelle de ses coordonnées change ?",
+    ),
+    Cases(
+        id="composer_hasard",
+        title="Composer : des poses au hasard",
+        points=3,
+        functions=("composer",),
+        names=PAIR,
+        cases=random_pairs,
+        expected=compose,
+        compare=SamePose(),
+        shrinkers=ON_POSES,
+        valid=stays,
+        figure=frames_figure,
+        hint="Votre formule emploie-t-elle cos θ₁ et sin θ₁ aux quatre bons endroits, avec les bons signes ?",
+    ),
+    Cases(
+        id="composer_tours",
+        title="Composer : l'angle revient dans ]−π, π]",
+        points=2,
+        functions=("composer",),
+        names=PAIR,
+        cases=wrapping_pairs,
+        expected=compose,
+        compare=SamePose(),
+        shrinkers=ON_POSES,
+        valid=wraps,
+        figure=frames_figure,
+        hint="Que vaut θ₁ + θ₂ quand le robot tourne deux fois de 135° ? Comment le ramener dans ]−π, π] ?",
+    ),
+    Cases(
+        id="inverse",
+        title="Inverser une pose",
+        points=4,
+        functions=("inverse",),
+        names=("a",),
+        cases=single_poses,
+        expected=inverse,
+        compare=SamePose(),
+        shrinkers=(shrink_pose,),
+        figure=frames_figure,
+        hint="Vu du robot, où se trouve l'origine du monde ? Suffit-il de changer les signes de x et de y ?",
+    ),
+    Cases(
+        id="relatif",
+        title="La pose de b vue depuis a",
+        points=4,
+        functions=("relatif",),
+        names=PAIR,
+        cases=relative_pairs,
+        expected=relative,
+        compare=SamePose(),
+        shrinkers=ON_POSES,
+        figure=frames_figure,
+        hint="Si a et b sont confondues, que doit valoir relatif(a, b) ? Et si b est un mètre devant a ?",
+    ),
+    Trial(
+        id="identites",
+        title="Les trois identités de l'énoncé",
+        points=3,
+        functions=("composer", "inverse", "relatif"),
+        protocol=identities,
+        hint="Calculez composer(a, inverse(a)) à la main pour a = (1, 0, π/2) : que trouvez-vous ?",
+    ),
+    Untouched(
+        id="arguments",
+        title="Les poses données restent intactes",
+        points=1,
+        functions=("composer", "inverse", "relatif"),
+        names={"composer": PAIR, "inverse": ("a",), "relatif": PAIR},
+        inputs=arguments_to_keep,
+        hint="Faut-il écrire dans le tableau reçu, ou en créer un nouveau ?",
+    ),
+)
+
+GRADER = exercise(
+    __package__ or "graders.l20.poses",
+    __file__,
+    "l20/poses",
+    functions=("composer", "inverse", "relatif"),
+    checks=CHECKS,
+    kit=world.kit,
+)

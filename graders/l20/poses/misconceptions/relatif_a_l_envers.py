@@ -1,0 +1,2 @@
+def relatif(a, b):
+    return composer(inverse(b), a)

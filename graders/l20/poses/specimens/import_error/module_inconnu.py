@@ -1,0 +1,5 @@
+import module_inconnu
+
+
+def composer(a, b):
+    return a

@@ -1,0 +1,10 @@
+def composer(a, b):
+    print(a, b)
+
+
+def inverse(a):
+    print(a)
+
+
+def relatif(a, b):
+    return "x"

@@ -1,0 +1,10 @@
+def composer(a, b):
+    return a
+
+
+def inverser(a):
+    return a
+
+
+def relatif(a, b):
+    return b
