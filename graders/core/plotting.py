@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import matplotlib as mpl
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 EXPECTED = "#2a78c8"
@@ -60,6 +61,11 @@ def drawing(theme: str = "light") -> Iterator[Figure]:
     """A new figure in the given theme ("light" or "dark"); expected values are blue, obtained ones orange."""
     with _LOCK, mpl.rc_context(_style(theme)):
         yield Figure(figsize=(6.4, 4.0), layout="constrained")
+
+
+def ink_of(axes: Axes) -> str:
+    """The colour of text in the current theme, for what stands for itself rather than for a value."""
+    return str(axes.xaxis.label.get_color())
 
 
 def to_bytes(figure: Figure, extension: str) -> bytes:

@@ -109,5 +109,5 @@ def shape_text(shape: tuple[int, ...]) -> str:
 
 
 def angle(value: float) -> str:
-        """An angle in radians, with its degrees: « π/2 rad (90°) »."""
+    """An angle in radians, with its degrees: « π/2 rad (90°) »."""
     return f"{number(value)} rad ({number(math.degrees(value), 4)}°)"

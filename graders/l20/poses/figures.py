@@ -8,13 +8,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from graders.core.plotting import EXPECTED, OBTAINED
+from graders.core.plotting import EXPECTED, OBTAINED, ink_of
 
 
 def draw_frames(figure: Figure, data: dict[str, Any]) -> None:
     """The world, the given poses, the expected pose and, when it can be drawn, the one obtained."""
     axes = figure.add_subplot()
-    ink = axes.xaxis.label.get_color()
+    ink = ink_of(axes)
     poses = [*data["given"].values(), data["expected"], *([data["got"]] if data["got"] else []), [0.0, 0.0, 0.0]]
     size = 0.16 * max(2.0, float(np.ptp(np.array(poses)[:, :2], axis=0).max()))
     _frame(axes, [0.0, 0.0, 0.0], size, ink, "monde", 0.45)
