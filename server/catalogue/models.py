@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from server.catalogue import markdown
 
 if TYPE_CHECKING:
-    from graders import ExerciseGrader
+    from graders.core.exercise import ExerciseGrader
 
 
 @dataclass(frozen=True)

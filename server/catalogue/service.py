@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 ROOT = Path(__file__).parents[2]
+MODULE_SLUG = re.compile(r"[a-z]+[0-9]+")  # addresses start with it, beside /connexion and its like
+EXERCISE_SLUG = re.compile(r"[a-z0-9]+(_[a-z0-9]+)*")
 HINT_TITLE = re.compile(r"^##[ \t]+Indice[ \t]+(\d+)[ \t]*$", re.MULTILINE)
 
 
@@ -68,7 +70,7 @@ def _each(problems: list[Problem], build: Callable[[Path], T], paths: list[Path]
 
 
 def _modules(curriculum: Path) -> list[Path]:
-    return sorted(path for path in curriculum.iterdir() if path.is_dir() and path.name.isidentifier())
+    return sorted(path for path in curriculum.iterdir() if path.is_dir() and not path.name.startswith((".", "__")))
 
 
 def _exercises(module: Path) -> list[Path]:
@@ -77,6 +79,8 @@ def _exercises(module: Path) -> list[Path]:
 
 
 def _module(sources: Sources, path: Path, problems: list[Problem], render: bool) -> Module:
+    if not MODULE_SLUG.fullmatch(path.name):
+        raise CatalogueFault(Problem(path, None, "nom de module : des minuscules puis un nombre, comme « l20 »"))
     card = toml_file.read(path / "module.toml", ModuleFile)
     kit = _python(path / "kit" / f"{path.name}.py")
     exercises = _each(problems, lambda folder: _exercise(sources, path, folder, render), _exercises(path))
@@ -99,10 +103,13 @@ def _module(sources: Sources, path: Path, problems: list[Problem], render: bool)
 
 
 def _exercise(sources: Sources, module: Path, path: Path, render: bool) -> Exercise:
+    if not EXERCISE_SLUG.fullmatch(path.name):
+        raise CatalogueFault(Problem(path, None, "nom d’exercice : minuscules, chiffres et « _ »"))
     card = toml_file.read(path / "exercise.toml", ExerciseFile)
     grader = sources.discovery.graders.get(f"{module.name}/{path.name}")
     if grader is None:
         raise CatalogueFault(Problem(path / "exercise.toml", None, "aucun correcteur utilisable pour cet exercice"))
+    _same_functions(path / "exercise.toml", card, grader.functions)
     solution_path = sources.code / "graders" / module.name / path.name / "solution.py"
     exercise = Exercise(
         module=module.name,
@@ -124,6 +131,13 @@ def _exercise(sources: Sources, module: Path, path: Path, render: bool) -> Exerc
     if render:
         _render(exercise)
     return exercise
+
+
+def _same_functions(path: Path, card: ExerciseFile, graded: Sequence[str]) -> None:
+    announced = [one.name for one in card.functions]
+    for name in set(announced) ^ set(graded):
+        where = "annoncée mais non corrigée" if name in announced else "corrigée mais non annoncée"
+        raise CatalogueFault(Problem(path, None, f"fonction {where} : « {name} »"))
 
 
 def _python(path: Path) -> str:

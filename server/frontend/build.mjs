@@ -1,0 +1,31 @@
+// Bundle src/ and KaTeX into the folder given as argument. Run by build_hook.py, or by hand: npm run build -- DIR
+import { cp, mkdir, readFile, readdir, writeFile } from "node:fs/promises";
+import { join } from "node:path";
+import { build } from "esbuild";
+
+const out = process.argv[2] ?? "../static";
+const katex = "node_modules/katex/dist";
+
+await build({
+  entryPoints: ["src/js/theme.js", "src/js/app.js", "src/js/exercise.js", "src/css/app.css"],
+  chunkNames: "js/[name]-[hash]",
+  outdir: out,
+  outbase: "src",
+  bundle: true,
+  splitting: true,
+  format: "esm",
+  minify: true,
+  legalComments: "eof",
+  target: ["es2022", "safari16"],
+  logLevel: "warning",
+});
+
+await mkdir(join(out, "katex/fonts"), { recursive: true });
+await cp(join(katex, "katex.min.js"), join(out, "katex/katex.min.js"));
+const css = await readFile(join(katex, "katex.min.css"), "utf8");
+const oldFonts = /,url\(fonts\/[^)]+\.(?:woff|ttf)\) format\("(?:woff|truetype)"\)/g;
+await writeFile(join(out, "katex/katex.min.css"), css.replace(oldFonts, ""));
+for (const font of await readdir(join(katex, "fonts"))) {
+  if (font.endsWith(".woff2")) await cp(join(katex, "fonts", font), join(out, "katex/fonts", font));
+}
+await cp("src/img", join(out, "img"), { recursive: true });

@@ -1,0 +1,43 @@
+// On every page: the theme switch, confirmations, submissions that are still waiting.
+
+import { followToVerdict } from "./follow.js";
+import { keep } from "./storage.js";
+
+const root = document.documentElement;
+const prefersDark = window.matchMedia("(prefers-color-scheme: dark)");
+
+function currentTheme() {
+  return root.dataset.theme ?? (prefersDark.matches ? "dark" : "light");
+}
+
+function showTheme() {
+  const dark = currentTheme() === "dark";
+  const button = document.getElementById("theme");
+  if (button) {
+    button.setAttribute("aria-label", dark ? "Passer au thème clair" : "Passer au thème sombre");
+    button.title = button.getAttribute("aria-label");
+  }
+  // Figures come in two themes: a <picture> follows the system, and the switch when it was used.
+  for (const source of document.querySelectorAll("picture source[data-theme=dark]")) {
+    source.media = root.dataset.theme ? (dark ? "all" : "not all") : "(prefers-color-scheme: dark)";
+  }
+}
+
+document.getElementById("theme")?.addEventListener("click", () => {
+  root.dataset.theme = currentTheme() === "dark" ? "light" : "dark";
+  keep("balise-theme", root.dataset.theme);
+  showTheme();
+});
+prefersDark.addEventListener("change", showTheme);
+document.addEventListener("balise:refreshed", showTheme);
+showTheme();
+
+document.addEventListener("submit", (event) => {
+  const question = event.target.dataset?.confirm;
+  if (question && !window.confirm(question)) event.preventDefault();
+});
+
+const waiting = document.querySelector("[data-part=verdict][data-events]");
+if (waiting && waiting.dataset.status !== "done") {
+  followToVerdict({ events: waiting.dataset.events, verdict: waiting.dataset.verdict });
+}

@@ -1,0 +1,117 @@
+// CodeMirror over the text area, in a shadow tree: its styles are then adopted sheets, which a strict
+// content security policy lets through without any exception.
+
+import { closeBrackets, closeBracketsKeymap } from "@codemirror/autocomplete";
+import { defaultKeymap, history, historyKeymap, indentWithTab } from "@codemirror/commands";
+import { python } from "@codemirror/lang-python";
+import {
+  HighlightStyle,
+  bracketMatching,
+  foldKeymap,
+  indentOnInput,
+  indentUnit,
+  syntaxHighlighting,
+} from "@codemirror/language";
+import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
+import { EditorState, Prec } from "@codemirror/state";
+import {
+  EditorView,
+  drawSelection,
+  highlightActiveLine,
+  highlightActiveLineGutter,
+  keymap,
+  lineNumbers,
+} from "@codemirror/view";
+import { tags } from "@lezer/highlight";
+
+// Colours are the page's own variables: they cross into the shadow tree and follow the theme by themselves.
+const colours = HighlightStyle.define([
+  { tag: [tags.keyword, tags.operatorKeyword, tags.modifier], color: "var(--code-keyword)" },
+  { tag: [tags.string, tags.special(tags.string)], color: "var(--code-string)" },
+  { tag: [tags.number, tags.bool, tags.null], color: "var(--code-number)" },
+  { tag: [tags.comment], color: "var(--code-comment)", fontStyle: "italic" },
+  { tag: [tags.function(tags.definition(tags.variableName)), tags.definition(tags.className)], color: "var(--code-name)" },
+  { tag: [tags.meta], color: "var(--code-name)" },
+]);
+
+const look = EditorView.theme({
+  "&": { height: "100%", color: "var(--ink)", backgroundColor: "var(--code-back)", fontSize: "0.9375rem" },
+  "&.cm-focused": { outline: "none" },
+  ".cm-scroller": { fontFamily: "var(--mono)", lineHeight: "1.55" },
+  ".cm-content": { caretColor: "var(--ink)", padding: "0.75rem 0" },
+  ".cm-cursor": { borderLeftColor: "var(--ink)", borderLeftWidth: "2px" },
+  ".cm-gutters": { backgroundColor: "transparent", color: "var(--ink-soft)", border: "none" },
+  ".cm-lineNumbers .cm-gutterElement": { padding: "0 0.6rem 0 0.9rem" },
+  ".cm-activeLine": { backgroundColor: "var(--code-line)" },
+  ".cm-activeLineGutter": { backgroundColor: "var(--code-line)", color: "var(--ink)" },
+  "&.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground, .cm-selectionBackground": {
+    backgroundColor: "var(--code-selection)",
+  },
+  ".cm-selectionMatch": { backgroundColor: "var(--code-match)" },
+  "&.cm-focused .cm-matchingBracket": { backgroundColor: "var(--code-match)", outline: "1px solid var(--accent)" },
+  ".cm-panels": { backgroundColor: "var(--surface)", color: "var(--ink)", borderTop: "1px solid var(--line)" },
+  ".cm-textfield, .cm-button": { font: "inherit", color: "inherit", background: "var(--back)", borderColor: "var(--line)" },
+});
+
+const phrases = EditorState.phrases.of({
+  Find: "Chercher",
+  Replace: "Remplacer",
+  next: "suivant",
+  previous: "précédent",
+  all: "tout",
+  "match case": "casse",
+  "by word": "mot entier",
+  regexp: "expression régulière",
+  replace: "remplacer",
+  "replace all": "tout remplacer",
+  close: "fermer",
+});
+
+function submitKey(onSubmit) {
+  const run = () => {
+    onSubmit();
+    return true;
+  };
+  return Prec.highest(keymap.of([{ key: "Mod-Enter", run }]));
+}
+
+export function createEditor({ area, text, onChange, onSubmit }) {
+  const host = document.createElement("div");
+  host.className = "editor-host";
+  const shadow = host.attachShadow({ mode: "open" });
+  area.after(host);
+
+  const description = "Votre code Python. Tab indente ; Échap puis Tab pour sortir de l’éditeur.";
+  const state = EditorState.create({
+    doc: text,
+    extensions: [
+      submitKey(onSubmit),
+      lineNumbers(),
+      highlightActiveLineGutter(),
+      highlightActiveLine(),
+      drawSelection(),
+      history(),
+      indentUnit.of("    "),
+      EditorState.tabSize.of(4),
+      indentOnInput(),
+      bracketMatching(),
+      closeBrackets(),
+      highlightSelectionMatches(),
+      keymap.of([...closeBracketsKeymap, ...defaultKeymap, ...searchKeymap, ...historyKeymap, ...foldKeymap, indentWithTab]),
+      python(),
+      syntaxHighlighting(colours),
+      look,
+      phrases,
+      EditorView.contentAttributes.of({ "aria-label": description, spellcheck: "false", autocapitalize: "off" }),
+      EditorView.updateListener.of((update) => update.docChanged && onChange()),
+    ],
+  });
+  const view = new EditorView({ state, root: shadow, parent: shadow });
+  area.hidden = true;
+
+  return {
+    get: () => view.state.doc.toString(),
+    set: (fresh) => view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: fresh } }),
+    focus: () => view.focus(),
+  };
+}

@@ -1,0 +1,55 @@
+"""Style sheets, scripts and fonts: the built ones, or the sources as they are where nothing was built."""
+
+from __future__ import annotations
+
+import logging
+from functools import lru_cache
+from pathlib import Path
+
+from starlette.responses import Response
+from starlette.staticfiles import StaticFiles
+from starlette.types import Scope
+
+log = logging.getLogger(__name__)
+
+SERVER = Path(__file__).parents[1]
+BUILT = SERVER / "static"
+SOURCES = SERVER / "frontend" / "src"
+STAMP = "stamp.txt"
+PREFIX = "/static"
+FOREVER = "public, max-age=31536000, immutable"
+
+
+@lru_cache(maxsize=1)
+def is_built() -> bool:
+    """False where npm was out of reach at install time: a plain text area, and formulas as TeX."""
+    built = (BUILT / STAMP).is_file()
+    if not built:
+        log.warning("The front end is not built: plain text area and formulas as TeX (install again with npm in reach)")
+    return built
+
+
+@lru_cache(maxsize=1)
+def _stamp() -> str:
+    return (BUILT / STAMP).read_text(encoding="utf-8")[:12] if is_built() else "source"
+
+
+def address(name: str) -> str:
+    """The address of a static file, which changes with its content: it may be cached for ever."""
+    return f"{PREFIX}/{_stamp()}/{name}"
+
+
+@lru_cache(maxsize=1)
+def _files() -> StaticFiles:
+    return StaticFiles(directory=BUILT if is_built() else SOURCES)
+
+
+async def serve(scope: Scope, version: str, name: str) -> Response:
+    """The answer to a request for a static file. Raises 404 (HTTPException) where there is none.
+
+    A page that was opened before an update asks for the old version: it gets the new file, and does not keep it.
+    """
+    answer = await _files().get_response(name, scope)
+    current = is_built() and version == _stamp()
+    answer.headers["Cache-Control"] = FOREVER if current else "no-cache"
+    return answer

@@ -1,0 +1,79 @@
+"""Templates to answers. Other rooms that have pages (accounts, errors) render theirs here too."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import Any
+
+from fastapi import Request
+from fastapi.responses import HTMLResponse
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+from server.accounts.models import Account
+from server.catalogue.highlight import highlight
+from server.catalogue.typography import french
+from server.pages import assets, text
+from server.pages.schemas import AccountView
+from server.paths import TEMPLATES
+
+
+@lru_cache(maxsize=1)
+def environment() -> Environment:
+    """The one environment: everything is escaped, a name that is not in the context is an error."""
+    jinja = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    jinja.filters.update(french=french, visible=text.visible, ticks=ticks, python=python)
+    jinja.globals.update(static=assets.address, has_katex=assets.is_built, plural=text.plural)
+    return jinja
+
+
+def ticks(message: str) -> Markup:
+    """Plain text in which `…` marks code: everything else is escaped, and its invisible characters shown."""
+    parts = str(escape(text.visible(message))).split("`")
+    if len(parts) % 2 == 0:
+        return Markup("`".join(parts))
+    return Markup("".join(f"<code>{part}</code>" if odd % 2 else part for odd, part in enumerate(parts)))
+
+
+def python(code: str) -> Markup:
+    """Highlighted Python (a student's too: Pygments escapes it)."""
+    return Markup(highlight(text.visible(code)))
+
+
+def account_view(account: Account | None) -> AccountView:
+    if account is None:
+        return AccountView("visitor", "", "visiteur")
+    return AccountView(account.role, account.name, str(account.id))  # type: ignore[arg-type]
+
+
+def page(
+    request: Request,
+    template: str,
+    account: Account | None,
+    *,
+    http_status: int = 200,
+    headers: Mapping[str, str] | None = None,
+    **context: Any,
+) -> HTMLResponse:
+    """A whole page: `template` extends `base.html`, which shows `account` and the modules of the catalogue."""
+    modules = [(one.slug, one.title) for one in request.app.state.catalogue.modules.values()]
+    body = (
+        environment()
+        .get_template(template)
+        .render(account=account_view(account), modules=modules, path=request.url.path, **context)
+    )
+    # A page shows one person's own work: nobody else's cache may keep it.
+    return HTMLResponse(body, http_status, headers={"Cache-Control": "private, no-cache", **(headers or {})})
+
+
+def fragment(template: str, account: Account | None, **context: Any) -> HTMLResponse:
+    """A part of a page, for a script that puts it in place."""
+    body = environment().get_template(template).render(account=account_view(account), **context)
+    return HTMLResponse(body, headers={"Cache-Control": "private, no-store"})

@@ -1,0 +1,178 @@
+"""The pages' addresses. Each function opens nothing and decides nothing: services do."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import AsyncIterator
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Depends, Form, Query, Request, Response
+from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, StreamingResponse
+from starlette.convertors import Convertor, register_url_convertor
+
+from server.accounts.dependencies import BrowserAccount, OptionalAccount, TeacherAccount
+from server.database import Database
+from server.database.dependencies import Db
+from server.pages import assets, service
+from server.pages.rendering import fragment, page
+from server.pages.service import Reader
+from server.queue import service as queue
+from server.submissions import service as submissions
+from server.submissions.events import as_sse
+from server.submissions.figures import MEDIA_TYPES
+from server.submissions.models import State
+
+FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
+MOVES_ON = 303
+
+
+class ModuleConvertor(Convertor[str]):
+    """A module's slug, so that `/l20` never stands in the way of `/connexion`."""
+
+    regex = "[a-z]+[0-9]+"
+
+    def convert(self, value: str) -> str:
+        return value
+
+    def to_string(self, value: str) -> str:
+        return value
+
+
+register_url_convertor("module", ModuleConvertor())
+router = APIRouter(include_in_schema=False)
+
+
+def _reader(request: Request, db: Db, account: OptionalAccount) -> Reader:
+    return Reader(db, request.app.state.catalogue, account)
+
+
+Reading = Annotated[Reader, Depends(_reader)]
+
+
+@router.get("/static/{version}/{name:path}")
+async def static(request: Request, version: str, name: str) -> Response:
+    return await assets.serve(request.scope, version, name)
+
+
+@router.get("/")
+def home(request: Request, reader: Reading) -> HTMLResponse:
+    return page(request, "home.html", reader.account, page=service.home_page(reader))
+
+
+@router.get("/{module:module}")
+def module_home(request: Request, module: str, reader: Reading) -> HTMLResponse:
+    found = service.find_module(reader.catalogue, module)
+    return page(request, "module.html", reader.account, page=service.module_page(reader, found))
+
+
+@router.get("/{module:module}/kit/{name}.py")
+def kit(module: str, name: str, reader: Reading) -> Response:
+    found = service.find_module(reader.catalogue, module)
+    if name != found.slug:
+        raise service.NotFound("Ce fichier n’existe pas.")
+    headers = {"Content-Disposition": f'attachment; filename="{found.slug}.py"'}
+    return Response(found.kit, media_type="text/x-python; charset=utf-8", headers=headers)
+
+
+@router.get("/{module:module}/exercices/{slug}")
+def exercise(
+    request: Request, module: str, slug: str, reader: Reading, reprendre: Annotated[str | None, Query()] = None
+) -> HTMLResponse:
+    found = service.find_exercise(reader.catalogue, module, slug)
+    taken = submissions.get_for(reader.db, reader.account, reprendre).code if reprendre else None
+    return page(request, "exercise.html", reader.account, page=service.exercise_page(reader, found, taken))
+
+
+@router.get("/{module:module}/exercices/{slug}/essais")
+def attempts(request: Request, module: str, slug: str, reader: Reading) -> HTMLResponse:
+    found = service.find_exercise(reader.catalogue, module, slug)
+    return page(request, "attempts.html", reader.account, page=service.attempts_page(reader, found))
+
+
+@router.post("/{module:module}/exercices/{slug}/soumissions")
+def submit(
+    request: Request,
+    module: str,
+    slug: str,
+    account: BrowserAccount,
+    db: Db,
+    code: Annotated[str, Form()] = "",
+) -> Response:
+    """A browser without script goes on to the attempt's page; a script gets the addresses to follow."""
+    found = service.find_exercise(request.app.state.catalogue, module, slug)
+    sent = submissions.submit(db, account, found.id, code.replace("\r\n", "\n"))
+    href = f"/soumissions/{sent.id}"
+    if "application/json" not in request.headers.get("accept", ""):
+        return RedirectResponse(href, MOVES_ON)
+    answer = {
+        "id": str(sent.id),
+        "account": str(account.id),
+        "text": service.waiting_text(sent.state, queue.position(db, sent)),
+        "page": href,
+        "events": f"{href}/evenements",
+        "verdict": f"{href}/verdict",
+    }
+    return JSONResponse(answer, 202)
+
+
+@router.post("/{module:module}/exercices/{slug}/corrige")
+def open_or_close_solution(
+    request: Request, module: str, slug: str, teacher: TeacherAccount, db: Db, ouvrir: Annotated[bool, Form()]
+) -> RedirectResponse:
+    found = service.find_exercise(request.app.state.catalogue, module, slug)
+    if ouvrir:
+        submissions.open_solution(db, found.id, teacher)
+    else:
+        submissions.close_solution(db, found.id)
+    return RedirectResponse(f"{service.exercise_href(found)}#corrige", MOVES_ON)
+
+
+@router.get("/soumissions/{submission_id}")
+def attempt(request: Request, submission_id: str, reader: Reading) -> HTMLResponse:
+    sent = submissions.get_for(reader.db, reader.account, submission_id)
+    found = service.find_exercise(reader.catalogue, *sent.exercise.split("/"))
+    return page(request, "attempt.html", reader.account, page=service.attempt_page(reader, found, sent))
+
+
+@router.get("/soumissions/{submission_id}/verdict")
+def verdict(submission_id: str, reader: Reading) -> HTMLResponse:
+    sent = submissions.get_for(reader.db, reader.account, submission_id)
+    found = service.find_exercise(reader.catalogue, *sent.exercise.split("/"))
+    return fragment("results.html", reader.account, results=service.attempt_page(reader, found, sent).results)
+
+
+@dataclass(frozen=True)
+class Waiting:
+    """What the page of a waiting submission is told."""
+
+    status: str
+    text: str
+
+    @property
+    def done(self) -> bool:
+        return self.status == State.done
+
+
+@router.get("/soumissions/{submission_id}/evenements")
+async def events(request: Request, submission_id: str, account: OptionalAccount) -> StreamingResponse:
+    database: Database = request.app.state.database
+
+    def read() -> Waiting:
+        with database.read() as db:
+            sent = submissions.get_for(db, account, submission_id)
+            return Waiting(sent.state, service.waiting_text(sent.state, queue.position(db, sent)))
+
+    snapshots = request.app.state.events.follow(submissions.parse_id(submission_id), read)
+    lines: AsyncIterator[str] = as_sse(snapshots, lambda one: json.dumps({"status": one.status, "text": one.text}))
+    return StreamingResponse(lines, media_type="text/event-stream", headers={"Cache-Control": "no-store"})
+
+
+@router.get("/soumissions/{submission_id}/figures/{name}.svg")
+def figure(
+    request: Request, submission_id: str, name: str, reader: Reading, theme: Literal["light", "dark"] = "light"
+) -> Response:
+    sent = submissions.get_for(reader.db, reader.account, submission_id)
+    picture = request.app.state.figures.draw(reader.db, sent, name, "svg", theme)
+    headers = {"Cache-Control": "private, max-age=31536000, immutable", "Content-Security-Policy": FIGURE_POLICY}
+    return Response(picture, media_type=MEDIA_TYPES["svg"], headers=headers)

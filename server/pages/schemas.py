@@ -1,0 +1,256 @@
+"""What the templates receive: every page's context is one of these types, and nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from server.pages.values import ValueView
+
+Tone = Literal["good", "partial", "bad", "ours"]
+
+
+@dataclass(frozen=True)
+class AccountView:
+    """Who is looking. `key` is stable for one account and safe to show; "visiteur" for nobody yet."""
+
+    role: Literal["visitor", "guest", "student", "teacher"]
+    name: str
+    key: str
+
+    @property
+    def is_teacher(self) -> bool:
+        return self.role == "teacher"
+
+
+@dataclass(frozen=True)
+class ModuleLink:
+    slug: str
+    title: str
+    summary: str
+    exercises: int
+    done: int
+
+
+@dataclass(frozen=True)
+class HomePage:
+    modules: tuple[ModuleLink, ...]
+
+
+@dataclass(frozen=True)
+class OwnState:
+    """Where one stands in an exercise: `done` with full marks, `label` in words, `best` out of 20 or empty."""
+
+    attempts: int
+    best: str
+    done: bool
+
+    @property
+    def kind(self) -> str:
+        return "done" if self.done else "begun" if self.attempts else "new"
+
+
+@dataclass(frozen=True)
+class ExerciseRow:
+    href: str
+    title: str
+    summary: str
+    stars: int
+    course: str
+    own: OwnState
+
+
+@dataclass(frozen=True)
+class ModulePage:
+    slug: str
+    title: str
+    subtitle: str
+    summary: str
+    facts: tuple[tuple[str, str], ...]
+    objectives: tuple[str, ...]
+    references: tuple[str, ...]
+    exercises: tuple[ExerciseRow, ...]
+    challenges: tuple[ExerciseRow, ...]
+    kit_href: str
+    done: int
+    total: int
+
+
+@dataclass(frozen=True)
+class CounterexampleView:
+    """`expected` and `got` are None together: the call failed before it gave anything."""
+
+    inputs: tuple[tuple[str, ValueView], ...]
+    expected: ValueView | None
+    got: ValueView | None
+    replay: str
+
+
+@dataclass(frozen=True)
+class FigureView:
+    """Addresses of the same drawing in both themes, and what it shows in words."""
+
+    light: str
+    dark: str
+    alt: str
+
+
+@dataclass(frozen=True)
+class CheckView:
+    id: str
+    title: str
+    passed: bool
+    points: str
+    max_points: str
+    message: str
+    hint: str
+    counterexample: CounterexampleView | None
+    figure: FigureView | None
+
+
+@dataclass(frozen=True)
+class DiagnosisView:
+    id: str
+    title: str
+    paragraphs: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class VerdictView:
+    """A verdict in words. `points` is the mark out of 20 in French; empty when the fault is ours.
+
+    `common` is what all the checks say when they all say the same.
+    """
+
+    outcome: str
+    title: str
+    sentence: str
+    tone: Tone
+    points: str
+    common: str
+    checks: tuple[CheckView, ...]
+    diagnosis: DiagnosisView | None
+    stdout: str
+    timings: tuple[tuple[str, str], ...]
+    seed: str
+    version: str
+
+    @property
+    def passed(self) -> int:
+        return sum(check.passed for check in self.checks)
+
+    @property
+    def announcement(self) -> str:
+        """One sentence for screen readers when the verdict arrives."""
+        mark = f"{self.points} sur 20. " if self.points else ""
+        return f"Verdict : {mark}{self.title}."
+
+
+@dataclass(frozen=True)
+class WorkView:
+    """The latest state of one submission: waiting (`waiting` says where) or judged."""
+
+    id: str
+    number: int
+    status: Literal["queued", "running", "done"]
+    waiting: str
+    verdict: VerdictView | None
+    page: str
+    events: str
+    fragment: str
+
+
+@dataclass(frozen=True)
+class HintView:
+    """A hint: its HTML when it is open, else the sentence that says what opens it."""
+
+    number: int
+    html: str
+    closed: str
+
+
+@dataclass(frozen=True)
+class SolutionView:
+    """The reference solution: highlighted HTML when one may read it. `for_all`: a teacher has opened it to everyone."""
+
+    html: str
+    for_all: bool
+    action: str
+
+
+@dataclass(frozen=True)
+class AttemptRow:
+    number: int
+    href: str
+    when: str
+    when_text: str
+    points: str
+    outcome: str
+
+
+@dataclass(frozen=True)
+class FunctionView:
+    signature: str
+    returns: str
+    doc: str
+
+
+@dataclass(frozen=True)
+class Results:
+    """What changes when a verdict arrives; `solution` is None where it stays out of sight."""
+
+    work: WorkView | None
+    hints: tuple[HintView, ...]
+    solution: SolutionView | None
+    attempts: tuple[AttemptRow, ...]
+    all_attempts: str
+    own: OwnState
+
+
+@dataclass(frozen=True)
+class ExercisePage:
+    id: str
+    title: str
+    summary: str
+    stars: int
+    course: str
+    module: ModuleLink
+    functions: tuple[FunctionView, ...]
+    statement: str
+    starter: str
+    code: str
+    taken: bool
+    action: str
+    limits: tuple[tuple[str, str], ...]
+    kit_href: str
+    kit_name: str
+    results: Results
+    previous: tuple[str, str] | None
+    following: tuple[str, str] | None
+
+
+@dataclass(frozen=True)
+class AttemptPage:
+    module: ModuleLink
+    exercise_title: str
+    exercise_href: str
+    take_href: str
+    when: str
+    when_text: str
+    code: str
+    results: Results
+
+
+@dataclass(frozen=True)
+class AttemptsPage:
+    module: ModuleLink
+    exercise_title: str
+    exercise_href: str
+    attempts: tuple[AttemptRow, ...]
+
+
+@dataclass(frozen=True)
+class ErrorPage:
+    status: int
+    title: str
+    detail: str

@@ -1,0 +1,254 @@
+"""From the catalogue and the stored submissions to what the templates show."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sqlalchemy.orm import Session
+
+from server.accounts.models import Account
+from server.catalogue import Catalogue, Exercise, Module
+from server.errors import NotFound
+from server.pages import verdicts
+from server.pages.limits import limits_of
+from server.pages.rendering import python
+from server.pages.schemas import (
+    AttemptPage,
+    AttemptRow,
+    AttemptsPage,
+    ExercisePage,
+    ExerciseRow,
+    FunctionView,
+    HintView,
+    HomePage,
+    ModuleLink,
+    ModulePage,
+    OwnState,
+    Results,
+    SolutionView,
+    WorkView,
+)
+from server.pages.text import moment, moment_text, plural, points
+from server.queue import service as queue
+from server.submissions import service as submissions
+from server.submissions.models import State, Submission
+from server.submissions.service import Progress
+
+HINT_OPENS_AFTER = (1, 2, 4)  # changed attempts without success
+RECENT_ATTEMPTS = 8
+NOTHING_YET = Progress(None, 0)
+
+
+@dataclass(frozen=True)
+class Reader:
+    """Who looks, at which course, through which transaction."""
+
+    db: Session
+    catalogue: Catalogue
+    account: Account | None
+
+
+def find_module(catalogue: Catalogue, slug: str) -> Module:
+    """Raises NotFound."""
+    if slug not in catalogue.modules:
+        raise NotFound("Ce module n’existe pas.")
+    return catalogue.modules[slug]
+
+
+def find_exercise(catalogue: Catalogue, module: str, slug: str) -> Exercise:
+    """Raises NotFound."""
+    known = catalogue.exercises.get(f"{module}/{slug}")
+    if known is None:
+        raise NotFound("Cet exercice n’existe pas.")
+    return known
+
+
+def exercise_href(exercise: Exercise) -> str:
+    return f"/{exercise.module}/exercices/{exercise.slug}"
+
+
+def home_page(reader: Reader) -> HomePage:
+    progress = submissions.progress(reader.db, reader.account)
+    return HomePage(tuple(_module_link(module, progress) for module in reader.catalogue.modules.values()))
+
+
+def _module_link(module: Module, progress: dict[str, Progress] | None = None) -> ModuleLink:
+    done = sum((progress or {}).get(one.id, NOTHING_YET).succeeded for one in module.exercises)
+    return ModuleLink(module.slug, module.title, module.summary, len(module.exercises), done)
+
+
+def module_page(reader: Reader, module: Module) -> ModulePage:
+    progress = submissions.progress(reader.db, reader.account)
+    rows = [_exercise_row(one, progress.get(one.id, NOTHING_YET)) for one in module.exercises]
+    facts = (("Durée", module.duration), ("Prérequis", ", ".join(module.prerequisites)))
+    return ModulePage(
+        slug=module.slug,
+        title=module.title,
+        subtitle=" · ".join(part for part in (module.level, module.part, module.subtitle) if part),
+        summary=module.summary,
+        facts=tuple((name, value) for name, value in facts if value),
+        objectives=module.objectives,
+        references=module.references,
+        exercises=tuple(row for row in rows if not row.stars),
+        challenges=tuple(row for row in rows if row.stars),
+        kit_href=f"/{module.slug}/kit/{module.slug}.py",
+        done=sum(row.own.done for row in rows),
+        total=len(rows),
+    )
+
+
+def _exercise_row(exercise: Exercise, progress: Progress) -> ExerciseRow:
+    own = own_state(progress)
+    return ExerciseRow(exercise_href(exercise), exercise.title, exercise.summary, exercise.stars, exercise.course, own)
+
+
+def own_state(progress: Progress) -> OwnState:
+    best = "" if progress.best is None else points(20 * progress.best)
+    return OwnState(progress.attempts, best, progress.succeeded)
+
+
+def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> ExercisePage:
+    """The exercise as this account sees it; `taken` is an attempt's code to start again from."""
+    attempts = submissions.attempts(reader.db, reader.account, exercise.id)
+    module = reader.catalogue.modules[exercise.module]
+    previous, following = _neighbours(module, exercise)
+    return ExercisePage(
+        id=exercise.id,
+        title=exercise.title,
+        summary=exercise.summary,
+        stars=exercise.stars,
+        course=exercise.course,
+        module=_module_link(module),
+        functions=tuple(FunctionView(one.signature, one.returns, one.doc) for one in exercise.functions),
+        statement=exercise.statement_html,
+        starter=exercise.starter,
+        code=taken if taken is not None else attempts[0].code if attempts else exercise.starter,
+        taken=taken is not None,
+        action=f"{exercise_href(exercise)}/soumissions",
+        limits=limits_of(exercise),
+        kit_href=f"/{module.slug}/kit/{module.slug}.py",
+        kit_name=f"{module.slug}.py",
+        results=results(reader, exercise, attempts, attempts[0] if attempts else None),
+        previous=previous,
+        following=following,
+    )
+
+
+def _neighbours(module: Module, exercise: Exercise) -> tuple[tuple[str, str] | None, tuple[str, str] | None]:
+    place = module.exercises.index(exercise)
+    around = (module.exercises[place - 1] if place else None, *module.exercises[place + 1 : place + 2], None)
+    before, after = ((exercise_href(one), one.title) if one else None for one in around[:2])
+    return before, after
+
+
+def attempt_page(reader: Reader, exercise: Exercise, submission: Submission) -> AttemptPage:
+    owner = reader.account is not None and submission.account_id == reader.account.id
+    attempts = submissions.attempts(reader.db, reader.account, exercise.id) if owner else [submission]
+    href = exercise_href(exercise)
+    return AttemptPage(
+        module=_module_link(reader.catalogue.modules[exercise.module]),
+        exercise_title=exercise.title,
+        exercise_href=href,
+        take_href=f"{href}?reprendre={submission.id}",
+        when=moment(submission.created_at),
+        when_text=moment_text(submission.created_at),
+        code=submission.code,
+        results=results(reader, exercise, attempts, submission),
+    )
+
+
+def attempts_page(reader: Reader, exercise: Exercise) -> AttemptsPage:
+    attempts = submissions.attempts(reader.db, reader.account, exercise.id)
+    return AttemptsPage(
+        module=_module_link(reader.catalogue.modules[exercise.module]),
+        exercise_title=exercise.title,
+        exercise_href=exercise_href(exercise),
+        attempts=_rows(attempts, len(attempts)),
+    )
+
+
+def results(reader: Reader, exercise: Exercise, attempts: Sequence[Submission], shown: Submission | None) -> Results:
+    """What a verdict changes on a page: the verdict, the hints, the solution, the list of attempts (newest first)."""
+    progress = submissions.progress(reader.db, reader.account).get(exercise.id, NOTHING_YET)
+    return Results(
+        work=_work(reader.db, shown, _number(attempts, shown)) if shown else None,
+        hints=_hints(reader, exercise, progress),
+        solution=_solution(reader, exercise),
+        attempts=_rows(attempts, RECENT_ATTEMPTS),
+        all_attempts=f"{exercise_href(exercise)}/essais" if len(attempts) > RECENT_ATTEMPTS else "",
+        own=own_state(progress),
+    )
+
+
+def _number(attempts: Sequence[Submission], shown: Submission) -> int:
+    return len(attempts) - [one.id for one in attempts].index(shown.id)
+
+
+def _work(db: Session, submission: Submission, number: int) -> WorkView:
+    href = f"/soumissions/{submission.id}"
+    judged = submission.verdict if submission.state == State.done else None
+    return WorkView(
+        id=str(submission.id),
+        number=number,
+        status=State(submission.state).value,
+        waiting=waiting_text(submission.state, queue.position(db, submission)),
+        verdict=verdicts.view(judged, f"{href}/figures") if judged is not None else None,
+        page=href,
+        events=f"{href}/evenements",
+        fragment=f"{href}/verdict",
+    )
+
+
+def waiting_text(state: str, position: int | None) -> str:
+    """What to say while there is no verdict; `position` is 1 for the next one to be graded."""
+    if state == State.running:
+        return "Correction en cours…"
+    if position is None:
+        return ""
+    before = position - 1
+    return (
+        f"En attente : {plural(before, 'envoi passe', 'envois passent')} avant le vôtre."
+        if before
+        else ("En attente : votre envoi est le prochain.")
+    )
+
+
+def _hints(reader: Reader, exercise: Exercise, progress: Progress) -> tuple[HintView, ...]:
+    everything = progress.succeeded or (reader.account is not None and reader.account.is_teacher)
+    failed = submissions.distinct_failed_attempts(reader.db, reader.account, exercise.id, besides=[exercise.starter])
+    views = []
+    for number, (html, needed) in enumerate(zip(exercise.hints, HINT_OPENS_AFTER, strict=True), 1):
+        closed = "" if everything or failed >= needed else _opens(needed, needed - failed)
+        views.append(HintView(number, "" if closed else html, closed))
+    return tuple(views)
+
+
+def _opens(needed: int, left: int) -> str:
+    if needed == left:
+        return f"s’ouvre après {plural(needed, 'essai non réussi', 'essais différents non réussis')}."
+    return f"s’ouvre après {needed} essais différents non réussis (encore {left})."
+
+
+def _solution(reader: Reader, exercise: Exercise) -> SolutionView | None:
+    """Raises nothing: a solution that one may not read yet is simply absent."""
+    if not submissions.solution_open(reader.db, reader.account, exercise.id):
+        return None
+    for_all = submissions.solution_open(reader.db, None, exercise.id)
+    return SolutionView(python(exercise.solution), for_all, f"{exercise_href(exercise)}/corrige")
+
+
+def _rows(attempts: Sequence[Submission], most: int) -> tuple[AttemptRow, ...]:
+    return tuple(_row(one, len(attempts) - place) for place, one in enumerate(attempts[:most]))
+
+
+def _row(one: Submission, number: int) -> AttemptRow:
+    mark = "" if one.score is None or one.outcome == "internal_error" else points(20 * one.score)
+    return AttemptRow(
+        number=number,
+        href=f"/soumissions/{one.id}",
+        when=moment(one.created_at),
+        when_text=moment_text(one.created_at),
+        points=mark,
+        outcome=verdicts.title_of(one.outcome),
+    )
