@@ -70,7 +70,7 @@ def read_indices(value: Value) -> list[int]:
     array = read_array(value)
     if array.ndim != 1:
         raise UnreadableError(f"la fonction renvoie un tableau de forme {array.shape} au lieu d'une liste d'indices")
-    if np.any(array != np.round(array)):
+    if not np.all(np.isfinite(array)) or np.any(array != np.round(array)):
         raise UnreadableError("la fonction renvoie des nombres qui ne sont pas des indices entiers")
     return [int(x) for x in array]
 

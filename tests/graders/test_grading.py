@@ -1,0 +1,213 @@
+"""Grading and diagnosis as a whole, on a toy exercise whose every failure is known."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from graders.core.checks import Cases, Trial, Untouched
+from graders.core.compare import CloseTo
+from graders.core.exercise import ExerciseGrader, MalformedExerciseError, Misconception, exercise
+from graders.core.grading import grade
+from graders.core.program import KitSettings, LocalProgram, Reply, StudentFault, local_launcher
+from graders.core.shrink import shrink_array
+from graders.core.verdict import Outcome, internal_error_verdict
+from graders.l20 import world
+
+SOLUTION = "def double(x):\n    return 2 * x\n\ndef carre(x):\n    return x * x\n"
+
+
+def vectors(rng: np.random.Generator) -> Any:
+    yield (np.array([1.0, 2.0]),)
+    for _ in range(5):
+        yield (rng.normal(size=2),)
+
+
+def case(name: str, expected: Callable[..., Any], points: float) -> Cases:
+    return Cases(
+        id=name, title=name, points=points, functions=(name,), hint="?", names=("x",), cases=vectors,
+        expected=expected, compare=CloseTo(), shrinkers=(shrink_array,),
+    )  # fmt: skip
+
+
+def misconception(name: str, function: str, body: str) -> Misconception:
+    source = f"{SOLUTION}\ndef {function}(x):\n    return {body}\n"
+    return Misconception(name, (function,), name, "explication", "question ?", source)
+
+
+MISCONCEPTIONS = (
+    misconception("ajoute_deux", "double", "x + 2"),
+    misconception("triple", "double", "3 * x"),
+    misconception("carre_au_lieu_de_double", "double", "x ** 2"),
+    misconception("cube", "carre", "x ** 3"),
+)
+
+GRADER = ExerciseGrader(
+    exercise="l20/jouet",
+    package="tests",
+    folder=Path(),
+    functions=("double", "carre"),
+    checks=(
+        case("double", lambda x: 2 * x, 8),
+        case("carre", lambda x: x * x, 8),
+        Untouched(
+            id="intacts", title="intacts", points=4, functions=("double", "carre"), hint="?",
+            names={"double": ("x",)}, inputs=lambda rng: {"double": (rng.normal(size=2),)},
+        ),
+    ),
+    kit=world.kit,
+    misconceptions=MISCONCEPTIONS,
+    solution=SOLUTION,
+)  # fmt: skip
+
+
+def verdict(source: str, seed: int = 7) -> Any:
+    result = grade(GRADER, local_launcher(source), seed=seed, version="v").verdict.to_json()
+    json.dumps(result, allow_nan=False)
+    return result
+
+
+def test_the_solution_gets_full_marks() -> None:
+    result = verdict(SOLUTION)
+    assert (result["outcome"], result["score"], result["points"]) == ("ok", 1.0, 20.0)
+    assert result["diagnosis"] is None
+    assert set(result) == {
+        "exercise", "exercise_version", "outcome", "score", "points", "max_points", "checks", "diagnosis", "stdout",
+        "seed", "timings",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("mistake", MISCONCEPTIONS, ids=lambda m: m.id)
+def test_each_mistake_is_named_by_its_outputs(mistake: Misconception) -> None:
+    result = verdict(mistake.source)
+    assert result["outcome"] == "wrong_answer"
+    assert result["diagnosis"]["id"] == mistake.id
+
+
+def test_another_style_of_the_same_mistake_is_recognised() -> None:
+    result = verdict("def double(v):\n    return [a + a + a for a in v]\n\ndef carre(v):\n    return v ** 2\n")
+    assert result["diagnosis"]["id"] == "triple"
+    assert result["points"] == 12.0
+
+
+def test_an_unknown_mistake_is_not_named() -> None:
+    assert verdict(SOLUTION.replace("2 * x", "5 * x + 1"))["diagnosis"] is None
+
+
+def test_indistinguishable_mistakes_are_not_named() -> None:
+    twin = misconception("triple_bis", "double", "x + 2 * x")
+    twins = ExerciseGrader(**{**vars(GRADER), "misconceptions": (*MISCONCEPTIONS, twin)})
+    found = grade(twins, local_launcher(twin.source), seed=1, version="v").verdict
+    assert found.diagnosis is None
+
+
+def test_the_same_seed_gives_the_same_verdict_and_another_does_not() -> None:
+    wrong = SOLUTION.replace("2 * x", "2 * x + (np.abs(x).max() > 1.9)")
+    first, again, other = (verdict(wrong, seed) for seed in (3, 3, 4))
+    for result in (first, again, other):
+        del result["timings"]
+    assert first == again
+    assert first != other
+
+
+def test_the_counterexample_is_shrunk() -> None:
+    result = verdict(SOLUTION.replace("2 * x", "2 * x + (np.abs(x).max() > 0.5)"))
+    counterexample = result["checks"][0]["counterexample"]
+    assert sorted(counterexample["inputs"]["x"]) == [0.0, 1.0]
+    assert counterexample["expected"] != counterexample["got"]
+
+
+def test_a_do_nothing_submission_earns_nothing() -> None:
+    assert verdict("def double(x):\n    return 0\n\ndef carre(x):\n    return 0\n")["score"] == 0.0
+
+
+def test_a_modified_argument_is_seen() -> None:
+    result = verdict("def double(x):\n    x *= 2\n    return x\n\ndef carre(x):\n    return x * x\n")
+    last = result["checks"][2]
+    assert not last["passed"]
+    assert result["diagnosis"]["id"] == "argument_modifie"
+    assert last["counterexample"]["expected"] != last["counterexample"]["got"]
+
+
+@pytest.mark.parametrize(
+    ("source", "outcome"),
+    [
+        ("def double(x):\n    return 2 * x\n", "missing_function"),
+        (SOLUTION.replace("2 * x", "x / [].pop()"), "runtime_error"),
+        (SOLUTION.replace("2 * x", "None"), "invalid_output"),
+        (SOLUTION.replace("2 * x", "2 * x[0]"), "wrong_answer"),
+    ],
+)
+def test_the_outcome_names_the_cause(source: str, outcome: str) -> None:
+    result = verdict(source)
+    assert result["outcome"] == outcome
+    assert 0.0 < result["score"] < 1.0
+
+
+class Dying:
+    """A program that dies at each call of one function."""
+
+    functions = frozenset({"double", "carre"})
+
+    def __init__(self, log: list[str]) -> None:
+        self.log = log
+
+    def call(self, function: str, *args: Any, return_arguments: bool = False) -> Reply:
+        self.log.append(function)
+        if function == "double":
+            raise StudentFault(Outcome.TIMEOUT, "trop long", fatal=True)
+        return Reply(args[0] ** 2, args)
+
+    def stdout(self) -> str:
+        return "imprimé"
+
+    def close(self) -> None:
+        self.log.append("close")
+
+
+def test_a_function_that_killed_its_process_is_called_once() -> None:
+    log: list[str] = []
+    result = grade(GRADER, lambda kit: Dying(log), seed=1, version="v").verdict
+    assert result.outcome is Outcome.TIMEOUT
+    assert log.count("double") == 1
+    assert log.count("close") == 2
+    assert [check.passed for check in result.checks] == [False, True, False]
+    assert result.stdout == "imprimé"
+
+
+def test_a_file_that_does_not_load_fails_every_check() -> None:
+    def launch(kit: KitSettings) -> LocalProgram:
+        raise StudentFault(Outcome.SYNTAX_ERROR, "ligne 1 : il manque « : »", line=1)
+
+    result = grade(GRADER, launch, seed=1, version="v").verdict
+    assert result.outcome is Outcome.SYNTAX_ERROR
+    assert result.score == 0.0
+    assert all("ligne 1" in check.message for check in result.checks)
+
+
+def test_our_own_fault_is_no_verdict() -> None:
+    def broken(bench: Any) -> None:
+        raise ZeroDivisionError("ours")
+
+    check = Trial(id="t", title="t", points=20, functions=("double",), hint="?", protocol=broken)
+    ours = ExerciseGrader(**{**vars(GRADER), "checks": (check,)})
+    with pytest.raises(ZeroDivisionError):
+        grade(ours, local_launcher(SOLUTION), seed=1, version="v")
+    assert internal_error_verdict("l20/jouet", "v", 1).to_json()["outcome"] == "internal_error"
+
+
+def test_a_folder_that_does_not_hold_together_is_reported_with_its_place(tmp_path: Path) -> None:
+    file = tmp_path / "grader.py"
+
+    def describe() -> ExerciseGrader:
+        return exercise("p", str(file), "l20/x", functions=("double",), checks=GRADER.checks, kit=world.kit)
+
+    with pytest.raises(MalformedExerciseError, match=r"solution\.py"):
+        describe()
+    (tmp_path / "solution.py").write_text(SOLUTION)
+    (tmp_path / "misconceptions.toml").write_text("[[misconception]]\nid = 'a'\n")
+    with pytest.raises(MalformedExerciseError, match="lacks explanation, functions"):
+        describe()

@@ -1,0 +1,59 @@
+"""l20/poses: honest styles pass on every seed, every catalogued mistake is named, figures draw."""
+
+import json
+from typing import Any
+
+import pytest
+
+from graders.core.grading import grade
+from graders.core.program import PROJECT, local_launcher
+from graders.l20.poses.grader import GRADER
+
+SEEDS = range(25)
+
+
+def verdict(source: str, seed: int) -> Any:
+    return grade(GRADER, local_launcher(source), seed=seed, version="v").verdict
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_solution_gets_full_marks(seed: int) -> None:
+    assert verdict(GRADER.solution, seed).score == 1.0
+
+
+def test_the_starter_earns_nothing() -> None:
+    starter = (PROJECT / "curriculum/l20/exercices/poses/starter.py").read_text(encoding="utf-8")
+    assert verdict(starter, 1).score == 0.0
+
+
+@pytest.mark.parametrize("mistake", GRADER.misconceptions, ids=lambda m: m.id)
+def test_every_misconception_is_rejected_and_named(mistake: Any) -> None:
+    for seed in range(5):
+        found = verdict(mistake.source, seed)
+        assert found.score < 1.0
+        assert found.diagnosis is not None
+        assert found.diagnosis.id == mistake.id
+
+
+@pytest.mark.parametrize("path", sorted((GRADER.folder / "specimens/ok").glob("*.py")), ids=lambda p: p.stem)
+def test_honest_styles_pass(path: Any) -> None:
+    source = path.read_text(encoding="utf-8").replace("from l20 import np as numpy", "numpy = np")
+    for seed in range(5):
+        assert verdict(source, seed).score == 1.0
+
+
+def test_the_counterexample_of_a_forgotten_rotation_is_a_quarter_turn() -> None:
+    mistake = next(m for m in GRADER.misconceptions if m.id == "rotation_oubliee")
+    counterexample = verdict(mistake.source, 3).checks[0].counterexample
+    assert counterexample.inputs["a"][:2] == [0.0, 0.0]
+    assert counterexample.inputs["a"][2] == pytest.approx(1.5707963267948966)
+    assert sorted(map(abs, counterexample.inputs["b"])) == [0.0, 0.0, 1.0]
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_figures_draw(theme: str) -> None:
+    for mistake in GRADER.misconceptions[:3]:
+        grading = grade(GRADER, local_launcher(mistake.source), seed=1, version="v")
+        assert grading.figures
+        for data in json.loads(json.dumps(grading.figures)).values():
+            assert GRADER.draw(data, theme=theme).startswith(b"<?xml")
