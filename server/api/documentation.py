@@ -1,0 +1,40 @@
+"""How the routes' errors are documented in the OpenAPI document."""
+
+from typing import Any
+
+from server.api.schemas import ProblemOut
+
+PROBLEM_SCHEMA = "#/components/schemas/ProblemOut"
+MEANINGS = {
+    401: "The bearer token is missing, unknown or revoked.",
+    404: "No such thing, or it is someone else's.",
+    413: "The code, or the request, is too large.",
+    422: "The data is refused; `errors` tells where.",
+    429: "Too many submissions; `Retry-After` tells when to come back.",
+}
+Responses = dict[int | str, dict[str, Any]]
+
+
+def problems(*statuses: int) -> Responses:
+    """The `responses` of a route that may answer with these problem documents."""
+    content = {"application/problem+json": {"schema": {"$ref": PROBLEM_SCHEMA}}}
+    return {status: {"description": MEANINGS[status], "content": content} for status in statuses}
+
+
+def content(description: str, media_type: str) -> dict[str, Any]:
+    return {"description": description, "content": {media_type: {"schema": {"type": "string"}}}}
+
+
+def with_problem_schema(document: dict[str, Any]) -> dict[str, Any]:
+    """Adds the problem document's schema, and puts it wherever FastAPI announces its own validation error."""
+    schemas = document.setdefault("components", {}).setdefault("schemas", {})
+    schema = ProblemOut.model_json_schema(ref_template="#/components/schemas/{model}")
+    schemas.update(schema.pop("$defs", {}))
+    schemas["ProblemOut"] = schema
+    for path in document["paths"].values():
+        for operation in path.values():
+            if "422" in operation["responses"]:
+                operation["responses"].update({"422": problems(422)[422]})
+    for unused in ("HTTPValidationError", "ValidationError"):
+        schemas.pop(unused, None)
+    return document

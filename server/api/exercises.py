@@ -1,0 +1,76 @@
+"""What there is to solve."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Request
+
+from server.accounts.dependencies import ApiAccount
+from server.api.documentation import problems
+from server.api.schemas import ExerciseDetail, ExerciseOut, FunctionOut, LimitsOut
+from server.catalogue.models import Catalogue, Exercise
+from server.errors import NotFound
+
+router = APIRouter(tags=["exercises"])
+
+
+def get_catalogue(request: Request) -> Catalogue:
+    catalogue: Catalogue = request.app.state.catalogue
+    return catalogue
+
+
+CatalogueOf = Annotated[Catalogue, Depends(get_catalogue)]
+
+
+def find(catalogue: Catalogue, exercise_id: str) -> Exercise:
+    exercise = catalogue.exercises.get(exercise_id)
+    if exercise is None:
+        raise NotFound(f"L’exercice « {exercise_id} » n’existe pas.")
+    return exercise
+
+
+@router.get("/exercises", responses=problems(401))
+def list_exercises(catalogue: CatalogueOf, _account: ApiAccount) -> list[ExerciseOut]:
+    """Every exercise that is served, in the order of the course."""
+    return [_summary(exercise) for exercise in catalogue.exercises.values()]
+
+
+@router.get("/exercises/{module}/{slug}", responses=problems(401, 404))
+def read_exercise(module: str, slug: str, catalogue: CatalogueOf, _account: ApiAccount) -> ExerciseDetail:
+    """One exercise, with its statement (HTML), the file to start from, and the limits of an execution."""
+    exercise = find(catalogue, f"{module}/{slug}")
+    return ExerciseDetail(
+        **_summary(exercise).model_dump(),
+        statement_html=exercise.statement_html,
+        starter=exercise.starter,
+        limits=_limits(exercise),
+    )
+
+
+def _summary(exercise: Exercise) -> ExerciseOut:
+    return ExerciseOut(
+        id=exercise.id,
+        module=exercise.module,
+        slug=exercise.slug,
+        title=exercise.title,
+        summary=exercise.summary,
+        stars=exercise.stars,
+        course=exercise.course,
+        version=exercise.version,
+        functions=[
+            FunctionOut(name=f.name, signature=f.signature, returns=f.returns, doc=f.doc) for f in exercise.functions
+        ],
+        url=f"/api/v1/exercises/{exercise.id}",
+    )
+
+
+def _limits(exercise: Exercise) -> LimitsOut:
+    from server.worker.grading import policy_of
+
+    policy = policy_of(exercise)
+    return LimitsOut(
+        cpu_seconds=policy.cpu_seconds,
+        wall_seconds=policy.wall_seconds,
+        memory_bytes=policy.memory_bytes,
+        source_bytes=policy.source_bytes,
+        stdout_bytes=policy.stdout_bytes,
+    )

@@ -1,0 +1,10 @@
+"""The HTTP interface, version 1."""
+
+from fastapi import APIRouter
+
+from server.api import classes, exercises, submissions
+
+router = APIRouter(prefix="/api/v1")
+router.include_router(exercises.router)
+router.include_router(submissions.router)
+router.include_router(classes.router)

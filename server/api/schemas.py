@@ -1,0 +1,136 @@
+"""The shapes of the HTTP interface (contract, sections 3 and 5)."""
+
+from datetime import datetime
+from typing import Annotated, Any, Literal
+from uuid import UUID
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Json = Any
+Status = Literal["queued", "running", "done"]
+
+OutcomeName = Literal[
+    "ok", "wrong_answer", "syntax_error", "import_error", "missing_function", "runtime_error", "timeout",
+    "memory_limit", "output_limit", "forbidden_operation", "invalid_output", "internal_error",
+]  # fmt: skip
+
+
+class Strict(BaseModel):
+    model_config = ConfigDict(strict=True, extra="forbid")
+
+
+class NewSubmission(Strict):
+    """A file to grade."""
+
+    model_config = ConfigDict(
+        json_schema_extra={"examples": [{"exercise": "l20/poses", "code": "def composer(a, b):\n    return a + b\n"}]}
+    )
+    exercise: Annotated[str, Field(description="Exercise, as `module/slug`.")]
+    code: Annotated[str, Field(description="The whole file, at most 64 KiB in UTF-8.")]
+
+
+class CounterexampleOut(Strict):
+    inputs: dict[str, Json]
+    expected: Json
+    got: Json
+
+
+class CheckOut(Strict):
+    id: str
+    title: str
+    passed: bool
+    points: float
+    max_points: float
+    message: str
+    counterexample: CounterexampleOut | None
+    hint: str | None
+    figure: Annotated[str | None, Field(description="Name of a figure of this submission.")]
+
+
+class DiagnosisOut(Strict):
+    id: str
+    title: str
+    explanation: str
+
+
+class VerdictOut(Strict):
+    """What grading found."""
+
+    exercise: str
+    exercise_version: str
+    outcome: OutcomeName
+    score: Annotated[float, Field(ge=0, le=1)]
+    points: Annotated[float, Field(description="20 × score.")]
+    max_points: float
+    checks: list[CheckOut]
+    diagnosis: DiagnosisOut | None
+    stdout: str
+    seed: int
+    timings: dict[str, float]
+
+
+class SubmissionOut(Strict):
+    """A submission as it stands."""
+
+    id: UUID
+    status: Status
+    position: Annotated[int | None, Field(description="Place in the queue: 1 is next; null once grading has begun.")]
+    verdict: VerdictOut | None
+    url: Annotated[str, Field(examples=["/api/v1/submissions/7d0c1a54-6b0e-4c69-9d3b-9a3f3a3c7a10"])]
+    exercise: str
+    created_at: datetime
+
+
+class FunctionOut(Strict):
+    name: str
+    signature: str
+    returns: str
+    doc: str
+
+
+class ExerciseOut(Strict):
+    """An exercise in the list."""
+
+    id: Annotated[str, Field(examples=["l20/poses"])]
+    module: str
+    slug: str
+    title: str
+    summary: str
+    stars: int
+    course: str
+    version: str
+    functions: list[FunctionOut]
+    url: str
+
+
+class LimitsOut(Strict):
+    cpu_seconds: float
+    wall_seconds: float
+    memory_bytes: int
+    source_bytes: int
+    stdout_bytes: int
+
+
+class ExerciseDetail(ExerciseOut):
+    statement_html: str
+    starter: str
+    limits: LimitsOut
+
+
+class ProblemPlace(Strict):
+    """Where the data is refused: a JSON pointer in the body, or a parameter's name."""
+
+    detail: str
+    pointer: str | None = None
+    parameter: str | None = None
+
+
+class ProblemOut(BaseModel):
+    """RFC 9457 problem document."""
+
+    type: str
+    title: str
+    status: int
+    detail: str
+    instance: str
+    errors: list[ProblemPlace] | None = None

@@ -1,0 +1,122 @@
+"""Sending files and following them."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Query, Request
+from fastapi.responses import JSONResponse, Response, StreamingResponse
+from starlette.concurrency import run_in_threadpool
+
+from server.accounts.dependencies import ApiAccount
+from server.accounts.models import Account
+from server.api.documentation import content, problems
+from server.api.exercises import CatalogueOf, find
+from server.api.schemas import NewSubmission, SubmissionOut
+from server.api.state import Resource, reader, resource
+from server.database import Database
+from server.database.dependencies import DatabaseOf, Db
+from server.submissions import service as submissions
+from server.submissions.events import Events, as_sse
+from server.submissions.figures import MEDIA_TYPES, Figures, Format, Theme
+
+router = APIRouter(tags=["submissions"])
+
+LONGEST_WAIT = 30.0
+Wait = Annotated[
+    float | None,
+    Query(ge=0, allow_inf_nan=False, description="Seconds to wait for the verdict, 30 at most.", examples=[10]),
+]
+STREAM = content("`event: status`, its data as in `GET /submissions/{id}`; ends when done.", "text/event-stream")
+
+
+@router.post(
+    "/submissions",
+    status_code=202,
+    response_model=SubmissionOut,
+    responses={
+        200: {"description": "Graded within `wait` seconds.", "model": SubmissionOut},
+        202: {"description": "Stored; follow it at `url`."},
+        **problems(401, 404, 413, 422, 429),
+    },
+)
+async def create(
+    body: NewSubmission,
+    request: Request,
+    account: ApiAccount,
+    database: DatabaseOf,
+    catalogue: CatalogueOf,
+    wait: Wait = None,
+) -> Response:
+    """Stores a file and queues it. With `wait`, answers as soon as the verdict is there."""
+    find(catalogue, body.exercise)
+    current = await run_in_threadpool(_store, database, account, body)
+    if wait:
+        current = await _wait(request, database, account, current, min(wait, LONGEST_WAIT))
+    return _json(current, 200 if current.done else 202)
+
+
+def _store(database: Database, account: Account, body: NewSubmission) -> Resource:
+    with database.write() as db:
+        return resource(db, submissions.submit(db, account, body.exercise, body.code))
+
+
+async def _wait(request: Request, database: Database, account: Account, current: Resource, seconds: float) -> Resource:
+    events: Events = request.app.state.events
+    submission_id = submissions.parse_id(current.members["id"])
+    return await events.until_done(submission_id, reader(database, account, submission_id), seconds)
+
+
+def _json(current: Resource, status: int = 200) -> Response:
+    return Response(current.text(), status, {"Location": current.members["url"]}, "application/json")
+
+
+@router.get("/submissions/{submission_id}", response_model=SubmissionOut, responses=problems(401, 404))
+def read(submission_id: str, account: ApiAccount, db: Db) -> Response:
+    """The submission as it stands."""
+    return JSONResponse(resource(db, submissions.get_for(db, account, submission_id)).members)
+
+
+@router.get(
+    "/submissions/{submission_id}/events", response_class=Response, responses={200: STREAM, **problems(401, 404)}
+)
+async def follow(submission_id: str, request: Request, account: ApiAccount, database: DatabaseOf) -> Response:
+    """The submission each time that it changes, as server-sent events."""
+    events: Events = request.app.state.events
+    read = reader(database, account, submissions.parse_id(submission_id))
+    await run_in_threadpool(read)  # a 404 must come before the stream begins
+    stream = as_sse(events.follow(submissions.parse_id(submission_id), read), Resource.text)
+    return StreamingResponse(stream, headers={"Cache-Control": "no-store"}, media_type="text/event-stream")
+
+
+class FigureRequest:
+    """One's own submission, and the name of one of its figures."""
+
+    def __init__(
+        self, request: Request, submission_id: str, name: str, account: ApiAccount, db: Db, theme: Theme = "light"
+    ) -> None:
+        self._figures: Figures = request.app.state.figures
+        self._db, self._name, self._theme = db, name, theme
+        self._submission = submissions.get_for(db, account, submission_id)
+
+    def answer(self, form: Format) -> Response:
+        picture = self._figures.draw(self._db, self._submission, self._name, form, self._theme)
+        return Response(picture, media_type=MEDIA_TYPES[form], headers={"Cache-Control": "private, max-age=86400"})
+
+
+@router.get(
+    "/submissions/{submission_id}/figures/{name}.svg",
+    response_class=Response,
+    responses={200: content("The figure.", "image/svg+xml"), **problems(401, 404, 422)},
+)
+def figure_svg(figure: Annotated[FigureRequest, Depends()]) -> Response:
+    """A figure that the verdict names, drawn on demand."""
+    return figure.answer("svg")
+
+
+@router.get(
+    "/submissions/{submission_id}/figures/{name}.png",
+    response_class=Response,
+    responses={200: content("The figure.", "image/png"), **problems(401, 404, 422)},
+)
+def figure_png(figure: Annotated[FigureRequest, Depends()]) -> Response:
+    """The same, as a bitmap."""
+    return figure.answer("png")

@@ -1,0 +1,159 @@
+"""The web application: rooms put together. It never runs a student's code, and never grades."""
+
+import asyncio
+import logging
+import os
+from collections.abc import AsyncIterator, Callable, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager, suppress
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from fastapi import FastAPI
+from starlette.concurrency import run_in_threadpool
+
+from server import middleware, problems
+from server.accounts.routes import router as accounts_router
+from server.api.documentation import with_problem_schema
+from server.api.routes import router as api_router
+from server.catalogue import Catalogue, load
+from server.database import Database
+from server.pages.routes import router as pages_router
+from server.queue import service as queue
+from server.queue.owner import Owner, owner_of
+from server.queue.port import Signals
+from server.queue.postgres import AllSignals, Listener, PostgresSignals
+from server.queue.switchboard import Switchboard
+from server.settings import Settings
+from server.submissions.events import Events
+from server.submissions.figures import Figures
+from server.worker.results import give_up_with
+from server.worker.supervisor import WORKER_COMMAND, Supervisor
+
+log = logging.getLogger(__name__)
+
+DAY = 86400
+
+
+@dataclass(frozen=True)
+class Services:
+    """What lives as long as the application."""
+
+    settings: Settings
+    catalogue: Catalogue
+    worker_command: Sequence[str]
+
+    @cached_property
+    def events(self) -> Events:
+        return Events()
+
+    @cached_property
+    def switchboard(self) -> Switchboard:
+        return Switchboard(self.events.changed)
+
+    @cached_property
+    def on_postgres(self) -> bool:
+        return self.settings.url.startswith("postgresql")
+
+    @cached_property
+    def database(self) -> Database:
+        local = self.switchboard
+        signals: Signals = AllSignals([local, PostgresSignals()]) if self.on_postgres else local
+        return Database(self.settings.url, {"settings": self.settings, "signals": signals})
+
+    def take_back(self, owner: Owner) -> None:
+        """A local worker has died: its submission goes back to the queue at once."""
+        with self.database.write() as db:
+            queue.release(db, owner, give_up_with(self.catalogue))
+
+    def recover(self) -> None:
+        """Leases that have run out, or whose holder died with another server."""
+        with self.database.write() as db:
+            queue.recover(db, owner_of(os.getpid()), give_up_with(self.catalogue))
+
+    async def keep_recovering(self) -> None:
+        while True:
+            await asyncio.sleep(self.settings.lease_seconds / 3)
+            try:
+                await run_in_threadpool(self.recover)
+            except Exception:
+                log.exception("lost leases could not be looked for; trying again later")
+
+    @asynccontextmanager
+    async def running(self) -> AsyncIterator[None]:
+        """Workers, wake-ups and recovery, while the application serves."""
+        async with AsyncExitStack() as stack:
+            await run_in_threadpool(self.recover)
+            self.switchboard.bind(asyncio.get_running_loop())
+            stack.callback(self.switchboard.bind, None)
+            if self.on_postgres:
+                stack.push_async_callback(run_in_threadpool, self._listen())
+            await stack.enter_async_context(
+                Supervisor(self.settings, self.switchboard, self.take_back, self.worker_command)
+            )
+            recovering = asyncio.create_task(self.keep_recovering())
+            yield
+            recovering.cancel()
+            with suppress(asyncio.CancelledError):
+                await recovering
+
+    def _listen(self) -> Callable[[], None]:
+        listener = Listener(self.settings.url, self.switchboard.wake, self.switchboard.tell)
+        listener.start()
+        return listener.stop
+
+
+def create_app(
+    settings: Settings, *, catalogue: Catalogue | None = None, worker_command: Sequence[str] = WORKER_COMMAND
+) -> FastAPI:
+    """The application. Its database must be at the current schema (see `server.database.migrate`)."""
+    services = Services(settings, catalogue or load(), tuple(worker_command))
+
+    @asynccontextmanager
+    async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
+        async with services.running():
+            yield
+        services.database.close()
+
+    app = FastAPI(
+        title="Balise",
+        version="1",
+        summary="Auto-graded course platform",
+        lifespan=lifespan,
+        openapi_url="/api/v1/openapi.json",
+        docs_url=None,  # both of FastAPI's documentation pages load scripts from elsewhere
+        redoc_url=None,
+    )
+    _share(app, services)
+    _protect(app, settings)
+    for router in (api_router, accounts_router, pages_router):
+        app.include_router(router)
+    problems.install(app)
+    _document(app)
+    return app
+
+
+def _share(app: FastAPI, services: Services) -> None:
+    app.state.settings = services.settings
+    app.state.catalogue = services.catalogue
+    app.state.database = services.database
+    app.state.events = services.events
+    app.state.figures = Figures(services.catalogue)
+
+
+def _protect(app: FastAPI, settings: Settings) -> None:
+    app.add_middleware(middleware.BoundedBody, most=settings.body_bytes, refuse=problems.refusal)
+    app.add_middleware(middleware.SameOrigin, refuse=problems.refusal)
+    app.add_middleware(middleware.SessionCookie, max_age=settings.session_days * DAY)
+    app.add_middleware(middleware.SecurityHeaders)
+
+
+def _document(app: FastAPI) -> None:
+    original = app.openapi
+
+    def openapi() -> dict[str, Any]:
+        if not app.openapi_schema:
+            app.openapi_schema = with_problem_schema(original())
+        return app.openapi_schema
+
+    app.openapi = openapi  # type: ignore[method-assign]

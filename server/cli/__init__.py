@@ -1,0 +1,85 @@
+"""The command line. Each command is a module that is imported only when it is asked for."""
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from pathlib import Path
+
+CANNOT = 2
+Command = Callable[[argparse.Namespace], int]
+
+
+class CannotRun(Exception):
+    """A command that cannot do its work; its message is French and for the user. Exit status 2."""
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Runs a command; returns its exit status."""
+    arguments = _parser().parse_args(argv)
+    command: Command = import_module(f"server.cli.{arguments.command}").run
+    try:
+        return command(arguments)
+    except CannotRun as reason:
+        print(f"balise : {reason}", file=sys.stderr)
+        return CANNOT
+    except BrokenPipeError:
+        sys.stderr.close()  # whoever was reading has stopped: nothing left to say
+        return CANNOT
+    except KeyboardInterrupt:
+        return 130
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="balise", description="Plateforme de cours à correction automatique.")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMANDE")
+    _serve(commands.add_parser("serve", help="lance tout le service", description="Lance tout le service."))
+    _grade(commands.add_parser("grade", help="corrige un fichier, sans serveur"))
+    _check(commands.add_parser("check", help="vérifie les exercices eux-mêmes (références, erreurs cataloguées)"))
+    commands.add_parser("doctor", help="dit quelles protections du bac à sable tiennent sur cette machine")
+    _submit(commands.add_parser("submit", help="envoie un fichier à un serveur et suit sa correction"))
+    commands.add_parser("worker", help="corrige pour un serveur, depuis une autre machine (BALISE_DATABASE_URL)")
+    return parser
+
+
+def _serve(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--host", default="127.0.0.1", help="adresse d’écoute (par défaut : %(default)s)")
+    parser.add_argument(
+        "--port", type=_port, default=8000, help="port, 0 pour un port libre (par défaut : %(default)s)"
+    )
+    parser.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
+
+
+def _grade(parser: argparse.ArgumentParser) -> None:
+    _exercise_and_file(parser)
+    parser.add_argument("--json", action="store_true", help="n’écrit que le verdict, en JSON")
+    parser.add_argument("--seed", type=_seed, metavar="N", help="graine des tirages, pour refaire la même correction")
+
+
+def _check(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="exercices à vérifier (par défaut : tous)")
+
+
+def _submit(parser: argparse.ArgumentParser) -> None:
+    _exercise_and_file(parser)
+    parser.add_argument("--server", required=True, metavar="URL", help="adresse du serveur")
+    parser.add_argument("--token", required=True, help="jeton créé sur la page « Mon compte »")
+
+
+def _exercise_and_file(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("exercise", metavar="EXERCISE", help="exercice, comme l20/poses")
+    parser.add_argument("file", metavar="FILE", help="fichier Python, ou - pour l’entrée standard")
+
+
+def _port(text: str) -> int:
+    return _bounded(text, 65535, "le port")
+
+
+def _seed(text: str) -> int:
+    return _bounded(text, 2**53 - 1, "la graine")
+
+
+def _bounded(text: str, most: int, what: str) -> int:
+    if not text.isascii() or not text.isdigit() or int(text) > most:
+        raise argparse.ArgumentTypeError(f"{what} doit être un entier de 0 à {most}")
+    return int(text)

@@ -1,0 +1,105 @@
+"""`balise check [EXERCISE…]`: what a course's own tests run.
+
+For each exercise: the reference gets full marks, the starter does not, every catalogued misconception is rejected and
+named, each specimen gets the outcome of its folder.
+"""
+
+import logging
+import secrets
+import sys
+from argparse import Namespace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from graders.core.grading import Grading
+from graders.core.verdict import Outcome
+from server.catalogue import Exercise, load
+from server.cli.local import find, local_grader
+from server.submissions.service import SEED_BITS
+from server.worker.grading import Grader
+
+Judge = Callable[[Grading], str]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One line of the table; `fault` is empty when all is well."""
+
+    exercise: str
+    subject: str
+    fault: str
+    seed: int
+
+
+def run(arguments: Namespace) -> int:
+    logging.basicConfig(level=logging.WARNING, stream=sys.stderr)
+    catalogue = load()
+    exercises = [find(catalogue, name) for name in arguments.exercises] or list(catalogue.exercises.values())
+    for problem in catalogue.problems:
+        print(f"✗ {problem}")
+    with local_grader(catalogue) as grader:
+        faults = sum(_told(finding) for exercise in exercises for finding in findings(grader, exercise))
+    print(_summary(len(exercises), faults + len(catalogue.problems)))
+    return 1 if faults or catalogue.problems else 0
+
+
+def _told(finding: Finding) -> bool:
+    mark = "✗" if finding.fault else "✓"
+    fault = f" — {finding.fault} (graine {finding.seed})" if finding.fault else ""
+    print(f"{mark} {finding.exercise:<24} {finding.subject}{fault}", flush=True)
+    return bool(finding.fault)
+
+
+def _summary(exercises: int, faults: int) -> str:
+    if not faults:
+        return f"Tout est en ordre ({exercises} exercices)."
+    return f"{faults} problème{'s' if faults > 1 else ''}."
+
+
+def findings(grader: Grader, exercise: Exercise) -> Iterator[Finding]:
+    """Grades everything that is known of an exercise, each with a fresh seed."""
+
+    def finding(subject: str, source: bytes, judge: Judge) -> Finding:
+        seed = secrets.randbits(SEED_BITS)
+        return Finding(exercise.id, subject, judge(grader.grade(exercise.id, source, seed)), seed)
+
+    yield finding("référence", exercise.solution.encode(), full_marks)
+    yield finding("fichier de départ", exercise.starter.encode(), not_full_marks)
+    for misconception in exercise.grader.misconceptions:
+        yield finding(f"erreur {misconception.id}", misconception.source.encode(), named(misconception.id))
+    for specimen in exercise.grader.specimens():
+        subject = f"spécimen {specimen.outcome.value}/{specimen.path.name}"
+        yield finding(subject, specimen.path.read_bytes(), outcome(specimen.outcome))
+
+
+def full_marks(grading: Grading) -> str:
+    return outcome(Outcome.OK)(grading)
+
+
+def not_full_marks(grading: Grading) -> str:
+    verdict = grading.verdict
+    if verdict.outcome is Outcome.INTERNAL_ERROR:
+        return "la correction a échoué"
+    return "obtient tous les points" if verdict.outcome is Outcome.OK else ""
+
+
+def named(misconception: str) -> Judge:
+    """Rejected, and named by its own id."""
+
+    def judge(grading: Grading) -> str:
+        diagnosis = grading.verdict.diagnosis
+        got = diagnosis.id if diagnosis else "aucun"
+        return not_full_marks(grading) or ("" if got == misconception else f"diagnostic obtenu : {got}")
+
+    return judge
+
+
+def outcome(expected: Outcome) -> Judge:
+    def judge(grading: Grading) -> str:
+        got = grading.verdict.outcome
+        if got is expected:
+            return ""
+        failed = ", ".join(check.id for check in grading.verdict.checks if not check.passed)
+        return f"{expected.value} attendu, {got.value} obtenu" + (f" ({failed})" if failed else "")
+
+    return judge

@@ -1,0 +1,143 @@
+"""`balise serve`: the whole service on embedded defaults."""
+
+import errno
+import fcntl
+import logging
+import os
+import socket
+from argparse import Namespace
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import uvicorn
+from fastapi import FastAPI
+from sqlalchemy.exc import SQLAlchemyError
+
+from server.accounts import service as accounts
+from server.app import create_app
+from server.catalogue import Catalogue, load
+from server.cli import CannotRun
+from server.cli.configuration import read_settings
+from server.cli.local import require_safe_sandbox
+from server.database import Database
+from server.database.migrate import upgrade
+from server.settings import Settings
+
+GRACE = 2  # seconds left to open connections when the server stops
+BACKLOG = 2048
+LOG_FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
+
+
+def run(arguments: Namespace) -> int:
+    settings = read_settings(data_dir=arguments.data)
+    logging.basicConfig(level=logging.WARNING, format=LOG_FORMAT)
+    require_safe_sandbox()
+    with _listening(arguments.host, arguments.port) as listener, _alone(settings):
+        _migrate(settings)
+        catalogue = load()
+        app = create_app(settings, catalogue=catalogue)
+        _serve(app, listener, lambda: _announce(settings, catalogue, _address(listener)))
+    return 0
+
+
+class Server(uvicorn.Server):
+    """uvicorn, which says when it is ready."""
+
+    def __init__(self, config: uvicorn.Config, ready: Callable[[], None]) -> None:
+        super().__init__(config)
+        self._ready = ready
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        if self.started:
+            self._ready()
+
+
+def _serve(app: FastAPI, listener: socket.socket, ready: Callable[[], None]) -> None:
+    config = uvicorn.Config(
+        app, log_config=None, access_log=False, timeout_graceful_shutdown=GRACE, server_header=False
+    )
+    server = Server(config, ready)
+    server.run([listener])
+    if not server.started:
+        raise CannotRun("le service n’a pas pu démarrer (voir les messages ci-dessus).")
+
+
+@contextmanager
+def _listening(host: str, port: int) -> Iterator[socket.socket]:
+    """The listening socket; a port that is taken or an address that is not ours is told in words."""
+    try:
+        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
+        listener = socket.socket(family, socket.SOCK_STREAM)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(address)
+        listener.listen(BACKLOG)
+    except OSError as error:
+        raise CannotRun(_refused(error, host, port)) from error
+    with listener:
+        yield listener
+
+
+def _refused(error: OSError, host: str, port: int) -> str:
+    if error.errno == errno.EADDRINUSE:
+        return f"le port {port} est déjà pris : choisissez-en un autre avec --port (0 : un port libre)."
+    if error.errno == errno.EACCES:
+        return f"le port {port} est réservé : choisissez-en un au-dessus de 1023 avec --port."
+    return f"impossible d’écouter sur {host}:{port} : {error.strerror}."
+
+
+@contextmanager
+def _alone(settings: Settings) -> Iterator[None]:
+    """One server at a time on a data folder: two would take each other's workers for dead."""
+    try:
+        settings.data_dir.mkdir(parents=True, exist_ok=True)
+        lock = (settings.data_dir / "balise.lock").open("w")
+    except OSError as error:
+        raise CannotRun(f"le dossier des données {settings.data_dir} ne convient pas : {error.strerror}.") from error
+    with lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise CannotRun(f"un autre serveur utilise déjà {settings.data_dir} (autre dossier : --data).") from error
+        lock.write(f"{os.getpid()}\n")
+        lock.flush()
+        yield
+
+
+def _migrate(settings: Settings) -> None:
+    database = Database(settings.url)
+    try:
+        upgrade(database.engine)
+    except SQLAlchemyError as error:
+        raise CannotRun(f"la base de données ne convient pas : {error}") from error
+    finally:
+        database.close()
+
+
+def _address(listener: socket.socket) -> str:
+    host, port = listener.getsockname()[:2]
+    if host in {"0.0.0.0", "::"}:
+        host = "localhost"
+    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+
+
+def _announce(settings: Settings, catalogue: Catalogue, address: str) -> None:
+    for problem in catalogue.problems:
+        print(f"Exercice écarté — {problem}")
+    print(f"\nBalise est prête : {address}/")
+    print("  Étudiants : ouvrez cette adresse ; on y travaille comme invité, sans rien créer.")
+    link = _teacher_link(settings)
+    if link:
+        print("  Enseignant : ce lien crée le premier compte d’enseignant et ne sert qu’une fois :")
+        print(f"    {address}{link}")
+    print(f"  Données : {settings.data_dir}\n  Ctrl+C pour arrêter.\n", flush=True)
+
+
+def _teacher_link(settings: Settings) -> str | None:
+    database = Database(settings.url)
+    try:
+        with database.write() as db:
+            token = accounts.invite_first_teacher(db)
+    finally:
+        database.close()
+    return None if token is None else f"/bienvenue/{token}"

@@ -1,0 +1,99 @@
+"""`balise submit EXERCISE FILE --server URL --token T`: sends a file and follows it over HTTP."""
+
+import json
+import ssl
+import sys
+from argparse import Namespace
+from collections.abc import Iterator
+from typing import Any
+
+import httpx
+
+from server.cli import CannotRun, report
+from server.cli.files import read_text
+
+Json = dict[str, Any]
+TIMEOUT = httpx.Timeout(10, read=60)
+RECONNECTIONS = 5
+
+
+def run(arguments: Namespace) -> int:
+    code = read_text(arguments.file)
+    headers = {"Authorization": f"Bearer {arguments.token}"}
+    try:
+        with httpx.Client(base_url=_base(arguments.server), headers=headers, timeout=TIMEOUT) as client:
+            verdict = _verdict(client, arguments.exercise, code)
+    except (httpx.HTTPError, httpx.InvalidURL) as error:
+        raise CannotRun(_explained(error, arguments.server)) from error
+    print(report.render(verdict))
+    return report.exit_status(verdict)
+
+
+def _base(server: str) -> str:
+    if not server.startswith(("http://", "https://")):
+        raise CannotRun(f"l’adresse du serveur doit commencer par http:// ou https:// : « {server} ».")
+    return server.rstrip("/")
+
+
+def _verdict(client: httpx.Client, exercise: str, code: str) -> Json:
+    url = _ask(client, "POST", "/api/v1/submissions", json={"exercise": exercise, "code": code})["url"]
+    for _ in range(RECONNECTIONS):
+        for current in _events(client, url):
+            if current["status"] == "done":
+                return dict(current["verdict"])
+            _tell(current)
+    raise CannotRun(f"le serveur n’a pas donné de verdict ; il se trouvera à l’adresse {url}.")
+
+
+def _ask(client: httpx.Client, method: str, url: str, **options: Any) -> Json:
+    answer = client.request(method, url, **options)
+    _check(answer)
+    return _json_object(answer.text)
+
+
+def _json_object(text: str) -> Json:
+    try:
+        content = json.loads(text)
+    except ValueError as error:
+        raise CannotRun("cette adresse ne répond pas comme un serveur Balise.") from error
+    if not isinstance(content, dict):
+        raise CannotRun("cette adresse ne répond pas comme un serveur Balise.")
+    return content
+
+
+def _check(answer: httpx.Response) -> None:
+    if answer.is_success:
+        return
+    if answer.headers.get("content-type") != "application/problem+json":
+        raise CannotRun(f"le serveur répond {answer.status_code}, sans explication.")
+    problem = _json_object(answer.text)
+    raise CannotRun(f"le serveur refuse ({answer.status_code}) : {problem['detail']}")
+
+
+def _events(client: httpx.Client, url: str) -> Iterator[Json]:
+    """The data of each server-sent event."""
+    with client.stream("GET", f"{url}/events") as answer:
+        if not answer.is_success:
+            answer.read()
+        _check(answer)
+        for line in answer.iter_lines():
+            if line.startswith("data:"):
+                yield _json_object(line.removeprefix("data:"))
+
+
+def _tell(current: Json) -> None:
+    place = f"en attente, place {current['position']}" if current["position"] else "correction en cours"
+    print(f"{place}…", file=sys.stderr)
+
+
+def _explained(error: Exception, server: str) -> str:
+    cause: BaseException | None = error
+    while cause is not None:
+        if isinstance(cause, ssl.SSLError):
+            return f"la connexion chiffrée à {server} est refusée (certificat) : {cause}."
+        cause = cause.__cause__ or cause.__context__
+    if isinstance(error, httpx.ConnectError):
+        return f"impossible de joindre {server} : le serveur ne répond pas à cette adresse."
+    if isinstance(error, httpx.TimeoutException):
+        return f"{server} met trop de temps à répondre."
+    return f"l’échange avec {server} a échoué : {error}."

@@ -1,0 +1,46 @@
+"""`balise worker`: grades for a server, from another machine; both share one database."""
+
+import os
+import sys
+from argparse import Namespace
+
+from sqlalchemy.exc import OperationalError
+
+from server.cli import CannotRun
+from server.cli.configuration import read_settings
+from server.cli.local import require_safe_sandbox
+from server.queue.polling import Polling
+from server.queue.port import NoSignals, Signals, WorkSource
+from server.queue.postgres import PostgresSignals, PostgresSource
+from server.settings import Settings
+from server.worker.process import run as run_worker
+from server.worker.process import start_logging, stop_on_signals
+from server.worker.service import Stop
+
+
+def run(_arguments: Namespace) -> int:
+    settings = read_settings()
+    if settings.database_url is None:
+        raise CannotRun("indiquez la base de données du serveur dans BALISE_DATABASE_URL.")
+    require_safe_sandbox()
+    start_logging(f"worker[{os.getpid()}]")
+    stop_on_signals(interrupt=True)
+    try:
+        run_worker(settings, *_wake_up(settings))
+    except Stop:
+        return 0
+    except OperationalError as error:
+        raise CannotRun(f"la base de données ne répond pas : {error.orig}") from error
+    return 0
+
+
+def _wake_up(settings: Settings) -> tuple[WorkSource, Signals]:
+    if not settings.url.startswith("postgresql"):
+        print("Cette base ne prévient pas : le travail est cherché dix fois par seconde.", file=sys.stderr)
+        return Polling(), NoSignals()
+    import psycopg
+
+    try:
+        return PostgresSource(settings.url), PostgresSignals()
+    except psycopg.OperationalError as error:
+        raise CannotRun(f"la base de données ne répond pas : {error}") from error

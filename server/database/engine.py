@@ -1,0 +1,71 @@
+"""Engine and transactions, the same for SQLite (write-ahead log) and PostgreSQL.
+
+Every transaction is opened at an edge (an HTTP dependency, a worker's step, a command) by `Database.read` or
+`Database.write`. On SQLite a writing transaction begins with BEGIN IMMEDIATE: a read that later turns into a write
+would otherwise fail, or lose updates.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import Connection, Engine, create_engine, event, make_url
+from sqlalchemy.orm import Session, sessionmaker
+
+PRAGMAS = ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON", "busy_timeout=15000")
+AFTER_COMMIT = "after_commit"
+
+
+def make_engine(url: str) -> Engine:
+    """An engine for `url`; a SQLite file's folder is created."""
+    engine = create_engine(url, pool_size=10, max_overflow=40, pool_pre_ping=not url.startswith("sqlite"))
+    if engine.dialect.name == "sqlite":
+        Path(make_url(url).database or "").parent.mkdir(parents=True, exist_ok=True)
+        event.listen(engine, "connect", _prepare_sqlite)
+        event.listen(engine, "begin", _begin_sqlite)
+    return engine
+
+
+def _prepare_sqlite(connection: Any, _record: object) -> None:
+    connection.isolation_level = None  # the driver would open its transactions by itself, too late
+    for pragma in PRAGMAS:
+        connection.execute(f"PRAGMA {pragma}")
+
+
+def _begin_sqlite(connection: Connection) -> None:
+    immediate = connection.get_execution_options().get("immediate", False)
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if immediate else "BEGIN")
+
+
+def after_commit(db: Session, action: Callable[[], None]) -> None:
+    """Runs `action` once the writing transaction of `db` is committed (never if it is rolled back)."""
+    db.info.setdefault(AFTER_COMMIT, []).append(action)
+
+
+class Database:
+    """The transactions of one process. `context` travels in `Session.info`: limits and signals, for the services."""
+
+    def __init__(self, url: str, context: Mapping[str, object] | None = None) -> None:
+        self.engine = make_engine(url)
+        self.context = dict(context or {})
+        self._reads = sessionmaker(self.engine, expire_on_commit=False)
+        self._writes = sessionmaker(self.engine.execution_options(immediate=True), expire_on_commit=False)
+
+    @contextmanager
+    def read(self) -> Iterator[Session]:
+        """A session whose changes are dropped."""
+        with self._reads(info=dict(self.context)) as db:
+            yield db
+
+    @contextmanager
+    def write(self) -> Iterator[Session]:
+        """A session committed at the end of the block, rolled back when it raises."""
+        with self._writes(info=dict(self.context)) as db:
+            yield db
+            db.commit()
+            for action in db.info.pop(AFTER_COMMIT, ()):
+                action()
+
+    def close(self) -> None:
+        self.engine.dispose()

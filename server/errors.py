@@ -1,0 +1,68 @@
+"""Errors that a visitor may meet: each class carries its HTTP status and a sentence in French."""
+
+from collections.abc import Mapping
+from http import HTTPStatus
+
+
+class ServiceError(Exception):
+    """A refusal with a reason. `slug` names the kind of problem for programs, `detail` tells people."""
+
+    status = HTTPStatus.BAD_REQUEST
+    slug = "refus"
+    title = "Demande refusée"
+
+    def __init__(self, detail: str, *, headers: Mapping[str, str] | None = None) -> None:
+        super().__init__(detail)
+        self.detail = detail
+        self.headers = dict(headers or {})
+
+
+class NotFound(ServiceError):
+    status = HTTPStatus.NOT_FOUND
+    slug = "introuvable"
+    title = "Introuvable"
+
+
+class Unauthorised(ServiceError):
+    status = HTTPStatus.UNAUTHORIZED
+    slug = "authentification"
+    title = "Authentification requise"
+
+    def __init__(self, detail: str) -> None:
+        super().__init__(detail, headers={"WWW-Authenticate": 'Bearer realm="balise"'})
+
+
+class Forbidden(ServiceError):
+    status = HTTPStatus.FORBIDDEN
+    slug = "interdit"
+    title = "Accès refusé"
+
+
+class TooLarge(ServiceError):
+    status = HTTPStatus.REQUEST_ENTITY_TOO_LARGE
+    slug = "trop-volumineux"
+    title = "Contenu trop volumineux"
+
+
+class TooMany(ServiceError):
+    """The rate limit is reached; `retry_after` is in whole seconds, at least 1."""
+
+    status = HTTPStatus.TOO_MANY_REQUESTS
+    slug = "trop-de-demandes"
+    title = "Trop de demandes"
+
+    def __init__(self, detail: str, *, retry_after: int) -> None:
+        super().__init__(detail, headers={"Retry-After": str(retry_after)})
+        self.retry_after = retry_after
+
+
+class Conflict(ServiceError):
+    status = HTTPStatus.CONFLICT
+    slug = "conflit"
+    title = "Déjà fait"
+
+
+class Invalid(ServiceError):
+    status = HTTPStatus.UNPROCESSABLE_ENTITY
+    slug = "donnees-refusees"
+    title = "Données refusées"

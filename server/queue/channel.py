@@ -1,0 +1,44 @@
+"""The worker's end of the wake-up: a socket shared with the web process (see `server.queue.switchboard`)."""
+
+import select
+import socket
+import threading
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.database import after_commit
+from server.queue.switchboard import CHANGED, IDLE, QUEUED
+
+
+class Channel:
+    """Work source and signals of a worker that the web process has started."""
+
+    def __init__(self, wire: socket.socket) -> None:
+        self._wire = wire
+        self._sending = threading.Lock()
+
+    def wait(self, seconds: float) -> bool:
+        """Sleeps until woken, or `seconds`; False once the web process is gone."""
+        self._say(IDLE)
+        ready, _, _ = select.select([self._wire], [], [], seconds)
+        return not ready or self._receive()
+
+    def _receive(self) -> bool:
+        try:
+            return bool(self._wire.recv(4096))
+        except ConnectionError:
+            return False
+
+    def _say(self, message: str) -> None:
+        try:
+            with self._sending:
+                self._wire.sendall(f"{message}\n".encode())
+        except ConnectionError:
+            return  # the web process is gone: `wait` finds it out, the result is safe in the database
+
+    def queued(self, db: Session) -> None:
+        after_commit(db, lambda: self._say(QUEUED))
+
+    def changed(self, db: Session, submission_id: UUID) -> None:
+        after_commit(db, lambda: self._say(f"{CHANGED} {submission_id}"))

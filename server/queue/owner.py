@@ -1,0 +1,76 @@
+"""The name of a lease's holder, from which its death can be told on the same machine.
+
+`host|boot|pid namespace|pid|start time`: a process number alone is reused; together these are unique.
+"""
+
+import os
+import socket
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Owner:
+    host: str
+    boot: str
+    namespace: str
+    pid: int
+    started: str
+
+    def __str__(self) -> str:
+        return "|".join((self.host, self.boot, self.namespace, str(self.pid), self.started))
+
+    @property
+    def machine(self) -> tuple[str, str, str]:
+        return self.host, self.boot, self.namespace
+
+
+def parse(text: str) -> Owner:
+    host, boot, namespace, pid, started = text.split("|")
+    return Owner(host, boot, namespace, int(pid), started)
+
+
+def owner_of(pid: int) -> Owner:
+    """The owner that process `pid` of this machine is."""
+    return Owner(
+        host=socket.gethostname().replace("|", " "),
+        boot=_read("/proc/sys/kernel/random/boot_id"),
+        namespace=_namespace(),
+        pid=pid,
+        started=_start_time(pid),
+    )
+
+
+def is_dead(text: str, here: Owner) -> bool:
+    """True when the holder is certainly gone: same host, and rebooted since, or no such process any more."""
+    owner = parse(text)
+    if owner.host != here.host:
+        return False
+    if owner.boot != here.boot:
+        return True
+    return owner.machine == here.machine and _start_time(owner.pid) != owner.started
+
+
+def _read(path: str) -> str:
+    try:
+        return Path(path).read_text().strip()
+    except OSError:
+        return "?"
+
+
+def _namespace() -> str:
+    try:
+        return os.readlink("/proc/self/ns/pid")
+    except OSError:
+        return "?"
+
+
+def _start_time(pid: int) -> str:
+    """Clock ticks since boot at which the process began; empty when it is gone or only a zombie."""
+    try:
+        stat = Path(f"/proc/{pid}/stat").read_text()
+    except OSError:
+        return ""
+    fields = stat.rpartition(")")[2].split()
+    state, start = fields[0], fields[19]
+    return "" if state in {"Z", "X"} else start

@@ -1,0 +1,85 @@
+"""The web process's end of the wake-up: idle workers are woken through their channel, watchers through a callback.
+
+Its state lives on the event loop; `wake` and `tell` may be called from any thread.
+
+Protocol, one line a message. Web to worker: `work`. Worker to web: `idle` (it found nothing and sleeps), `queued` (it
+gave something back), `changed <id>`.
+"""
+
+import asyncio
+import logging
+from collections.abc import Callable
+from typing import Protocol
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.database import after_commit
+
+log = logging.getLogger(__name__)
+
+WORK, IDLE, QUEUED, CHANGED = "work", "idle", "queued", "changed"
+
+
+class Line(Protocol):
+    """What leads to a worker (an `asyncio.StreamWriter`)."""
+
+    def write(self, data: bytes) -> None: ...
+
+
+class Switchboard:
+    """Knows which workers sleep. A wake-up that finds nobody asleep is kept for the next one who goes to sleep."""
+
+    def __init__(self, on_changed: Callable[[UUID], None]) -> None:
+        self._on_changed = on_changed
+        self._idle: dict[Line, None] = {}
+        self._owed = False
+        self._loop: asyncio.AbstractEventLoop | None = None
+
+    def bind(self, loop: asyncio.AbstractEventLoop | None) -> None:
+        """Starts (or stops, with None) delivering on this loop."""
+        self._loop = loop
+
+    def queued(self, db: Session) -> None:
+        after_commit(db, self.wake)
+
+    def changed(self, db: Session, submission_id: UUID) -> None:
+        after_commit(db, lambda: self.tell(submission_id))
+
+    def wake(self) -> None:
+        self._call(self._wake)
+
+    def tell(self, submission_id: UUID) -> None:
+        self._call(self._on_changed, submission_id)
+
+    def _call(self, action: Callable[..., None], *args: object) -> None:
+        if self._loop is not None and not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(action, *args)
+
+    def _wake(self) -> None:
+        if self._idle:
+            line, _ = self._idle.popitem()
+            line.write(f"{WORK}\n".encode())
+        else:
+            self._owed = True
+
+    def heard(self, line: Line, message: str) -> None:
+        """A worker has said something (on the loop)."""
+        word, _, argument = message.partition(" ")
+        if word == IDLE:
+            self._idle[line] = None
+            self._pay()
+        elif word == QUEUED:
+            self._wake()
+        elif word == CHANGED:
+            self._on_changed(UUID(argument))
+        else:
+            log.error("a worker said something unknown: %r", message)
+
+    def _pay(self) -> None:
+        if self._owed:
+            self._owed = False
+            self._wake()
+
+    def gone(self, line: Line) -> None:
+        self._idle.pop(line, None)

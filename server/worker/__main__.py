@@ -1,0 +1,27 @@
+"""The process that `balise serve` starts for each worker: `python -m server.worker CHANNEL_FD PARENT_PID`."""
+
+import os
+import socket
+import sys
+
+from server.worker.process import die_with, run, start_logging, stop_on_signals
+from server.worker.service import Stop
+
+
+def main(channel_fd: int, parent: int) -> None:
+    die_with(parent)
+    stop_on_signals()
+    start_logging(f"worker[{channel_fd}]")
+    from server.queue.channel import Channel
+    from server.settings import Settings
+
+    os.set_inheritable(channel_fd, False)  # no child of ours may keep the line open after our death
+    channel = Channel(socket.socket(fileno=channel_fd))
+    try:
+        run(Settings(), channel, channel)
+    except Stop:
+        sys.exit(0)
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]), int(sys.argv[2]))

@@ -1,0 +1,101 @@
+"""Joins the sandbox and the graders: a student's file in, a verdict out.
+
+The student's fault becomes a verdict. Ours (the sandbox, a grader, this file) is tried once more, logged whole, and
+ends as `internal_error`.
+"""
+
+import logging
+from dataclasses import replace
+
+from graders.core.exercise import ExerciseGrader
+from graders.core.grading import Grading, grade
+from graders.core.program import KitSettings, Launcher, Reply, StudentFault
+from graders.core.values import Value
+from graders.core.verdict import Outcome, internal_error_verdict
+from server.catalogue.models import Catalogue, Exercise
+from server.sandbox import Frame, Kit, Policy, ProgramFault, Sandbox, Session
+from server.worker.results import version_of
+
+log = logging.getLogger(__name__)
+
+TRIES = 2
+FILENAME = "solution.py"
+
+
+class SandboxProgram:
+    """A student's program behind the walls, as graders see it."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self.functions = frozenset(session.functions)
+
+    def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
+        try:
+            reply = self._session.call(function, *args, return_arguments=return_arguments)
+        except ProgramFault as fault:
+            raise student_fault(fault) from fault
+        return Reply(reply.value, reply.arguments)
+
+    def stdout(self) -> str:
+        return self._session.stdout()
+
+    def close(self) -> None:
+        self._session.close()
+
+
+def student_fault(fault: ProgramFault) -> StudentFault:
+    """The sandbox's account of the student's fault, in the graders' words."""
+    frames = tuple(_frame_text(frame) for frame in fault.frames)
+    return StudentFault(
+        Outcome(fault.kind.value),
+        fault.message,
+        line=fault.line,
+        frames=frames,
+        fatal=fault.fatal,
+        exception=fault.exception,
+    )
+
+
+def _frame_text(frame: Frame) -> str:
+    place = f"ligne {frame.line}, dans {frame.function}"
+    return f"{place} : {frame.source.strip()}" if frame.source else place
+
+
+def policy_of(exercise: Exercise) -> Policy:
+    """The limits of an exercise: the general ones, and what it overrides."""
+    return replace(Policy(), **exercise.policy_overrides)
+
+
+class Grader:
+    """Grades files with one sandbox; thread-safe as far as the sandbox is."""
+
+    def __init__(self, catalogue: Catalogue, sandbox: Sandbox) -> None:
+        self._catalogue = catalogue
+        self._sandbox = sandbox
+
+    def grade(self, exercise_id: str, source: bytes, seed: int) -> Grading:
+        """Never raises for a reason of ours: after a second failure the verdict is `internal_error`."""
+        for attempt in range(1, TRIES + 1):
+            try:
+                return self._grade(self._catalogue.exercises[exercise_id], source, seed)
+            except Exception:
+                log.exception("grading %s with seed %d failed (try %d of %d)", exercise_id, seed, attempt, TRIES)
+        version = version_of(self._catalogue, exercise_id)
+        return Grading(internal_error_verdict(exercise_id, version, seed))
+
+    def _grade(self, exercise: Exercise, source: bytes, seed: int) -> Grading:
+        grader: ExerciseGrader = exercise.grader
+        return grade(grader, self._launcher(exercise, source), seed=seed, version=exercise.version)
+
+    def _launcher(self, exercise: Exercise, source: bytes) -> Launcher:
+        policy = policy_of(exercise)
+
+        def launch(kit: KitSettings) -> SandboxProgram:
+            settings = Kit(kit.module, dict(kit.parameters))
+            try:
+                session = self._sandbox.open(source, kit=settings, policy=policy, filename=FILENAME)
+            except ProgramFault as fault:
+                raise student_fault(fault) from fault
+            return SandboxProgram(session)
+
+        return launch

@@ -1,0 +1,60 @@
+"""What a worker process does first, and how it is put together."""
+
+import ctypes
+import logging
+import os
+import signal
+import sys
+from contextlib import closing
+from types import FrameType
+from typing import Any
+
+from server.catalogue import load
+from server.database import Database
+from server.queue.port import Signals, WorkSource
+from server.queue.service import Lease
+from server.sandbox import Sandbox
+from server.settings import Settings
+from server.worker.grading import Grader
+from server.worker.results import recorded
+from server.worker.service import Stop, Worker
+
+PR_SET_PDEATHSIG = 1
+
+
+def die_with(parent: int) -> None:
+    """Has the kernel end this process when its parent does; ends it now if that has already happened."""
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0) != 0:
+        raise OSError(ctypes.get_errno(), "prctl(PR_SET_PDEATHSIG)")
+    if os.getppid() != parent:
+        sys.exit(0)
+
+
+def stop_on_signals(*, interrupt: bool = False) -> None:
+    """SIGTERM raises Stop. Ctrl+C too with `interrupt`; else it belongs to the server, which stops its workers."""
+    signal.signal(signal.SIGTERM, _stop)
+    signal.signal(signal.SIGINT, _stop if interrupt else signal.SIG_IGN)
+
+
+def _stop(_signal: int, _frame: FrameType | None) -> None:
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    raise Stop
+
+
+def start_logging(name: str) -> None:
+    logging.basicConfig(level=logging.INFO, format=f"%(asctime)s %(levelname)s {name} %(name)s: %(message)s")
+
+
+def run(settings: Settings, work: WorkSource, signals: Signals) -> None:
+    """Grades with the real catalogue and sandbox until told to stop."""
+    catalogue = load(render=False)
+    database = Database(settings.url, {"settings": settings, "signals": signals})
+    with closing(database), Sandbox(catalogue.kits) as sandbox:
+        grader = Grader(catalogue, sandbox)
+
+        def grade(lease: Lease) -> dict[str, Any]:
+            grading = grader.grade(lease.exercise, lease.source, lease.seed)
+            return recorded(grading.verdict, grading.figures)
+
+        Worker(database, settings, grade).run(work)
