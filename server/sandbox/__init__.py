@@ -1,0 +1,22 @@
+"""Runs a student's code behind walls, and answers with plain values or with a fault. See README.md in this folder."""
+
+from server.sandbox.child.codec import Value
+from server.sandbox.faults import FaultKind, Frame, ProgramFault, SandboxFault
+from server.sandbox.policy import Policy
+from server.sandbox.pool import Sandbox
+from server.sandbox.session import Session
+from server.sandbox.values import Kit, Reply, Usage
+
+__all__ = [
+    "FaultKind",
+    "Frame",
+    "Kit",
+    "Policy",
+    "ProgramFault",
+    "Reply",
+    "Sandbox",
+    "SandboxFault",
+    "Session",
+    "Usage",
+    "Value",
+]

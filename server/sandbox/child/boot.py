@@ -1,0 +1,27 @@
+"""First lines of a template: the namespaces are entered while the process is still small, then numpy is imported."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+from . import outer
+
+
+def main(control: int, configuration: int, parent: int, namespaces: bool, sites: list[str]) -> None:
+    """`sites`: the directories where numpy and scipy are installed."""
+    outer.tie_to_parent(parent)
+
+    def inside() -> None:
+        sys.path += sites
+        with open(configuration, "rb", closefd=True) as file:
+            data = file.read()
+        from . import template
+
+        template.start(control, data)
+
+    if namespaces:
+        code = outer.split_off(inside, control)
+        os._exit(code if code >= 0 else 70)
+    inside()
+    os._exit(0)

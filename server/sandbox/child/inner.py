@@ -1,0 +1,122 @@
+"""The walls that each fork raises around itself, before any line of the student runs."""
+
+from __future__ import annotations
+
+import mmap
+import os
+import resource
+import signal
+from dataclasses import dataclass
+
+from . import landlock, libc, seccomp
+
+WIRE = 230
+#: Address space that only the report of a lack of memory may use.
+RESERVE = 16 << 20
+STACK = 64 << 20
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """What the template makes ready once for all its forks: `base_memory` is its own address space in bytes."""
+
+    rules: int | None
+    filters: dict[bool, bytes]
+    base_memory: int
+    parent: int
+
+
+@dataclass(frozen=True)
+class Limits:
+    """The part of the policy that the kernel enforces."""
+
+    cpu_seconds: float
+    memory_bytes: int
+    files: int
+    file_bytes: int
+    threads: int
+
+
+def raise_walls(prepared: Prepared, limits: Limits, wire: int, output: int, lifted: frozenset[str]) -> mmap.mmap:
+    """Leaves fds 0 (null), 1 and 2 (output) and WIRE, and all walls up; returns the reserve of memory.
+
+    `lifted` names walls to leave down: only the probe and the tests of the walls themselves use it.
+    """
+    _tie_to_parent(prepared.parent)
+    _keep_descriptors(wire, output, prepared.rules)
+    reserve = mmap.mmap(-1, RESERVE, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
+    libc.prctl(libc.PR_SET_DUMPABLE, 0)
+    libc.prctl(libc.PR_SET_NO_NEW_PRIVS, 1)
+    if "rlimits" not in lifted:
+        _bound_resources(limits, prepared.base_memory + RESERVE)
+    if prepared.rules is not None:
+        if "landlock" not in lifted:
+            landlock.restrict(prepared.rules)
+        os.close(prepared.rules)
+    if "seccomp" not in lifted:
+        seccomp.install(prepared.filters[limits.threads > 1])
+    return reserve
+
+
+def _tie_to_parent(parent: int) -> None:
+    """Dies with the template; a template that died in between is noticed by the changed parent."""
+    libc.prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:
+        os._exit(70)
+
+
+def _keep_descriptors(wire: int, output: int, rules: int | None) -> None:
+    kept = sorted({WIRE} | ({rules} if rules is not None else set()))
+    os.dup2(output, 1)
+    os.dup2(output, 2)
+    os.dup2(wire, WIRE, inheritable=False)
+    low = 3
+    for descriptor in kept:
+        _close(low, descriptor - 1)
+        low = descriptor + 1
+    _close(low, 2**32 - 1)
+
+
+def _close(first: int, last: int) -> None:
+    if first <= last:
+        libc.syscall("close_range", 436, first, last, 0)
+
+
+def _bound_resources(limits: Limits, base_memory: int) -> None:
+    seconds = max(1, int(-(-limits.cpu_seconds // 1)))
+    memory = base_memory + limits.memory_bytes
+    for kind, soft, hard in (
+        (resource.RLIMIT_AS, memory, memory),
+        (resource.RLIMIT_CPU, seconds + 1, seconds + 2),
+        (resource.RLIMIT_FSIZE, limits.file_bytes, limits.file_bytes),
+        (resource.RLIMIT_NOFILE, limits.files, limits.files),
+        (resource.RLIMIT_CORE, 0, 0),
+        (resource.RLIMIT_STACK, STACK, STACK),
+        (resource.RLIMIT_MEMLOCK, 0, 0),
+        (resource.RLIMIT_MSGQUEUE, 0, 0),
+        (resource.RLIMIT_NPROC, 0, 0),
+    ):
+        if kind == resource.RLIMIT_NPROC and limits.threads > 1:
+            continue
+        _bound(kind, soft, hard)
+
+
+def _bound(kind: int, soft: int, hard: int) -> None:
+    """Never above the limit that is already there."""
+    _, ceiling = resource.getrlimit(kind)
+    if ceiling != resource.RLIM_INFINITY:
+        soft, hard = min(soft, ceiling), min(hard, ceiling)
+    resource.setrlimit(kind, (soft, hard))
+
+
+def address_space() -> int:
+    """Bytes of address space that this process has mapped; needs /proc, so before the view is changed."""
+    with open("/proc/self/statm", encoding="ascii") as statm:
+        return int(statm.read().split()[0]) * mmap.PAGESIZE
+
+
+def filters() -> dict[bool, bytes]:
+    """Seccomp programs by whether threads are allowed."""
+    return {threads: seccomp.assemble(threads=threads) for threads in (False, True)}
+
+

@@ -1,0 +1,63 @@
+"""Landlock rules, within what the running kernel offers: read below a list of paths, and nothing else of the file system;
+no TCP; no signal and no abstract socket out of the domain."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import struct
+from collections.abc import Iterable
+
+from . import libc
+
+_CREATE, _ADD, _RESTRICT = 444, 445, 446  # the same on every architecture
+_EXECUTE, _WRITE_FILE, _READ_FILE, _READ_DIR = 1, 2, 4, 8
+#: Number of file-system rights, by version of the interface.
+_FS_RIGHTS = {1: 13, 2: 14, 3: 15, 4: 15, 5: 16, 6: 16, 7: 16}
+_NET_BIND_AND_CONNECT, _SCOPE_ABSTRACT_SOCKET_AND_SIGNAL = 3, 3
+
+
+class _Attributes(ctypes.Structure):
+    _fields_ = (("fs", ctypes.c_uint64), ("net", ctypes.c_uint64), ("scoped", ctypes.c_uint64))
+
+
+def version() -> int:
+    """Version of the interface; 0 when the kernel has no Landlock or has it switched off."""
+    try:
+        return libc.syscall("landlock_create_ruleset", _CREATE, None, 0, 1)
+    except OSError:
+        return 0
+
+
+def ruleset(readable: Iterable[str], devices: Iterable[str] = ()) -> int:
+    """Descriptor of a rule set; paths that do not exist are left out. Raises OSError without Landlock."""
+    known = min(version(), max(_FS_RIGHTS))
+    if not known:
+        raise libc.Unsupported(38, "Landlock est absent de ce noyau")
+    attributes = _Attributes((1 << _FS_RIGHTS[known]) - 1, 0, 0)
+    if known >= 4:
+        attributes.net = _NET_BIND_AND_CONNECT
+    if known >= 6:
+        attributes.scoped = _SCOPE_ABSTRACT_SOCKET_AND_SIGNAL
+    size = 8 if known < 4 else 16 if known < 6 else 24
+    rules = libc.syscall("landlock_create_ruleset", _CREATE, attributes, size, 0)
+    for path in readable:
+        _allow(rules, path, _READ_FILE | (_READ_DIR if os.path.isdir(path) else 0))
+    for path in devices:
+        _allow(rules, path, _READ_FILE | _WRITE_FILE)
+    return rules
+
+
+def _allow(rules: int, path: str, rights: int) -> None:
+    if not os.path.exists(path):
+        return
+    descriptor = os.open(path, os.O_PATH | os.O_CLOEXEC)
+    try:
+        libc.syscall("landlock_add_rule", _ADD, rules, 1, struct.pack("=Qi", rights, descriptor), 0)
+    finally:
+        os.close(descriptor)
+
+
+def restrict(rules: int) -> None:
+    """Puts the calling thread under the rules, for ever. Needs no_new_privs."""
+    libc.syscall("landlock_restrict_self", _RESTRICT, rules, 0)

@@ -1,0 +1,99 @@
+"""The system calls that Python does not offer, through ctypes. Every one raises OSError on failure."""
+
+from __future__ import annotations
+
+import ctypes
+import errno
+import os
+import platform
+
+_libc = ctypes.CDLL(None, use_errno=True)
+_libc.syscall.restype = ctypes.c_long
+
+MACHINE = platform.machine()
+#: Column of `syscalls` and ``AUDIT_ARCH`` of seccomp, for the architectures that are known.
+ARCHITECTURES = {"x86_64": (0, 0xC000003E), "aarch64": (1, 0xC00000B7), "arm64": (1, 0xC00000B7)}
+PIVOT_ROOT = {0: 155, 1: 41}
+
+PR_SET_PDEATHSIG, PR_SET_DUMPABLE, PR_SET_SECCOMP, PR_CAPBSET_DROP, PR_SET_NO_NEW_PRIVS = 1, 4, 22, 24, 38
+PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL = 47, 4
+
+
+class Unsupported(OSError):
+    """This machine lacks what was asked for."""
+
+
+def _checked(result: int, what: str) -> int:
+    if result < 0:
+        code = ctypes.get_errno()
+        raise OSError(code, f"{what}: {os.strerror(code)}")
+    return result
+
+
+def _argument(value: int | bytes | ctypes.Array[ctypes.c_char] | ctypes.Structure | None) -> object:
+    if isinstance(value, int):
+        return ctypes.c_long(value)
+    return ctypes.byref(value) if isinstance(value, ctypes.Structure) else value
+
+
+def syscall(
+    what: str, number: int, *arguments: int | bytes | ctypes.Array[ctypes.c_char] | ctypes.Structure | None
+) -> int:
+    return _checked(_libc.syscall(ctypes.c_long(number), *map(_argument, arguments)), what)
+
+
+def prctl(option: int, *arguments: int | ctypes.Structure) -> int:
+    filled = (*arguments, 0, 0, 0, 0)[:4]
+    return _checked(_libc.prctl(ctypes.c_int(option), *map(_argument, filled)), f"prctl({option})")
+
+
+def mount(source: str, target: str, kind: str | None, flags: int, options: str | None = None) -> None:
+    encoded = (None if text is None else text.encode() for text in (source, target, kind))
+    source_, target_, kind_ = encoded
+    data = None if options is None else options.encode()
+    _checked(_libc.mount(source_, target_, kind_, ctypes.c_ulong(flags), data), f"mount({target})")
+
+
+def detach(target: str) -> None:
+    _checked(_libc.umount2(target.encode(), 2), f"umount2({target})")
+
+
+def unshare(flags: int) -> None:
+    _checked(_libc.unshare(ctypes.c_int(flags)), f"unshare({flags:#x})")
+
+
+def column() -> int:
+    if MACHINE not in ARCHITECTURES:
+        raise Unsupported(38, f"architecture inconnue : {MACHINE}")
+    return ARCHITECTURES[MACHINE][0]
+
+
+def audit_architecture() -> int:
+    column()
+    return ARCHITECTURES[MACHINE][1]
+
+
+class _CapabilityHeader(ctypes.Structure):
+    _fields_ = (("version", ctypes.c_uint32), ("pid", ctypes.c_int))
+
+
+class _CapabilityData(ctypes.Structure):
+    _fields_ = (("words", ctypes.c_uint32 * 6),)
+
+
+def drop_bounding_capabilities() -> None:
+    """No later program may gain a capability. Needs CAP_SETPCAP: without it there is nothing to drop."""
+    for capability in range(64):
+        try:
+            prctl(PR_CAPBSET_DROP, capability)
+        except OSError as error:
+            if error.errno in (errno.EINVAL, errno.EPERM):  # past the last one of this kernel, or not privileged
+                return
+            raise
+
+
+def drop_capabilities() -> None:
+    """Empties the ambient, effective, permitted and inheritable sets."""
+    prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL)
+    header, data = _CapabilityHeader(0x20080522, 0), _CapabilityData()
+    _checked(_libc.capset(ctypes.byref(header), ctypes.byref(data)), "capset")

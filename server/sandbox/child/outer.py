@@ -1,0 +1,162 @@
+"""The outer wall, raised once for a template: namespaces, a file view made of read-only pieces, an unprivileged identity."""
+
+from __future__ import annotations
+
+import os
+import signal
+import struct
+import sys
+import traceback
+from collections.abc import Callable, Iterable
+
+from . import libc
+
+_NEWNS, _NEWCGROUP, _NEWUTS, _NEWIPC, _NEWUSER, _NEWPID, _NEWNET = (
+    0x00020000, 0x02000000, 0x04000000, 0x08000000, 0x10000000, 0x20000000, 0x40000000,
+)  # fmt: skip
+_ALL = _NEWNS | _NEWCGROUP | _NEWUTS | _NEWIPC | _NEWPID | _NEWNET
+_OPEN_TREE, _MOVE_MOUNT, _MOUNT_SETATTR = 428, 429, 442  # the same on every architecture
+_RECURSIVE, _EMPTY_PATH, _CWD = 0x8000, 0x1000, -100
+_RDONLY, _NOSUID, _NODEV = 1, 2, 4
+_MS_PRIVATE_RECURSIVE, _MS_NOSUID_NODEV = (1 << 18) | (1 << 14), 2 | 4
+#: Nobody's own identity: no file and no service of a machine belongs to it.
+UNPRIVILEGED = 61_185
+DEVICES = ("/dev/null", "/dev/zero", "/dev/urandom", "/dev/random")
+_PACKAGES = ("site-packages", "dist-packages")
+
+
+def tie_to_parent(parent: int) -> None:
+    """This process dies with the thread that started it (or at once, if that is already gone)."""
+    libc.prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:
+        os._exit(70)
+
+
+def split_off(inside: Callable[[], None], control: int) -> int:
+    """Enters new namespaces and runs `inside` in their first process; returns its exit code.
+
+    Raises OSError when this machine refuses the namespaces.
+    """
+    user, group = os.geteuid(), os.getegid()
+    try:
+        libc.unshare(_ALL)
+    except PermissionError:
+        libc.unshare(_NEWUSER | _ALL)
+        _map_identity(user, group)
+    watcher = os.getpid()
+    child = os.fork()
+    if child == 0:
+        _first_process(inside, watcher)
+    os.close(control)
+    _, status = os.waitpid(child, 0)
+    return os.waitstatus_to_exitcode(status)
+
+
+def _first_process(inside: Callable[[], None], watcher: int) -> None:
+    code = 70
+    try:
+        libc.prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL)
+        inside()
+        code = 0
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        sys.stderr.flush()
+        os._exit(code)
+
+
+def _map_identity(user: int, group: int) -> None:
+    for name, text in (
+        ("setgroups", "deny"),
+        ("uid_map", f"{UNPRIVILEGED} {user} 1"),
+        ("gid_map", f"{UNPRIVILEGED} {group} 1"),
+    ):
+        with open(f"/proc/self/{name}", "w", encoding="ascii") as file:
+            file.write(text)
+
+
+def drop_privileges() -> None:
+    """Nobody's identity where this process may change it, no capability, no way to gain one."""
+    libc.drop_bounding_capabilities()
+    if os.geteuid() == 0:
+        os.setgroups([])
+        os.setresgid(UNPRIVILEGED, UNPRIVILEGED, UNPRIVILEGED)
+        os.setresuid(UNPRIVILEGED, UNPRIVILEGED, UNPRIVILEGED)
+    libc.drop_capabilities()
+
+
+def mapped_files() -> list[str]:
+    """The files that this process has mapped: the interpreter and the libraries that it needs."""
+    with open("/proc/self/maps", encoding="utf-8") as maps:
+        names = {line.rstrip("\n").split(maxsplit=5)[5] for line in maps if "/" in line}
+    return sorted(name for name in names if name.startswith("/") and os.path.isfile(name))
+
+
+def outermost(paths: Iterable[str]) -> list[str]:
+    """The existing paths that lie below no other one of them."""
+    kept: list[str] = []
+    for path in sorted({os.path.abspath(path) for path in paths if os.path.exists(path)}):
+        if not any(path == above or path.startswith(above + "/") for above in kept):
+            kept.append(path)
+    return kept
+
+
+def change_view(libraries: Iterable[str], packages: Iterable[str]) -> None:
+    """Replaces the root by a read-only one that holds these paths and four devices, and detaches the old one.
+
+    `libraries` are directories or files taken whole, without the folder of installed packages that they may hold; `packages` are
+    directories put back into it.
+    """
+    libc.mount("none", "/", None, _MS_PRIVATE_RECURSIVE)
+    whole = outermost(libraries)
+    loose = [path for path in dict.fromkeys(packages) if os.path.isdir(path)]
+    trees = {path: _clone(path, _RDONLY | _NOSUID | _NODEV) for path in (*whole, *loose)}
+    devices = {path: _clone(path, _RDONLY | _NOSUID) for path in DEVICES if os.path.exists(path)}
+    root = next(path for path in ("/tmp", "/var/tmp", "/mnt", "/usr") if os.path.isdir(path))
+    libc.mount("none", root, "tmpfs", _MS_NOSUID_NODEV, "size=1m,nr_inodes=4096,mode=755")
+    hidden = []
+    for path in whole:
+        _attach(trees[path], root, path)
+        hidden += _hide_packages(root + path)
+    for path in (*loose, *devices):
+        _attach(trees.get(path) or devices[path], root, path)
+    _pivot(root)
+    for path in ("/", *(name.removeprefix(root) for name in hidden)):
+        _set_attributes(_CWD, path, _RDONLY | _NOSUID | _NODEV, recursive=False)
+
+
+def _clone(path: str, attributes: int) -> tuple[int, bool]:
+    tree = libc.syscall(f"open_tree({path})", _OPEN_TREE, _CWD, os.fsencode(path), 1 | os.O_CLOEXEC | _RECURSIVE)
+    _set_attributes(tree, "", attributes, recursive=True)
+    return tree, os.path.isdir(path)
+
+
+def _set_attributes(base: int, path: str, attributes: int, *, recursive: bool) -> None:
+    request = struct.pack("=QQQQ", attributes, 0, 0, 0)
+    flags = (_RECURSIVE if recursive else 0) | (0 if path else _EMPTY_PATH)
+    libc.syscall(f"mount_setattr({path})", _MOUNT_SETATTR, base, os.fsencode(path), flags, request, len(request))
+
+
+def _attach(tree: tuple[int, bool], root: str, path: str) -> None:
+    descriptor, directory = tree
+    target = root + path
+    os.makedirs(target if directory else os.path.dirname(target), mode=0o755, exist_ok=True)
+    if not directory:
+        os.close(os.open(target, os.O_CREAT | os.O_WRONLY | os.O_CLOEXEC, 0o644))
+    libc.syscall(f"move_mount({path})", _MOVE_MOUNT, descriptor, b"", _CWD, os.fsencode(target), 4)
+    os.close(descriptor)
+
+
+def _hide_packages(tree: str) -> list[str]:
+    """Covers the folders of installed packages of a standard library: the project itself may lie there."""
+    hidden = [os.path.join(tree, name) for name in _PACKAGES if os.path.isdir(os.path.join(tree, name))]
+    for path in hidden:
+        libc.mount("none", path, "tmpfs", _MS_NOSUID_NODEV, "size=1m,nr_inodes=1024,mode=755")
+    return hidden
+
+
+def _pivot(root: str) -> None:
+    os.chdir(root)
+    libc.syscall("pivot_root", libc.PIVOT_ROOT[libc.column()], b".", b".")
+    libc.detach(".")
+    os.chdir("/")

@@ -1,0 +1,144 @@
+"""A student's file inside the walls: loaded under the conditions of the exercise, then called again and again."""
+
+from __future__ import annotations
+
+import builtins
+import linecache
+import random
+import sys
+from collections.abc import Callable, Mapping
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from . import report
+from .codec import Limits, TooBig, Unsendable, Value, encode
+
+MODULE = "solution"
+MAX_NAMES, MAX_NAME = 1000, 120
+#: Python frames that the stack of a child can always hold.
+RECURSION = 20_000
+
+Fault = dict[str, Value]
+
+
+class Failure(Exception):
+    """What the student's program did wrong, as the fields of a fault."""
+
+    def __init__(self, fault: Fault) -> None:
+        super().__init__()
+        self.fault = fault
+
+
+class Program:
+    """`configure` and `load` once, then `call`; the last two return encoded values or raise Failure."""
+
+    def __init__(self, kits: Mapping[str, ModuleType], limits: Limits, free_reserve: Callable[[], None]) -> None:
+        self._kits, self._limits, self._free_reserve = kits, limits, free_reserve
+        self._lines: list[str] = []
+        self._filename = ""
+        self._injected: dict[str, object] = {}
+        self._globals: dict[str, Any] = {}
+
+    def load(self, source: bytes, filename: str) -> bytes:
+        """Runs the file's top level; returns the names of the callables that it defines, encoded."""
+        code = self._compile(source, filename)
+        module = ModuleType(MODULE)
+        module.__dict__.update(self._injected, __file__=filename)
+        sys.modules[MODULE] = module
+        self._globals = module.__dict__
+        self._guarded(lambda: exec(code, self._globals))
+        return encode(self._defined(), self._limits)
+
+    def call(self, function: str, arguments: tuple[Value, ...], *, return_arguments: bool) -> bytes:
+        """Calls a name of the file; returns (value, arguments after the call or null), encoded."""
+        value = self._guarded(lambda: self._globals[function](*arguments))
+        return self._encoded((value, arguments if return_arguments else None), function)
+
+    def configure(self, kit: str | None, parameters: Mapping[str, Value]) -> None:
+        """Seeds the generators, and asks the kit for the names that the file finds. What it raises is not the student's."""
+        seed = parameters.get("seed")
+        seed = seed if isinstance(seed, int) else None
+        random.seed(seed)
+        np.random.seed(None if seed is None else seed % 2**32)
+        if kit is not None:
+            module = self._kits[kit]
+            self._injected = dict(module.configurer(**parameters))
+            module.__dict__.update(self._injected)
+
+    def _compile(self, source: bytes, filename: str) -> Any:
+        text = source.decode("utf-8-sig", "replace")
+        self._lines, self._filename = text.splitlines(), filename
+        linecache.cache[filename] = (len(text), None, text.splitlines(keepends=True), filename)
+        try:
+            return compile(source, filename, "exec", dont_inherit=True)
+        except (SyntaxError, ValueError, RecursionError, MemoryError, OverflowError) as error:
+            raise Failure(report.describe_syntax(error, self._lines)) from None
+
+    def _guarded(self, action: Callable[[], Any]) -> Any:
+        try:
+            return action()
+        except BaseException as error:  # SystemExit and KeyboardInterrupt too are the student's
+            if isinstance(error, MemoryError):
+                self._free_reserve()
+            raise Failure(report.describe(error, self._filename, self._lines)) from None
+
+    def _encoded(self, reply: object, function: str) -> bytes:
+        try:
+            return encode(reply, self._limits)
+        except TooBig as error:
+            kind = "output_limit" if error.what != "depth" else "invalid_output"
+            raise Failure(_result_fault(kind, error.what, "", function, "")) from None
+        except Unsendable as error:
+            raise Failure(_result_fault("invalid_output", error.reason, error.culprit, function, error.place)) from None
+        except BaseException as error:  # __array__ and the like are the student's code
+            raise Failure(report.describe(error, self._filename, self._lines) | {"kind": "invalid_output"}) from None
+
+    def _defined(self) -> tuple[str, ...]:
+        injected = self._injected
+        names = [
+            name
+            for name, value in self._globals.items()
+            if isinstance(name, str) and callable(value) and not (name in injected and injected[name] is value)
+        ]
+        return tuple(name[:MAX_NAME] for name in names[:MAX_NAMES])
+
+    def interrupted(self, frame: Any) -> Fault:
+        """The fault of a program caught computing at `frame` when its time was up."""
+        frames: list[tuple[int, str, str]] = []
+        while frame is not None:
+            if frame.f_code.co_filename == self._filename and len(frames) < report.MAX_FRAMES:
+                line = int(frame.f_lineno or 0)
+                source = self._lines[line - 1].strip()[:200] if 0 < line <= len(self._lines) else ""
+                frames.insert(0, (line, frame.f_code.co_name[: report.MAX_NAME], source))
+            frame = frame.f_back
+        line_reached = frames[-1][0] if frames else None
+        return {
+            **_result_fault("timeout", "", "", "", ""),
+            "line": line_reached,
+            "frames": tuple(frames),
+        }
+
+
+def _result_fault(kind: str, reason: str, culprit: str, function: str, place: str) -> Fault:
+    return {
+        "kind": kind,
+        "exception": "",
+        "text": culprit[: report.MAX_NAME],
+        "line": None,
+        "frames": (),
+        "detail": f"{reason}|{place[:200]}|{function[:MAX_NAME]}",
+    }
+
+
+def prepare_interpreter(stream: Any, modules_of_ours: str) -> None:
+    """Makes the interpreter what a student expects: their streams, `exit`, a bounded recursion, none of our names."""
+    sys.stdout = sys.stderr = sys.__stdout__ = sys.__stderr__ = stream  # type: ignore[misc]
+    sys.argv[:] = ["solution.py"]
+    sys.dont_write_bytecode = True
+    vars(builtins).update(exit=sys.exit, quit=sys.exit)
+    set_limit = sys.setrecursionlimit
+    sys.setrecursionlimit = lambda limit: set_limit(min(limit, RECURSION))
+    for name in [name for name in sys.modules if name.partition(".")[0] == modules_of_ours or name == "__main__"]:
+        del sys.modules[name]

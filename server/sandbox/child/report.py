@@ -1,0 +1,109 @@
+"""What the child says of an exception: bounded plain values, which the trusted side turns into French."""
+
+from __future__ import annotations
+
+import errno
+import os
+from types import TracebackType
+
+from .codec import Value
+
+MAX_TEXT, MAX_NAME, MAX_FRAMES = 600, 80, 8
+#: Libraries whose own system errors mean that a wall refused something.
+_REACHING_OUT = ("socket", "subprocess", "multiprocessing", "urllib", "ssl", "asyncio", "http", "ctypes")
+
+
+def describe(error: BaseException, filename: str, lines: list[str]) -> dict[str, Value]:
+    """Fields of a fault: kind, exception, text, line, frames (line, function, source), module."""
+    frames = _own_frames(error.__traceback__, filename, lines)
+    return {
+        "kind": _kind(error),
+        "exception": type(error).__name__[:MAX_NAME],
+        "text": _text(error),
+        "line": frames[-1][0] if frames else None,
+        "frames": tuple(frames),
+        "detail": _detail(error),
+    }
+
+
+def describe_syntax(error: BaseException, lines: list[str]) -> dict[str, Value]:
+    """Fields of a fault of the file itself; `detail` is the offending text."""
+    line = error.lineno if isinstance(error, SyntaxError) else None
+    known = isinstance(line, int) and 0 < line <= len(lines)
+    source = lines[line - 1].strip()[:MAX_TEXT] if known and line else ""
+    message = error.msg if isinstance(error, SyntaxError) else _text(error)
+    return {
+        "kind": "memory_limit" if isinstance(error, MemoryError) else "syntax_error",
+        "exception": type(error).__name__[:MAX_NAME],
+        "text": str(message)[:MAX_TEXT],
+        "line": line if known else None,
+        "frames": (),
+        "detail": source,
+    }
+
+
+def _text(error: BaseException) -> str:
+    try:
+        text = str(error)[:MAX_TEXT]
+    except BaseException as failure:  # a student's __str__ may raise anything, and that changes nothing
+        return f"<{type(failure).__name__[:MAX_NAME]}>"
+    return text
+
+
+def _own_frames(traceback: TracebackType | None, filename: str, lines: list[str]) -> list[tuple[int, str, str]]:
+    frames: list[tuple[int, str, str]] = []
+    while traceback is not None:
+        code = traceback.tb_frame.f_code
+        if code.co_filename == filename:
+            line = int(traceback.tb_lineno or 0)
+            source = lines[line - 1].strip()[:200] if 0 < line <= len(lines) else ""
+            frames.append((line, code.co_name[:MAX_NAME], source))
+            if len(frames) > MAX_FRAMES:
+                del frames[2]  # the way in, then the last ones: what a deep recursion needs
+        traceback = traceback.tb_next
+    return frames
+
+
+def _innermost_module(traceback: TracebackType | None) -> str:
+    name = ""
+    while traceback is not None:
+        name = str(traceback.tb_frame.f_globals.get("__name__", ""))
+        traceback = traceback.tb_next
+    return name.partition(".")[0]
+
+
+def _kind(error: BaseException) -> str:
+    if isinstance(error, MemoryError):
+        return "memory_limit"
+    if isinstance(error, ImportError) and _innermost_module(error.__traceback__) != "multiprocessing":
+        return "import_error"
+    return "forbidden_operation" if _refused(error) else "runtime_error"
+
+
+def _refused(error: BaseException) -> bool:
+    """Whether a wall refused what the program tried: a permission, a path out of its folder, a process, a connection."""
+    if isinstance(error, RuntimeError) and "start new thread" in _text(error):
+        return True
+    if not isinstance(error, (OSError, ImportError)):
+        return False
+    number = getattr(error, "errno", None)
+    if isinstance(error, PermissionError) or number in (errno.EPERM, errno.EACCES, errno.EROFS):
+        return True
+    return _escapes(getattr(error, "filename", None)) or _innermost_module(error.__traceback__) in _REACHING_OUT
+
+
+def _escapes(path: object) -> bool:
+    if isinstance(path, bytes):
+        path = os.fsdecode(path)
+    return isinstance(path, str) and (path.startswith(("/", "~")) or ".." in path.split("/"))
+
+
+def _detail(error: BaseException) -> str:
+    """The name or the path at the heart of the matter."""
+    for attribute in ("name", "filename"):
+        value = getattr(error, attribute, None)
+        if isinstance(value, str):
+            return value[:200]
+    if isinstance(error, SystemExit):
+        return _text(error)
+    return ""

@@ -1,0 +1,57 @@
+"""The student's standard output: a text stream without buffer over the shared memory file, silent beyond its bound."""
+
+from __future__ import annotations
+
+import io
+import os
+
+
+class BoundedBytes(io.RawIOBase):
+    """Writes to a descriptor until `bound` bytes of it are full, then drops the rest without an error."""
+
+    def __init__(self, descriptor: int, bound: int) -> None:
+        self._descriptor, self._bound, self._full = descriptor, bound, False
+
+    def writable(self) -> bool:
+        return True
+
+    def fileno(self) -> int:
+        return self._descriptor
+
+    def write(self, data: object) -> int:
+        view = memoryview(data).cast("B")  # type: ignore[arg-type]
+        if not self._full and len(view):
+            self._put(view)
+        return len(view)
+
+    def _put(self, view: memoryview) -> None:
+        room = self._bound - os.lseek(self._descriptor, 0, os.SEEK_CUR)
+        if room > 0:
+            os.write(self._descriptor, view[:room])
+        self._full = room <= len(view)
+
+
+class BoundedText(io.TextIOBase):
+    """Text over `BoundedBytes`, encoded in UTF-8; every write reaches the file at once, so that a killed program keeps it."""
+
+    def __init__(self, raw: BoundedBytes, bound: int) -> None:
+        self._raw, self._bound = raw, bound
+
+    encoding = "utf-8"
+    errors = "replace"
+
+    @property
+    def buffer(self) -> BoundedBytes:
+        return self._raw
+
+    def writable(self) -> bool:
+        return True
+
+    def fileno(self) -> int:
+        return self._raw.fileno()
+
+    def write(self, text: str) -> int:
+        if not isinstance(text, str):
+            raise TypeError(f"write() argument must be str, not {type(text).__name__}")
+        self._raw.write(text[: self._bound + 1].encode("utf-8", "replace"))
+        return len(text)

@@ -1,0 +1,151 @@
+"""The template: a warm process behind the outer wall that forks a child for each order. It never runs a student's line.
+
+Orders come on one SOCK_SEQPACKET socket, as dictionaries of `codec`: ``fork`` (with the child's wire and output as
+descriptors) and ``kill``. It answers with ``hello`` once, and ``exited`` for each child.
+"""
+
+from __future__ import annotations
+
+import gc
+import importlib
+import os
+import select
+import signal
+import socket
+import sys
+from types import ModuleType
+from typing import Any
+
+from . import codec, inner, landlock, libc, outer, serve
+from .codec import Limits, Value
+
+CONTROL = Limits(size=1 << 26, depth=6, items=10_000)
+_MESSAGE = 1 << 17
+_USUAL = ["__future__", "abc", "array", "bisect", "cmath", "collections", "collections.abc", "contextlib", "copy", "dataclasses", "decimal", "enum", "fractions", "functools", "heapq", "inspect", "io", "itertools", "json", "linecache", "math", "numbers", "operator", "pprint", "queue", "random", "re", "statistics", "string", "struct", "textwrap", "threading", "time", "timeit", "traceback", "types", "typing", "warnings", "weakref", "datetime"]
+IMPORTS = {
+    "numpy": ("numpy", "numpy.linalg", "numpy.random", "numpy.fft", "numpy.polynomial", "numpy.ma"),
+    "scipy": (
+        *("numpy", "numpy.linalg", "numpy.random", "numpy.fft", "numpy.polynomial", "numpy.ma"),
+        *("scipy.linalg", "scipy.sparse", "scipy.sparse.linalg", "scipy.special", "scipy.optimize", "scipy.spatial"),
+        *("scipy.spatial.distance", "scipy.spatial.transform", "scipy.ndimage"),
+    ),
+}
+
+
+class Template:
+    """`configuration`: kits (name → source), imports, packages (directories), namespaces (bool), lifted (names of walls)."""
+
+    def __init__(self, control: int, configuration: dict[str, Any]) -> None:
+        self._control = socket.socket(fileno=control)
+        self._configuration = configuration
+        self._children: dict[int, tuple[int, int]] = {}  # pidfd → (pid, id of the order)
+        self._poll = select.poll()
+
+    def prepare(self) -> None:
+        """Imports, then changes the view, then drops all privileges, then warms up."""
+        lifted = frozenset(self._configuration["lifted"])
+        for name in (*_USUAL, *IMPORTS[self._configuration["imports"]]):
+            importlib.import_module(name)
+        self._kits = {name: _kit(name, source) for name, source in self._configuration["kits"].items()}
+        libraries = [*(path for path in sys.path if path not in self._configuration["sites"]), *outer.mapped_files()]
+        packages = self._configuration["packages"]
+        base_memory = inner.address_space()
+        rules = None
+        if self._configuration["namespaces"]:
+            outer.change_view(libraries, packages)
+        if landlock.version():
+            rules = landlock.ruleset(outer.outermost([*_without_packages(libraries), *packages]), outer.DEVICES)
+        outer.drop_privileges()
+        libc.prctl(libc.PR_SET_NO_NEW_PRIVS, 1)
+        libc.prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL)  # a change of identity has cleared it
+        self._prepared = inner.Prepared(rules, inner.filters(), base_memory, os.getpid())
+        self._lifted = lifted
+        os.environ.clear()
+        serve.warm_up(self._kits)
+
+    def serve(self) -> None:
+        """Until the other end of the control socket is closed."""
+        gc.collect()
+        gc.disable()
+        gc.freeze()
+        self._tell({"do": "hello", "base_memory": self._prepared.base_memory, "landlock": landlock.version()})
+        self._poll.register(self._control.fileno(), select.POLLIN)
+        while True:
+            for descriptor, _ in self._poll.poll():
+                if descriptor != self._control.fileno():
+                    self._reap(descriptor)
+                elif not self._obey():
+                    return
+
+    def _tell(self, message: dict[str, Value]) -> None:
+        self._control.sendall(codec.encode(message, CONTROL))
+
+    def _obey(self) -> bool:
+        data, descriptors, _, _ = socket.recv_fds(self._control, _MESSAGE, 2, socket.MSG_CMSG_CLOEXEC)
+        if not data:
+            return False
+        order: Any = codec.decode(data, CONTROL)
+        if order["do"] == "fork":
+            self._fork(order, *descriptors)
+        else:
+            self._kill(order["id"])
+        return True
+
+    def _fork(self, order: dict[str, Any], wire: int, output: int) -> None:
+        pid = os.fork()
+        if pid == 0:
+            serve.run(self._prepared, self._kits, order, wire, output, self._lifted)
+        os.close(wire)
+        os.close(output)
+        pidfd = os.pidfd_open(pid)
+        self._children[pidfd] = (pid, order["id"])
+        self._poll.register(pidfd, select.POLLIN)
+
+    def _kill(self, number: int) -> None:
+        for pid, known in self._children.values():
+            if known == number:
+                os.kill(pid, signal.SIGKILL)
+
+    def _reap(self, pidfd: int) -> None:
+        pid, number = self._children.pop(pidfd)
+        self._poll.unregister(pidfd)
+        os.close(pidfd)
+        _, status, usage = os.wait4(pid, 0)
+        self._tell(
+            {
+                "do": "exited",
+                "id": number,
+                "status": status,
+                "cpu": usage.ru_utime + usage.ru_stime,
+                "rss": usage.ru_maxrss * 1024,
+            }
+        )
+
+
+def _kit(name: str, source: str) -> ModuleType:
+    module = ModuleType(name)
+    exec(compile(source, f"{name}.py", "exec", dont_inherit=True), module.__dict__)
+    sys.modules[name] = module
+    return module
+
+
+def _without_packages(libraries: list[str]) -> list[str]:
+    """Directories of a standard library are replaced by their entries, without the folder of installed packages."""
+    paths: list[str] = []
+    for path in libraries:
+        if os.path.isdir(path):
+            paths += [os.path.join(path, name) for name in os.listdir(path) if not name.endswith("-packages")]
+        else:
+            paths.append(path)
+    return paths
+
+
+def start(control: int, configuration: bytes) -> None:
+    template = Template(control, _decoded(configuration))
+    template.prepare()
+    template.serve()
+
+
+def _decoded(configuration: bytes) -> dict[str, Any]:
+    decoded: Any = codec.decode(configuration, CONTROL)
+    return dict(decoded)

@@ -1,0 +1,108 @@
+"""From what a child said, or from how it died, to the fault of a student's program."""
+
+from __future__ import annotations
+
+import os
+import signal
+from typing import Any
+
+from server.sandbox import messages
+from server.sandbox.child.report import MAX_FRAMES
+from server.sandbox.faults import FaultKind, Frame, ProgramFault
+from server.sandbox.policy import Policy
+from server.sandbox.process import Ending
+
+_KILLED_BY_TIME = (signal.SIGXCPU, signal.SIGALRM, signal.SIGPROF)
+_TOLD_BY_CHILD = frozenset(FaultKind) - {FaultKind.MISSING_FUNCTION}
+_MAX_LINE = 10**6
+
+
+def forged() -> ProgramFault:
+    return _fatal(FaultKind.INVALID_OUTPUT, messages.forged())
+
+
+def late(policy: Policy) -> ProgramFault:
+    return _fatal(FaultKind.TIMEOUT, messages.timeout("wall", policy, None, ()))
+
+
+def _fatal(kind: FaultKind, message: str) -> ProgramFault:
+    return ProgramFault(kind, messages.typeset(message), fatal=True)
+
+
+def ended(ending: Ending, policy: Policy) -> ProgramFault:
+    """The fault of a program that died without an answer and that nobody killed."""
+    if os.WIFEXITED(ending.status):
+        return _fatal(FaultKind.RUNTIME_ERROR, messages.ended(os.WEXITSTATUS(ending.status)))
+    number = os.WTERMSIG(ending.status)
+    if number == signal.SIGSYS:
+        return _fatal(FaultKind.FORBIDDEN_OPERATION, messages.forbidden("appel système", None, ()))
+    exhausted = number == signal.SIGKILL and ending.cpu_seconds >= policy.cpu_seconds
+    if number in _KILLED_BY_TIME or exhausted:
+        return _fatal(FaultKind.TIMEOUT, messages.timeout("cpu", policy, None, ()))
+    if number == signal.SIGKILL:  # the kernel's own answer to a lack of memory
+        return _fatal(FaultKind.MEMORY_LIMIT, messages.memory_limit(policy, None, ()))
+    return _fatal(FaultKind.RUNTIME_ERROR, messages.killed(number))
+
+
+def told(fault: Any, policy: Policy) -> ProgramFault | None:
+    """The fault that a child reported; None when it is not in the form of one."""
+    if not isinstance(fault, dict) or set(fault) != {"kind", "exception", "text", "line", "frames", "detail"}:
+        return None
+    kind, line, frames = fault["kind"], fault["line"], _frames(fault["frames"])
+    texts = [fault[name] for name in ("exception", "text", "detail")]
+    if kind not in _TOLD_BY_CHILD or frames is None or not all(isinstance(text, str) for text in texts):
+        return None
+    if line is not None and not _is_line(line):
+        return None
+    exception, text, detail = map(messages.clean, texts)
+    message = _message(FaultKind(kind), exception, text, detail, line, frames, policy)
+    return ProgramFault(
+        FaultKind(kind),
+        messages.typeset(message),
+        line=line,
+        frames=frames,
+        exception=exception or None,
+        fatal=kind == FaultKind.TIMEOUT,
+    )
+
+
+def _is_line(line: object) -> bool:
+    return type(line) is int and 0 < line < _MAX_LINE
+
+
+def _frames(given: object) -> tuple[Frame, ...] | None:
+    if not isinstance(given, tuple) or len(given) > MAX_FRAMES:
+        return None
+    frames = []
+    for entry in given:
+        if not isinstance(entry, tuple) or [type(field) for field in entry] != [int, str, str] or not _is_line(entry[0]):
+            return None
+        frames.append(Frame(entry[0], messages.clean(entry[1]), messages.clean(entry[2])))
+    return tuple(frames)
+
+
+def _message(
+    kind: FaultKind, exception: str, text: str, detail: str, line: int | None, frames: tuple[Frame, ...], policy: Policy
+) -> str:
+    match kind:
+        case FaultKind.SYNTAX_ERROR:
+            return messages.syntax_error(text, detail, line)
+        case FaultKind.IMPORT_ERROR:
+            return messages.import_error(detail, text, line, frames)
+        case FaultKind.TIMEOUT:
+            return messages.timeout(detail, policy, line, frames)
+        case FaultKind.MEMORY_LIMIT:
+            return messages.memory_limit(policy, line, frames)
+        case FaultKind.FORBIDDEN_OPERATION:
+            return messages.forbidden(text, line, frames)
+        case FaultKind.OUTPUT_LIMIT | FaultKind.INVALID_OUTPUT if not exception and detail.count("|") >= 2:
+            return _of_result(kind, text, detail, policy)
+        case _:
+            return messages.runtime_error(exception or "Erreur", text, line, frames)
+
+
+def _of_result(kind: FaultKind, culprit: str, detail: str, policy: Policy) -> str:
+    reason, where, function = detail.split("|", 2)
+    if kind == FaultKind.OUTPUT_LIMIT:
+        return messages.answer_too_big(reason, function, policy)
+    return messages.not_a_value(reason, culprit, where, function, policy)

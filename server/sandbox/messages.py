@@ -1,0 +1,225 @@
+"""The French sentences of the faults: what happened, at which line, which limit, and what to do about it."""
+
+from __future__ import annotations
+
+import difflib
+import re
+import signal
+import sys
+from collections.abc import Iterable
+
+from server.sandbox.faults import Frame
+from server.sandbox.policy import KIB, MIB, Policy
+
+_NARROW = "\u00a0"
+
+_SYNTAX = (
+    (r"expected ':'", "il manque « : » à la fin de cette ligne"),
+    (r"'(.+)' was never closed", "« {0} » est ouvert ici et n'est jamais refermé"),
+    (r"unmatched '(.+)'", "« {0} » ferme ce qui n'a pas été ouvert"),
+    (r"closing parenthesis '(.)' does not match.*'(.)'.*", "« {0} » ferme « {1} » : les deux ne vont pas ensemble"),
+    (r"expected an indented block after (.+) on line (\d+)", "le bloc qui suit la ligne {1} doit être décalé vers la droite"),
+    (r"unexpected indent", "cette ligne est décalée vers la droite sans raison"),
+    (r"unindent does not match.*", "le décalage de cette ligne ne correspond à aucun bloc ouvert au-dessus"),
+    (r"inconsistent use of tabs.*", "des tabulations et des espaces sont mélangés pour décaler les lignes"),
+    (r"unterminated (triple-quoted )?(f-)?string literal.*", "il manque le guillemet qui ferme cette chaîne"),
+    (r"invalid syntax\. Maybe you meant '==' .*", "« = » affecte une valeur ; pour comparer, écrivez « == »"),
+    (r"cannot assign to .*Maybe you meant '==' .*", "« = » affecte une valeur ; pour comparer, écrivez « == »"),
+    (r"invalid syntax\. Perhaps you forgot a comma\?", "il manque peut-être une virgule"),
+    (r"invalid non-printable character (U\+\w+)", "un caractère invisible ({0}), souvent venu d'un copier-coller, est à effacer"),
+    (r"invalid character '(.+)' \((U\+\w+)\)", "le caractère « {0} » n'existe pas en Python (copier-coller ?)"),
+    (r"'(return|yield|await)' outside function", "« {0} » n'a de sens que dans une fonction"),
+    (r"'(break|continue)' .*", "« {0} » n'a de sens que dans une boucle"),
+    (r"positional argument follows keyword argument.*", "un argument sans nom suit un argument nommé"),
+    (r"non-default argument follows default argument", "un paramètre sans valeur par défaut suit un paramètre qui en a une"),
+    (r"\(unicode error\).*|.*codec can't decode.*", "le fichier n'est pas enregistré en UTF-8"),
+    (r"too many nested parentheses.*|.*too many statically nested.*", "trop de niveaux imbriqués les uns dans les autres"),
+    (r"maximum recursion depth exceeded.*|.*parser stack overflow.*", "l'expression est trop profondément imbriquée"),
+    (r"leading zeros in decimal.*", "un nombre entier ne commence pas par 0"),
+    (r"Missing parentheses in call to '(\w+)'.*", "« {0} » est une fonction : ses arguments vont entre parenthèses"),
+    (r"invalid syntax", "Python ne comprend pas cette ligne (regardez aussi la fin de la précédente)"),
+)  # fmt: skip
+
+_ADVICE = {
+    "NameError": "Ce nom n'est défini nulle part : faute de frappe, ou définition oubliée ?",
+    "UnboundLocalError": "Cette variable est lue avant d'avoir reçu une valeur dans la fonction.",
+    "TypeError": "Une opération ou un appel reçoit une valeur d'un type qui ne convient pas, ou pas le bon nombre d'arguments.",
+    "IndexError": "Un indice sort du tableau : rappelez-vous que les indices vont de 0 à la longueur moins un.",
+    "KeyError": "Cette clé n'est pas dans le dictionnaire.",
+    "AttributeError": "Cet objet n'a pas d'attribut ni de méthode de ce nom.",
+    "ZeroDivisionError": "Un diviseur est nul.",
+    "RecursionError": "Une fonction s'appelle elle-même sans fin : quel cas doit l'arrêter ?",
+    "ValueError": "Une valeur ne convient pas ; avec numpy, vérifiez les dimensions (« shape ») de vos tableaux.",
+    "LinAlgError": "Le calcul matriciel est impossible : la matrice est peut-être singulière.",
+    "EOFError": "Rien ne peut être lu au clavier ici : n'utilisez pas « input ».",
+    "SystemExit": "« exit » arrête tout le programme : utilisez « return » pour sortir d'une fonction.",
+    "FileNotFoundError": "Aucun fichier de données n'est fourni : tout arrive par les arguments.",
+    "AssertionError": "Une de vos propres assertions est fausse.",
+    "NotImplementedError": "Cette fonction reste à écrire.",
+}  # fmt: skip
+
+_SIGNALS = {
+    signal.SIGSEGV: "il a accédé à une zone de mémoire qui n'est pas à lui, ou a débordé la pile (récursion trop profonde ?)",
+    signal.SIGBUS: "il a accédé à une zone de mémoire qui n'existe pas",
+    signal.SIGABRT: "une bibliothèque a interrompu le programme",
+    signal.SIGFPE: "une opération arithmétique est impossible",
+    signal.SIGILL: "le processeur a reçu une instruction qui n'existe pas",
+}  # fmt: skip
+
+
+def typeset(text: str) -> str:
+    """Puts the no-break spaces of French typography."""
+    text = re.sub(r" ([:;?!»])", _NARROW + r"\1", text)
+    return text.replace("« ", "«" + _NARROW)
+
+
+def clean(text: str) -> str:
+    """A student's text without control characters (they could act on a terminal or a page), line ends aside."""
+    return "".join(c if c == "\n" or (c.isprintable() and not _is_bidi(c)) else "\ufffd" for c in text)
+
+
+def _is_bidi(character: str) -> bool:
+    return character in "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069\u200e\u200f\u061c"
+
+
+def size(count: int) -> str:
+    if count >= MIB:
+        return f"{count / MIB:.3g} Mio".replace(".", ",")
+    return f"{count / KIB:.3g} Kio".replace(".", ",") if count >= KIB else f"{count} octets"
+
+
+def seconds(duration: float) -> str:
+    return f"{duration:.3g} s".replace(".", ",")
+
+
+def place(line: int | None, frames: tuple[Frame, ...]) -> str:
+    """« Ligne 12, dans « composer » (return a[3]) : », or nothing when the line is unknown."""
+    if line is None:
+        return ""
+    inside = frames[-1] if frames else None
+    where = f", dans « {inside.function} »" if inside and not inside.function.startswith("<") else ""
+    source = f" ({inside.source[:80]})" if inside and inside.source else ""
+    return f"Ligne {line}{where}{source} : "
+
+
+def syntax_error(text: str, source: str, line: int | None) -> str:
+    where = f"Ligne {line} : " if line else ""
+    what = next(
+        (french.format(*(m.groups())) for pattern, french in _SYNTAX if (m := re.fullmatch(pattern, text))), None
+    )
+    told = f"{what} [{text}]" if what else text
+    quoted = f"\nLigne lue : {source}" if source else ""
+    return f"{where}{told}.{quoted}"
+
+
+def null_byte() -> str:
+    return "un octet nul se trouve dans le fichier : ce n'est pas un fichier de texte (enregistrez-le en UTF-8)"
+
+
+def source_too_big(length: int, policy: Policy) -> str:
+    return (
+        f"Votre fichier fait {size(length)}, et la limite est de {size(policy.source_bytes)}. "
+        "N'y laissez que vos fonctions, sans données recopiées."
+    )
+
+
+def runtime_error(exception: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
+    told = f"{exception} ({text})" if text else exception
+    advice = _ADVICE.get(exception, "")
+    return f"{place(line, frames)}{told}. {advice}".strip()
+
+
+def import_error(module: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
+    told = f"{place(line, frames)}{text}. "
+    root = module.partition(".")[0]
+    if root in ("matplotlib", "pylab", "seaborn", "plotly"):
+        return told + "Rien ne se trace pendant l'évaluation : mettez vos tracés sous « if __name__ == \"__main__\": »."
+    near = difflib.get_close_matches(root, ("numpy", "scipy", "l20", *sys.stdlib_module_names), 1, 0.75)
+    if near and near[0] != root:
+        return told + f"Vouliez-vous écrire « {near[0]} » ?"
+    return told + "Sont disponibles numpy, scipy et la bibliothèque standard de Python."
+
+
+def missing_function(name: str, present: Iterable[str]) -> str:
+    functions = sorted(present)
+    near = difflib.get_close_matches(name, functions, 1, 0.6)
+    told = f"La fonction « {name} » est attendue et n'est pas dans votre fichier. "
+    if near:
+        return told + f"Il contient « {near[0]} » : est-ce elle, sous un autre nom ?"
+    if functions:
+        return told + f"Il contient : {', '.join(functions[:10])}."
+    return told + "Il ne contient aucune fonction."
+
+
+def timeout(what: str, policy: Policy, line: int | None, frames: tuple[Frame, ...]) -> str:
+    if what == "cpu":
+        limit = f"votre programme a calculé pendant plus de {seconds(policy.cpu_seconds)}, la limite"
+    else:
+        limit = f"votre programme n'a pas répondu en {seconds(policy.wall_seconds)}, la limite"
+    return f"{place(line, frames)}{limit}. Une boucle ne se termine-t-elle jamais, ou fait-elle un travail inutile ?"
+
+
+def memory_limit(policy: Policy, line: int | None, frames: tuple[Frame, ...]) -> str:
+    return (
+        f"{place(line, frames)}votre programme demande plus de mémoire que la limite de {size(policy.memory_bytes)}. "
+        "Un tableau a-t-il des dimensions démesurées, une liste grandit-elle sans fin ?"
+    )
+
+
+def forbidden(text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
+    told = f" [{text}]" if text else ""
+    return (
+        f"{place(line, frames)}opération interdite{told}. Fichiers, réseau, processus et fils d'exécution ne sont pas accessibles : "
+        "vos fonctions reçoivent tout par leurs arguments."
+    )
+
+
+def ended(code: int) -> str:
+    return (
+        f"Votre programme s'est arrêté de lui-même (code {code}) avant de répondre : "
+        "n'appelez ni « os._exit » ni « exit », et renvoyez le résultat par « return »."
+    )
+
+
+def killed(number: int) -> str:
+    name = signal.Signals(number).name if number in set(signal.Signals) else f"signal {number}"
+    why = _SIGNALS.get(signal.Signals(number)) if number in set(signal.Signals) else None
+    return f"Votre programme a été arrêté par le système ({name}){' : ' + why if why else ''}."
+
+
+def forged() -> str:
+    return (
+        "Votre programme a écrit lui-même sur le canal des résultats, qui n'est pas à lui : "
+        "renvoyez le résultat par « return », et affichez avec « print »."
+    )
+
+
+def answer_too_big(what: str, function: str, policy: Policy) -> str:
+    limit = f"{policy.items} valeurs" if what == "items" else size(policy.frame_bytes)
+    return f"Le résultat de « {function} » est trop gros : la limite est de {limit}."
+
+
+def not_a_value(reason: str, culprit: str, where: str, function: str, policy: Policy) -> str:
+    """Why what a function returned cannot be sent: `reason` comes from the child's codec."""
+    told = f"« {function} » renvoie" if not where else f"« {function} » renvoie, dans son résultat,"
+    if reason == "depth":
+        return f"Le résultat de « {function} » a plus de {policy.depth} niveaux imbriqués (se contient-il lui-même ?)."
+    if reason == "int":
+        return f"{told} un entier démesurément grand."
+    if reason == "key":
+        return f"{told} un dictionnaire dont une clé est de type « {culprit} » : seules des chaînes sont acceptées."
+    if reason == "dtype":
+        return f"{told} un tableau d'éléments « {culprit} » : des nombres ou des booléens sont attendus."
+    if reason == "object":
+        return f"{told} un tableau d'objets qui ne sont pas des nombres : ses lignes ont-elles toutes la même longueur ?"
+    return f"{told} une valeur de type « {culprit} », qui n'est ni un nombre, ni un tableau, ni une liste. {_cure(culprit)}"
+
+
+def _cure(culprit: str) -> str:
+    if culprit in ("generator", "map", "filter", "zip", "enumerate", "reversed", "dict_keys", "dict_values", "dict_items"):
+        return "Entourez-la de « list(…) » ou de « np.array(…) »."
+    if culprit in ("set", "frozenset"):
+        return "Un ensemble n'a pas d'ordre : renvoyez « sorted(…) »."
+    if culprit in ("function", "method", "builtin_function_or_method"):
+        return "Les parenthèses de l'appel ont-elles été oubliées ?"
+    return "Renvoyez un tableau numpy, une liste ou un nombre."

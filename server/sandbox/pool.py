@@ -1,0 +1,189 @@
+"""The pool of warm templates, with spare children standing ready behind their walls."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import threading
+from collections import OrderedDict, deque
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from typing import Self
+
+from server.sandbox import messages
+from server.sandbox.faults import FaultKind, ProgramFault, SandboxFault, TemplateFault
+from server.sandbox.install import import_set
+from server.sandbox.policy import Policy
+from server.sandbox.process import Child, Setting, TemplateProcess
+from server.sandbox.session import Session
+from server.sandbox.values import Kit
+
+_log = logging.getLogger(__name__)
+#: Policies for which a template keeps spare children: the last ones used.
+_POLICIES = 3
+
+
+class _Slot:
+    """The current template of one import set, and its spare children by policy."""
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.template: TemplateProcess | None = None
+        self.spares: OrderedDict[Policy, deque[Child]] = OrderedDict()
+
+
+class Sandbox:
+    """Runs students' files. Safe to share between threads; close it, or use it as a context manager.
+
+    `kits` maps the name of a kit's module to its Python source. `spares` children stand ready for each of the last policies used;
+    a template is replaced after `forks` forks. `namespaces` None means: where this machine offers them. `lifted` leaves walls
+    down, and serves only to probe and test the walls themselves.
+    """
+
+    def __init__(
+        self,
+        kits: Mapping[str, str],
+        policy: Policy | None = None,
+        *,
+        spares: int = 1,
+        forks: int = 2000,
+        namespaces: bool | None = None,
+        lifted: frozenset[str] = frozenset(),
+    ) -> None:
+        self.policy = policy or Policy()
+        self._kits, self._lifted = dict(kits), lifted
+        self._spares, self._forks, self._namespaces = spares, forks, namespaces
+        self._slots: dict[str, _Slot] = {"numpy": _Slot(), "scipy": _Slot()}
+        self._retired: set[TemplateProcess] = set()
+        self._spawner = ThreadPoolExecutor(1, thread_name_prefix="sandbox-spawner")
+        self._closed = False
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def warm(self, imports: str = "numpy") -> None:
+        """Starts a template and its spare child now rather than at the first submission."""
+        slot = self._slots[imports]
+        with slot.lock:
+            self._refill(slot, self._template(slot, imports), self.policy)
+
+    def open(
+        self, source: bytes, *, kit: Kit | None = None, policy: Policy | None = None, filename: str = "solution.py"
+    ) -> Session:
+        """A session in which the file is loaded. Raises ProgramFault when it does not load, SandboxFault when we failed."""
+        policy = policy or self.policy
+        _check_source(source, policy)
+        try:
+            return self._opened(source, filename, kit, policy)
+        except TemplateFault as first:
+            _log.warning("a template failed and is replaced: %s", first)
+        try:
+            return self._opened(source, filename, kit, policy)
+        except TemplateFault as error:
+            raise SandboxFault(str(error)) from error
+
+    def close(self) -> None:
+        """Ends every template and every session; returns when their processes are gone."""
+        self._closed = True
+        for slot in self._slots.values():
+            with slot.lock:
+                self._discard(slot)
+        for template in list(self._retired):
+            template.close()
+        self._retired.clear()
+        self._spawner.shutdown()
+
+    def _opened(self, source: bytes, filename: str, kit: Kit | None, policy: Policy) -> Session:
+        imports = import_set(source)
+        template, child = self._take(imports, policy)
+        session = Session(child, policy)
+        try:
+            session.load(source, filename, kit)
+        except TemplateFault:
+            self._replace(imports, template)
+            session.close()
+            raise
+        except BaseException:
+            session.close()
+            raise
+        return session
+
+    def _take(self, imports: str, policy: Policy) -> tuple[TemplateProcess, Child]:
+        slot = self._slots[imports]
+        with slot.lock:
+            template = self._template(slot, imports)
+            waiting = slot.spares.setdefault(policy, deque())
+            slot.spares.move_to_end(policy)
+            child = waiting.popleft() if waiting else template.fork(policy)
+            self._refill(slot, template, policy)
+            return template, child
+
+    def _refill(self, slot: _Slot, template: TemplateProcess, policy: Policy) -> None:
+        waiting = slot.spares.setdefault(policy, deque())
+        while len(waiting) < self._spares:
+            waiting.append(template.fork(policy))
+        while len(slot.spares) > _POLICIES:
+            _, unused = slot.spares.popitem(last=False)
+            for child in unused:
+                child.close()
+
+    def _template(self, slot: _Slot, imports: str) -> TemplateProcess:
+        if self._closed:
+            raise SandboxFault("the sandbox is closed")
+        template = slot.template
+        if template is not None and template.alive() and template.forks < self._forks:
+            return template
+        self._discard(slot)
+        slot.template = self._started(imports)
+        return slot.template
+
+    def _started(self, imports: str) -> TemplateProcess:
+        if self._namespaces is not None:
+            return self._start(imports, self._namespaces)
+        try:
+            template = self._start(imports, True)
+        except TemplateFault as error:
+            _log.warning("no namespaces on this machine, the other walls stand alone: %s", error)
+            template = self._start(imports, False)
+        self._namespaces = template.namespaces
+        return template
+
+    def _start(self, imports: str, namespaces: bool) -> TemplateProcess:
+        setting = Setting(self._kits, imports, namespaces, self._lifted)
+        return TemplateProcess(setting, self._bury_retired).start(self._spawner)
+
+    def _replace(self, imports: str, failed: TemplateProcess) -> None:
+        slot = self._slots[imports]
+        with slot.lock:
+            if slot.template is failed:
+                self._discard(slot)
+
+    def _discard(self, slot: _Slot) -> None:
+        """Retires the current template: it ends with its last session."""
+        template, slot.template = slot.template, None
+        spares, slot.spares = slot.spares, OrderedDict()
+        for child in (child for waiting in spares.values() for child in waiting):
+            child.close()
+        if template is not None:
+            self._retired.add(template)
+            self._bury_retired(template)
+
+    def _bury_retired(self, template: TemplateProcess) -> None:
+        """Called when a child of a template has ended."""
+        if template in self._retired and template.idle():
+            with contextlib.suppress(KeyError):
+                self._retired.remove(template)
+            template.close()
+
+
+def _check_source(source: bytes, policy: Policy) -> None:
+    if len(source) > policy.source_bytes:
+        message = messages.source_too_big(len(source), policy)
+        raise ProgramFault(FaultKind.SYNTAX_ERROR, messages.typeset(message), fatal=True)
+    if b"\0" in source:
+        line = source[: source.index(b"\0")].count(b"\n") + 1
+        message = messages.syntax_error(messages.null_byte(), "", line)
+        raise ProgramFault(FaultKind.SYNTAX_ERROR, messages.typeset(message), line=line, exception="SyntaxError", fatal=True)

@@ -1,0 +1,247 @@
+"""The trusted side of a template: starts it, orders forks and kills, learns how each child ended."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import socket
+import subprocess
+import threading
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, fields
+from typing import Any
+
+from server.sandbox.child import codec, inner
+from server.sandbox.child.codec import Value
+from server.sandbox.child.template import CONTROL
+from server.sandbox.faults import TemplateFault
+from server.sandbox.install import installation
+from server.sandbox.output import Output
+from server.sandbox.policy import Policy
+from server.sandbox.wire import Wire
+
+START_SECONDS = 60.0
+_BOOT = (
+    "import sys; sys.path.insert(0, sys.argv[1]); from child.boot import main; del sys.path[0]; "
+    "main(int(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]), sys.argv[5] == 'namespaces', sys.argv[6:])"
+)
+_ENVIRONMENT = {
+    **dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1"),
+    "LC_ALL": "C.UTF-8",
+}
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a template is made of; `lifted` names walls left down, for the probe and the tests of the walls alone."""
+
+    kits: Mapping[str, str]
+    imports: str
+    namespaces: bool
+    lifted: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a child ended, as `os.wait4` tells it."""
+
+    status: int
+    cpu_seconds: float
+    max_rss_bytes: int
+
+
+class Child:
+    """A fork behind its walls: its wire, what it printed, and how it ended once it has."""
+
+    def __init__(self, template: TemplateProcess, number: int, wire: Wire, output: Output) -> None:
+        self._template, self._number = template, number
+        self.wire, self.output = wire, output
+        self._ending: Future[Ending] = template.ending(number)
+
+    def kill(self) -> None:
+        self._template.kill(self._number)
+
+    def ending(self, timeout: float) -> Ending:
+        """Raises TemplateFault when the template is gone and nobody can tell, TimeoutError when it still lives."""
+        return self._ending.result(timeout)
+
+    def close(self) -> None:
+        self.kill()
+        self.wire.close()
+        self.output.close()
+
+
+class TemplateProcess:
+    """One template. `start` must be called from a thread that outlives it: its death kills the template."""
+
+    def __init__(self, setting: Setting, when_idle: Callable[[TemplateProcess], None]) -> None:
+        self._setting, self._when_idle = setting, when_idle
+        self._lock = threading.Lock()
+        self._endings: dict[int, Future[Ending]] = {}
+        self._dead = False
+        self.namespaces = setting.namespaces
+        self.forks = 0
+        self.hello: dict[str, Any] = {}
+
+    def start(self, spawner: ThreadPoolExecutor) -> TemplateProcess:
+        """Raises TemplateFault, with what the process said, when it does not come up."""
+        self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._log = os.memfd_create("log", os.MFD_CLOEXEC)
+        try:
+            with theirs:
+                self._process = spawner.submit(self._spawn, theirs.fileno()).result()
+            self._greet()
+        except BaseException:
+            self._control.close()
+            os.close(self._log)
+            raise
+        self._listener = threading.Thread(target=self._listen, name="sandbox-template", daemon=True)
+        self._listener.start()
+        return self
+
+    def _spawn(self, control: int) -> subprocess.Popen[bytes]:
+        configuration = self._configuration()
+        try:
+            return subprocess.Popen(
+                self._command(control, configuration),
+                env=_ENVIRONMENT | {k: v for k, v in os.environ.items() if k == "LD_LIBRARY_PATH"},
+                cwd="/",
+                stdin=subprocess.DEVNULL,
+                stdout=self._log,
+                stderr=self._log,
+                pass_fds=(control, configuration),
+                start_new_session=True,
+            )
+        finally:
+            os.close(configuration)
+
+    def _command(self, control: int, configuration: int) -> list[str]:
+        installed = installation()
+        mode = "namespaces" if self._setting.namespaces else "plain"
+        numbers = (str(control), str(configuration), str(os.getpid()))
+        here = os.path.dirname(os.path.abspath(__file__))
+        return [installed.python, "-I", "-S", "-E", "-c", _BOOT, here, *numbers, mode, *installed.sites]
+
+    def _configuration(self) -> int:
+        installed = installation()
+        message: dict[str, Value] = {
+            "kits": dict(self._setting.kits),
+            "imports": self._setting.imports,
+            "namespaces": self._setting.namespaces,
+            "lifted": list(self._setting.lifted),
+            "sites": list(installed.sites),
+            "packages": list(installed.packages),
+        }
+        descriptor = os.memfd_create("configuration", os.MFD_CLOEXEC)
+        os.write(descriptor, codec.encode(message, CONTROL))
+        os.lseek(descriptor, 0, os.SEEK_SET)
+        return descriptor
+
+    def _greet(self) -> None:
+        self._control.settimeout(START_SECONDS)
+        try:
+            data = self._control.recv(1 << 17)
+        except TimeoutError:
+            data = b""
+        if not data:
+            self._process.kill()
+            self._process.wait()
+            raise TemplateFault(f"the template did not start: {self.said() or self._process.returncode}")
+        self._control.settimeout(None)
+        hello: Any = codec.decode(data, CONTROL)
+        self.hello = dict(hello)
+
+    def said(self) -> str:
+        """The end of what the template wrote on its standard error."""
+        size = os.fstat(self._log).st_size
+        return os.pread(self._log, 8192, max(0, size - 8192)).decode("utf-8", "replace")
+
+    def fork(self, policy: Policy) -> Child:
+        """Orders a child; it may still be on its way. Raises TemplateFault when the template is gone."""
+        output = Output(policy.stdout_bytes)
+        ours, theirs = socket.socketpair()
+        with self._lock:
+            self.forks += 1
+            number = self.forks
+            self._endings[number] = Future()
+        child = Child(self, number, Wire(ours), output)
+        try:
+            with theirs:
+                self._order(_fork_order(number, policy), [theirs.fileno(), output.fileno()])
+        except TemplateFault:
+            child.close()
+            raise
+        return child
+
+    def ending(self, number: int) -> Future[Ending]:
+        return self._endings[number]
+
+    def kill(self, number: int) -> None:
+        with self._lock:
+            known = number in self._endings and not self._dead
+        if known:
+            with contextlib.suppress(TemplateFault):  # a dead template has taken its children along
+                self._order({"do": "kill", "id": number}, [])
+
+    def _order(self, message: dict[str, Value], descriptors: list[int]) -> None:
+        data = codec.encode(message, CONTROL)
+        with self._lock:
+            if self._dead:
+                raise TemplateFault("the template is gone")
+            try:
+                socket.send_fds(self._control, [data], descriptors)
+            except OSError as error:
+                raise TemplateFault("the template is gone") from error
+
+    def idle(self) -> bool:
+        with self._lock:
+            return not self._endings
+
+    def alive(self) -> bool:
+        return not self._dead
+
+    def _listen(self) -> None:
+        while data := self._received():
+            report: Any = codec.decode(data, CONTROL)
+            with self._lock:
+                ending = self._endings.pop(report["id"])
+            ending.set_result(Ending(report["status"], report["cpu"], report["rss"]))
+            self._when_idle(self)
+        self._bury()
+
+    def _received(self) -> bytes:
+        try:
+            return self._control.recv(1 << 17)
+        except OSError:
+            return b""
+
+    def _bury(self) -> None:
+        self._process.kill()
+        self._process.wait()
+        with self._lock:
+            self._dead = True
+            left, self._endings = self._endings, {}
+            said = self.said()
+            self._control.close()
+            os.close(self._log)
+        for ending in left.values():
+            ending.set_exception(TemplateFault(f"the template died: {said}"))
+
+    def close(self) -> None:
+        """Ends the template and all its children; returns when they are gone."""
+        with self._lock:
+            if not self._dead:
+                with contextlib.suppress(OSError):
+                    self._control.shutdown(socket.SHUT_RDWR)
+        if threading.current_thread() is not self._listener:
+            self._listener.join()
+
+
+def _fork_order(number: int, policy: Policy) -> dict[str, Value]:
+    order: dict[str, Value] = {"do": "fork", "id": number, "stdout_bytes": policy.stdout_bytes}
+    order |= {field.name: getattr(policy, field.name) for field in fields(inner.Limits)}
+    answer = policy.answer
+    return order | {"frame_bytes": answer.size, "depth": answer.depth, "items": answer.items}
+
+

@@ -1,0 +1,33 @@
+"""What goes in and out of a session."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from server.sandbox.child.codec import Value
+
+
+@dataclass(frozen=True)
+class Kit:
+    """The kit of an execution: the name of its module, and what its ``configurer`` is called with."""
+
+    module: str
+    parameters: Mapping[str, Value] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Reply:
+    """What a call returned; `arguments` are the arguments as they are after the call, when they were asked for."""
+
+    value: Value
+    arguments: tuple[Value, ...] | None
+
+
+@dataclass(frozen=True)
+class Usage:
+    """What a session used: time of the processor, time spent waiting for its answers, greatest resident memory."""
+
+    cpu_seconds: float
+    wall_seconds: float
+    max_rss_bytes: int

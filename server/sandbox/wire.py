@@ -1,0 +1,88 @@
+"""The trusted end of a child's wire: frames read and written with a deadline, nothing allocated on the child's word."""
+
+from __future__ import annotations
+
+import select
+import socket
+import time
+
+from server.sandbox.child.frames import HEADER
+
+_PIECE = 1 << 18
+
+
+class Late(Exception):
+    """The deadline came first."""
+
+
+class Closed(Exception):
+    """The child's end is closed: the child is dead or dying."""
+
+
+class Forged(Exception):
+    """What came is no answer to the question asked."""
+
+
+class Wire:
+    """Owns the socket. Deadlines are times of `time.monotonic`."""
+
+    def __init__(self, end: socket.socket) -> None:
+        end.setblocking(False)
+        self._end = end
+        self._poll = select.poll()
+        self._poll.register(end, select.POLLIN)
+
+    def close(self) -> None:
+        self._end.close()
+
+    def ask(self, token: int, kind: int, payload: bytes, deadline: float) -> None:
+        """Sends a question. Raises Forged when something has come that nobody asked for."""
+        if self._poll.poll(0):
+            raise Closed if not self._peek() else Forged
+        view = memoryview(HEADER.pack(len(payload), token, kind) + payload)
+        while view:
+            try:
+                view = view[self._end.send(view) :]
+            except BlockingIOError:
+                self._wait(select.POLLOUT, deadline)
+            except OSError as error:
+                raise Closed from error
+
+    def answer(self, token: int, kinds: frozenset[int], limit: int, deadline: float) -> tuple[int, bytes]:
+        """Kind and payload of the next frame, which must carry the token and be one of the kinds."""
+        length, given, kind = HEADER.unpack(self._read(HEADER.size, deadline))
+        if given != token or kind not in kinds or length > limit:
+            raise Forged
+        return kind, self._read(length, deadline)
+
+    def _peek(self) -> bool:
+        try:
+            return bool(self._end.recv(1, socket.MSG_PEEK))
+        except BlockingIOError:
+            return True
+        except OSError:
+            return False
+
+    def _read(self, length: int, deadline: float) -> bytes:
+        pieces = bytearray()
+        while len(pieces) < length:
+            try:
+                piece = self._end.recv(min(length - len(pieces), _PIECE))
+            except BlockingIOError:
+                self._wait(select.POLLIN, deadline)
+                continue
+            except OSError as error:
+                raise Closed from error
+            if not piece:
+                raise Closed
+            pieces += piece
+        return bytes(pieces)
+
+    def _wait(self, event: int, deadline: float) -> None:
+        left = deadline - time.monotonic()
+        self._poll.modify(self._end, event)
+        try:
+            if left <= 0 or not self._poll.poll(max(1, int(left * 1000))):
+                raise Late
+        finally:
+            self._poll.modify(self._end, select.POLLIN)
