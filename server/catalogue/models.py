@@ -88,18 +88,23 @@ class Exercise:
 
 @dataclass(frozen=True, eq=False)
 class Module:
-    """A module of the course, with its exercises in order."""
+    """A module of the course, with its exercises in order.
+
+    `number` is its name in the course ("L20"), `sessions` its length; `previous` and `next` are numbers of modules.
+    `kit` is the source text of `kit/<slug>.py`.
+    """
 
     slug: str
     title: str
-    subtitle: str
+    number: str
     summary: str
-    part: str
-    level: str
-    duration: str
+    track: str
+    sessions: int
     prerequisites: tuple[str, ...]
     objectives: tuple[str, ...]
     references: tuple[str, ...]
+    previous: str
+    next: str
     order: int
     kit: str
     exercises: tuple[Exercise, ...]

@@ -17,14 +17,15 @@ class ModuleFile(Strict):
     """`curriculum/<module>/module.toml`."""
 
     title: Text
+    number: Text
     summary: Text
-    subtitle: str = ""
-    part: str = ""
-    level: str = ""
-    duration: str = ""
+    track: str = ""
+    sessions: Annotated[int, Field(ge=0)] = 0
     prerequisites: list[Text] = []
     objectives: list[Text] = []
     references: list[Text] = []
+    previous: str = ""
+    next: str = ""
     order: int = 0
 
 

@@ -88,14 +88,15 @@ def _module(sources: Sources, path: Path, problems: list[Problem], render: bool)
     return Module(
         slug=path.name,
         title=card.title,
-        subtitle=card.subtitle,
+        number=card.number,
         summary=card.summary,
-        part=card.part,
-        level=card.level,
-        duration=card.duration,
+        track=card.track,
+        sessions=card.sessions,
         prerequisites=tuple(card.prerequisites),
         objectives=tuple(card.objectives),
         references=tuple(card.references),
+        previous=card.previous,
+        next=card.next,
         order=card.order,
         kit=kit,
         exercises=tuple(exercises),
@@ -108,7 +109,7 @@ def _exercise(sources: Sources, module: Path, path: Path, render: bool) -> Exerc
     card = toml_file.read(path / "exercise.toml", ExerciseFile)
     grader = sources.discovery.graders.get(f"{module.name}/{path.name}")
     if grader is None:
-        raise CatalogueFault(Problem(path / "exercise.toml", None, "aucun correcteur utilisable pour cet exercice"))
+        raise CatalogueFault(_no_grader(sources, module.name, path))
     _same_functions(path / "exercise.toml", card, grader.functions)
     solution_path = sources.code / "graders" / module.name / path.name / "solution.py"
     exercise = Exercise(
@@ -131,6 +132,13 @@ def _exercise(sources: Sources, module: Path, path: Path, render: bool) -> Exerc
     if render:
         _render(exercise)
     return exercise
+
+
+def _no_grader(sources: Sources, module: str, path: Path) -> Problem:
+    folder = sources.code / "graders" / module / path.name
+    cause = next((one for one in sources.discovery.problems if one.path.is_relative_to(folder)), None)
+    why = f" : {cause.path}:{cause.line}: {cause.message}" if cause else ""
+    return Problem(path / "exercise.toml", None, f"exercice sans correcteur utilisable{why}")
 
 
 def _same_functions(path: Path, card: ExerciseFile, graded: Sequence[str]) -> None:

@@ -58,19 +58,19 @@ def page(
     template: str,
     account: Account | None,
     *,
-    http_status: int = 200,
+    status: int = 200,
     headers: Mapping[str, str] | None = None,
     **context: Any,
 ) -> HTMLResponse:
     """A whole page: `template` extends `base.html`, which shows `account` and the modules of the catalogue."""
-    modules = [(one.slug, one.title) for one in request.app.state.catalogue.modules.values()]
+    modules = [(one.slug, one.number, one.title) for one in request.app.state.catalogue.modules.values()]
     body = (
         environment()
         .get_template(template)
         .render(account=account_view(account), modules=modules, path=request.url.path, **context)
     )
     # A page shows one person's own work: nobody else's cache may keep it.
-    return HTMLResponse(body, http_status, headers={"Cache-Control": "private, no-cache", **(headers or {})})
+    return HTMLResponse(body, status, headers={"Cache-Control": "private, no-cache", **(headers or {})})
 
 
 def fragment(template: str, account: Account | None, **context: Any) -> HTMLResponse:

@@ -14,6 +14,7 @@ from starlette.convertors import Convertor, register_url_convertor
 from server.accounts.dependencies import BrowserAccount, OptionalAccount, TeacherAccount
 from server.database import Database
 from server.database.dependencies import Db
+from server.errors import NotFound
 from server.pages import assets, service
 from server.pages.rendering import fragment, page
 from server.pages.service import Reader
@@ -24,6 +25,7 @@ from server.submissions.figures import MEDIA_TYPES
 from server.submissions.models import State
 
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
+STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 MOVES_ON = 303
 
 
@@ -70,7 +72,7 @@ def module_home(request: Request, module: str, reader: Reading) -> HTMLResponse:
 def kit(module: str, name: str, reader: Reading) -> Response:
     found = service.find_module(reader.catalogue, module)
     if name != found.slug:
-        raise service.NotFound("Ce fichier n’existe pas.")
+        raise NotFound("Ce fichier n’existe pas.")
     headers = {"Content-Disposition": f'attachment; filename="{found.slug}.py"'}
     return Response(found.kit, media_type="text/x-python; charset=utf-8", headers=headers)
 
@@ -81,7 +83,8 @@ def exercise(
 ) -> HTMLResponse:
     found = service.find_exercise(reader.catalogue, module, slug)
     taken = submissions.get_for(reader.db, reader.account, reprendre).code if reprendre else None
-    return page(request, "exercise.html", reader.account, page=service.exercise_page(reader, found, taken))
+    view = service.exercise_page(reader, found, taken)
+    return page(request, "exercise.html", reader.account, page=view, results=view.results)
 
 
 @router.get("/{module:module}/exercices/{slug}/essais")
@@ -132,14 +135,15 @@ def open_or_close_solution(
 def attempt(request: Request, submission_id: str, reader: Reading) -> HTMLResponse:
     sent = submissions.get_for(reader.db, reader.account, submission_id)
     found = service.find_exercise(reader.catalogue, *sent.exercise.split("/"))
-    return page(request, "attempt.html", reader.account, page=service.attempt_page(reader, found, sent))
+    view = service.attempt_page(reader, found, sent)
+    return page(request, "attempt.html", reader.account, page=view, results=view.results)
 
 
 @router.get("/soumissions/{submission_id}/verdict")
 def verdict(submission_id: str, reader: Reading) -> HTMLResponse:
     sent = submissions.get_for(reader.db, reader.account, submission_id)
     found = service.find_exercise(reader.catalogue, *sent.exercise.split("/"))
-    return fragment("results.html", reader.account, results=service.attempt_page(reader, found, sent).results)
+    return fragment("fragment.html", reader.account, results=service.attempt_page(reader, found, sent).results)
 
 
 @dataclass(frozen=True)
@@ -165,7 +169,7 @@ async def events(request: Request, submission_id: str, account: OptionalAccount)
 
     snapshots = request.app.state.events.follow(submissions.parse_id(submission_id), read)
     lines: AsyncIterator[str] = as_sse(snapshots, lambda one: json.dumps({"status": one.status, "text": one.text}))
-    return StreamingResponse(lines, media_type="text/event-stream", headers={"Cache-Control": "no-store"})
+    return StreamingResponse(lines, media_type="text/event-stream", headers=STREAM_HEADERS)
 
 
 @router.get("/soumissions/{submission_id}/figures/{name}.svg")

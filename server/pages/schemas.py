@@ -26,6 +26,7 @@ class AccountView:
 @dataclass(frozen=True)
 class ModuleLink:
     slug: str
+    number: str
     title: str
     summary: str
     exercises: int
@@ -63,8 +64,9 @@ class ExerciseRow:
 @dataclass(frozen=True)
 class ModulePage:
     slug: str
+    number: str
     title: str
-    subtitle: str
+    track: str
     summary: str
     facts: tuple[tuple[str, str], ...]
     objectives: tuple[str, ...]

@@ -75,17 +75,19 @@ def home_page(reader: Reader) -> HomePage:
 
 def _module_link(module: Module, progress: dict[str, Progress] | None = None) -> ModuleLink:
     done = sum((progress or {}).get(one.id, NOTHING_YET).succeeded for one in module.exercises)
-    return ModuleLink(module.slug, module.title, module.summary, len(module.exercises), done)
+    return ModuleLink(module.slug, module.number, module.title, module.summary, len(module.exercises), done)
 
 
 def module_page(reader: Reader, module: Module) -> ModulePage:
     progress = submissions.progress(reader.db, reader.account)
     rows = [_exercise_row(one, progress.get(one.id, NOTHING_YET)) for one in module.exercises]
-    facts = (("Durée", module.duration), ("Prérequis", ", ".join(module.prerequisites)))
+    sessions = plural(module.sessions, "séance") if module.sessions else ""
+    facts = (("Durée", sessions), ("Prérequis", ", ".join(module.prerequisites)))
     return ModulePage(
         slug=module.slug,
+        number=module.number,
         title=module.title,
-        subtitle=" · ".join(part for part in (module.level, module.part, module.subtitle) if part),
+        track=module.track,
         summary=module.summary,
         facts=tuple((name, value) for name, value in facts if value),
         objectives=module.objectives,

@@ -24,7 +24,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class ValueView:
-    """One value: `text` and `plan` have `text`, `matrix` has `rows`, `list` and `fields` have `items` (named in fields).
+    """One value: `text` and `plan` have `text`, `matrix` has `rows`, `list` and `fields` have `items`, named in fields.
 
     `note` is a remark below (a shape, what has been left out).
     """

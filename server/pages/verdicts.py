@@ -21,7 +21,7 @@ OUTCOMES = {
     "output_limit": ("Réponse trop volumineuse", "Ce que renvoie votre code est trop gros pour être lu."),
     "forbidden_operation": (
         "Opération interdite",
-        "Votre code a tenté une opération que le correcteur n’autorise pas.",
+        "Votre code a tenté une opération qui n’est pas autorisée ici.",
     ),
     "invalid_output": ("Résultat illisible", "Une fonction ne renvoie pas ce qui est demandé (type ou forme)."),
     "internal_error": (

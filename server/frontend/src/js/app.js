@@ -29,8 +29,22 @@ document.getElementById("theme")?.addEventListener("click", () => {
   showTheme();
 });
 prefersDark.addEventListener("change", showTheme);
-document.addEventListener("balise:refreshed", showTheme);
-showTheme();
+
+// The server knows no time zone: dates come in UTC and are shown in the reader's own.
+function showLocalTimes() {
+  const format = new Intl.DateTimeFormat("fr-FR", { dateStyle: "short", timeStyle: "short" });
+  for (const time of document.querySelectorAll("time[datetime]")) {
+    time.textContent = format.format(new Date(time.dateTime));
+  }
+}
+
+function dress() {
+  showTheme();
+  showLocalTimes();
+}
+
+document.addEventListener("balise:refreshed", dress);
+dress();
 
 document.addEventListener("submit", (event) => {
   const question = event.target.dataset?.confirm;

@@ -27,19 +27,13 @@ function plainEditor() {
 }
 
 function saveDraft() {
-  const text = editor.get();
-  const kept = keep(draftKey, text === starter ? null : text);
+  const kept = keep(draftKey, editor.get());
   document.getElementById("brouillon").textContent = kept ? "Brouillon enregistré" : "";
-}
-
-function firstText() {
-  const draft = recall(draftKey);
-  return draft ?? area.value;
 }
 
 async function setUpEditor() {
   const taken = form.dataset.taken === "true" ? area.value : null;
-  const text = firstText();
+  const text = recall(draftKey) ?? area.value;
   area.value = text;
   try {
     const { createEditor } = await import("./editor.js");
@@ -88,7 +82,7 @@ async function send() {
     () => null,
   );
   clearTimeout(waitingTimer);
-  const answer = await response?.json().catch(() => null);
+  const answer = await readAnswer(response);
   if (response?.ok && answer) {
     moveDraft(answer.account);
     showWaiting(answer.text);
@@ -96,6 +90,14 @@ async function send() {
   }
   showMessage(answer?.detail ?? "Le serveur ne répond pas. Votre code est gardé ici : réessayez dans un instant.");
   return null;
+}
+
+// JSON when all went well; a refusal may also come as a page, whose sentence is what matters.
+async function readAnswer(response) {
+  if (!response) return null;
+  if (response.headers.get("content-type")?.includes("json")) return response.json().catch(() => null);
+  const parsed = new DOMParser().parseFromString(await response.text(), "text/html");
+  return { detail: parsed.getElementById("detail")?.textContent };
 }
 
 let waitingTimer = 0;
@@ -120,6 +122,6 @@ document.getElementById("recommencer").addEventListener("click", () => {
 });
 
 form.addEventListener("submit", submit);
-document.documentElement.classList.add("has-script");
+for (const label of area.labels) label.addEventListener("click", () => editor.focus());
 setUpEditor();
 setUpSplitter(document.getElementById("cloison"));
