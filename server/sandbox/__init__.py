@@ -4,6 +4,7 @@ from server.sandbox.child.codec import Value
 from server.sandbox.faults import FaultKind, Frame, ProgramFault, SandboxFault
 from server.sandbox.policy import Policy
 from server.sandbox.pool import Sandbox
+from server.sandbox.probe import WallReport, WallStatus, probe, safe_to_serve
 from server.sandbox.session import Session
 from server.sandbox.values import Kit, Reply, Usage
 
@@ -19,4 +20,8 @@ __all__ = [
     "Session",
     "Usage",
     "Value",
+    "WallReport",
+    "WallStatus",
+    "probe",
+    "safe_to_serve",
 ]

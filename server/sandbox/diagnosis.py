@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from collections.abc import Callable
 from typing import Any
 
 from server.sandbox import messages
@@ -75,7 +76,9 @@ def _frames(given: object) -> tuple[Frame, ...] | None:
         return None
     frames = []
     for entry in given:
-        if not isinstance(entry, tuple) or [type(field) for field in entry] != [int, str, str] or not _is_line(entry[0]):
+        if not isinstance(entry, tuple) or [type(field) for field in entry] != [int, str, str]:
+            return None
+        if not _is_line(entry[0]):
             return None
         frames.append(Frame(entry[0], messages.clean(entry[1]), messages.clean(entry[2])))
     return tuple(frames)
@@ -84,21 +87,20 @@ def _frames(given: object) -> tuple[Frame, ...] | None:
 def _message(
     kind: FaultKind, exception: str, text: str, detail: str, line: int | None, frames: tuple[Frame, ...], policy: Policy
 ) -> str:
-    match kind:
-        case FaultKind.SYNTAX_ERROR:
-            return messages.syntax_error(text, detail, line)
-        case FaultKind.IMPORT_ERROR:
-            return messages.import_error(detail, text, line, frames)
-        case FaultKind.TIMEOUT:
-            return messages.timeout(detail, policy, line, frames)
-        case FaultKind.MEMORY_LIMIT:
-            return messages.memory_limit(policy, line, frames)
-        case FaultKind.FORBIDDEN_OPERATION:
-            return messages.forbidden(text, line, frames)
-        case FaultKind.OUTPUT_LIMIT | FaultKind.INVALID_OUTPUT if not exception and detail.count("|") >= 2:
-            return _of_result(kind, text, detail, policy)
-        case _:
-            return messages.runtime_error(exception or "Erreur", text, line, frames)
+    """The sentence of a fault that a child reported; what `detail` means goes with the kind (see `child.report`)."""
+    of_result = not exception and detail.count("|") >= 2
+    sentences: dict[FaultKind, Callable[[], str]] = {
+        FaultKind.SYNTAX_ERROR: lambda: messages.syntax_error(text, detail, line),
+        FaultKind.IMPORT_ERROR: lambda: messages.import_error(exception, detail, text, line, frames),
+        FaultKind.TIMEOUT: lambda: messages.timeout(detail, policy, line, frames),
+        FaultKind.MEMORY_LIMIT: lambda: messages.memory_limit(policy, line, frames),
+        FaultKind.FORBIDDEN_OPERATION: lambda: messages.forbidden(text, line, frames),
+    }
+    if kind in sentences:
+        return sentences[kind]()
+    if of_result:
+        return _of_result(kind, text, detail, policy)
+    return messages.runtime_error(exception or "Erreur", text, line, frames)
 
 
 def _of_result(kind: FaultKind, culprit: str, detail: str, policy: Policy) -> str:

@@ -18,7 +18,7 @@ _SYNTAX = (
     (r"'(.+)' was never closed", "« {0} » est ouvert ici et n'est jamais refermé"),
     (r"unmatched '(.+)'", "« {0} » ferme ce qui n'a pas été ouvert"),
     (r"closing parenthesis '(.)' does not match.*'(.)'.*", "« {0} » ferme « {1} » : les deux ne vont pas ensemble"),
-    (r"expected an indented block after (.+) on line (\d+)", "le bloc qui suit la ligne {1} doit être décalé vers la droite"),
+    (r"expected an indented block after (.+) on line (\d+)", "ce qui suit la ligne {1} doit être décalé à droite"),
     (r"unexpected indent", "cette ligne est décalée vers la droite sans raison"),
     (r"unindent does not match.*", "le décalage de cette ligne ne correspond à aucun bloc ouvert au-dessus"),
     (r"inconsistent use of tabs.*", "des tabulations et des espaces sont mélangés pour décaler les lignes"),
@@ -26,14 +26,14 @@ _SYNTAX = (
     (r"invalid syntax\. Maybe you meant '==' .*", "« = » affecte une valeur ; pour comparer, écrivez « == »"),
     (r"cannot assign to .*Maybe you meant '==' .*", "« = » affecte une valeur ; pour comparer, écrivez « == »"),
     (r"invalid syntax\. Perhaps you forgot a comma\?", "il manque peut-être une virgule"),
-    (r"invalid non-printable character (U\+\w+)", "un caractère invisible ({0}), souvent venu d'un copier-coller, est à effacer"),
+    (r"invalid non-printable character (U\+\w+)", "un caractère invisible ({0}) est à effacer (copier-coller ?)"),
     (r"invalid character '(.+)' \((U\+\w+)\)", "le caractère « {0} » n'existe pas en Python (copier-coller ?)"),
     (r"'(return|yield|await)' outside function", "« {0} » n'a de sens que dans une fonction"),
     (r"'(break|continue)' .*", "« {0} » n'a de sens que dans une boucle"),
     (r"positional argument follows keyword argument.*", "un argument sans nom suit un argument nommé"),
-    (r"non-default argument follows default argument", "un paramètre sans valeur par défaut suit un paramètre qui en a une"),
+    (r"non-default argument follows default argument", "un paramètre sans valeur par défaut en suit un qui en a une"),
     (r"\(unicode error\).*|.*codec can't decode.*", "le fichier n'est pas enregistré en UTF-8"),
-    (r"too many nested parentheses.*|.*too many statically nested.*", "trop de niveaux imbriqués les uns dans les autres"),
+    (r"too many nested parentheses.*|.*too many statically nested.*", "trop de niveaux imbriqués"),
     (r"maximum recursion depth exceeded.*|.*parser stack overflow.*", "l'expression est trop profondément imbriquée"),
     (r"leading zeros in decimal.*", "un nombre entier ne commence pas par 0"),
     (r"Missing parentheses in call to '(\w+)'.*", "« {0} » est une fonction : ses arguments vont entre parenthèses"),
@@ -43,7 +43,7 @@ _SYNTAX = (
 _ADVICE = {
     "NameError": "Ce nom n'est défini nulle part : faute de frappe, ou définition oubliée ?",
     "UnboundLocalError": "Cette variable est lue avant d'avoir reçu une valeur dans la fonction.",
-    "TypeError": "Une opération ou un appel reçoit une valeur d'un type qui ne convient pas, ou pas le bon nombre d'arguments.",
+    "TypeError": "Une valeur n'a pas le type qui convient, ou un appel n'a pas le bon nombre d'arguments.",
     "IndexError": "Un indice sort du tableau : rappelez-vous que les indices vont de 0 à la longueur moins un.",
     "KeyError": "Cette clé n'est pas dans le dictionnaire.",
     "AttributeError": "Cet objet n'a pas d'attribut ni de méthode de ce nom.",
@@ -59,7 +59,7 @@ _ADVICE = {
 }  # fmt: skip
 
 _SIGNALS = {
-    signal.SIGSEGV: "il a accédé à une zone de mémoire qui n'est pas à lui, ou a débordé la pile (récursion trop profonde ?)",
+    signal.SIGSEGV: "il est sorti de sa mémoire, ou a débordé la pile (récursion trop profonde ?)",
     signal.SIGBUS: "il a accédé à une zone de mémoire qui n'existe pas",
     signal.SIGABRT: "une bibliothèque a interrompu le programme",
     signal.SIGFPE: "une opération arithmétique est impossible",
@@ -92,14 +92,14 @@ def seconds(duration: float) -> str:
     return f"{duration:.3g} s".replace(".", ",")
 
 
-def place(line: int | None, frames: tuple[Frame, ...]) -> str:
-    """« Ligne 12, dans « composer » (return a[3]) : », or nothing when the line is unknown."""
+def located(line: int | None, frames: tuple[Frame, ...], told: str) -> str:
+    """« Ligne 12, dans « composer » (return a[3]) : … », or the sentence alone when the line is unknown."""
     if line is None:
-        return ""
+        return told[:1].upper() + told[1:]
     inside = frames[-1] if frames else None
     where = f", dans « {inside.function} »" if inside and not inside.function.startswith("<") else ""
     source = f" ({inside.source[:80]})" if inside and inside.source else ""
-    return f"Ligne {line}{where}{source} : "
+    return f"Ligne {line}{where}{source} : {told}"
 
 
 def syntax_error(text: str, source: str, line: int | None) -> str:
@@ -125,24 +125,30 @@ def source_too_big(length: int, policy: Policy) -> str:
 
 def runtime_error(exception: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
     told = f"{exception} ({text})" if text else exception
-    advice = _ADVICE.get(exception, "")
-    return f"{place(line, frames)}{told}. {advice}".strip()
+    return located(line, frames, f"{told}. {_ADVICE.get(exception, '')}".strip())
 
 
-def import_error(module: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
-    told = f"{place(line, frames)}{text}. "
+def import_error(exception: str, module: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
+    if exception != "ModuleNotFoundError":
+        return located(line, frames, f"{text}. Ce nom n'est pas dans ce module.")
+    return located(line, frames, f"le module « {module} » n'est pas disponible ici. {_about_module(module)}")
+
+
+def _about_module(module: str) -> str:
     root = module.partition(".")[0]
     if root in ("matplotlib", "pylab", "seaborn", "plotly"):
-        return told + "Rien ne se trace pendant l'évaluation : mettez vos tracés sous « if __name__ == \"__main__\": »."
-    near = difflib.get_close_matches(root, ("numpy", "scipy", "l20", *sys.stdlib_module_names), 1, 0.75)
-    if near and near[0] != root:
-        return told + f"Vouliez-vous écrire « {near[0]} » ?"
-    return told + "Sont disponibles numpy, scipy et la bibliothèque standard de Python."
+        return 'Rien ne se trace pendant l\'évaluation : mettez vos tracés sous « if __name__ == "__main__": ».'
+    for known in (("numpy", "scipy"), sys.stdlib_module_names):
+        near = difflib.get_close_matches(root, known, 1, 0.75)
+        if near and near[0] != root:
+            return f"Vouliez-vous écrire « {near[0]} » ?"
+    return "Sont disponibles numpy, scipy et la bibliothèque standard de Python."
 
 
 def missing_function(name: str, present: Iterable[str]) -> str:
     functions = sorted(present)
-    near = difflib.get_close_matches(name, functions, 1, 0.6)
+    by_lower_case = {function.casefold(): function for function in functions}
+    near = [by_lower_case[close] for close in difflib.get_close_matches(name.casefold(), by_lower_case, 1, 0.6)]
     told = f"La fonction « {name} » est attendue et n'est pas dans votre fichier. "
     if near:
         return told + f"Il contient « {near[0]} » : est-ce elle, sous un autre nom ?"
@@ -156,22 +162,19 @@ def timeout(what: str, policy: Policy, line: int | None, frames: tuple[Frame, ..
         limit = f"votre programme a calculé pendant plus de {seconds(policy.cpu_seconds)}, la limite"
     else:
         limit = f"votre programme n'a pas répondu en {seconds(policy.wall_seconds)}, la limite"
-    return f"{place(line, frames)}{limit}. Une boucle ne se termine-t-elle jamais, ou fait-elle un travail inutile ?"
+    return located(line, frames, f"{limit}. Une boucle ne se termine-t-elle jamais, ou fait-elle un travail inutile ?")
 
 
 def memory_limit(policy: Policy, line: int | None, frames: tuple[Frame, ...]) -> str:
-    return (
-        f"{place(line, frames)}votre programme demande plus de mémoire que la limite de {size(policy.memory_bytes)}. "
-        "Un tableau a-t-il des dimensions démesurées, une liste grandit-elle sans fin ?"
-    )
+    told = f"votre programme demande plus de mémoire que la limite de {size(policy.memory_bytes)}. "
+    advice = "Un tableau a-t-il des dimensions démesurées, une liste grandit-elle sans fin ?"
+    return located(line, frames, told + advice)
 
 
 def forbidden(text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
-    told = f" [{text}]" if text else ""
-    return (
-        f"{place(line, frames)}opération interdite{told}. Fichiers, réseau, processus et fils d'exécution ne sont pas accessibles : "
-        "vos fonctions reçoivent tout par leurs arguments."
-    )
+    told = "opération interdite" + (f" [{text}]. " if text else ". ")
+    advice = "Fichiers, réseau, processus et fils d'exécution sont hors d'atteinte : tout arrive par les arguments."
+    return located(line, frames, told + advice)
 
 
 def ended(code: int) -> str:
@@ -199,24 +202,35 @@ def answer_too_big(what: str, function: str, policy: Policy) -> str:
     return f"Le résultat de « {function} » est trop gros : la limite est de {limit}."
 
 
+_NOT_A_VALUE = {
+    "depth": "a plus de {depth} niveaux imbriqués (se contient-il lui-même ?).",
+    "int": "contient un entier démesurément grand.",
+    "key": "contient un dictionnaire dont une clé est de type « {culprit} » : seules des chaînes sont acceptées.",
+    "dtype": "contient un tableau d'éléments « {culprit} » : des nombres ou des booléens sont attendus.",
+    "object": "contient un tableau d'objets qui ne sont pas des nombres : ses lignes ont-elles la même longueur ?",
+}
+
+
 def not_a_value(reason: str, culprit: str, where: str, function: str, policy: Policy) -> str:
-    """Why what a function returned cannot be sent: `reason` comes from the child's codec."""
-    told = f"« {function} » renvoie" if not where else f"« {function} » renvoie, dans son résultat,"
-    if reason == "depth":
-        return f"Le résultat de « {function} » a plus de {policy.depth} niveaux imbriqués (se contient-il lui-même ?)."
-    if reason == "int":
-        return f"{told} un entier démesurément grand."
-    if reason == "key":
-        return f"{told} un dictionnaire dont une clé est de type « {culprit} » : seules des chaînes sont acceptées."
-    if reason == "dtype":
-        return f"{told} un tableau d'éléments « {culprit} » : des nombres ou des booléens sont attendus."
-    if reason == "object":
-        return f"{told} un tableau d'objets qui ne sont pas des nombres : ses lignes ont-elles toutes la même longueur ?"
-    return f"{told} une valeur de type « {culprit} », qui n'est ni un nombre, ni un tableau, ni une liste. {_cure(culprit)}"
+    """Why what a function returned cannot be sent: `reason` and the place `where` it was found come from the codec.
+
+    The place begins with [0] in the value itself, and with [1] in the arguments after the call.
+    """
+    subject = f"Le résultat de « {function} »" if where.startswith("[0]") else f"Un argument modifié par « {function} »"
+    inside = where[3:] if where.startswith("[0]") else ""
+    if reason in _NOT_A_VALUE:
+        return f"{subject} {_NOT_A_VALUE[reason].format(depth=policy.depth, culprit=culprit)}"
+    found = (
+        f"contient, en {inside}, une valeur" if inside else "est" if where.startswith("[0]") else "contient une valeur"
+    )
+    return f"{subject} {found} de type « {culprit} » : ni nombre, ni tableau, ni liste. {_cure(culprit)}"
+
+
+_ITERABLES = ("generator", "map", "filter", "zip", "enumerate", "reversed", "dict_keys", "dict_values", "dict_items")
 
 
 def _cure(culprit: str) -> str:
-    if culprit in ("generator", "map", "filter", "zip", "enumerate", "reversed", "dict_keys", "dict_values", "dict_items"):
+    if culprit in _ITERABLES:
         return "Entourez-la de « list(…) » ou de « np.array(…) »."
     if culprit in ("set", "frozenset"):
         return "Un ensemble n'a pas d'ordre : renvoyez « sorted(…) »."

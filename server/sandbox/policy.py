@@ -13,9 +13,9 @@ KIB, MIB = 1 << 10, 1 << 20
 class Policy:
     """Limits of one session.
 
-    `cpu_seconds` counts the time of the processor over the whole session; `wall_seconds` counts the time spent waiting for answers;
-    `memory_bytes` comes above what the interpreter and the libraries use themselves; `threads` counts the main one;
-    `files` are descriptors; `depth` and `items` bound the nesting and the number of values of an answer.
+    `cpu_seconds` counts the time of the processor over the whole session; `wall_seconds` counts the time spent waiting
+    for answers; `memory_bytes` comes above what the interpreter and the libraries use themselves; `threads` counts the
+    main one; `files` are descriptors; `depth` and `items` bound the nesting and the number of values of an answer.
     """
 
     cpu_seconds: float = 5.0

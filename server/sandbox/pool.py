@@ -28,6 +28,7 @@ class _Slot:
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
+        self.renewing = threading.Lock()
         self.template: TemplateProcess | None = None
         self.spares: OrderedDict[Policy, deque[Child]] = OrderedDict()
 
@@ -35,9 +36,9 @@ class _Slot:
 class Sandbox:
     """Runs students' files. Safe to share between threads; close it, or use it as a context manager.
 
-    `kits` maps the name of a kit's module to its Python source. `spares` children stand ready for each of the last policies used;
-    a template is replaced after `forks` forks. `namespaces` None means: where this machine offers them. `lifted` leaves walls
-    down, and serves only to probe and test the walls themselves.
+    `kits` maps the name of a kit's module to its Python source. `spares` children stand ready for each of the last
+    policies used; a template is replaced after `forks` forks. `namespaces` None means: where this machine offers them.
+    `lifted` leaves walls down, and serves only to probe and test the walls themselves.
     """
 
     def __init__(
@@ -56,6 +57,7 @@ class Sandbox:
         self._slots: dict[str, _Slot] = {"numpy": _Slot(), "scipy": _Slot()}
         self._retired: set[TemplateProcess] = set()
         self._spawner = ThreadPoolExecutor(1, thread_name_prefix="sandbox-spawner")
+        self._helper = ThreadPoolExecutor(1, thread_name_prefix="sandbox-helper")
         self._closed = False
 
     def __enter__(self) -> Self:
@@ -73,7 +75,7 @@ class Sandbox:
     def open(
         self, source: bytes, *, kit: Kit | None = None, policy: Policy | None = None, filename: str = "solution.py"
     ) -> Session:
-        """A session in which the file is loaded. Raises ProgramFault when it does not load, SandboxFault when we failed."""
+        """A session in which the file is loaded. Raises ProgramFault if it does not load, SandboxFault if we failed."""
         policy = policy or self.policy
         _check_source(source, policy)
         try:
@@ -88,6 +90,7 @@ class Sandbox:
     def close(self) -> None:
         """Ends every template and every session; returns when their processes are gone."""
         self._closed = True
+        self._helper.shutdown(cancel_futures=True)
         for slot in self._slots.values():
             with slot.lock:
                 self._discard(slot)
@@ -119,7 +122,26 @@ class Sandbox:
             slot.spares.move_to_end(policy)
             child = waiting.popleft() if waiting else template.fork(policy)
             self._refill(slot, template, policy)
-            return template, child
+        self._renew(slot, template, imports)
+        return template, child
+
+    def _renew(self, slot: _Slot, worn: TemplateProcess, imports: str) -> None:
+        """Starts the successor of a template that has forked enough, while it goes on serving."""
+        if worn.forks >= self._forks and not slot.renewing.locked():
+            self._helper.submit(self._succeed, slot, worn, imports)
+
+    def _succeed(self, slot: _Slot, worn: TemplateProcess, imports: str) -> None:
+        with slot.renewing:
+            if slot.template is not worn or self._closed:
+                return
+            try:
+                successor = self._started(imports)
+            except TemplateFault as error:
+                _log.warning("no successor to a worn template, which goes on: %s", error)
+                return
+            with slot.lock:
+                self._discard(slot)
+                slot.template = successor
 
     def _refill(self, slot: _Slot, template: TemplateProcess, policy: Policy) -> None:
         waiting = slot.spares.setdefault(policy, deque())
@@ -134,7 +156,7 @@ class Sandbox:
         if self._closed:
             raise SandboxFault("the sandbox is closed")
         template = slot.template
-        if template is not None and template.alive() and template.forks < self._forks:
+        if template is not None and template.alive():
             return template
         self._discard(slot)
         slot.template = self._started(imports)
@@ -186,4 +208,6 @@ def _check_source(source: bytes, policy: Policy) -> None:
     if b"\0" in source:
         line = source[: source.index(b"\0")].count(b"\n") + 1
         message = messages.syntax_error(messages.null_byte(), "", line)
-        raise ProgramFault(FaultKind.SYNTAX_ERROR, messages.typeset(message), line=line, exception="SyntaxError", fatal=True)
+        raise ProgramFault(
+            FaultKind.SYNTAX_ERROR, messages.typeset(message), line=line, exception="SyntaxError", fatal=True
+        )

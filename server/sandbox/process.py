@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import socket
+import struct
 import subprocess
 import threading
 from collections.abc import Callable, Mapping
@@ -22,6 +23,8 @@ from server.sandbox.policy import Policy
 from server.sandbox.wire import Wire
 
 START_SECONDS = 60.0
+#: A ``struct timeval``: a template that takes no order for so long is as good as dead.
+_SEND_TIMEOUT = struct.pack("@ll", 5, 0)
 _BOOT = (
     "import sys; sys.path.insert(0, sys.argv[1]); from child.boot import main; del sys.path[0]; "
     "main(int(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]), sys.argv[5] == 'namespaces', sys.argv[6:])"
@@ -96,6 +99,7 @@ class TemplateProcess:
             self._control.close()
             os.close(self._log)
             raise
+        self._control.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, _SEND_TIMEOUT)
         self._listener = threading.Thread(target=self._listen, name="sandbox-template", daemon=True)
         self._listener.start()
         return self
@@ -243,5 +247,3 @@ def _fork_order(number: int, policy: Policy) -> dict[str, Value]:
     order |= {field.name: getattr(policy, field.name) for field in fields(inner.Limits)}
     answer = policy.answer
     return order | {"frame_bytes": answer.size, "depth": answer.depth, "items": answer.items}
-
-

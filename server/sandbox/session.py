@@ -20,7 +20,7 @@ from server.sandbox.wire import Closed, Forged, Late
 
 #: What the child is left to tell by itself that its time is up, before it is killed.
 GRACE = 0.5
-_READY_SECONDS = 20.0
+_READY_SECONDS = 10.0
 _ENDING_SECONDS = 5.0
 _QUESTION = codec.Limits(size=1 << 28, depth=64, items=10_000_000)
 _FAULT = codec.Limits(size=1 << 16, depth=8, items=1000)
@@ -37,8 +37,6 @@ class Session:
         self._closed = False
         self._printed, self._cut = "", False
         self.functions: frozenset[str] = frozenset()
-
-    # --- life ---------------------------------------------------------------------------------------------------------
 
     def load(self, source: bytes, filename: str, kit: Kit | None) -> None:
         """Runs the file's top level. Raises TemplateFault when the child was not sound to begin with."""
@@ -77,8 +75,6 @@ class Session:
             self._printed, self._cut = self._child.output.text(), self._child.output.truncated()
             self._child.close()
 
-    # --- what is to be read of it ----------------------------------------------------------------------------------------
-
     def stdout(self) -> str:
         """What the program printed, up to the policy's bound."""
         return self._printed if self._closed else self._child.output.text()
@@ -97,8 +93,6 @@ class Session:
             raise SandboxFault("nobody knows what the session used") from error
         return Usage(ending.cpu_seconds, self._waited, ending.max_rss_bytes)
 
-    # --- questions --------------------------------------------------------------------------------------------------------
-
     def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
         """Calls a function of the student's file. Raises ProgramFault, or SandboxFault when the fault is ours."""
         if self._closed:
@@ -110,10 +104,9 @@ class Session:
             raise ProgramFault(FaultKind.MISSING_FUNCTION, messages.typeset(message))
         question: dict[str, Value] = {"function": function, "arguments": args, "return_arguments": return_arguments}
         try:
-            answer = self._exchange(frames.CALL, question)
+            return self._reply(self._exchange(frames.CALL, question), len(args) if return_arguments else None)
         except TemplateFault as error:
             raise SandboxFault(str(error)) from error
-        return self._reply(answer, len(args) if return_arguments else None)
 
     def _reply(self, answer: Value, expected: int | None) -> Reply:
         if not isinstance(answer, tuple) or len(answer) != 2:
@@ -158,8 +151,6 @@ class Session:
         if told.fatal:
             self._end(lambda _: told)
         raise told
-
-    # --- ends -------------------------------------------------------------------------------------------------------------
 
     def _forged(self) -> NoReturn:
         self._end(lambda _: diagnosis.forged())

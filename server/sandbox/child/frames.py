@@ -1,7 +1,7 @@
 """The framing of the wire, the same on both sides: ``length, token, kind``, then the payload of `codec`.
 
-A question carries a fresh random token and its answer must carry it back, so that an answer written before its question,
-or twice, cannot pass for one.
+A question carries a fresh random token and its answer must carry it back, so that an answer written before its
+question, or twice, cannot pass for one.
 """
 
 from __future__ import annotations

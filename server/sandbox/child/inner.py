@@ -118,5 +118,3 @@ def address_space() -> int:
 def filters() -> dict[bool, bytes]:
     """Seccomp programs by whether threads are allowed."""
     return {threads: seccomp.assemble(threads=threads) for threads in (False, True)}
-
-

@@ -1,5 +1,5 @@
-"""Landlock rules, within what the running kernel offers: read below a list of paths, and nothing else of the file system;
-no TCP; no signal and no abstract socket out of the domain."""
+"""Landlock rules, within what the running kernel offers: read below a list of paths, and nothing else of the file
+system; no TCP; no signal and no abstract socket out of the domain."""
 
 from __future__ import annotations
 

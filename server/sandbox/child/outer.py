@@ -1,4 +1,4 @@
-"""The outer wall, raised once for a template: namespaces, a file view made of read-only pieces, an unprivileged identity."""
+"""The outer wall, raised once for a template: namespaces, a read-only file view, an unprivileged identity."""
 
 from __future__ import annotations
 
@@ -104,8 +104,8 @@ def outermost(paths: Iterable[str]) -> list[str]:
 def change_view(libraries: Iterable[str], packages: Iterable[str]) -> None:
     """Replaces the root by a read-only one that holds these paths and four devices, and detaches the old one.
 
-    `libraries` are directories or files taken whole, without the folder of installed packages that they may hold; `packages` are
-    directories put back into it.
+    `libraries` are directories or files taken whole, without the folder of installed packages that they may hold;
+    `packages` are directories put back into it.
     """
     libc.mount("none", "/", None, _MS_PRIVATE_RECURSIVE)
     whole = outermost(libraries)

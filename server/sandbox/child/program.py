@@ -5,6 +5,7 @@ from __future__ import annotations
 import builtins
 import linecache
 import random
+import re
 import sys
 from collections.abc import Callable, Mapping
 from types import ModuleType
@@ -57,7 +58,7 @@ class Program:
         return self._encoded((value, arguments if return_arguments else None), function)
 
     def configure(self, kit: str | None, parameters: Mapping[str, Value]) -> None:
-        """Seeds the generators, and asks the kit for the names that the file finds. What it raises is not the student's."""
+        """Seeds the generators, and asks the kit for its names: what that raises is not the student's."""
         seed = parameters.get("seed")
         seed = seed if isinstance(seed, int) else None
         random.seed(seed)
@@ -69,8 +70,8 @@ class Program:
 
     def _compile(self, source: bytes, filename: str) -> Any:
         text = source.decode("utf-8-sig", "replace")
-        self._lines, self._filename = text.splitlines(), filename
-        linecache.cache[filename] = (len(text), None, text.splitlines(keepends=True), filename)
+        self._lines, self._filename = re.split("\r\n|\r|\n", text), filename
+        linecache.cache[filename] = (len(text), None, [line + "\n" for line in self._lines], filename)
         try:
             return compile(source, filename, "exec", dont_inherit=True)
         except (SyntaxError, ValueError, RecursionError, MemoryError, OverflowError) as error:

@@ -81,7 +81,7 @@ def _kind(error: BaseException) -> str:
 
 
 def _refused(error: BaseException) -> bool:
-    """Whether a wall refused what the program tried: a permission, a path out of its folder, a process, a connection."""
+    """Whether a wall refused what the program tried: a permission, a path out of its folder, a connection."""
     if isinstance(error, RuntimeError) and "start new thread" in _text(error):
         return True
     if not isinstance(error, (OSError, ImportError)):

@@ -1,7 +1,7 @@
 """A seccomp filter assembled by ourselves: no compiler and no libseccomp on the user's machine.
 
-The program first checks the architecture (and the x32 bit), then goes down the tables of `syscalls`: allow, EPERM for what
-an honest program may try, ENOSYS for what the C library must do without, kill for all the rest.
+The program first checks the architecture (and the x32 bit), then goes down the tables of `syscalls`: allow, EPERM for
+what an honest program may try, ENOSYS for what the C library must do without, kill for all the rest.
 """
 
 from __future__ import annotations

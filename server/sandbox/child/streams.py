@@ -32,7 +32,7 @@ class BoundedBytes(io.RawIOBase):
 
 
 class BoundedText(io.TextIOBase):
-    """Text over `BoundedBytes`, encoded in UTF-8; every write reaches the file at once, so that a killed program keeps it."""
+    """UTF-8 text over `BoundedBytes`; every write reaches the file at once, so that a killed program keeps it."""
 
     def __init__(self, raw: BoundedBytes, bound: int) -> None:
         self._raw, self._bound = raw, bound

@@ -1,7 +1,7 @@
 """The system calls that the filter knows, as ``name:x86-64 number/aarch64 number``.
 
-Whatever is not listed here but exists kills the process: ptrace, process_vm_readv, io_uring_*, bpf, userfaultfd, keyctl, mount,
-setns, unshare, open_by_handle_at, perf_event_open, kexec_load… are what only an attacker tries.
+Whatever is not listed here but exists kills the process: ptrace, process_vm_readv, io_uring_*, bpf, userfaultfd,
+keyctl, mount, setns, unshare, open_by_handle_at, perf_event_open, kexec_load… are what only an attacker tries.
 """
 
 from __future__ import annotations

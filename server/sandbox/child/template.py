@@ -18,22 +18,14 @@ from typing import Any
 
 from . import codec, inner, landlock, libc, outer, serve
 from .codec import Limits, Value
+from .imports import modules
 
 CONTROL = Limits(size=1 << 26, depth=6, items=10_000)
 _MESSAGE = 1 << 17
-_USUAL = ["__future__", "abc", "array", "bisect", "cmath", "collections", "collections.abc", "contextlib", "copy", "dataclasses", "decimal", "enum", "fractions", "functools", "heapq", "inspect", "io", "itertools", "json", "linecache", "math", "numbers", "operator", "pprint", "queue", "random", "re", "statistics", "string", "struct", "textwrap", "threading", "time", "timeit", "traceback", "types", "typing", "warnings", "weakref", "datetime"]
-IMPORTS = {
-    "numpy": ("numpy", "numpy.linalg", "numpy.random", "numpy.fft", "numpy.polynomial", "numpy.ma"),
-    "scipy": (
-        *("numpy", "numpy.linalg", "numpy.random", "numpy.fft", "numpy.polynomial", "numpy.ma"),
-        *("scipy.linalg", "scipy.sparse", "scipy.sparse.linalg", "scipy.special", "scipy.optimize", "scipy.spatial"),
-        *("scipy.spatial.distance", "scipy.spatial.transform", "scipy.ndimage"),
-    ),
-}
 
 
 class Template:
-    """`configuration`: kits (name → source), imports, packages (directories), namespaces (bool), lifted (names of walls)."""
+    """`configuration`: kits (name → source), imports, sites, packages (directories), namespaces, lifted (walls)."""
 
     def __init__(self, control: int, configuration: dict[str, Any]) -> None:
         self._control = socket.socket(fileno=control)
@@ -44,7 +36,7 @@ class Template:
     def prepare(self) -> None:
         """Imports, then changes the view, then drops all privileges, then warms up."""
         lifted = frozenset(self._configuration["lifted"])
-        for name in (*_USUAL, *IMPORTS[self._configuration["imports"]]):
+        for name in modules(self._configuration["imports"]):
             importlib.import_module(name)
         self._kits = {name: _kit(name, source) for name, source in self._configuration["kits"].items()}
         libraries = [*(path for path in sys.path if path not in self._configuration["sites"]), *outer.mapped_files()]

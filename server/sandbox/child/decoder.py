@@ -1,0 +1,152 @@
+"""From the bytes of the wire to exact base types. Runs in the trusted process, on bytes that may be hostile."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+
+import numpy as np
+
+from .plain import (
+    COMPLEX,
+    DTYPES,
+    FLOAT,
+    INT,
+    LENGTH,
+    MAX_DIMENSIONS,
+    MAX_INT_BYTES,
+    NATIVE,
+    Array,
+    Limits,
+    Malformed,
+    Value,
+)
+
+
+class _Reader:
+    def __init__(self, data: bytes, limits: Limits) -> None:
+        self.data = data
+        self.at = 0
+        self.limits = limits
+        self.items = 0
+
+    def take(self, length: int) -> bytes:
+        end = self.at + length
+        if end > len(self.data):
+            raise Malformed("cut short")
+        piece = self.data[self.at : end]
+        self.at = end
+        return piece
+
+    def length(self) -> int:
+        return int(LENGTH.unpack(self.take(4))[0])
+
+    def count(self) -> int:
+        """Number of items to come: each takes a byte at least, so the bytes left bound it."""
+        count = self.length()
+        if count > len(self.data) - self.at:
+            raise Malformed("more items than bytes")
+        return count
+
+
+def decode(data: bytes, limits: Limits) -> Value:
+    """The value of these bytes, made of exact base types; arrays are owned, C-contiguous, native and writable.
+
+    Raises Malformed, and nothing else, for bytes that are not one whole value within the limits.
+    """
+    if len(data) > limits.size:
+        raise Malformed("too long")
+    reader = _Reader(data, limits)
+    value = _decode(reader, 1)
+    if reader.at != len(data):
+        raise Malformed("bytes left over")
+    return value
+
+
+def _decode(reader: _Reader, depth: int) -> Value:
+    reader.items += 1
+    if reader.items > reader.limits.items or depth > reader.limits.depth:
+        raise Malformed("too many items or too deep")
+    decoder = _DECODERS.get(reader.take(1))
+    if decoder is None:
+        raise Malformed("unknown tag")
+    return decoder(reader, depth)
+
+
+def _decode_int(reader: _Reader, depth: int) -> int:
+    return int(INT.unpack(reader.take(8))[0])
+
+
+def _decode_big_int(reader: _Reader, depth: int) -> int:
+    length = reader.length()
+    if length > MAX_INT_BYTES:
+        raise Malformed("integer too long")
+    return int.from_bytes(reader.take(length), "little", signed=True)
+
+
+def _decode_float(reader: _Reader, depth: int) -> float:
+    return float(FLOAT.unpack(reader.take(8))[0])
+
+
+def _decode_complex(reader: _Reader, depth: int) -> complex:
+    return complex(*COMPLEX.unpack(reader.take(16)))
+
+
+def _decode_str(reader: _Reader, depth: int) -> str:
+    try:
+        return reader.take(reader.length()).decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise Malformed("text is not UTF-8") from error
+
+
+def _decode_array(reader: _Reader, depth: int) -> Array:
+    code, dimensions = reader.take(2)
+    if code >= len(DTYPES) or dimensions > MAX_DIMENSIONS:
+        raise Malformed("unknown array")
+    shape = struct.unpack(f"<{dimensions}I", reader.take(4 * dimensions))
+    nonzero = size = DTYPES[code].itemsize
+    for side in shape:
+        nonzero *= max(side, 1)
+        size *= side
+        if nonzero > 2**48:
+            raise Malformed("array too big")
+    flat = np.frombuffer(reader.take(size), dtype=np.uint8 if code == 0 else DTYPES[code])
+    if code == 0 and flat.size and flat.max() > 1:
+        raise Malformed("bool that is neither 0 nor 1")
+    return flat.reshape(shape).astype(NATIVE[code])
+
+
+def _decode_tuple(reader: _Reader, depth: int) -> tuple[Value, ...]:
+    return tuple([_decode(reader, depth + 1) for _ in range(reader.count())])
+
+
+def _decode_list(reader: _Reader, depth: int) -> list[Value]:
+    return [_decode(reader, depth + 1) for _ in range(reader.count())]
+
+
+def _decode_dict(reader: _Reader, depth: int) -> dict[str, Value]:
+    result: dict[str, Value] = {}
+    for _ in range(reader.count()):
+        if reader.take(1) != b"s":
+            raise Malformed("key is not text")
+        key = _decode_str(reader, depth)
+        if key in result:
+            raise Malformed("key given twice")
+        result[key] = _decode(reader, depth + 1)
+    return result
+
+
+_DECODERS: dict[bytes, Callable[[_Reader, int], Value]] = {
+    b"N": lambda reader, depth: None,
+    b"T": lambda reader, depth: True,
+    b"F": lambda reader, depth: False,
+    b"i": _decode_int,
+    b"I": _decode_big_int,
+    b"f": _decode_float,
+    b"c": _decode_complex,
+    b"s": _decode_str,
+    b"a": _decode_array,
+    b"t": _decode_tuple,
+    b"l": _decode_list,
+    b"d": _decode_dict,
+}

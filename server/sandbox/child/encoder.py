@@ -1,0 +1,203 @@
+"""From Python objects to the bytes of the wire: among a student's objects, or on the trusted side for questions."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from .plain import (
+    COMPLEX,
+    DTYPE_CODE,
+    FLOAT,
+    INT,
+    LENGTH,
+    MAX_DIMENSIONS,
+    MAX_INT_BYTES,
+    Array,
+    Limits,
+    TooBig,
+    Unsendable,
+)
+
+
+class _Writer:
+    def __init__(self, limits: Limits) -> None:
+        self.out = bytearray()
+        self.limits = limits
+        self.items = 0
+
+    def write(self, data: bytes | memoryview) -> None:
+        if len(self.out) + len(data) > self.limits.size:
+            raise TooBig("size")
+        self.out += data
+
+    def node(self, depth: int) -> None:
+        self.items += 1
+        if self.items > self.limits.items:
+            raise TooBig("items")
+        if depth > self.limits.depth:
+            raise TooBig("depth")
+
+
+def encode(value: object, limits: Limits) -> bytes:
+    """Bytes of a value. Raises Unsendable for an object that is none, TooBig beyond the limits."""
+    writer = _Writer(limits)
+    _encode(writer, value, 1, "")
+    return bytes(writer.out)
+
+
+def _encode(writer: _Writer, value: object, depth: int, place: str) -> None:
+    writer.node(depth)
+    encoder = _EXACT.get(type(value)) or _resembling(value)
+    if encoder is None:
+        _convert(writer, value, depth, place)
+    else:
+        encoder(writer, value, depth, place)
+
+
+def _resembling(value: object) -> Callable[[_Writer, Any, int, str], None] | None:
+    """Encoder of the base type that an instance of a subclass stands for."""
+    for kind in (bool, int, float, complex, str, np.ndarray, np.generic, tuple, list, dict):
+        if isinstance(value, kind):
+            return _EXACT[kind]
+    return None
+
+
+def _encode_none(writer: _Writer, value: None, depth: int, place: str) -> None:
+    writer.write(b"N")
+
+
+def _encode_bool(writer: _Writer, value: bool, depth: int, place: str) -> None:
+    writer.write(b"T" if value else b"F")
+
+
+def _encode_int(writer: _Writer, value: int, depth: int, place: str) -> None:
+    value = int.__index__(value)
+    if -(2**63) <= value < 2**63:
+        writer.write(b"i" + INT.pack(value))
+        return
+    size = value.bit_length() // 8 + 1
+    if size > MAX_INT_BYTES:
+        raise Unsendable("int", "int", place)
+    writer.write(b"I" + LENGTH.pack(size) + value.to_bytes(size, "little", signed=True))
+
+
+def _encode_float(writer: _Writer, value: float, depth: int, place: str) -> None:
+    writer.write(b"f" + FLOAT.pack(float.__float__(value)))
+
+
+def _encode_complex(writer: _Writer, value: complex, depth: int, place: str) -> None:
+    writer.write(b"c" + COMPLEX.pack(value.real, value.imag))
+
+
+def _encode_str(writer: _Writer, value: str, depth: int, place: str) -> None:
+    data = str.encode(value, "utf-8", "replace")
+    writer.write(b"s" + LENGTH.pack(len(data)))
+    writer.write(data)
+
+
+def _encode_generic(writer: _Writer, value: Any, depth: int, place: str) -> None:
+    """A numpy scalar: a Python number, or text."""
+    plain = value.item()
+    if isinstance(plain, np.generic):  # longdouble
+        plain = complex(plain) if isinstance(value, np.complexfloating) else float(plain)
+    encoder = _EXACT.get(type(plain))
+    if encoder is None:
+        raise Unsendable("type", type(value).__name__, place)
+    encoder(writer, plain, depth, place)
+
+
+def _encode_array(writer: _Writer, value: Array, depth: int, place: str) -> None:
+    plain = np.asarray(value).view(np.ndarray)
+    if plain.ndim == 0 and plain.dtype.kind != "O":
+        return _encode_generic(writer, plain[()], depth, place)
+    if plain.ndim > MAX_DIMENSIONS:
+        raise TooBig("depth")
+    if plain.size * plain.itemsize > writer.limits.size:
+        raise TooBig("size")
+    plain = _listed_dtype(plain, place)
+    shape = struct.pack(f"<BB{plain.ndim}I", DTYPE_CODE[plain.dtype], plain.ndim, *plain.shape)
+    writer.write(b"a" + shape)
+    return writer.write(plain.tobytes())
+
+
+def _listed_dtype(array: Array, place: str) -> Array:
+    """The same numbers in a dtype of the list: longdouble becomes float64, objects that are numbers become numbers."""
+    if array.dtype.kind == "O":
+        array = _numbers_of_objects(array, place)
+    little = array.dtype.newbyteorder("<")
+    if little in DTYPE_CODE:
+        return array.astype(little, copy=False)
+    for kind, wide in (("f", "<f8"), ("c", "<c16"), ("i", "<i8"), ("u", "<u8")):
+        if array.dtype.kind == kind:
+            return array.astype(wide)
+    raise Unsendable("dtype", str(array.dtype), place)
+
+
+def _numbers_of_objects(array: Array, place: str) -> Array:
+    for kinds, dtype in (((bool, np.bool_), "bool"), ((int, np.integer), "i8"), ((int, float, np.number), "f8")):
+        if all(isinstance(item, kinds) for item in array.flat):
+            return array.astype(dtype)
+    if all(isinstance(item, (int, float, complex, np.number)) for item in array.flat):
+        return array.astype("c16")
+    raise Unsendable("object", "object", place)
+
+
+def _encode_tuple(writer: _Writer, value: tuple[object, ...], depth: int, place: str) -> None:
+    _encode_sequence(writer, b"t", tuple.__len__(value), tuple.__iter__(value), depth, place)
+
+
+def _encode_list(writer: _Writer, value: list[object], depth: int, place: str) -> None:
+    _encode_sequence(writer, b"l", list.__len__(value), list.__iter__(value), depth, place)
+
+
+def _encode_sequence(writer: _Writer, tag: bytes, length: int, items: Iterator[object], depth: int, place: str) -> None:
+    if writer.items + length > writer.limits.items:
+        raise TooBig("items")
+    writer.write(tag + LENGTH.pack(length))
+    for index, item in enumerate(items):
+        _encode(writer, item, depth + 1, f"{place}[{index}]")
+
+
+def _encode_dict(writer: _Writer, value: dict[object, object], depth: int, place: str) -> None:
+    writer.write(b"d" + LENGTH.pack(dict.__len__(value)))
+    for key, item in dict.items(value):
+        if not isinstance(key, str):
+            raise Unsendable("key", type(key).__name__, place)
+        _encode_str(writer, key, depth, place)
+        _encode(writer, item, depth + 1, f"{place}[{str.__str__(key)[:40]!r}]")
+
+
+def _convert(writer: _Writer, value: object, depth: int, place: str) -> None:
+    """What is not a value but stands for one: a range, a sparse matrix, an object that knows how to be an array."""
+    if type(value) is range:
+        if len(value) > writer.limits.items:
+            raise TooBig("items")
+        _encode_list(writer, list(value), depth, place)
+    elif type(value).__module__.startswith("scipy.sparse") and hasattr(value, "toarray"):
+        if np.prod(getattr(value, "shape", ()), dtype=float) * 8 > writer.limits.size:
+            raise TooBig("size")
+        _encode_array(writer, value.toarray(), depth, place)
+    elif hasattr(type(value), "__array__"):
+        _encode_array(writer, np.asarray(value), depth, place)
+    else:
+        raise Unsendable("type", type(value).__name__, place)
+
+
+_EXACT: dict[type, Callable[[_Writer, Any, int, str], None]] = {
+    type(None): _encode_none,
+    bool: _encode_bool,
+    int: _encode_int,
+    float: _encode_float,
+    complex: _encode_complex,
+    str: _encode_str,
+    np.ndarray: _encode_array,
+    np.generic: _encode_generic,
+    np.float64: _encode_float,
+    tuple: _encode_tuple,
+    list: _encode_list,
+    dict: _encode_dict,
+}

@@ -1,0 +1,22 @@
+"""What a template imports beforehand, so that a submission's own imports cost nothing."""
+
+from __future__ import annotations
+
+#: The standard modules that students use, and the encodings that a source or a text may need.
+_USUAL = """
+__future__ abc array bisect cmath collections collections.abc contextlib copy dataclasses datetime decimal enum
+fractions functools heapq inspect io itertools json linecache math numbers operator pprint queue random re statistics
+string struct textwrap threading time timeit traceback types typing warnings weakref
+encodings.utf_8_sig encodings.latin_1 encodings.cp1252 encodings.ascii encodings.iso8859_15 encodings.utf_16
+"""
+_NUMPY = "numpy numpy.linalg numpy.random numpy.fft numpy.polynomial numpy.ma"
+_SCIPY = """
+scipy.linalg scipy.sparse scipy.sparse.linalg scipy.special scipy.optimize scipy.spatial scipy.spatial.distance
+scipy.spatial.transform scipy.ndimage
+"""
+_SETS = {"numpy": _USUAL + _NUMPY, "scipy": _USUAL + _NUMPY + _SCIPY}
+
+
+def modules(imports: str) -> list[str]:
+    """Names of the modules of an import set."""
+    return _SETS[imports].split()

@@ -1,0 +1,123 @@
+"""Which walls stand on this machine, each learnt by a real attempt in a real child.
+
+Where several walls stop the same thing, the others are left down for the attempt, so that the answer is about one wall.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from enum import StrEnum
+
+from server.sandbox import messages
+from server.sandbox.attempts import ATTEMPTS, POLICY, Attempt
+from server.sandbox.faults import ProgramFault, TemplateFault
+from server.sandbox.process import Setting, TemplateProcess
+from server.sandbox.session import Session
+
+
+class WallStatus(StrEnum):
+    STANDING = "standing"
+    MISSING = "missing"
+    UNAVAILABLE = "unavailable"
+
+
+@dataclass(frozen=True)
+class WallReport:
+    """One wall: `detail` is French; without a `required` wall, serving is not safe."""
+
+    name: str
+    status: WallStatus
+    detail: str
+    required: bool
+
+
+def probe() -> list[WallReport]:
+    """Tries every wall; takes a few seconds."""
+    with ThreadPoolExecutor(1) as spawner:
+        templates = _Templates(spawner)
+        try:
+            return [_report(attempt, templates) for attempt in ATTEMPTS]
+        finally:
+            templates.close()
+
+
+def safe_to_serve(reports: list[WallReport]) -> bool:
+    """Whether every required wall was tried and stands."""
+    required = [report for report in reports if report.required]
+    return bool(required) and all(report.status == WallStatus.STANDING for report in required)
+
+
+class _Templates:
+    """One template for each set of walls left down."""
+
+    def __init__(self, spawner: ThreadPoolExecutor) -> None:
+        self._spawner = spawner
+        self._known: dict[tuple[bool, frozenset[str]], TemplateProcess | str] = {}
+
+    def get(self, lifted: frozenset[str], *, namespaces: bool) -> TemplateProcess | str:
+        """The template, in the namespaces if they can be had or are asked for; or why there is none."""
+        inside = self._started(True, lifted)
+        return inside if namespaces or isinstance(inside, TemplateProcess) else self._started(False, lifted)
+
+    def _started(self, namespaces: bool, lifted: frozenset[str]) -> TemplateProcess | str:
+        key = (namespaces, lifted)
+        if key not in self._known:
+            setting = Setting({}, "numpy", namespaces, lifted)
+            try:
+                self._known[key] = TemplateProcess(setting, lambda _: None).start(self._spawner)
+            except TemplateFault as error:
+                self._known[key] = _last_line(error)
+        return self._known[key]
+
+    def close(self) -> None:
+        for template in self._known.values():
+            if isinstance(template, TemplateProcess):
+                template.close()
+
+
+def _last_line(error: TemplateFault) -> str:
+    return str(error).strip().splitlines()[-1]
+
+
+@contextmanager
+def _session(template: TemplateProcess, source: str) -> Iterator[Session]:
+    session = Session(template.fork(POLICY), POLICY)
+    try:
+        session.load(source.encode(), "solution.py", None)
+        yield session
+    finally:
+        session.close()
+
+
+def _report(attempt: Attempt, templates: _Templates) -> WallReport:
+    template = templates.get(attempt.lifted, namespaces=attempt.namespaces)
+    if isinstance(template, str):
+        return _told(attempt, WallStatus.UNAVAILABLE, template)
+    try:
+        crossed = _crossed(attempt, template)
+    except TemplateFault as error:
+        return _told(attempt, WallStatus.UNAVAILABLE, _last_line(error))
+    except ProgramFault as fault:
+        return _told(attempt, WallStatus.UNAVAILABLE, fault.message)
+    return _told(attempt, WallStatus.MISSING if crossed else WallStatus.STANDING, crossed)
+
+
+def _crossed(attempt: Attempt, template: TemplateProcess) -> str:
+    """What the attempt managed to do; "" when the wall held, be it by ending the program."""
+    with ExitStack() as stack:
+        argument = attempt.argument(stack)
+        session = stack.enter_context(_session(template, attempt.source))
+        try:
+            return str(session.call("essai", argument).value)
+        except ProgramFault as fault:
+            if fault.fatal:
+                return ""
+            raise
+
+
+def _told(attempt: Attempt, status: WallStatus, why: str) -> WallReport:
+    detail = f"{attempt.detail} : {why}" if why else attempt.detail
+    return WallReport(attempt.name, status, messages.typeset(detail), attempt.required)
