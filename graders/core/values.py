@@ -84,7 +84,7 @@ def same_value(left: Value, right: Value, *, tolerance: float = 1e-7) -> bool:
     if isinstance(left, dict) and isinstance(right, dict):
         return left.keys() == right.keys() and all(same_value(left[k], right[k]) for k in left)
     if isinstance(left, str) or isinstance(right, str) or left is None or right is None:
-        return left is right or (isinstance(left, str) and left == right)
+        return left is right or (isinstance(left, str) and isinstance(right, str) and left == right)
     try:
         a, b = read_array(left), read_array(right)
     except UnreadableError:

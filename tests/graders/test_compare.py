@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from graders.core.compare import CloseTo, SameIndices, SamePose, ScalarCloseTo
 from graders.core.slips import SLIPS
+from graders.core.values import same_value
 from graders.core.verdict import Outcome
 
 plain = st.recursive(
@@ -103,3 +104,14 @@ def test_indices_say_what_is_missing_and_what_is_extra() -> None:
     order = same([1, 4], [4, 1])
     assert order is not None
     assert "ordre" in order.message
+
+
+@given(plain | arrays, plain | arrays)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_any_two_values_are_the_same_or_not(left: object, right: object) -> None:
+    assert same_value(left, right) is same_value(right, left)
+
+
+def test_a_text_is_never_the_same_as_an_array() -> None:
+    assert same_value("x", np.zeros(3)) is False
+    assert same_value(None, np.zeros(3)) is False
