@@ -85,7 +85,7 @@ def _parser() -> MarkdownIt:
 
 
 def _slug(title: str) -> str:
-    plain = unicodedata.normalize("NFKD", title).encode("ascii", "ignore").decode().lower()
+    plain = unicodedata.normalize("NFKD", title.replace("’", "-")).encode("ascii", "ignore").decode().lower()
     return "s-" + re.sub(r"[^a-z0-9]+", "-", plain).strip("-")
 
 

@@ -79,7 +79,11 @@ def _sequence(value: list[Any], expected: Any) -> ValueView:
 
 
 def _is_row(value: list[Any]) -> bool:
-    return bool(value) and all(isinstance(item, int | float) or item in SPECIAL for item in value)
+    return bool(value) and all(_is_number(item) for item in value)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) or (isinstance(value, str) and value in SPECIAL)
 
 
 def _matrix(rows: list[list[Any]], expected: Any) -> ValueView:

@@ -1,0 +1,86 @@
+"""A small course written to a temporary folder, with graders that are made up: the catalogue's own behaviour shows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from graders.catalogue import Discovery
+from graders.core.exercise import ExerciseGrader
+from graders.core.program import KitSettings
+from server.catalogue import Catalogue, load
+
+MODULE = 'title = "Un module"\nnumber = "M9"\nsummary = "De quoi essayer."\n'
+EXERCISE = """title = "Doubler"
+summary = "Multiplier par deux."
+order = 10
+
+[[functions]]
+name = "double"
+signature = "double(x)"
+"""
+HINTS = "## Indice 1\n\nUne question ?\n\n## Indice 2\n\nLa formule.\n\n## Indice 3\n\nLe plan.\n"
+SOLUTION = "def double(x):\n    return 2 * x\n"
+
+
+@dataclass(frozen=True)
+class Course:
+    """The folders of a course: `root/curriculum` and, for versions, `root/graders` and `root/reference`."""
+
+    root: Path
+
+    @property
+    def curriculum(self) -> Path:
+        return self.root / "curriculum"
+
+    def exercise(self, slug: str) -> Path:
+        return self.curriculum / "m9" / "exercices" / slug
+
+    def write(self, relative: str, text: str) -> Path:
+        path = self.root / relative
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def add(self, slug: str) -> None:
+        folder = f"curriculum/m9/exercices/{slug}"
+        self.write(f"{folder}/exercise.toml", EXERCISE)
+        self.write(f"{folder}/enonce.md", "## Énoncé\n\nDoublez $x$.\n")
+        self.write(f"{folder}/starter.py", "def double(x):\n    return x\n")
+        self.write(f"{folder}/indices.md", HINTS)
+        self.write(f"graders/m9/{slug}/solution.py", SOLUTION)
+
+    def load(self, discovery: Discovery | None = None, **options: bool) -> Catalogue:
+        return load(self.curriculum, code=self.root, discovery=discovery or graders("a", "b"), **options)
+
+
+def grader(slug: str, solution: str = SOLUTION) -> ExerciseGrader:
+    return ExerciseGrader(
+        exercise=f"m9/{slug}",
+        package="",
+        folder=Path(),
+        functions=("double",),
+        checks=(),
+        kit=lambda _: KitSettings("m9", {}),
+        misconceptions=(),
+        solution=solution,
+    )
+
+
+def graders(*slugs: str) -> Discovery:
+    return Discovery({f"m9/{slug}": grader(slug) for slug in slugs}, ())
+
+
+@pytest.fixture
+def course(tmp_path: Path) -> Course:
+    """Two well-formed exercises, `a` and `b`."""
+    made = Course(tmp_path)
+    made.write("curriculum/m9/module.toml", MODULE)
+    made.write("curriculum/m9/kit/m9.py", "def configurer():\n    return {}\n")
+    made.write("graders/core/checks.py", "")
+    made.write("reference/se2.py", "")
+    for slug in ("a", "b"):
+        made.add(slug)
+    return made

@@ -1,0 +1,133 @@
+"""The statements' Markdown: French typography, mathematics, boxes, and nothing that could run."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from server.catalogue import katex
+from server.catalogue.markdown import MarkupError, Source, render
+from server.catalogue.typography import french
+from server.pages import assets
+
+needs_katex = pytest.mark.skipif(not assets.is_built(), reason="the front end is not built here")
+
+
+def html(text: str) -> str:
+    return render(Source(text, Path("enonce.md")))
+
+
+def test_french_typography() -> None:
+    assert html('Vraiment ? Oui : "mot" ; l\'angle !') == (
+        "<p>Vraiment\u202f? Oui\u00a0: «\u00a0mot\u00a0»\u202f; l’angle\u202f!</p>\n"
+    )
+
+
+def test_typography_spares_code_and_mathematics() -> None:
+    assert "d['a'] ; x ? y" in html("`d['a'] ; x ? y`")
+    assert "d[&#x27;a&#x27;] ; x" in html("```\nd['a'] ; x\n```")
+
+
+@given(st.text())
+def test_typography_changes_only_spaces_and_apostrophes(text: str) -> None:
+    def bare(one: str) -> str:
+        return "".join(" " if char in "\u00a0\u202f" else char for char in one).replace("’", "'")
+
+    assert bare(french(text)) == bare(text)
+    assert french(french(text)) == french(text)
+
+
+@pytest.mark.parametrize(
+    "attack",
+    [
+        "<script>alert(1)</script>",
+        "<img src=x onerror=alert(1)>",
+        "[x](javascript:alert(1))",
+        "```python\n</code></pre><script>alert(1)</script>\n```",
+        "$\\text{<script>alert(1)</script>}$",
+        "$\\href{javascript:alert(1)}{x}$",
+        "::: note <script>alert(1)</script>\nx\n:::",
+        "## <script>alert(1)</script>",
+    ],
+)
+def test_nothing_in_a_statement_can_run(attack: str) -> None:
+    from html.parser import HTMLParser
+
+    seen: list[tuple[str, dict[str, str | None]]] = []
+
+    class Tags(HTMLParser):
+        def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+            seen.append((tag, dict(attrs)))
+
+    try:
+        Tags().feed(html(attack))
+    except MarkupError:
+        return
+    assert not {tag for tag, _ in seen} & {"script", "img", "iframe", "object"}
+    for _, attributes in seen:
+        assert not [name for name in attributes if name.startswith("on")]
+        assert not str(attributes.get("href", "")).startswith("javascript:")
+
+
+def test_headings_can_be_linked_to() -> None:
+    assert '<h2 id="s-ce-qu-est-une-pose">' in html("## Ce qu’est une pose")
+
+
+def test_boxes_tables_and_front_matter() -> None:
+    page = html("---\na: b\n---\n\n::: attention Angles\nEn radians.\n:::\n\n| a |\n|---|\n| 1 |\n")
+    assert "Attention\u00a0: Angles" in page
+    assert '<div class="table-scroll"' in page
+    assert "a: b" not in page
+
+
+@needs_katex
+@pytest.mark.parametrize(
+    "tex",
+    [
+        "\\theta",
+        "\\frac{1}{2}",
+        "\\arg\\max_x p(x)",
+        "a \\oplus b",
+        "\\begin{pmatrix}1&2\\\\3&4\\end{pmatrix}",
+        "\\bigg(",
+    ],
+)
+def test_mathematics_is_drawn_and_readable_aloud(tex: str) -> None:
+    page = html(f"${tex}$")
+    assert 'class="katex"' in page
+    assert "<math" in page
+
+
+@needs_katex
+def test_display_mathematics_of_several_lines() -> None:
+    page = html("$$\n\\begin{aligned}\nx &= 1 \\\\\ny &= 2\n\\end{aligned}\n$$")
+    assert "katex-display" in page
+
+
+@needs_katex
+def test_bad_tex_says_where() -> None:
+    with pytest.raises(MarkupError) as caught:
+        html("Un.\n\nDeux $x$ et\ntrois $\\frac{1}{$ là.\n")
+    assert caught.value.line == 4
+    assert "formule refusée" in str(caught.value)
+
+
+@needs_katex
+def test_formulas_may_be_drawn_from_many_threads() -> None:
+    katex.render.cache_clear()
+    formulas = [f"x_{{{number}}}" for number in range(60)]
+    with ThreadPoolExecutor(8) as pool:
+        drawn = list(pool.map(lambda tex: katex.render(tex, display=False), formulas))
+    assert drawn == [katex.render(tex, display=False) for tex in formulas]
+    assert all(f">{number}<" in one for number, one in enumerate(drawn))
+
+
+def test_without_katex_formulas_stay_readable(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(katex, "engine", lambda: None)
+    katex.render.cache_clear()
+    assert "<code>a &lt; \\theta</code>" in html("$a < \\theta$")
+    katex.render.cache_clear()

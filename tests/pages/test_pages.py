@@ -1,0 +1,320 @@
+"""The pages over HTTP, on a made-up course, with verdicts written as a worker writes them."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+from server.accounts import service as accounts
+from server.app import create_app
+from server.database import Database
+from server.database.migrate import upgrade
+from server.pages.service import HINT_OPENS_AFTER
+from server.pages.verdicts import OUTCOMES
+from server.queue import service as queue
+from server.queue.owner import owner_of
+from server.settings import Settings
+from tests.pages.conftest import Course
+
+PAGE = "/m9/exercices/a"
+CHECK = {
+    "id": "simple",
+    "title": "Des nombres simples",
+    "passed": False,
+    "points": 0,
+    "max_points": 20,
+    "message": "On attend 4.",
+    "counterexample": {"inputs": {"x": [2, 0.5]}, "expected": [4, 1], "got": [2, 1]},
+    "hint": "Que vaut le double de 2 ?",
+    "figure": "simple",
+}
+
+
+def verdict(outcome: str = "wrong_answer", points: float = 0.0, **changes: Any) -> dict[str, Any]:
+    """A verdict of the contract's shape, with one check."""
+    passed = outcome == "ok"
+    check = {**CHECK, "passed": passed, "points": points}
+    if passed:
+        check |= {"message": "", "counterexample": None, "hint": None, "figure": None}
+    return {
+        "exercise": "m9/a",
+        "exercise_version": "abc",
+        "outcome": outcome,
+        "score": points / 20,
+        "points": points,
+        "max_points": 20,
+        "checks": [check],
+        "diagnosis": None,
+        "stdout": "",
+        "seed": 123,
+        "timings": {"total_ms": 12.0},
+        **changes,
+    }
+
+
+@dataclass
+class Site:
+    """A browser on the application; `grade` plays the worker."""
+
+    client: TestClient
+    database: Database
+
+    def get(self, path: str, status: int = 200) -> str:
+        answer = self.client.get(path)
+        assert answer.status_code == status, answer.text
+        return answer.text
+
+    def submit(self, code: str = "x = 1") -> str:
+        """Send as a script does; the address of the attempt's page."""
+        answer = self.client.post(f"{PAGE}/soumissions", data={"code": code}, headers={"Accept": "application/json"})
+        assert answer.status_code == 202, answer.text
+        return str(answer.json()["page"])
+
+    def grade(self, result: dict[str, Any]) -> None:
+        with self.database.write() as db:
+            lease = queue.claim(db, owner_of(os.getpid()), 30)
+            assert lease is not None
+            written = {"outcome": result["outcome"], "score": result["score"], "verdict": result, "figures": {}}
+            assert queue.finish(db, lease, written)
+
+    def attempt(self, code: str, result: dict[str, Any]) -> str:
+        page = self.submit(code)
+        self.grade(result)
+        return page
+
+    def another(self) -> Site:
+        """Somebody else's browser."""
+        return Site(TestClient(self.client.app), self.database)
+
+    def become_teacher(self) -> None:
+        with self.database.write() as db:
+            token = accounts.invite_first_teacher(db)
+        form = {"name": "Mme Martin", "login": "martin", "password": "une phrase assez longue"}
+        assert self.client.post(f"/bienvenue/{token}", data=form).status_code == 200
+
+
+@pytest.fixture
+def site(course: Course, tmp_path: Path) -> Iterator[Site]:
+    settings = Settings(data_dir=tmp_path / "data", workers=0, submission_burst=8, submission_refill_seconds=1000)
+    database = Database(settings.url, {"settings": settings})
+    upgrade(database.engine)
+    app = create_app(settings, catalogue=course.load())
+    with TestClient(app) as client:
+        yield Site(client, database)
+    database.close()
+
+
+def test_every_page_answers_to_a_visitor(site: Site) -> None:
+    assert "Un module" in site.get("/")
+    assert "Doubler" in site.get("/m9")
+    page = site.get(PAGE)
+    assert "double(x)" in page
+    assert "def double(x):" in page
+    assert "temps de calcul" in page.lower()
+    assert "Vous n’avez encore rien envoyé" in site.get(f"{PAGE}/essais")
+    assert site.get("/m9/kit/m9.py").startswith("def configurer")
+
+
+def test_a_visitor_leaves_no_trace(site: Site) -> None:
+    answer = site.client.get(PAGE)
+    assert "set-cookie" not in answer.headers
+
+
+@pytest.mark.parametrize(
+    "path", ["/m1", "/m9/exercices/z", "/m9/kit/m8.py", "/soumissions/1", "/m9/exercices/z/essais"]
+)
+def test_what_does_not_exist_is_a_page_in_french(site: Site, path: str) -> None:
+    page = site.get(path, status=404)
+    assert '<html lang="fr">' in page
+    assert "existe pas" in page
+
+
+def test_from_submission_to_verdict(site: Site) -> None:
+    href = site.submit("def double(x):\n    return x\n")
+    waiting = site.get(f"{href}/verdict")
+    assert 'data-status="queued"' in waiting
+    assert "votre envoi est le prochain" in waiting
+    site.grade(verdict(diagnosis={"id": "oubli", "title": "Rien n’est doublé", "explanation": "Un.\n\nDeux ?"}))
+    page = site.get(f"{href}/verdict")
+    for text in (
+        "Réponse à revoir",
+        "Rien n’est doublé",
+        '<p class="prose-inline">Deux\u202f?</p>',
+        "On attend 4.",
+        "Donné",
+        "Attendu",
+        "Obtenu",
+        "0,5",
+        "Que vaut le double",
+        'loading="lazy"',
+        f"{href}/figures/simple.svg?theme=dark",
+    ):
+        assert text in page
+    assert re.search(r"<p class=\"score\">0<", page)
+    assert "x = np.array([2, 0.5])" in page
+
+
+def test_the_place_in_the_queue_is_told(site: Site) -> None:
+    site.submit("a")
+    site.submit("b")
+    assert "2 envois passent avant le vôtre" in site.get(site.submit("c"))
+
+
+def test_events_end_with_the_verdict(site: Site) -> None:
+    href = site.attempt("a", verdict())
+    with site.client.stream("GET", f"{href}/evenements") as answer:
+        assert answer.headers["content-type"].startswith("text/event-stream")
+        body = "".join(answer.iter_text())
+    assert body.startswith("event: status\ndata: ")
+    assert '"status": "done"' in body
+
+
+def test_without_script_a_form_leads_to_the_attempt(site: Site) -> None:
+    answer = site.client.post(f"{PAGE}/soumissions", data={"code": "a\r\nb"}, follow_redirects=False)
+    assert answer.status_code == 303
+    page = site.get(answer.headers["location"])
+    assert '<noscript><meta http-equiv="refresh"' in page
+    site.grade(verdict("ok", 20.0))
+    page = site.get(answer.headers["location"])
+    assert "http-equiv" not in page
+    assert "Exercice réussi" in page
+
+
+def test_attempts_are_kept_with_their_code(site: Site) -> None:
+    first = site.attempt("premier = 1", verdict())
+    site.attempt("second = 2", verdict("ok", 20.0))
+    page = site.get(first)
+    assert "Essai n° 1" in page
+    assert "premier" in page
+    taken = site.get(f"{PAGE}?reprendre={first.rsplit('/', 1)[1]}")
+    assert "\npremier = 1</textarea>" in taken
+    assert 'data-taken="true"' in taken
+    assert "\nsecond = 2</textarea>" in site.get(PAGE)
+    assert "20 / 20" in site.get(f"{PAGE}/essais")
+    assert "Réussi" in site.get("/m9")
+
+
+def test_hints_open_with_changed_failed_attempts(site: Site) -> None:
+    def opened() -> int:
+        return site.get(PAGE).count("<summary>Indice ")
+
+    seen = [opened()]
+    for number in range(max(HINT_OPENS_AFTER)):
+        site.attempt(f"x = {number}", verdict())
+        seen.append(opened())
+    assert seen == [sum(count >= needed for needed in HINT_OPENS_AFTER) for count in range(len(seen))]
+
+
+def test_the_same_code_again_opens_nothing(site: Site) -> None:
+    for code in ("x = 1", "x = 1\n\n# rien de neuf\n", "def double(x):\n    return x\n"):
+        site.attempt(code, verdict())
+    page = site.get(PAGE)
+    assert page.count("<summary>Indice ") == 1
+    assert "La formule" not in page
+
+
+def test_the_solution_opens_after_success(site: Site) -> None:
+    assert "Corrigé" not in site.get(PAGE)
+    site.attempt("x = 1", verdict("ok", 20.0))
+    page = site.get(PAGE)
+    assert "Corrigé" in page
+    assert page.count("<summary>Indice ") == 3
+    assert "Corrigé" not in site.another().get(PAGE)
+
+
+def test_a_teacher_opens_and_closes_the_solution_for_all(site: Site) -> None:
+    pupil = site.another()
+    assert pupil.client.post(f"{PAGE}/corrige", data={"ouvrir": "true"}).status_code == 403
+    site.become_teacher()
+    assert "Ouvrir le corrigé" in site.get(PAGE)
+    assert site.client.post(f"{PAGE}/corrige", data={"ouvrir": "true"}).status_code == 200
+    assert "Corrigé" in pupil.get(PAGE)
+    assert "Refermer" in site.get(PAGE)
+    site.client.post(f"{PAGE}/corrige", data={"ouvrir": "false"})
+    assert "Corrigé" not in pupil.get(PAGE)
+
+
+def test_somebody_elses_attempt_does_not_exist(site: Site) -> None:
+    href = site.attempt("secret = 1", verdict())
+    other = site.another()
+    other.submit()
+    for path in (href, f"{href}/verdict", f"{href}/figures/simple.svg", f"{PAGE}?reprendre={href.rsplit('/', 1)[1]}"):
+        assert "secret" not in other.get(path, status=404)
+    teacher = site.another()
+    teacher.become_teacher()
+    assert "secret" in teacher.get(href)
+
+
+def test_refusals_say_why(site: Site) -> None:
+    for _ in range(8):
+        site.submit()
+    answer = site.client.post(f"{PAGE}/soumissions", data={"code": "x"}, headers={"Accept": "application/json"})
+    assert answer.status_code == 429
+    assert "en peu de temps" in answer.text
+    answer = site.another().client.post(f"{PAGE}/soumissions", data={"code": "x" * 70_000})
+    assert answer.status_code == 413
+    assert "la limite est de" in answer.text
+
+
+HOSTILE = "<script>alert(1)</script>{{ 7 * 7 }}\x1b[31m\u202e</textarea></pre>"
+
+
+def test_nothing_of_the_students_is_markup(site: Site) -> None:
+    check = {
+        **CHECK,
+        "message": HOSTILE,
+        "counterexample": {"inputs": {HOSTILE: HOSTILE}, "expected": 1, "got": [HOSTILE]},
+    }
+    href = site.attempt(HOSTILE, verdict(stdout=HOSTILE, checks=[check]))
+    for path in (href, f"{href}/verdict", PAGE):
+        page = site.get(path)
+        assert "<script>alert" not in page
+        assert "{{ 7 * 7 }}" in page
+        if path != PAGE:  # the editor gives back what was written, whatever it is
+            assert "\x1b" not in page
+            assert "\u202e" not in page
+            assert "⟦U+202E⟧" in page
+
+
+@pytest.mark.parametrize("outcome", sorted(OUTCOMES))
+def test_every_outcome_has_its_words(site: Site, outcome: str) -> None:
+    points = 20.0 if outcome == "ok" else 0.0
+    href = site.attempt(outcome, verdict(outcome, points))
+    page = site.get(href)
+    assert OUTCOMES[outcome][0].replace("'", "’") in page
+    assert ('class="score"' in page) == (outcome != "internal_error")
+
+
+def test_a_file_that_does_not_load_is_told_once(site: Site) -> None:
+    checks = [
+        {**CHECK, "id": name, "message": "Ligne 3 : il manque « : ».", "counterexample": None, "figure": None}
+        for name in "ab"
+    ]
+    page = site.get(site.attempt("x", verdict("syntax_error", checks=checks)))
+    assert page.count("Ligne 3") == 1
+
+
+def test_static_files_are_kept_for_ever_and_nothing_else_is_served(site: Site) -> None:
+    styles = re.findall(r'href="(/static/[^"]+app\.css)"', site.get("/"))
+    assert len(styles) == 1
+    answer = site.client.get(styles[0])
+    assert answer.status_code == 200
+    assert answer.headers["content-type"].startswith("text/css")
+    site.get("/static/x/../../app.py", status=404)
+    site.get("/static/x/%2e%2e/%2e%2e/app.py", status=404)
+
+
+def test_no_page_names_another_site(site: Site) -> None:
+    href = site.attempt("x", verdict())
+    for path in ("/", "/m9", PAGE, href, "/connexion"):
+        page = site.get(path)
+        addresses = re.findall(r'(?:href|src|srcset|action)="([^"]*)"', page)
+        assert addresses
+        assert not [one for one in addresses if not one.startswith(("/", "#", "?"))]

@@ -1,0 +1,114 @@
+"""Values of counterexamples and text from outside, as a reader sees them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from server.pages.rendering import environment, ticks
+from server.pages.text import plural, points, visible
+from server.pages.values import MAX_ROWS, ValueView, replay, view
+
+SHOW = '{% from "values.html" import show %}{{ show(value) }}'
+numbers = st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.sampled_from(["nan", "inf", "-inf"])
+json_values: st.SearchStrategy[Any] = st.recursive(
+    st.none() | st.booleans() | numbers | st.text(),
+    lambda inner: st.lists(inner, max_size=5) | st.dictionaries(st.text(), inner, max_size=3),
+    max_leaves=20,
+)
+
+
+def shown(value: ValueView) -> str:
+    return environment().from_string(SHOW).render(value=value)
+
+
+def cells(value: Any, expected: Any = None) -> list[list[str]]:
+    return [[cell.text for cell in row] for row in view(value, expected).rows]
+
+
+def test_vectors_and_matrices_are_tables_in_french() -> None:
+    assert cells([1.5, -2, "nan"]) == [["1,5", "\N{MINUS SIGN}2", "nan"]]
+    assert cells([[1, 0.25], ["inf", 4]]) == [["1", "0,25"], ["∞", "4"]]
+
+
+def test_what_differs_from_the_expected_is_marked() -> None:
+    odd = [[cell.odd for cell in row] for row in view([[1, 2], [3, "nan"]], expected=[[1, 5], [3.0000000001, 4]]).rows]
+    assert odd == [[False, True], [False, True]]
+    assert not any(cell.odd for cell in view([1, 2], expected=[1, 2, 3]).rows[0])
+
+
+def test_large_values_are_cut_and_say_so() -> None:
+    big = view([[0.0] * 30] * 40)
+    assert len(big.rows) == MAX_ROWS
+    assert "40 × 30" in big.note
+    assert "tableau de forme 40 × 50" in view({"forme": [40, 50], "premiers": [1.5]}).text
+
+
+def test_grids_of_truth_values_are_drawn_as_maps() -> None:
+    plan = view([[True, False], [False, True]])
+    assert (plan.kind, plan.text) == ("plan", ".#\n#.")
+
+
+def test_lists_that_are_no_matrix() -> None:
+    mixed = view([[[1, 0], [0, 1]], [1, 2]], expected=[[[1, 0], [0, 1]], [1, 3]])
+    assert mixed.kind == "list"
+    assert mixed.items[1][1].rows[0][1].odd
+
+
+@given(json_values, json_values)
+def test_any_json_can_be_shown(value: Any, expected: Any) -> None:
+    assert shown(view(value, expected))
+
+
+@given(st.dictionaries(st.sampled_from(["a", "bel", "scan_obs"]), numbers | st.lists(numbers, min_size=1, max_size=4)))
+def test_replayed_lines_give_the_same_inputs(inputs: dict[str, Any]) -> None:
+    import numpy as np
+
+    names: dict[str, Any] = {"np": np}
+    exec(replay(inputs), names)
+    for name, value in inputs.items():
+        wanted = np.array(value, dtype=float) if value not in ("nan", "inf", "-inf") else float(value)
+        np.testing.assert_array_equal(np.asarray(names[name], dtype=float), wanted)
+
+
+def test_a_value_cut_short_cannot_be_replayed() -> None:
+    assert replay({"a": 1, "b": [{"forme": [900], "premiers": [1]}]}) == ""
+    assert replay({"argument 1": 3}) == ""
+
+
+@pytest.mark.parametrize("strange", ["\x1b[31m", "\u202e", "\u2066", "\u200b", "\ufeff", "\x00", "\x7f", "\U000e0041"])
+def test_invisible_characters_are_spelled_out(strange: str) -> None:
+    text = visible(f"a{strange}b")
+    assert strange not in text
+    assert text.startswith("a")
+    assert len(text) > 2
+
+
+@given(st.text())
+def test_visible_text_is_stable_and_keeps_what_can_be_seen(text: str) -> None:
+    once = visible(text)
+    assert visible(once) == once
+    if text.isascii() and text.isprintable():
+        assert once == text
+
+
+@pytest.mark.parametrize("attack", ["<b>x</b>", "`<b>`", "{{ 7 * 7 }}", "`<script>`x`</script>`", '"><svg onload=x>'])
+def test_a_message_is_never_markup(attack: str) -> None:
+    html = str(ticks(attack))
+    assert "<b>" not in html
+    assert "<script>" not in html
+    assert "<svg" not in html
+    assert "49" not in html
+
+
+def test_ticks_mark_code() -> None:
+    assert str(ticks("appelez `f(x)` ici")) == "appelez <code>f(x)</code> ici"
+    assert str(ticks("un ` seul")) == "un ` seul"
+
+
+def test_numbers_in_words() -> None:
+    assert [plural(count, "essai") for count in (0, 1, 2)] == ["0 essai", "1 essai", "2 essais"]
+    assert [points(value) for value in (20, 12.5, 0, 6.6667)] == ["20", "12,5", "0", "6,67"]
