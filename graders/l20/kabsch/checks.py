@@ -1,0 +1,188 @@
+"""A check on pairs of clouds: each pair is judged by its cost; the simplest failing one is shrunk and drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from graders.core.bench import Bench
+from graders.core.checks import Check, FigureData, Rejection, fault_rejection
+from graders.core.program import StudentFault
+from graders.core.shrink import shrink, shrink_number
+from graders.core.values import Floats, Value
+from graders.core.verdict import Outcome
+from graders.l20.kabsch.judge import Judgement, judge
+from reference.registration import RigidAlignment, kabsch
+
+ANY_BEST = "plusieurs rotations conviennent : toute paire (R, t) avec det R = +1 dont la somme des carrés est minimale"
+FEWEST_POINTS = 3
+DRAWN_WITHIN = 20.0
+
+
+class Pairing(NamedTuple):
+    """Clouds P and Q (n, d), paired by rows. What it gives serves the diagnosis only if `observed`."""
+
+    P: Floats
+    Q: Floats
+    observed: bool = True
+
+    @property
+    def is_whole(self) -> bool:
+        """Are all the coordinates whole numbers?"""
+        return all(np.array_equal(cloud, np.round(cloud)) for cloud in (self.P, self.Q))
+
+
+Drawing = Callable[[np.random.Generator], Iterable[Pairing]]
+
+
+class Question(NamedTuple):
+    """A pairing and its answer."""
+
+    pairing: Pairing
+    best: RigidAlignment
+
+    @classmethod
+    def about(cls, pairing: Pairing) -> Question:
+        return cls(pairing, kabsch(pairing.P, pairing.Q))
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A pairing that a program fails on: the value and its judgement, or the fault."""
+
+    pairing: Pairing
+    best: RigidAlignment
+    value: Value
+    judgement: Judgement | None
+    fault: StudentFault | None
+
+    @property
+    def stops(self) -> bool:
+        """Is it useless to go on?"""
+        return self.fault is not None and (self.fault.fatal or self.fault.outcome is Outcome.MISSING_FUNCTION)
+
+    @property
+    def kind(self) -> object:
+        """What a simpler failure must have in common with this one."""
+        if self.fault is not None:
+            return self.fault.exception, self.fault.outcome
+        return self.judgement and self.judgement.aspect
+
+
+@dataclass(frozen=True, kw_only=True)
+class Alignments(Check):
+    """Judge `kabsch` on every pairing, the simplest first."""
+
+    pairings: Drawing
+
+    def run(self, bench: Bench) -> None:
+        first: Failure | None = None
+        for question in drawn(self.pairings, int(bench.rng.integers(2**62))):
+            observed = question.pairing.observed
+            if bench.runner.replaying and not observed:
+                continue
+            failure = attempt(bench, question, record=observed)
+            first = first or failure
+            if failure is not None and failure.stops:
+                break
+        if first is not None:
+            raise rejection(self._shrunk(bench, first))
+
+    @staticmethod
+    def _shrunk(bench: Bench, failure: Failure) -> Failure:
+        if bench.runner.replaying or failure.stops or failure.pairing.is_whole or not failure.best.unique:
+            return failure
+        found = [failure]
+
+        def still_fails(arguments: tuple[Value, ...]) -> bool:
+            question = Question.about(arguments[0])
+            if found[-1].stops or not question.best.unique:
+                return False
+            simpler = attempt(bench, question, record=False)
+            if simpler is None or simpler.kind != failure.kind:
+                return False
+            found.append(simpler)
+            return True
+
+        shrink((failure.pairing,), (simpler_pairings,), still_fails)
+        return found[-1]
+
+
+@lru_cache(maxsize=64)
+def drawn(pairings: Drawing, seed: int) -> tuple[Question, ...]:
+    """The questions that a seed draws: kept, since a diagnosis asks them of every misconception in turn."""
+    return tuple(Question.about(pairing) for pairing in pairings(np.random.default_rng(seed)))
+
+
+def attempt(bench: Bench, question: Question, *, record: bool) -> Failure | None:
+    """Call `kabsch` on one pairing and judge the answer; None when it is right."""
+    pairing, best = question
+    P, Q, _ = pairing
+    try:
+        value = bench.call("kabsch", P, Q)
+    except StudentFault as fault:
+        if record:
+            bench.observe("kabsch", None, ok=False, fault=fault)
+        return Failure(pairing, best, None, None, fault)
+    judgement = judge(P, Q, best, value)
+    if record:
+        bench.observe("kabsch", judgement.observed, ok=judgement.mismatch is None)
+    return Failure(pairing, best, value, judgement, None) if judgement.mismatch else None
+
+
+def rejection(failure: Failure) -> Rejection:
+    """A failure as the finding of a check, with its figure."""
+    P, Q, _ = failure.pairing
+    inputs = {"P": P, "Q": Q}
+    expected = (failure.best.R_q_p, failure.best.t_q_p) if failure.best.unique else ANY_BEST
+    if failure.fault is not None:
+        return fault_rejection(failure.fault, inputs=inputs, expected=expected)
+    assert failure.judgement is not None
+    assert failure.judgement.mismatch is not None
+    mismatch = failure.judgement.mismatch
+    return Rejection(
+        mismatch.message,
+        inputs=inputs,
+        expected=expected,
+        got=failure.value,
+        slip=mismatch.slip,
+        cause=mismatch.cause,
+        figure=clouds_figure(P, Q, failure.best, failure.judgement),
+    )
+
+
+def clouds_figure(P: Floats, Q: Floats, best: RigidAlignment, judgement: Judgement) -> FigureData:
+    """The data of the figure: the clouds, P moved by the best transformation and, when it can be drawn, by theirs."""
+    moved = None
+    if judgement.R is not None and judgement.t is not None:
+        moved = P @ judgement.R.T + judgement.t
+        reach = DRAWN_WITHIN * max(1.0, float(np.max(np.abs(P))), float(np.max(np.abs(Q))))
+        moved = moved if float(np.max(np.abs(moved))) <= reach else None
+    expected = P @ best.R_q_p.T + best.t_q_p
+    return {"kind": "clouds", "P": P, "Q": Q, "expected": expected, "got": moved, "unique": best.unique}
+
+
+def simpler_pairings(pairing: Pairing) -> Iterator[Pairing]:
+    """One pair of points fewer, then whole coordinates everywhere, then one simpler coordinate."""
+    P, Q, observed = pairing
+    n, d = P.shape
+    if n > max(FEWEST_POINTS, d + 1):
+        for i in reversed(range(n)):
+            yield Pairing(np.delete(P, i, axis=0), np.delete(Q, i, axis=0), observed)
+    rounded = Pairing(np.round(P) + 0.0, np.round(Q) + 0.0, observed)
+    if np.any(rounded.P != P) or np.any(rounded.Q != Q):
+        yield rounded
+    yield from _one_simpler_coordinate(pairing)
+
+
+def _one_simpler_coordinate(pairing: Pairing) -> Iterator[Pairing]:
+    both = np.stack(pairing[:2])
+    for index in np.ndindex(both.shape):
+        for candidate in shrink_number(float(both[index])):
+            simpler = both.copy()
+            simpler[index] = candidate
+            yield Pairing(simpler[0], simpler[1], pairing.observed)

@@ -1,0 +1,84 @@
+"""l20/kabsch: the best rotation and translation between two paired clouds (course theorem 3)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graders.core.checks import Untouched
+from graders.core.exercise import exercise
+from graders.core.shrink import Arguments
+from graders.l20 import world
+from graders.l20.kabsch import cases
+from graders.l20.kabsch.checks import Alignments
+
+FUNCTIONS = ("kabsch",)
+
+
+def arguments_to_keep(rng: np.random.Generator) -> dict[str, Arguments]:
+    P, Q, _ = cases.random_pairing(rng, 3, noise=0.3)
+    return {"kabsch": (P, Q)}
+
+
+CHECKS = (
+    Alignments(
+        id="exemples",
+        title="L'exemple du cours, des nombres entiers et des quarts de tour",
+        points=4,
+        functions=FUNCTIONS,
+        pairings=cases.examples,
+        hint="Une fois P tourné par votre R, où tombe son centre ? Quelle translation l'amène sur le centre de Q ?",
+    ),
+    Alignments(
+        id="exact_2d",
+        title="Dans le plan : un nuage tourné d'un angle quelconque",
+        points=3,
+        functions=FUNCTIONS,
+        pairings=cases.exact_2d,
+        hint="De quel angle votre R tourne-t-elle ? Est-ce l'angle qui mène de P à Q, ou celui qui mène de Q à P ?",
+    ),
+    Alignments(
+        id="exact_3d",
+        title="Dans l'espace : R est une matrice 3 × 3",
+        points=3,
+        functions=FUNCTIONS,
+        pairings=cases.exact_3d,
+        hint="Y a-t-il un 2 écrit en dur, ou un angle unique, quelque part dans votre code ?",
+    ),
+    Alignments(
+        id="bruit",
+        title="Des nuages qui ne se superposent pas exactement",
+        points=4,
+        functions=FUNCTIONS,
+        pairings=cases.noisy,
+        hint="Tous les points comptent-ils dans votre H ? Votre R garde-t-elle les longueurs ?",
+    ),
+    Alignments(
+        id="miroir",
+        title="Un nuage retourné comme dans un miroir : R reste une rotation",
+        points=3,
+        functions=FUNCTIONS,
+        pairings=cases.mirrored,
+        hint="Que vaut det(V Uᵀ) ici ? Quelle direction est-il le moins coûteux de retourner ?",
+    ),
+    Alignments(
+        id="degeneres",
+        title="Un seul point, des points alignés, confondus ou dans un même plan",
+        points=2,
+        functions=FUNCTIONS,
+        pairings=cases.degenerate,
+        hint="Quand tous les points sont confondus, que vaut H ? Votre code divise-t-il par quelque chose de nul ?",
+    ),
+    Untouched(
+        id="arguments",
+        title="Les nuages donnés restent intacts",
+        points=1,
+        functions=FUNCTIONS,
+        names={"kabsch": ("P", "Q")},
+        inputs=arguments_to_keep,
+        hint="L'écriture P -= P.mean(axis=0) crée-t-elle un nouveau tableau, ou change-t-elle celui qui est donné ?",
+    ),
+)
+
+GRADER = exercise(
+    __package__ or "graders.l20.kabsch", __file__, "l20/kabsch", functions=FUNCTIONS, checks=CHECKS, kit=world.kit
+)
