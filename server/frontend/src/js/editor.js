@@ -102,7 +102,7 @@ export function createEditor({ area, text, onChange, onSubmit }) {
       syntaxHighlighting(colours),
       look,
       phrases,
-      EditorView.contentAttributes.of({ "aria-label": description, spellcheck: "false", autocapitalize: "off" }),
+      EditorView.contentAttributes.of({ "aria-label": description, tabindex: "0", spellcheck: "false" }),
       EditorView.updateListener.of((update) => update.docChanged && onChange()),
     ],
   });

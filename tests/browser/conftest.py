@@ -1,0 +1,144 @@
+"""A real `balise serve` and a real browser. Every page is watched: no error, no refused content, no other site."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+
+sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+Browser, Page = sync_api.Browser, sync_api.Page
+
+ROOT = Path(__file__).parents[2]
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+START_SECONDS = 60
+EXERCISE = "/l20/exercices/poses"
+
+
+@dataclass(frozen=True)
+class Server:
+    address: str
+    teacher_link: str
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    data = tmp_path_factory.mktemp("data")
+    command = [sys.executable, "-m", "server", "serve", "--port", "0", "--data", str(data)]
+    environment = {**os.environ, "BALISE_WORKERS": "1", "PYTHONUNBUFFERED": "1"}
+    log = (data / "log.txt").open("w+")
+    process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=log, stderr=subprocess.STDOUT)
+    try:
+        yield _wait_for(process, data / "log.txt")
+    finally:
+        process.terminate()
+        process.wait(20)
+        log.close()
+
+
+def _wait_for(process: subprocess.Popen[bytes], log: Path) -> Server:
+    deadline = time.monotonic() + START_SECONDS
+    while time.monotonic() < deadline and process.poll() is None:
+        text = log.read_text(encoding="utf-8")
+        address = re.search(r"http://[\w.\[\]:]+", text)
+        link = re.search(r"http://\S+/bienvenue/\S+", text)
+        if address and link and "Ctrl+C" in text:
+            return Server(address[0], link[0])
+        time.sleep(0.05)
+    pytest.fail(f"the server did not start:\n{log.read_text(encoding='utf-8')}")
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    if CHROMIUM is None:
+        pytest.skip("no Chromium on this machine")
+    with sync_api.sync_playwright() as playwright:
+        launched = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield launched
+        launched.close()
+
+
+@dataclass
+class Visit:
+    """One visitor's page, and what went wrong on it."""
+
+    page: Page
+    server: Server
+    faults: list[str]
+
+    def open(self, path: str = EXERCISE) -> Page:
+        self.page.goto(self.server.address + path)
+        if path.startswith(EXERCISE):
+            self.page.wait_for_selector("html.has-editor")
+        return self.page
+
+    def write(self, code: str) -> None:
+        """Replace what the editor holds, as pasting does."""
+        self.page.locator(".cm-content").click()
+        self.page.keyboard.press("Control+a")
+        self.page.evaluate("text => navigator.clipboard.writeText(text)", code)
+        self.page.keyboard.press("Control+v")
+
+    def verdict(self, kind: str = "done") -> None:
+        """Wait until a verdict stands that was not there before."""
+        self.page.wait_for_selector(f"[data-part=verdict][data-status={kind}]", timeout=30_000)
+
+    def submit(self, code: str) -> None:
+        self.write(code)
+        self.page.evaluate("document.querySelector('[data-part=verdict]').dataset.status = 'old'")
+        self.page.keyboard.press("Control+Enter")
+        self.verdict()
+
+
+NewVisit = Callable[..., Visit]
+
+
+@pytest.fixture
+def visit(browser: Browser, server: Server) -> Iterator[NewVisit]:
+    """Makes visitors, each with cookies of their own; `expected` is a pattern of what a test provokes on purpose."""
+    opened: list[tuple[Visit, str]] = []
+
+    def make(*, width: int = 1280, height: int = 800, expected: str = "(?!)", **options: object) -> Visit:
+        context = browser.new_context(
+            viewport={"width": width, "height": height},
+            locale="fr-FR",
+            permissions=["clipboard-read", "clipboard-write"],
+            **options,
+        )
+        page = context.new_page()
+        page.set_default_timeout(20_000)
+        made = Visit(page, server, [])
+        _watch(made)
+        opened.append((made, expected))
+        return made
+
+    yield make
+    for one, expected in opened:
+        one.page.context.close()
+        assert [fault for fault in one.faults if not re.search(expected, fault)] == []
+
+
+def _watch(visit: Visit) -> None:
+    host = urlsplit(visit.server.address).netloc
+    note = visit.faults.append
+
+    def request(sent: sync_api.Request) -> None:
+        if not sent.url.startswith(("data:", "blob:")) and urlsplit(sent.url).netloc != host:
+            note(f"remote request: {sent.url}")
+
+    def console(message: sync_api.ConsoleMessage) -> None:
+        if message.type in {"error", "warning"}:
+            note(f"console: {message.text}")
+
+    visit.page.on("request", request)
+    visit.page.on("console", console)
+    visit.page.on("pageerror", lambda error: note(f"script: {error}"))

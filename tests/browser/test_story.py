@@ -1,0 +1,197 @@
+"""The story of an exercise in a real browser: wrong, diagnosed, corrected; and the editor's promises."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.browser.conftest import EXERCISE, ROOT, NewVisit, sync_api
+
+expect = sync_api.expect
+SOLUTION = (ROOT / "graders/l20/poses/solution.py").read_text(encoding="utf-8")
+WRONG = f"""{SOLUTION}
+
+def composer(a, b):
+    return np.array([a[0] + b[0], a[1] + b[1], ramener(a[2] + b[2])])
+"""
+
+
+def test_wrong_then_understood_then_right(visit: NewVisit) -> None:
+    visitor = visit()
+    page = visitor.open()
+    expect(page.get_by_role("heading", level=1)).to_be_visible()
+    expect(page.locator(".katex").first).to_be_visible()
+    assert "Indice 1" in page.locator(".hint-closed").first.inner_text()
+
+    visitor.submit(WRONG)
+    verdict = page.locator("#verdict")
+    assert 0 < float(verdict.locator(".score").inner_text().split()[0].replace(",", ".")) < 20
+    expect(verdict.locator(".diagnosis h3")).to_have_text("La rotation est oubliée")
+    first = verdict.locator(".check-failed").first
+    for part in ("Donné", "Attendu", "Obtenu"):
+        expect(first.get_by_role("heading", name=part)).to_be_visible()
+    expect(first.locator(".check-hint")).to_be_visible()
+    picture = first.locator("img")
+    picture.scroll_into_view_if_needed()
+    page.wait_for_function("image => image.complete && image.naturalWidth > 100", arg=picture.element_handle())
+    hint = page.locator(".hints details").first
+    hint.locator("summary").click()
+    assert len(hint.locator(".prose").inner_text()) > 20
+    expect(page.locator(".account")).to_contain_text("Invité")
+
+    visitor.submit(SOLUTION)
+    expect(verdict.locator(".score")).to_contain_text("20")
+    expect(verdict.get_by_role("heading", name="Exercice réussi")).to_be_visible()
+    expect(page.locator("#corrige summary")).to_be_visible()
+    expect(page.locator(".attempts tbody tr")).to_have_count(2)
+
+    page.locator(".attempts tbody tr").last.get_by_role("link").click()
+    expect(page.get_by_role("heading", level=1)).to_have_text("Essai n° 1")
+    expect(page.locator("#verdict .diagnosis")).to_be_visible()
+    page.get_by_role("link", name="Reprendre ce code").click()
+    page.wait_for_selector("html.has-editor")
+    expect(page.locator(".cm-content")).to_contain_text("a[1] + b[1]")
+    page.locator(".cm-content").click()
+    page.keyboard.press("Control+z")
+    expect(page.locator(".cm-content")).not_to_contain_text("a[1] + b[1]")
+
+    page.goto(visitor.server.address + "/l20")
+    expect(page.locator(".exercise-list li", has_text="poses").locator(".own-state")).to_contain_text("Réussi")
+
+
+def test_the_draft_survives_a_reload_and_the_starter_comes_back(visit: NewVisit) -> None:
+    visitor = visit()
+    page = visitor.open()
+    visitor.write("# mon brouillon\nx = 1\n")
+    expect(page.locator("#brouillon")).to_have_text("Brouillon enregistré")
+    visitor.open()
+    expect(page.locator(".cm-content")).to_contain_text("# mon brouillon")
+    page.once("dialog", lambda dialog: dialog.dismiss())
+    page.get_by_role("button", name="Code de départ").click()
+    expect(page.locator(".cm-content")).to_contain_text("# mon brouillon")
+    page.once("dialog", lambda dialog: dialog.accept())
+    page.get_by_role("button", name="Code de départ").click()
+    expect(page.locator(".cm-content")).to_contain_text("def composer(a, b):")
+
+
+def test_the_draft_follows_a_visitor_who_becomes_a_guest(visit: NewVisit) -> None:
+    visitor = visit()
+    page = visitor.open()
+    visitor.submit("x = 1\n")
+    visitor.write("x = 2  # pas encore envoyé\n")
+    visitor.open()
+    expect(page.locator(".cm-content")).to_contain_text("pas encore envoyé")
+
+
+def test_everything_can_be_done_from_the_keyboard(visit: NewVisit) -> None:
+    visitor = visit()
+    page = visitor.open()
+    page.keyboard.press("Tab")
+    expect(page.get_by_role("link", name="Aller au contenu")).to_be_focused()
+    page.keyboard.press("Enter")
+    for _ in range(40):
+        page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement.className === 'editor-host'"):
+            break
+    expect(page.locator(".cm-content")).to_be_focused()
+    page.keyboard.press("Control+a")
+    page.keyboard.type("def composer(a, b):\nreturn [1, 2, 3]\n")
+    page.keyboard.press("Tab")
+    page.keyboard.type("x")
+    assert page.locator(".cm-line").all_inner_texts()[1:] == ["    return [1, 2, 3]", "        x"]
+    for _ in range(9):
+        page.keyboard.press("Backspace")
+    page.keyboard.press("Escape")
+    page.keyboard.press("Tab")
+    expect(page.get_by_role("button", name="Envoyer")).to_be_focused()
+    page.keyboard.press("Enter")
+    visitor.verdict()
+    expect(page.locator("#annonce")).to_contain_text("sur 20")
+
+
+def test_the_columns_can_be_resized_from_the_keyboard(visit: NewVisit) -> None:
+    page = visit().open()
+    bar = page.get_by_role("separator", name="Largeur de l’énoncé")
+    before = page.locator(".statement").bounding_box()
+    bar.focus()
+    for _ in range(5):
+        page.keyboard.press("ArrowRight")
+    after = page.locator(".statement").bounding_box()
+    assert before is not None
+    assert after is not None
+    assert after["width"] > before["width"] + 50
+
+
+def test_a_refusal_stands_next_to_the_button_and_keeps_the_code(visit: NewVisit) -> None:
+    visitor = visit(expected="413")
+    page = visitor.open()
+    visitor.write("x = '" + "a" * 70_000 + "'\n")
+    page.get_by_role("button", name="Envoyer").click()
+    expect(page.get_by_role("alert")).to_contain_text("la limite est de")
+    expect(page.get_by_role("button", name="Envoyer")).to_have_attribute("aria-disabled", "false")
+
+
+def test_a_server_out_of_reach_is_told(visit: NewVisit) -> None:
+    visitor = visit(expected="ERR_FAILED")
+    page = visitor.open()
+    page.route("**/soumissions", lambda route: route.abort())
+    page.get_by_role("button", name="Envoyer").click()
+    expect(page.get_by_role("alert")).to_contain_text("Le serveur ne répond pas")
+
+
+def test_polling_takes_over_where_events_do_not_pass(visit: NewVisit) -> None:
+    visitor = visit(expected="502")
+    page = visitor.open()
+    page.route("**/evenements", lambda route: route.fulfill(status=502))
+    visitor.submit(SOLUTION)
+    expect(page.locator("#verdict .score")).to_contain_text("20")
+
+
+def test_without_script_the_verdict_comes_too(visit: NewVisit) -> None:
+    visitor = visit(java_script_enabled=False)
+    page = visitor.page
+    page.goto(visitor.server.address + EXERCISE)
+    expect(page.get_by_role("button", name="Code de départ")).to_be_hidden()
+    page.get_by_role("textbox", name="Votre code").fill(SOLUTION)
+    page.get_by_role("button", name="Envoyer").click()
+    visitor.verdict()
+    expect(page.locator("#verdict .score")).to_contain_text("20")
+
+
+def test_without_the_editor_the_text_area_serves(visit: NewVisit) -> None:
+    visitor = visit(expected="éditeur|ERR_FAILED")
+    page = visitor.page
+    page.route("**/editor*.js", lambda route: route.abort())
+    page.goto(visitor.server.address + EXERCISE)
+    page.get_by_role("textbox", name="Votre code").fill(SOLUTION)
+    page.keyboard.press("Control+Enter")
+    visitor.verdict()
+    expect(page.locator("#verdict .score")).to_contain_text("20")
+
+
+def test_the_theme_is_kept_and_figures_follow(visit: NewVisit) -> None:
+    visitor = visit(color_scheme="light")
+    page = visitor.open()
+    visitor.submit(WRONG)
+    page.get_by_role("button", name="Passer au thème sombre").click()
+    picture = page.locator(".check-failed img").first
+    picture.scroll_into_view_if_needed()
+    page.wait_for_function("image => image.currentSrc.endsWith('dark')", arg=picture.element_handle())
+    visitor.open()
+    assert page.evaluate("getComputedStyle(document.body).colorScheme || document.documentElement.dataset.theme")
+    expect(page.get_by_role("button", name="Passer au thème clair")).to_be_visible()
+
+
+@pytest.mark.parametrize("width", [360, 768])
+def test_no_page_scrolls_sideways(visit: NewVisit, width: int, tmp_path: Path) -> None:
+    visitor = visit(width=width, height=740)
+    page = visitor.open()
+    visitor.submit(WRONG)
+    page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
+    attempt = page.locator(".attempts a").first.get_attribute("href")
+    for path in (None, "/", "/l20", attempt, "/connexion", "/inscription", "/compte", f"{EXERCISE}/essais"):
+        if path is not None:
+            page.goto(visitor.server.address + path)
+        overflow = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
+        assert overflow <= 0, path
