@@ -185,8 +185,8 @@ def edge_residuals(graph: PoseGraph, poses: Floats) -> Floats:
 def edge_chi2(graph: PoseGraph, poses: Floats) -> Floats:
     """The share (m,) of each edge in chi2: e' omega e."""
     e = edge_residuals(graph, poses)
-    share: Floats = np.einsum("mi,mij,mj->m", e, graph.information, e)
-    return share
+    weighted = np.matmul(graph.information, e[:, :, None])[:, :, 0]
+    return np.asarray((e * weighted).sum(axis=1))
 
 
 def chi2(graph: PoseGraph, poses: Floats) -> float:
@@ -226,7 +226,7 @@ class NormalEquations:
         blocks = np.stack([weighted_i @ by_i, weighted_i @ by_j, weighted_j @ by_i, weighted_j @ by_j])
         data = _sums(self._slots, blocks.ravel()[self._free], self._cells)
         H = sparse.csc_array((data, self._indices, self._starts), shape=(self.size, self.size))
-        gradient = np.stack([np.einsum("mij,mj->mi", w, e) for w in (weighted_i, weighted_j)]).ravel()
+        gradient = np.stack([weighted_i @ e[:, :, None], weighted_j @ e[:, :, None]]).ravel()
         b = _sums(self._rhs_rows[self._rhs_free], gradient[self._rhs_free], self.size)
         return H, b
 

@@ -1,0 +1,240 @@
+"""The graphs that `gauss_newton` is given: from two poses on a line to a loop of twenty, each with its optimum.
+
+All are small and well conditioned. Plain Gauss-Newton settles on each of them to 1e-9 within `MAX_STEPS` iterations, to
+1e-5 within five, whereas the functions have ten or more. Information matrices are diag(a, a, b).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from graders.core.values import Floats, Value
+from reference import pose_graph
+from reference.pose_graph import PoseGraph
+from reference.se2 import compose, relative, wrap_angle
+
+QUARTER = math.pi / 2
+EIGHTH = math.pi / 4
+MAX_STEPS = 9
+
+Edge = tuple[int, int, Floats, Floats]
+Ends = Sequence[tuple[int, int]]
+Pair = tuple[float, float]
+Weights = Callable[[int], Pair]
+
+
+@dataclass(frozen=True)
+class Graph:
+    """What `gauss_newton` is called with. `n_iter` None: it is left to its default.
+
+    A graph that is not `judged` is only looked at, for a diagnosis.
+    """
+
+    poses: Floats
+    edges: tuple[Edge, ...]
+    n_iter: int | None = 10
+    judged: bool = True
+
+    @property
+    def inputs(self) -> dict[str, Value]:
+        named = {"poses": self.poses, "aretes": list(self.edges)}
+        return named if self.n_iter is None else {**named, "n_iter": self.n_iter}
+
+    @cached_property
+    def model(self) -> PoseGraph:
+        return PoseGraph.from_edges(len(self.poses), self.edges)
+
+    @cached_property
+    def solution(self) -> pose_graph.Solution:
+        """The optimum, the first pose held fixed."""
+        return pose_graph.gauss_newton(self.model, self.poses, max_iterations=30)
+
+    @property
+    def optimum(self) -> Floats:
+        return self.solution.poses
+
+    def chi2(self, poses: Floats) -> float:
+        return pose_graph.chi2(self.model, poses)
+
+    def shares(self, poses: Floats) -> Floats:
+        """The share (m,) of each edge in chi2."""
+        return pose_graph.edge_chi2(self.model, poses)
+
+
+def settles(graph: Graph) -> bool:
+    """Does plain Gauss-Newton reach the optimum from the start, well before its last iteration?"""
+    return graph.solution.converged and graph.solution.iterations <= MAX_STEPS
+
+
+def edge(i: int, j: int, z: Sequence[float] | Floats, a: float = 1.0, b: float | None = None) -> Edge:
+    """An edge with the information diag(a, a, b); b is a unless given."""
+    return i, j, np.array(z, dtype=np.float64), np.diag([a, a, a if b is None else b])
+
+
+def rows(*poses: Sequence[float]) -> Floats:
+    return np.array(poses, dtype=np.float64)
+
+
+def cached(draw: Callable[[np.random.Generator], Iterable[Graph]]) -> Callable[[np.random.Generator], Sequence[Graph]]:
+    """Keep the graphs of one seed with their optima: a diagnosis asks for the same ones again and again."""
+
+    @lru_cache(maxsize=64)
+    def from_seed(seed: int) -> tuple[Graph, ...]:
+        return tuple(draw(np.random.default_rng(seed)))
+
+    return lambda rng: from_seed(int(rng.integers(2**62)))
+
+
+def draw_settling(draw: Callable[[], Graph]) -> Graph:
+    """The first graph drawn on which Gauss-Newton settles at ease."""
+    return next(graph for graph in iter(draw, None) if settles(graph))
+
+
+def along(n: int) -> list[tuple[int, int]]:
+    """The ends of the edges of odometry."""
+    return [(k, k + 1) for k in range(n - 1)]
+
+
+def measure(
+    rng: np.random.Generator,
+    truth: Floats,
+    ends: Ends,
+    noise: tuple[float, float],
+    weights: Sequence[tuple[float, float]],
+) -> tuple[Edge, ...]:
+    """Relative poses with a noise of (length, angle), in two decimals, each with a weight (a, b)."""
+    sigma = np.array([noise[0], noise[0], noise[1]])
+    edges = []
+    for (i, j), (a, b) in zip(ends, weights, strict=True):
+        z = np.round(relative(truth[i], truth[j]) + sigma * rng.normal(size=3).clip(-2, 2), 2)
+        edges.append(edge(i, j, [z[0], z[1], wrap_angle(z[2])], a, b))
+    return tuple(edges)
+
+
+def odometry(first: Floats, edges: Sequence[Edge], n: int) -> Floats:
+    """The poses that edges 0-1, 1-2, ... lead to, in two decimals but for the first."""
+    poses = [first]
+    for k in range(n - 1):
+        poses.append(np.round(compose(poses[-1], edges[k][2]), 2))
+    return np.array(poses)
+
+
+def noisy(
+    rng: np.random.Generator,
+    truth: Floats,
+    closures: Ends,
+    *,
+    noise: Pair = (0.2, 0.12),
+    weights: Weights = lambda k: (1.0, 1.0),
+    n_iter: int | None = 10,
+) -> Graph:
+    """A trajectory measured with noise and closed by `closures`, started from its odometry; edges in any order."""
+
+    def draw() -> Graph:
+        ends = [*along(len(truth)), *closures]
+        edges = measure(rng, truth, ends, noise, [weights(k) for k in range(len(ends))])
+        order = rng.permutation(len(edges))
+        return Graph(odometry(truth[0], edges, len(truth)), tuple(edges[k] for k in order), n_iter)
+
+    return draw_settling(draw)
+
+
+def facing_one_way(rng: np.random.Generator, n: int) -> Floats:
+    """Poses (n, 3) about a polygon with any headings within 1.1 radian of the x axis: no angle wraps."""
+    turn = math.tau * np.arange(n) / n
+    centres = np.column_stack([1.5 * np.cos(turn), 1.5 * np.sin(turn)]) * n / 4
+    poses = np.column_stack([centres + rng.uniform(-0.5, 0.5, (n, 2)), rng.uniform(-1.1, 1.1, n)])
+    return np.asarray(np.round(poses, 1), dtype=np.float64)
+
+
+def going_round(rng: np.random.Generator, n: int) -> Floats:
+    """Poses (n, 3) of a robot that goes round once, facing where it goes, from any heading."""
+    turn = math.tau * np.arange(n) / n + rng.uniform(-math.pi, math.pi)
+    radius = 0.35 * n
+    poses = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), wrap_angle(turn + QUARTER)])
+    return np.asarray(np.round(poses, 1), dtype=np.float64)
+
+
+def various(rng: np.random.Generator) -> Weights:
+    """Weights (a, b), unlike from one edge to another."""
+    return lambda k: (float(rng.choice([1, 4, 25])), float(rng.choice([2, 10, 50])))
+
+
+@cached
+def chains(rng: np.random.Generator) -> Iterable[Graph]:
+    """No loop: every measurement can be satisfied. One is so at the start. Then single steps, not judged."""
+    yield Graph(rows((0, 0, 0), (1, 0, 0)), (edge(0, 1, (2, 0, 0)),))
+    yield Graph(rows((0, 0, 0), (2, 0, 0), (4, 0, 0)), (edge(0, 1, (2, 0, 0)), edge(1, 2, (2, 0, 0))))
+    yield Graph(rows((1, 2, 0), (1, 3, 0)), (edge(0, 1, (2, 1, QUARTER)),))
+    yield Graph(rows((0, 0, QUARTER), (0, 1, 1), (1, 2, 0)), (edge(0, 1, (2, 0, 0)), edge(1, 2, (1, 0, -QUARTER))))
+    yield perturbed_chain(rng)
+    yield from steps(rng)
+
+
+def perturbed_chain(rng: np.random.Generator) -> Graph:
+    """Five consistent poses, all but the first moved."""
+    truth = facing_one_way(rng, 5)
+    edges = tuple(edge(i, j, relative(truth[i], truth[j])) for i, j in along(5))
+
+    def draw() -> Graph:
+        moved = np.round(rng.uniform((-0.5, -0.5, -0.3), (0.5, 0.5, 0.3), (4, 3)), 1)
+        return Graph(np.vstack([truth[:1], truth[1:] + moved]), edges)
+
+    return draw_settling(draw)
+
+
+def steps(rng: np.random.Generator) -> Iterable[Graph]:
+    """Graphs asked for one iteration only: a first step tells mistakes apart that all end nowhere."""
+    line = next(iter(loops_by_hand()))
+    yield Graph(line.poses, line.edges, 1, judged=False)
+    for _ in range(3):
+        graph = noisy(rng, facing_one_way(rng, 4), [(3, 0)], weights=various(rng))
+        yield Graph(graph.poses, graph.edges, 1, judged=False)
+
+
+def loops_by_hand() -> Iterable[Graph]:
+    """Loops whose discrepancy is shared equally: 3 = 1 + 1 + 1, and so for an angle."""
+    line = (edge(0, 1, (2, 0, 0)), edge(1, 2, (2, 0, 0)), edge(0, 2, (7, 0, 0)))
+    yield Graph(rows((0, 0, 0), (2, 0, 0), (4, 0, 0)), line)
+    turns = (edge(0, 1, (0, 0, 0.5)), edge(1, 2, (0, 0, 0.5)), edge(2, 0, (0, 0, -1.6)))
+    yield Graph(rows((0, 0, 0), (0, 0, 0.5), (0, 0, 1)), turns)
+
+
+@cached
+def loops(rng: np.random.Generator) -> Iterable[Graph]:
+    """Every edge has the same weight, the same in length and in angle."""
+    yield from loops_by_hand()
+    yield noisy(rng, facing_one_way(rng, 4), [(3, 0)])
+    yield noisy(rng, facing_one_way(rng, 6), [(0, 5), (4, 1)], weights=lambda k: (25.0, 25.0))
+
+
+@cached
+def weighted(rng: np.random.Generator) -> Iterable[Graph]:
+    """A discrepancy of 5 shared 2 + 2 + 1, then three edges that meet in one pose, then any weights."""
+    line = (edge(0, 1, (1, 0, 0)), edge(1, 2, (1, 0, 0)), edge(0, 2, (7, 0, 0), 2.0))
+    yield Graph(rows((0, 0, 0), (1, 0, 0), (2, 0, 0)), line)
+    yield noisy(rng, facing_one_way(rng, 4), [(0, 3), (1, 3)], weights=various(rng))
+    yield noisy(rng, facing_one_way(rng, 6), [(5, 0), (4, 1)], weights=various(rng))
+
+
+@cached
+def turning(rng: np.random.Generator) -> Iterable[Graph]:
+    """Headings that pass the half turn: in the result, in the error, on both ways."""
+    yield Graph(rows((0, 0, 3 * EIGHTH), (-1, 1, math.pi)), (edge(0, 1, (1, 0, QUARTER)),))
+    yield Graph(rows((0, 0, -3 * EIGHTH), (-1, -1, 3 * EIGHTH)), (edge(0, 1, (1, 0, -QUARTER)),))
+    yield noisy(rng, going_round(rng, 4), [(3, 0)])
+    yield noisy(rng, going_round(rng, 6), [(5, 0), (1, 4)], weights=various(rng))
+
+
+@cached
+def large(rng: np.random.Generator) -> Iterable[Graph]:
+    """A loop of 8 poses, and one of 20 left to the default number of iterations."""
+    yield noisy(rng, going_round(rng, 8), [(7, 0), (2, 6)], weights=various(rng), n_iter=15)
+    strong: Weights = lambda k: (100.0, 400.0) if k >= 19 else (25.0, 100.0)  # noqa: E731
+    closures = [(19, 0), (0, 10), (15, 5), (18, 1)]
+    yield noisy(rng, going_round(rng, 20), closures, noise=(0.15, 0.06), weights=strong, n_iter=None)

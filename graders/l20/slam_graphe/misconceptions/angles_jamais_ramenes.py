@@ -1,0 +1,2 @@
+def corriger(poses, delta):
+    return poses + delta

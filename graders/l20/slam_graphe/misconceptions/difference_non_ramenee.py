@@ -1,0 +1,2 @@
+def erreur(xi, xj, z):
+    return relatif(xi, xj) - z

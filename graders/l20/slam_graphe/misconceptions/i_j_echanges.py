@@ -1,0 +1,4 @@
+def erreur(xi, xj, z):
+    e = relatif(xj, xi) - z
+    e[2] = ramener(e[2])
+    return e
