@@ -75,9 +75,9 @@ def sign_up(
     hashed = secrets.hash_password(wanted.password)
     with database.write() as db:
         role = Role.student if invitation is None else _use_invitation(db, invitation)
-        account = _account_to_name(db, visitor)
         if repository.by_login(db, wanted.login) is not None:
             raise RefusedForm({"login": TAKEN})
+        account = _account_to_name(db, visitor)
         account.role, account.name, account.login, account.password_hash = role, wanted.name, wanted.login, hashed
         db.flush()
         repository.delete_sessions_of(db, account.id)
@@ -86,7 +86,7 @@ def sign_up(
 
 def _account_to_name(db: Session, visitor: Account | None) -> Account:
     guest = repository.by_id(db, visitor.id) if visitor is not None and visitor.is_guest else None
-    account = guest or Account()
+    account = guest or Account(name=GUEST_NAME)
     db.add(account)
     return account
 

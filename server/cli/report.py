@@ -7,6 +7,7 @@ from typing import Any
 
 Json = dict[str, Any]
 WIDTH = 100
+SPACES = " \t\u00a0\u202f"
 FULL_MARKS, NOT_FULL, CANNOT = 0, 1, 2
 
 OUTCOMES = {
@@ -103,7 +104,7 @@ def _paragraph(text: str, indent: int = 6) -> Iterator[str]:
 
 def printable(text: str, keep: str = "") -> str:
     """What a student's program wrote may not drive the reader's terminal: control characters are shown as ·."""
-    return "".join(c if c.isprintable() or c in keep + " \t" else "·" for c in text)
+    return "".join(c if c.isprintable() or c in keep + SPACES else "·" for c in text)
 
 
 def number(value: float) -> str:
