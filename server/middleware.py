@@ -19,7 +19,8 @@ CONTENT_SECURITY_POLICY = "; ".join(
     (
         "default-src 'self'",
         "script-src 'self'",
-        "style-src 'self' 'unsafe-inline'",  # KaTeX writes style attributes, CodeMirror adds style elements
+        "style-src 'self'",
+        "style-src-attr 'unsafe-inline'",  # KaTeX places its glyphs with style attributes
         "img-src 'self' data:",
         "object-src 'none'",
         "base-uri 'none'",

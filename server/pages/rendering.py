@@ -29,7 +29,7 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    jinja.filters.update(french=french, visible=text.visible, ticks=ticks, python=python)
+    jinja.filters.update(french=french, sentence=sentence, visible=text.visible, ticks=ticks, python=python)
     jinja.globals.update(static=assets.address, has_katex=assets.is_built, plural=text.plural)
     return jinja
 
@@ -40,6 +40,12 @@ def ticks(message: str) -> Markup:
     if len(parts) % 2 == 0:
         return Markup("`".join(parts))
     return Markup("".join(f"<code>{part}</code>" if odd % 2 else part for odd, part in enumerate(parts)))
+
+
+def sentence(message: str) -> str:
+    """A verdict's message in French typography; the lines below its first are code and traces, left as they are."""
+    first, *rest = message.split("\n")
+    return "\n".join([french(first), *rest])
 
 
 def python(code: str) -> Markup:

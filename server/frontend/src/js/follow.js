@@ -48,10 +48,21 @@ export async function refresh(url) {
   if (!fragment) return false;
   for (const part of fragment.querySelectorAll("[data-part]")) {
     const old = document.querySelector(`[data-part="${part.dataset.part}"]`);
-    if (old) old.replaceWith(document.adoptNode(part));
+    if (old) put(document.adoptNode(part), old);
   }
   document.dispatchEvent(new CustomEvent("balise:refreshed"));
   return true;
+}
+
+// A hint that was open stays open; the folds of a verdict are another verdict's.
+function put(part, old) {
+  if (part.dataset.part !== "verdict") {
+    const folds = part.querySelectorAll("details");
+    old.querySelectorAll("details").forEach((fold, place) => {
+      if (folds[place]) folds[place].open = fold.open;
+    });
+  }
+  old.replaceWith(part);
 }
 
 export function showWaiting(text) {
@@ -65,7 +76,9 @@ export function showWaiting(text) {
   line.append(dot, text);
   place.replaceChildren(line);
   place.dataset.status = "queued";
+  place.hidden = false;
   announce(text);
+  reveal(place, "nearest");
 }
 
 // From the acceptance of a submission to its verdict on the page.
@@ -77,12 +90,10 @@ export async function followToVerdict(address) {
   }
   const place = document.querySelector("[data-part=verdict]");
   announce(place?.dataset.announce ?? "");
-  reveal(place);
+  if (place && place.getBoundingClientRect().top > window.innerHeight * 0.6) reveal(place, "start");
 }
 
-function reveal(place) {
-  const box = place?.getBoundingClientRect();
-  if (!box || (box.top >= 0 && box.top < window.innerHeight * 0.6)) return;
+function reveal(place, block) {
   const calm = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
-  place.scrollIntoView({ behavior: calm ? "auto" : "smooth", block: "start" });
+  place.scrollIntoView({ behavior: calm ? "auto" : "smooth", block });
 }
