@@ -30,7 +30,7 @@ class Attempt:
     argument: Callable[[ExitStack], Value] = lambda _: None
 
 
-POLICY = Policy(cpu_seconds=1.0, wall_seconds=20.0, memory_bytes=128 * MIB)
+POLICY = Policy(cpu_seconds=0.5, wall_seconds=20.0, memory_bytes=128 * MIB)
 _SECCOMP = frozenset({"seccomp"})
 _ALL_BUT_NAMESPACES = frozenset({"seccomp", "landlock"})
 

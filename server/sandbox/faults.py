@@ -55,3 +55,7 @@ class SandboxFault(Exception):
 
 class TemplateFault(Exception):
     """A template or a fork failed before any line of the student ran: worth another try with a new template."""
+
+
+class NamespacesRefused(TemplateFault):
+    """This machine refuses the namespaces to this user: the other walls must stand alone."""

@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Self
 
 from server.sandbox import messages
-from server.sandbox.faults import FaultKind, ProgramFault, SandboxFault, TemplateFault
+from server.sandbox.faults import FaultKind, NamespacesRefused, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.install import import_set
 from server.sandbox.policy import Policy
 from server.sandbox.process import Child, Setting, TemplateProcess
@@ -167,7 +167,7 @@ class Sandbox:
             return self._start(imports, self._namespaces)
         try:
             template = self._start(imports, True)
-        except TemplateFault as error:
+        except NamespacesRefused as error:
             _log.warning("no namespaces on this machine, the other walls stand alone: %s", error)
             template = self._start(imports, False)
         self._namespaces = template.namespaces

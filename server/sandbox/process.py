@@ -13,10 +13,10 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, fields
 from typing import Any
 
-from server.sandbox.child import codec, inner
+from server.sandbox.child import codec, inner, outer
 from server.sandbox.child.codec import Value
 from server.sandbox.child.template import CONTROL
-from server.sandbox.faults import TemplateFault
+from server.sandbox.faults import NamespacesRefused, TemplateFault
 from server.sandbox.install import installation
 from server.sandbox.output import Output
 from server.sandbox.policy import Policy
@@ -149,9 +149,13 @@ class TemplateProcess:
         except TimeoutError:
             data = b""
         if not data:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self._process.wait(1.0)
             self._process.kill()
             self._process.wait()
-            raise TemplateFault(f"the template did not start: {self.said() or self._process.returncode}")
+            code = self._process.returncode
+            kind = NamespacesRefused if code == outer.REFUSED else TemplateFault
+            raise kind(f"the template did not start ({code}): {self.said()}")
         self._control.settimeout(None)
         hello: Any = codec.decode(data, CONTROL)
         self.hello = dict(hello)

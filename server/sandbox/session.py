@@ -24,7 +24,7 @@ _READY_SECONDS = 10.0
 _ENDING_SECONDS = 5.0
 _QUESTION = codec.Limits(size=1 << 28, depth=64, items=10_000_000)
 _FAULT = codec.Limits(size=1 << 16, depth=8, items=1000)
-_ANSWERS = frozenset({frames.VALUE, frames.FAULT, frames.ANOMALY})
+_ANSWERS = frozenset({frames.VALUE, frames.FAULT})
 
 
 class Session:
@@ -40,26 +40,36 @@ class Session:
 
     def load(self, source: bytes, filename: str, kit: Kit | None) -> None:
         """Runs the file's top level. Raises TemplateFault when the child was not sound to begin with."""
-        self._await_ready()
-        question: dict[str, Value] = {
-            "source": np.frombuffer(source, dtype=np.uint8),
-            "filename": filename,
-            "kit": kit.module if kit else None,
-            "parameters": dict(kit.parameters) if kit else {},
-        }
+        self._expect(0, frames.READY)
+        self._configure(kit)
+        question: dict[str, Value] = {"source": np.frombuffer(source, dtype=np.uint8), "filename": filename}
         names = self._exchange(frames.LOAD, question)
         if not isinstance(names, tuple) or not all(isinstance(name, str) for name in names):
             self._forged()
         self.functions = frozenset(str(name) for name in names)
 
-    def _await_ready(self) -> None:
-        expected = frozenset({frames.READY, frames.ANOMALY})
+    def _configure(self, kit: Kit | None) -> None:
+        question: dict[str, Value] = {
+            "kit": kit.module if kit else None,
+            "parameters": dict(kit.parameters) if kit else {},
+        }
+        token = secrets.randbits(64)
         try:
-            kind, said = self._child.wire.answer(0, expected, 1 << 16, time.monotonic() + _READY_SECONDS)
+            deadline = time.monotonic() + _READY_SECONDS
+            self._child.wire.ask(token, frames.CONFIGURE, codec.encode(question, _QUESTION), deadline)
+        except (Late, Closed, Forged) as error:
+            raise TemplateFault(f"a fork does not listen: {type(error).__name__}") from error
+        self._expect(token, frames.CONFIGURED)
+
+    def _expect(self, token: int, kind: int) -> None:
+        """The child says that it has gone a step further, before any line of the student has run."""
+        expected = frozenset({kind, frames.ANOMALY})
+        try:
+            came, said = self._child.wire.answer(token, expected, 1 << 16, time.monotonic() + _READY_SECONDS)
         except (Late, Closed, Forged) as error:
             raise TemplateFault(f"a fork did not come up: {type(error).__name__}") from error
-        if kind == frames.ANOMALY:
-            raise TemplateFault(f"a fork could not raise its walls: {said.decode('utf-8', 'replace')}")
+        if came == frames.ANOMALY:
+            raise TemplateFault(f"a fork failed: {said.decode('utf-8', 'replace')}")
 
     def __enter__(self) -> Self:
         return self
@@ -143,8 +153,6 @@ class Session:
             fault: Any = codec.decode(answer, _FAULT)
         except codec.Malformed:
             self._forged()
-        if outcome == frames.ANOMALY:
-            raise TemplateFault(f"the kit could not be configured: {str(fault)[:4000]}")
         told = diagnosis.told(fault, self._policy)
         if told is None:
             self._forged()

@@ -11,6 +11,6 @@ import struct
 HEADER = struct.Struct("<IQB")
 
 #: From the trusted side.
-LOAD, CALL = 1, 2
-#: From the child. READY and ANOMALY come before any line of the student runs.
-READY, ANOMALY, VALUE, FAULT = 16, 17, 18, 19
+CONFIGURE, LOAD, CALL = 1, 2, 3
+#: From the child. READY, CONFIGURED and ANOMALY come before any line of the student runs, and are refused afterwards.
+READY, CONFIGURED, ANOMALY, VALUE, FAULT = 16, 17, 18, 19, 20

@@ -83,11 +83,11 @@ def _close(first: int, last: int) -> None:
 
 
 def _bound_resources(limits: Limits, base_memory: int) -> None:
-    seconds = max(1, int(-(-limits.cpu_seconds // 1)))
+    seconds = int(limits.cpu_seconds) + 1  # the kernel counts whole seconds; the child's own timer comes first
     memory = base_memory + limits.memory_bytes
     for kind, soft, hard in (
         (resource.RLIMIT_AS, memory, memory),
-        (resource.RLIMIT_CPU, seconds + 1, seconds + 2),
+        (resource.RLIMIT_CPU, seconds, seconds + 1),
         (resource.RLIMIT_FSIZE, limits.file_bytes, limits.file_bytes),
         (resource.RLIMIT_NOFILE, limits.files, limits.files),
         (resource.RLIMIT_CORE, 0, 0),

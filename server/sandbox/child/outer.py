@@ -22,6 +22,8 @@ _MS_PRIVATE_RECURSIVE, _MS_NOSUID_NODEV = (1 << 18) | (1 << 14), 2 | 4
 #: Nobody's own identity: no file and no service of a machine belongs to it.
 UNPRIVILEGED = 61_185
 DEVICES = ("/dev/null", "/dev/zero", "/dev/urandom", "/dev/random")
+#: Exit code of a template that this machine refuses the namespaces or the file view.
+REFUSED = 71
 _PACKAGES = ("site-packages", "dist-packages")
 
 
@@ -33,16 +35,12 @@ def tie_to_parent(parent: int) -> None:
 
 
 def split_off(inside: Callable[[], None], control: int) -> int:
-    """Enters new namespaces and runs `inside` in their first process; returns its exit code.
-
-    Raises OSError when this machine refuses the namespaces.
-    """
-    user, group = os.geteuid(), os.getegid()
+    """Enters new namespaces and runs `inside` in their first process; returns its exit code, REFUSED without them."""
     try:
-        libc.unshare(_ALL)
-    except PermissionError:
-        libc.unshare(_NEWUSER | _ALL)
-        _map_identity(user, group)
+        _enter_namespaces(os.geteuid(), os.getegid())
+    except OSError:
+        traceback.print_exc()
+        return REFUSED
     watcher = os.getpid()
     child = os.fork()
     if child == 0:
@@ -50,6 +48,14 @@ def split_off(inside: Callable[[], None], control: int) -> int:
     os.close(control)
     _, status = os.waitpid(child, 0)
     return os.waitstatus_to_exitcode(status)
+
+
+def _enter_namespaces(user: int, group: int) -> None:
+    try:
+        libc.unshare(_ALL)
+    except PermissionError:
+        libc.unshare(_NEWUSER | _ALL)
+        _map_identity(user, group)
 
 
 def _first_process(inside: Callable[[], None], watcher: int) -> None:
@@ -105,8 +111,17 @@ def change_view(libraries: Iterable[str], packages: Iterable[str]) -> None:
     """Replaces the root by a read-only one that holds these paths and four devices, and detaches the old one.
 
     `libraries` are directories or files taken whole, without the folder of installed packages that they may hold;
-    `packages` are directories put back into it.
+    `packages` are directories put back into it. Ends the process with REFUSED where that may not be done.
     """
+    try:
+        _change_view(libraries, packages)
+    except OSError:
+        traceback.print_exc()
+        sys.stderr.flush()
+        os._exit(REFUSED)
+
+
+def _change_view(libraries: Iterable[str], packages: Iterable[str]) -> None:
     libc.mount("none", "/", None, _MS_PRIVATE_RECURSIVE)
     whole = outermost(libraries)
     loose = [path for path in dict.fromkeys(packages) if os.path.isdir(path)]

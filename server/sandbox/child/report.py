@@ -73,7 +73,7 @@ def _innermost_module(traceback: TracebackType | None) -> str:
 
 
 def _kind(error: BaseException) -> str:
-    if isinstance(error, MemoryError):
+    if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
         return "memory_limit"
     if isinstance(error, ImportError) and _innermost_module(error.__traceback__) != "multiprocessing":
         return "import_error"

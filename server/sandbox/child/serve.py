@@ -63,7 +63,18 @@ class Child:
         while header := self._read(frames.HEADER.size):
             length, self._token, kind = frames.HEADER.unpack(header)
             question: Any = codec.decode(self._read(length), QUESTION)
-            self._answer(kind, question)
+            if kind == frames.CONFIGURE:
+                self._configure(question)
+            else:
+                self._answer(kind, question)
+
+    def _configure(self, question: dict[str, Any]) -> None:
+        try:
+            self._program.configure(question["kit"], question["parameters"])
+        except Exception:
+            self.send(self._token, frames.ANOMALY, traceback.format_exc().encode("utf-8", "replace")[-4000:])
+            os._exit(70)
+        self.send(self._token, frames.CONFIGURED, b"")
 
     def _answer(self, kind: int, question: dict[str, Any]) -> None:
         self._busy = True
@@ -79,17 +90,7 @@ class Child:
                 question["function"], question["arguments"], return_arguments=question["return_arguments"]
             )
         signal.setitimer(signal.ITIMER_PROF, self._cpu_seconds)
-        self._configure(question["kit"], question["parameters"])
         return self._program.load(question["source"].tobytes(), question["filename"])
-
-    def _configure(self, kit: str | None, parameters: Mapping[str, codec.Value]) -> None:
-        try:
-            self._program.configure(kit, parameters)
-        except Exception:
-            self._busy = False
-            text = codec.encode(traceback.format_exc()[-4000:], _FAULT)
-            self.send(self._token, frames.ANOMALY, text)
-            os._exit(70)
 
     def _outcome(self, action: Callable[[], bytes]) -> tuple[int, bytes]:
         try:

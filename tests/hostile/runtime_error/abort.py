@@ -1,0 +1,3 @@
+import os
+def repondre(contexte):
+    os.abort()

@@ -1,0 +1,2 @@
+def repondre(contexte):
+    raise ValueError("x" * (contexte["frame_bytes"] * 4))

@@ -1,0 +1,3 @@
+import ctypes
+def repondre(contexte):
+    ctypes.string_at(0)

@@ -1,0 +1,9 @@
+def repondre(contexte):
+    while True:
+        try:
+            while True:
+                pass
+        except BaseException:
+            continue
+        finally:
+            continue

@@ -1,0 +1,3 @@
+def repondre(contexte):
+    while True:
+        pass

@@ -1,0 +1,2 @@
+def repondre(contexte):
+    return sum(range(10**14))

@@ -1,0 +1,3 @@
+import time
+def repondre(contexte):
+    time.sleep(3600)

@@ -1,0 +1,45 @@
+"""One sandbox for the tests of a worker, with short limits and a small kit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from server.sandbox import Kit, Policy, ProgramFault, Sandbox
+
+KIT = """
+import numpy as np
+
+def configurer(libres=None, portee_max=12.0, seed=0):
+    rng = np.random.default_rng(seed)
+    def lidar(pose, n_rayons=36, bruit=0.0):
+        return np.full(n_rayons, portee_max) + bruit * rng.normal(size=n_rayons)
+    return {"np": np, "libres": libres, "PORTEE_MAX": portee_max, "rng": rng, "lidar": lidar}
+"""
+
+POLICY = Policy(cpu_seconds=1.0, wall_seconds=2.0, memory_bytes=128 << 20, frame_bytes=1 << 20, stdout_bytes=1 << 14)
+
+
+@pytest.fixture(scope="session")
+def sandbox() -> Iterator[Sandbox]:
+    with Sandbox({"trousse": KIT}, POLICY) as shared:
+        yield shared
+
+
+@pytest.fixture
+def kit() -> Kit:
+    return Kit("trousse", {"portee_max": 7.0, "seed": 42})
+
+
+@pytest.fixture
+def fault_of(sandbox: Sandbox) -> Callable[..., ProgramFault]:
+    """Runs a program and calls its function f; returns the fault that must come of it."""
+
+    def run(source: str | bytes, *args: object, policy: Policy | None = None) -> ProgramFault:
+        data = source.encode() if isinstance(source, str) else source
+        with pytest.raises(ProgramFault) as caught, sandbox.open(data, policy=policy) as session:
+            session.call("f", *args)  # type: ignore[arg-type]
+        return caught.value
+
+    return run

@@ -1,0 +1,205 @@
+"""Every way in which a student's program can fail has its kind, its line, and a French message that helps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from server.sandbox import FaultKind, Policy, ProgramFault, Sandbox
+
+FaultOf = Callable[..., ProgramFault]
+
+
+def plain(text: str) -> str:
+    return text.replace("\u00a0", " ")
+
+
+@pytest.mark.parametrize(
+    ("source", "line", "told"),
+    [
+        ("def f(x)\n    return x\n", 1, "il manque « : » à la fin"),
+        ("def f(x):\n    return (x\n", 2, "« ( » est ouvert ici"),
+        ("def f(x):\n    return x)\n", 2, "« ) » ferme ce qui n'a pas été ouvert"),
+        ("def f(x):\nreturn x\n", 2, "la ligne 1 doit être décalé à droite"),
+        ("x = 1\n   y = 2\n", 2, "décalée vers la droite sans raison"),
+        ("def f(x):\n    if x = 1:\n        pass\n", 2, "pour comparer, écrivez « == »"),
+        ("x = 'abc\n", 1, "il manque le guillemet"),
+        ("x = 1\ny = “a”\n", 2, "copier-coller"),
+        ("x = 1\nprint 'a'\n", 2, "« print » est une fonction"),
+        ("x = '\u2028'\n\x0c\nreturn 3\n", 3, "Ligne lue : return 3"),
+        ("x = 1\0\n", 1, "octet nul"),
+        (b"# ok\nx = '\xe9'\n", 2, "UTF-8"),
+        ("x = " + "(" * 300 + ")" * 300, 1, "imbriqu"),
+        ("x = " + "-" * 20_000 + "1", None, "mémoire|imbriqu"),
+    ],
+)
+def test_a_file_that_is_not_python(fault_of: FaultOf, source: str | bytes, line: int | None, told: str) -> None:
+    fault = fault_of(source)
+    assert fault.kind in (FaultKind.SYNTAX_ERROR, FaultKind.MEMORY_LIMIT, FaultKind.RUNTIME_ERROR)
+    assert (fault.kind == FaultKind.SYNTAX_ERROR) == ("|" not in told)
+    assert any(piece in plain(fault.message) for piece in told.split("|")), fault.message
+    assert fault.line == line
+
+
+def test_a_syntax_error_quotes_its_line(fault_of: FaultOf) -> None:
+    fault = fault_of("x = 1\ndef composer(a, b)\n    return a\n")
+    assert "def composer(a, b)" in fault.message
+    assert fault.line == 2
+
+
+def test_a_file_beyond_its_bound_is_refused_with_the_bound(fault_of: FaultOf) -> None:
+    fault = fault_of("# " + "x" * 70_000)
+    assert fault.kind == FaultKind.SYNTAX_ERROR
+    assert "64 Kio" in plain(fault.message)
+
+
+@pytest.mark.parametrize(
+    ("source", "told"),
+    [
+        ("import matplotlib.pyplot as plt", "mettez vos tracés sous"),
+        ("import nunpy as np", "« numpy »"),
+        ("import pandas", "« pandas » n'est pas disponible"),
+        ("from math import racine", "pas dans ce module"),
+        ("import graders", "n'est pas disponible"),
+        ("import server.sandbox", "n'est pas disponible"),
+        ("import child.codec", "n'est pas disponible"),
+    ],
+)
+def test_an_import_that_fails(fault_of: FaultOf, source: str, told: str) -> None:
+    fault = fault_of("# un commentaire\n" + source + "\n")
+    assert (fault.kind, fault.line) == (FaultKind.IMPORT_ERROR, 2)
+    assert told in plain(fault.message)
+
+
+def test_a_traceback_has_the_students_own_frames_only(fault_of: FaultOf) -> None:
+    source = (
+        "import numpy as np\n\ndef g(a):\n    return np.linalg.inv(a)\n\ndef f(x):\n    return g(np.zeros((2, 2)))\n"
+    )
+    fault = fault_of(source, 1)
+    assert (fault.kind, fault.exception, fault.line) == (FaultKind.RUNTIME_ERROR, "LinAlgError", 4)
+    assert [(frame.line, frame.function, frame.source) for frame in fault.frames] == [
+        (7, "f", "return g(np.zeros((2, 2)))"),
+        (4, "g", "return np.linalg.inv(a)"),
+    ]
+    assert "singulière" in fault.message
+
+
+@pytest.mark.parametrize(
+    ("body", "exception", "told"),
+    [
+        ("return inconnu", "NameError", "n'est défini nulle part"),
+        ("return [1][3]", "IndexError", "de 0 à la longueur moins un"),
+        ("return f(x)", "RecursionError", "s'appelle elle-même sans fin"),
+        ("import sys; sys.exit(2)", "SystemExit", "utilisez « return »"),
+        ("return exit()", "SystemExit", "utilisez « return »"),
+        ("return input()", "EOFError", "au clavier"),
+        ("return open('donnees.txt')", "FileNotFoundError", "arrive par les arguments"),
+        ("raise KeyboardInterrupt", "KeyboardInterrupt", "KeyboardInterrupt"),
+        ("return np.ones(2) @ np.ones(3)", "ValueError", "dimensions"),
+        ("return eval('1 +')", "SyntaxError", "SyntaxError"),
+    ],
+)
+def test_an_exception_is_explained(fault_of: FaultOf, body: str, exception: str, told: str) -> None:
+    fault = fault_of(f"import numpy as np\ndef f(x):\n    {body}\n", 1)
+    assert (fault.kind, fault.exception, fault.line) == (FaultKind.RUNTIME_ERROR, exception, 3)
+    assert told in plain(fault.message)
+    assert not fault.fatal
+
+
+@pytest.mark.parametrize(
+    "definition",
+    [
+        "class E(Exception):\n    def __str__(self): raise ValueError\n    __repr__ = __str__",
+        "class E(Exception):\n    def __str__(self): return 'x' * 10**7",
+        "class E(BaseException):\n    def __str__(self): return 3",
+        "E = type('E' * 10**6, (Exception,), {})",
+        "class E(Exception):\n    def __str__(self): return '\\x1b[31m\\u202erouge\\0'",
+        "class E(Exception):\n    __traceback__ = property(lambda self: 1 / 0)",
+        "class E(OSError):\n    errno = property(lambda self: 1 / 0)",
+    ],
+)
+def test_an_odd_exception_changes_nothing(fault_of: FaultOf, definition: str) -> None:
+    fault = fault_of(f"{definition}\ndef f(x):\n    raise E()\n", 1)
+    assert fault.kind in (FaultKind.RUNTIME_ERROR, FaultKind.INVALID_OUTPUT)
+    assert len(fault.message) < 2000
+    assert all(character.isprintable() or character in "\n\u00a0" for character in fault.message)
+
+
+def test_the_limits_are_told(fault_of: FaultOf) -> None:
+    told = {
+        "return bytearray(1 << 40)": (FaultKind.MEMORY_LIMIT, "64 Mio"),
+        "return 'x' * 300_000": (FaultKind.OUTPUT_LIMIT, "256 Kio"),
+        "return list(range(5000))": (FaultKind.OUTPUT_LIMIT, "1000 valeurs"),
+    }
+    policy = Policy(memory_bytes=64 << 20, frame_bytes=1 << 18, items=1000)
+    for body, (kind, limit) in told.items():
+        fault = fault_of(f"\ndef f(x):\n    {body}\n", 1, policy=policy)
+        assert fault.kind == kind
+        assert limit in plain(fault.message)
+        assert fault.line in (3, None)
+
+
+def test_a_program_that_is_too_long_is_told_where_it_was(fault_of: FaultOf) -> None:
+    told = {
+        "while True: pass": ("0,3 s", Policy(cpu_seconds=0.3, wall_seconds=20.0)),
+        "import time; time.sleep(60)": ("0,3 s", Policy(cpu_seconds=20.0, wall_seconds=0.3)),
+    }
+    for body, (limit, policy) in told.items():
+        fault = fault_of(f"\ndef f(x):\n    {body}\n", 1, policy=policy)
+        assert (fault.kind, fault.line, fault.fatal) == (FaultKind.TIMEOUT, 3, True)
+        assert limit in plain(fault.message)
+        assert ("calculé" in fault.message) == ("while" in body)
+
+
+@pytest.mark.parametrize(
+    ("result", "told"),
+    [
+        ("(k for k in range(3))", "generator"),
+        ("{1, 2}", "sorted"),
+        ("[1, {2: 3}]", "clé"),
+        ("f", "parenthèses de l'appel"),
+        ("np.array([[1, 2], [3]], dtype=object)", "même longueur"),
+        ("np.array(['a'])", "tableau d'éléments"),
+        ("b'octets'", "bytes"),
+        ("boucle", "se contient-il lui-même"),
+    ],
+)
+def test_a_result_that_is_no_value_is_named(fault_of: FaultOf, result: str, told: str) -> None:
+    fault = fault_of(f"import numpy as np\nboucle = []\nboucle.append(boucle)\ndef f(x):\n    return {result}\n", 1)
+    assert fault.kind == FaultKind.INVALID_OUTPUT
+    assert told in plain(fault.message)
+    assert not fault.fatal
+
+
+def test_a_lack_of_memory_leaves_the_program_able_to_answer(sandbox: Sandbox) -> None:
+    source = b"import numpy as np\ndef f(n):\n    held = [np.ones(1000) for k in range(n)]\n    return len(held)\n"
+    with sandbox.open(source) as session:
+        for _ in range(2):
+            with pytest.raises(ProgramFault) as caught:
+                session.call("f", 10**7)
+            assert caught.value.kind == FaultKind.MEMORY_LIMIT
+        assert session.call("f", 10).value == 10
+
+
+def test_the_code_of_the_top_level_may_fail_too(fault_of: FaultOf) -> None:
+    fault = fault_of("x = 1\ny = x / 0\n")
+    assert (fault.kind, fault.line, fault.frames[-1].function) == (FaultKind.RUNTIME_ERROR, 2, "<module>")
+
+
+def test_deep_recursion_ends_in_a_recursion_error_even_when_the_limit_is_raised(fault_of: FaultOf) -> None:
+    for definition in (
+        "def f(x):\n    return f(x) + 1",
+        "class A:\n    def __repr__(self): return repr(self)\nf = lambda x: repr(A())",
+    ):
+        fault = fault_of(f"import sys\nsys.setrecursionlimit(10**9)\n{definition}\n", 1)
+        assert (fault.kind, fault.exception) == (FaultKind.RUNTIME_ERROR, "RecursionError")
+        assert len(fault.frames) <= 8
+
+
+def test_an_array_given_in_is_an_array_of_the_students_own(sandbox: Sandbox) -> None:
+    with sandbox.open(b"def f(x):\n    x += 1\n    return x\n") as session:
+        given = np.zeros(3)
+        assert session.call("f", given).value.tolist() == [1.0, 1.0, 1.0]  # type: ignore[union-attr]
+        assert given.tolist() == [0.0, 0.0, 0.0]
