@@ -69,6 +69,18 @@ def _explain(
     return Explanation(misconception, explained, agreement)
 
 
+def hopeless(
+    observations: Sequence[Observation], misconception: Misconception, replayed: Sequence[Observation]
+) -> bool:
+    """Do the checks replayed so far already rule the misconception out, whatever the others give?"""
+    theirs = {(o.check, o.index): o for o in replayed}
+    judged = [o for o in observations if o.function in misconception.functions]
+    pairs = [(o, theirs[o.check, o.index]) for o in judged if (o.check, o.index) in theirs]
+    pairs = [(mine, other) for mine, other in pairs if mine.function == other.function]
+    differing = sum(not (mine.ok and other.ok) and not agree(mine, other) for mine, other in pairs)
+    return differing > (1.0 - MIN_AGREEMENT) * len(judged) + 1e-9
+
+
 def agree(one: Observation, other: Observation) -> bool:
     """The same value, or the same way of failing."""
     if one.fault or other.fault:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from graders.core.bench import Bench, Observation, Runner
 from graders.core.checks import Check, FigureData, Rejection, fault_rejection
-from graders.core.diagnosis import diagnose, slip_diagnosis
+from graders.core.diagnosis import diagnose, hopeless, slip_diagnosis
 from graders.core.exercise import ExerciseGrader, Misconception
 from graders.core.program import KitSettings, Launcher, StudentFault, local_launcher
 from graders.core.render import to_jsonable
@@ -132,18 +132,27 @@ def _diagnosis(
         return None
 
     def replay(misconception: Misconception) -> Sequence[Observation]:
-        return observe(grader, misconception, kit, seed)
+        return observe(grader, misconception, kit, seed, lambda seen: hopeless(observations, misconception, seen))
 
     named = diagnose(observations, grader.misconceptions, replay)
     judged = (Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT)
     return named or slip_diagnosis([f.slip for f in failed if f.slip is not None and f.result.cause in judged])
 
 
-def observe(grader: ExerciseGrader, misconception: Misconception, kit: KitSettings, seed: int) -> list[Observation]:
-    """What a misconception gives on the inputs that a submission with this seed was graded on."""
+def observe(
+    grader: ExerciseGrader,
+    misconception: Misconception,
+    kit: KitSettings,
+    seed: int,
+    enough: Callable[[Sequence[Observation]], bool] = lambda seen: False,
+) -> list[Observation]:
+    """What a misconception gives on the inputs that a submission with this seed was graded on.
+
+    `enough` says, from what was seen so far, that the checks to come need not be run.
+    """
     runner = Runner(local_launcher(misconception.source), kit, replaying=True)
     for check in grader.checks:
-        if set(check.functions) & set(misconception.functions):
+        if set(check.functions) & set(misconception.functions) and not enough(runner.observations):
             run_check(check, Bench(check.id, runner, stream(seed, check.id), kit))
     return runner.observations
 
