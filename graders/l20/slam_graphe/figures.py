@@ -37,8 +37,9 @@ def _draw_poses(axes: Axes, data: dict[str, Any]) -> None:
     axes.margins(0.12)
     axes.set_xlabel("x")
     axes.set_ylabel("y")
-    gone = " (le vôtre est hors du cadre)" if data["got"] and obtained is None else ""
-    axes.set_title(f"Le graphe avant et après{gone}", fontsize=10)
+    if data["got"] and obtained is None:
+        axes.text(0.5, 0.02, "vos poses sont hors du cadre", color=OBTAINED, ha="center", transform=axes.transAxes)
+    axes.set_title("Le graphe avant et après", fontsize=10)
 
 
 def near(got: Sequence[Sequence[float]] | None, *others: np.ndarray[Any, np.dtype[np.float64]]) -> Any:
@@ -72,10 +73,10 @@ def _draw_errors(axes: Axes, data: dict[str, Any]) -> None:
             axes.set_xscale("symlog")
     shown = where[:: 1 + len(where) // (MAX_TICKS + 1)]
     axes.set_yticks(shown, [f"{i} → {j}" for i, j in (data["ends"][k] for k in shown)])
-    axes.invert_yaxis()
+    axes.set_ylim(max(len(where), 3) - 0.5, -0.5)
     axes.grid(axis="y", visible=False)
     axes.set_xlabel("√(eᵀΩe)")
-    axes.set_title("Ce qui reste d'erreur, arête par arête", fontsize=10)
+    axes.set_title("L'erreur qui reste par arête", fontsize=10)
 
 
 def draw_edge(figure: Figure, data: dict[str, Any]) -> None:

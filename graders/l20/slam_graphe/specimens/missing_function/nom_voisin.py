@@ -1,0 +1,6 @@
+def erreur(xi, xj, z):
+    return xj - xi - z
+
+
+def gaussnewton(poses, aretes, n_iter=10):
+    return poses
