@@ -35,11 +35,14 @@ class WallReport:
 
 
 def probe() -> list[WallReport]:
-    """Tries every wall; takes a few seconds."""
+    """Tries every wall; takes a second or two."""
     with ThreadPoolExecutor(1) as spawner:
         templates = _Templates(spawner)
         try:
-            return [_report(attempt, templates) for attempt in ATTEMPTS]
+            for lifted in {attempt.lifted for attempt in ATTEMPTS}:
+                templates.get(lifted, namespaces=False)
+            with ThreadPoolExecutor(4) as pool:
+                return list(pool.map(lambda attempt: _report(attempt, templates), ATTEMPTS))
         finally:
             templates.close()
 

@@ -1,6 +1,6 @@
-"""What a submission costs: open + one call + close, with and without a spare child, beside a bare fork and a cold Python.
+"""What a submission costs: open, one call, close, with and without a spare child, beside a bare fork and a cold Python.
 
-Run by hand: ``python tests/benchmarks/bench_sandbox.py [rounds]``. Figures are milliseconds, median and 95th percentile.
+Run by hand: ``python tests/benchmarks/bench_sandbox.py [rounds]``. Milliseconds: median and 95th percentile.
 """
 
 from __future__ import annotations

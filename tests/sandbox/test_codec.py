@@ -92,6 +92,10 @@ class _Loud(float):
         raise AssertionError("asked the subclass")
 
 
+class _Subclass(np.ndarray):  # type: ignore[type-arg]
+    __eq__ = __ne__ = lambda self, other: True  # type: ignore[assignment]
+
+
 class _Arraylike:
     def __array__(self, dtype: object = None, copy: object = None) -> Any:
         return np.array([1.0, 2.0])
@@ -114,7 +118,7 @@ class _Arraylike:
         (np.array([1, 2j], dtype=object), np.array([1, 2j])),
         (np.array([1.5], dtype=np.longdouble), np.array([1.5])),
         (np.array([1.5, 2.5], dtype=">f8"), np.array([1.5, 2.5])),
-        (np.recarray((2,), dtype="f8", buf=np.array([1.0, 2.0])).view(np.recarray), np.array([1.0, 2.0])),
+        (np.arange(2.0).view(_Subclass), np.arange(2.0)),
         (np.ma.array([1.0, 2.0]), np.array([1.0, 2.0])),
         (range(3), [0, 1, 2]),
         (namedtuple("Pose", "x y")(1, 2), (1, 2)),

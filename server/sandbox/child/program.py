@@ -60,9 +60,9 @@ class Program:
     def configure(self, kit: str | None, parameters: Mapping[str, Value]) -> None:
         """Seeds the generators, and asks the kit for its names: what that raises is not the student's."""
         seed = parameters.get("seed")
-        seed = seed if isinstance(seed, int) else None
-        random.seed(seed)
-        np.random.seed(None if seed is None else seed % 2**32)
+        if isinstance(seed, int):
+            random.seed(seed)
+            np.random.seed(seed % 2**32)
         if kit is not None:
             module = self._kits[kit]
             self._injected = dict(module.configurer(**parameters))
@@ -133,9 +133,13 @@ def _result_fault(kind: str, reason: str, culprit: str, function: str, place: st
     }
 
 
-def prepare_interpreter(stream: Any, modules_of_ours: str) -> None:
-    """Makes the interpreter what a student expects: their streams, `exit`, a bounded recursion, none of our names."""
+def print_to(stream: Any) -> None:
+    """Whatever the program prints goes to this stream."""
     sys.stdout = sys.stderr = sys.__stdout__ = sys.__stderr__ = stream  # type: ignore[misc]
+
+
+def prepare_interpreter(modules_of_ours: str) -> None:
+    """Makes the interpreter what a student expects: `exit`, a bounded recursion, none of our names."""
     sys.argv[:] = ["solution.py"]
     sys.dont_write_bytecode = True
     vars(builtins).update(exit=sys.exit, quit=sys.exit)

@@ -10,8 +10,10 @@ from collections.abc import Callable, Mapping
 from types import FrameType, ModuleType
 from typing import Any, NoReturn
 
+import numpy as np
+
 from . import codec, frames, inner
-from .program import Failure, Fault, Program, prepare_interpreter
+from .program import Failure, Fault, Program, print_to
 from .report import MAX_TEXT
 from .streams import BoundedBytes, BoundedText
 
@@ -34,7 +36,8 @@ def run(
         limits = inner.Limits(*(order[name] for name in inner.Limits.__dataclass_fields__))
         reserve = inner.raise_walls(prepared, limits, wire, output, lifted)
         wire = inner.WIRE
-        prepare_interpreter(BoundedText(BoundedBytes(1, order["stdout_bytes"]), order["stdout_bytes"]), __package__)
+        print_to(BoundedText(BoundedBytes(1, order["stdout_bytes"]), order["stdout_bytes"]))
+        np.random.seed()  # `random` reseeds itself in a fork
         program = Program(kits, codec.Limits(order["frame_bytes"], order["depth"], order["items"]), reserve.close)
         child = Child(program, limits.cpu_seconds)
         gc.enable()
@@ -160,8 +163,6 @@ def warm_up(kits: Mapping[str, ModuleType]) -> None:
     import linecache
     import random
     import sys
-
-    import numpy as np
 
     state, numpy_state = random.getstate(), np.random.get_state()
     program = Program(kits, _FAULT, lambda: None)

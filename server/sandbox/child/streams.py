@@ -47,6 +47,9 @@ class BoundedText(io.TextIOBase):
     def writable(self) -> bool:
         return True
 
+    def reconfigure(self, **_: object) -> None:
+        """Accepted, as on any text stream; this one stays in UTF-8 and without buffer."""
+
     def fileno(self) -> int:
         return self._raw.fileno()
 

@@ -19,6 +19,7 @@ from typing import Any
 from . import codec, inner, landlock, libc, outer, serve
 from .codec import Limits, Value
 from .imports import modules
+from .program import prepare_interpreter
 
 CONTROL = Limits(size=1 << 26, depth=6, items=10_000)
 _MESSAGE = 1 << 17
@@ -54,6 +55,7 @@ class Template:
         self._lifted = lifted
         os.environ.clear()
         serve.warm_up(self._kits)
+        prepare_interpreter(__package__)
 
     def serve(self) -> None:
         """Until the other end of the control socket is closed."""
