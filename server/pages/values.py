@@ -142,9 +142,20 @@ def _walk(value: Any) -> Iterator[Any]:
 
 
 def _literal(value: Any) -> str:
-    if isinstance(value, list) and any(_is_row(row) for row in [value, *value] if isinstance(row, list)):
+    if not isinstance(value, list) or not value:
+        return _plain(value)
+    if _is_array(value):
         return f"np.array({_plain(value)})"
-    return _plain(value)
+    return "[" + ", ".join(_literal(item) for item in value) + "]"
+
+
+def _is_array(value: list[Any]) -> bool:
+    """Numbers in rows of the same length, however deep."""
+    if _is_row(value):
+        return True
+    if not all(isinstance(item, list) and item and _is_array(item) for item in value):
+        return False
+    return len({len(item) for item in value}) == 1 and len({isinstance(item[0], list) for item in value}) == 1
 
 
 def _plain(value: Any) -> str:

@@ -57,7 +57,8 @@ def test_wrong_then_understood_then_right(visit: NewVisit) -> None:
     expect(page.locator(".cm-content")).not_to_contain_text("a[1] + b[1]")
 
     page.goto(visitor.server.address + "/l20")
-    expect(page.locator(".exercise-list li", has_text="poses").locator(".own-state")).to_contain_text("Réussi")
+    row = page.locator("li", has=page.locator(f"a[href='{EXERCISE}']"))
+    expect(row.locator(".own-state")).to_contain_text("Réussi")
 
 
 def test_the_draft_survives_a_reload_and_the_starter_comes_back(visit: NewVisit) -> None:

@@ -74,6 +74,14 @@ def test_replayed_lines_give_the_same_inputs(inputs: dict[str, Any]) -> None:
         np.testing.assert_array_equal(np.asarray(names[name], dtype=float), wanted)
 
 
+def test_an_edge_of_a_graph_is_replayed_with_its_arrays() -> None:
+    lines = replay({"aretes": [[0, 1, [1.0, "nan"], [[1, 0], [0, 2]]], [1, 2, [3], [[1, 0]]]]})
+    assert lines == (
+        "aretes = [[0, 1, np.array([1.0, np.nan]), np.array([[1, 0], [0, 2]])], "
+        "[1, 2, np.array([3]), np.array([[1, 0]])]]"
+    )
+
+
 def test_a_value_cut_short_cannot_be_replayed() -> None:
     assert replay({"a": 1, "b": [{"forme": [900], "premiers": [1]}]}) == ""
     assert replay({"argument 1": 3}) == ""
