@@ -1,0 +1,9 @@
+def reechantillonner_systematique(particules, poids):
+    N = len(poids)
+    cumul = np.cumsum(poids)
+    cumul[-1] = 1.0
+    indices = np.searchsorted(cumul, (np.arange(N) + rng.random()) / N)
+    nouvelles = particules
+    for m in range(N):
+        nouvelles[m] = particules[indices[m]]
+    return nouvelles

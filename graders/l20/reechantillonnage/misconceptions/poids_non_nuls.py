@@ -1,0 +1,2 @@
+def n_eff(poids):
+    return float(np.count_nonzero(poids))

@@ -1,0 +1,145 @@
+"""Systematic resampling: against brute force, an independent search, exact expectations, and degenerate weights."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from reference.resampling import (
+    InvalidOffsetError,
+    InvalidWeightsError,
+    comb,
+    effective_sample_size,
+    systematic_resampling,
+)
+
+weight_lists = st.lists(st.integers(0, 12), min_size=1, max_size=40).filter(any)
+sixteenths = st.integers(0, 15)
+LAST_OFFSET = 1.0 - 2.0**-53
+
+
+def exact_copies(weights: list[int], offset: Fraction) -> list[int]:
+    """By definition, in exact arithmetic: tooth m falls in [n C_(i-1), n C_i[."""
+    n, total = len(weights), sum(weights)
+    ends = [Fraction(n * sum(weights[: i + 1]), total) for i in range(n)]
+    ancestors = [next(i for i, end in enumerate(ends) if m + offset < end) for m in range(n)]
+    return [ancestors.count(i) for i in range(n)]
+
+
+@given(weight_lists, sixteenths)
+def test_copies_are_those_of_the_definition(weights: list[int], k: int) -> None:
+    # A sum that is a power of two keeps the floats exact, teeth on boundaries included.
+    padded = [*weights, (1 << sum(weights).bit_length()) - sum(weights)]
+    padded += [0] * ((1 << len(padded).bit_length()) - len(padded))
+    assert comb(padded, k / 16).copies.tolist() == exact_copies(padded, Fraction(k, 16))
+
+
+@given(weight_lists, st.floats(1e-6, 1.0 - 1e-6))
+def test_ancestors_are_those_that_a_search_finds(weights: list[int], offset: float) -> None:
+    n = len(weights)
+    ends = np.cumsum(weights) / np.sum(weights)
+    teeth = (np.arange(n) + offset) / n
+    if np.min(np.abs(teeth[:, None] - ends[None, :])) > 1e-12:
+        assert comb(weights, offset).ancestors.tolist() == np.searchsorted(ends, teeth).tolist()
+
+
+@given(
+    st.lists(st.floats(0.0, 1e6), min_size=1, max_size=60).filter(lambda w: sum(w) > 1e-3), st.floats(0.0, LAST_OFFSET)
+)
+@example([1.0, 0.0, 0.0], LAST_OFFSET)
+@example([0.0, 0.0, 1.0], 0.0)
+@example([0.1] * 10, LAST_OFFSET)
+@example([0.1] * 10, 0.0)
+def test_every_particle_has_the_floor_or_the_ceil_of_its_share(weights: list[float], offset: float) -> None:
+    found = comb(weights, offset)
+    shares = len(weights) * np.array(weights) / sum(weights)
+    assert found.copies.sum() == found.ancestors.size == len(weights)
+    assert np.all(np.diff(found.ancestors) >= 0)
+    assert np.all(found.copies >= np.floor(shares - 1e-9))
+    assert np.all(found.copies <= np.ceil(shares + 1e-9))
+    assert np.all(found.copies[np.array(weights) == 0.0] == 0)
+
+
+@given(weight_lists)
+def test_copies_average_to_the_share_over_all_offsets(weights: list[int]) -> None:
+    """The mean over the offset of a step function whose steps lie at the fractional parts of n C_i."""
+    n, total = len(weights), sum(weights)
+    steps = sorted({Fraction(n * sum(weights[:i]), total) % 1 for i in range(n)} | {Fraction(0), Fraction(1)})
+    mean = np.zeros(n)
+    for low, high in zip(steps, steps[1:], strict=False):
+        mean += float(high - low) * comb(weights, float((low + high) / 2)).copies
+    assert np.allclose(mean, n * np.array(weights) / total, atol=1e-9)
+
+
+@given(st.integers(1, 400), st.floats(1e-9, 1.0 - 1e-9))
+def test_equal_weights_keep_every_particle(n: int, offset: float) -> None:
+    assert comb(np.full(n, 1.0 / n), offset).copies.tolist() == [1] * n
+
+
+def test_a_million_particles_whose_sum_falls_short_of_one() -> None:
+    weights = np.full(1_000_000, 1e-6)
+    weights[-1] = 0.0
+    assert np.cumsum(weights)[-1] < 1.0
+    for offset in (0.0, 0.5, LAST_OFFSET):
+        found = comb(weights, offset)
+        assert found.ancestors.size == found.copies.sum() == 1_000_000
+        assert found.ancestors[-1] == 999_998
+
+
+def test_one_draw_decides_everything() -> None:
+    weights = np.array([0.1, 0.2, 0.3, 0.4])
+    ours, theirs = np.random.default_rng(5), np.random.default_rng(5)
+    assert np.array_equal(systematic_resampling(weights, ours).ancestors, comb(weights, theirs.random()).ancestors)
+    assert ours.random() == theirs.random()
+
+
+@pytest.mark.parametrize("scale", [5e-324, 1e-300, 1e300])
+def test_weights_of_any_size(scale: float) -> None:
+    assert comb(np.array([2.0, 1.0, 1.0, 0.0]) * scale, 0.4).copies.tolist() == [2, 1, 1, 0]
+    assert effective_sample_size(np.array([2.0, 2.0, 0.0]) * scale) == pytest.approx(2.0)
+
+
+def test_the_weights_are_left_alone() -> None:
+    weights = np.array([0.5, 0.25, 0.25])
+    comb(weights, 0.3)
+    effective_sample_size(weights)
+    assert weights.tolist() == [0.5, 0.25, 0.25]
+
+
+@given(weight_lists)
+def test_effective_sample_size_against_exact_fractions(weights: list[int]) -> None:
+    exact = Fraction(sum(weights) ** 2, sum(w * w for w in weights))
+    assert math.isclose(effective_sample_size(weights), exact, rel_tol=1e-12)
+    assert 1.0 - 1e-12 <= effective_sample_size(weights) <= len(weights) * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize(
+    "weights",
+    [
+        [],
+        [[1.0]],
+        1.0,
+        [0.0, 0.0],
+        [1e-400, 0.0],
+        [0.5, math.nan],
+        [math.nan],
+        [1.5, -0.5],
+        [math.inf, 1.0],
+        [1e308] * 3,
+    ],
+)
+def test_weights_that_mean_nothing_are_refused_by_name(weights: object) -> None:
+    for function in (effective_sample_size, lambda w: comb(w, 0.5)):
+        with np.errstate(over="ignore"), pytest.raises(InvalidWeightsError) as refusal:
+            function(weights)
+        assert refusal.value.argument == "weights"
+
+
+@pytest.mark.parametrize("offset", [-1e-9, 1.0, math.nan])
+def test_offsets_outside_of_a_tooth_are_refused_by_name(offset: float) -> None:
+    with pytest.raises(InvalidOffsetError) as refusal:
+        comb([1.0, 1.0], offset)
+    assert refusal.value.argument == "offset"
