@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.linalg import expm
@@ -17,6 +17,7 @@ from reference.registration import InvalidCloudError, RigidAlignment, kabsch, sq
 Floats = NDArray[np.float64]
 seeds = st.integers(0, 2**32 - 1)
 dimensions = st.integers(1, 5)
+unhurried = settings(deadline=None, max_examples=60)
 
 
 def random_rotation(rng: np.random.Generator, d: int) -> Floats:
@@ -36,6 +37,7 @@ def assert_rotation(R: Floats) -> None:
     assert np.linalg.det(R) == pytest.approx(1.0, abs=1e-12)
 
 
+@unhurried
 @given(seed=seeds, d=dimensions)
 def test_an_exact_motion_is_recovered(seed: int, d: int) -> None:
     rng = np.random.default_rng(seed)
@@ -47,6 +49,7 @@ def test_an_exact_motion_is_recovered(seed: int, d: int) -> None:
     assert found.residual < 1e-20 * len(P) * 100
 
 
+@unhurried
 @given(seed=seeds, d=dimensions)
 def test_no_nearby_rotation_and_no_random_one_does_better(seed: int, d: int) -> None:
     rng = np.random.default_rng(seed)
@@ -60,6 +63,7 @@ def test_no_nearby_rotation_and_no_random_one_does_better(seed: int, d: int) -> 
         assert squared_residual(R, t, P, Q) >= found.residual * (1.0 - 1e-12)
 
 
+@unhurried
 @given(seed=seeds)
 def test_the_plane_agrees_with_the_closed_form_angle(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -70,6 +74,7 @@ def test_the_plane_agrees_with_the_closed_form_angle(seed: int) -> None:
     assert np.arctan2(R[1, 0], R[0, 0]) == pytest.approx(angle, abs=1e-9)
 
 
+@unhurried
 @given(seed=seeds, mirrored=st.booleans())
 def test_space_agrees_with_scipy_and_with_horn_quaternions(seed: int, mirrored: bool) -> None:
     rng = np.random.default_rng(seed)
@@ -105,6 +110,7 @@ def test_brute_force_over_the_angle_finds_nothing_better() -> None:
     assert costs.min() == pytest.approx(found.residual, rel=1e-6)
 
 
+@unhurried
 @given(seed=seeds, d=st.integers(2, 4))
 def test_a_mirror_image_still_gives_a_rotation(seed: int, d: int) -> None:
     rng = np.random.default_rng(seed)
@@ -118,6 +124,7 @@ def test_a_mirror_image_still_gives_a_rotation(seed: int, d: int) -> None:
     assert found.residual == pytest.approx(2.0 * (spread - best), rel=1e-9)
 
 
+@unhurried
 @given(seed=seeds, d=dimensions)
 def test_moving_q_moves_the_answer_with_it_and_swapping_inverts_it(seed: int, d: int) -> None:
     rng = np.random.default_rng(seed)
@@ -166,6 +173,7 @@ def test_whether_the_best_rotation_is_unique_is_known(
     assert_rotation(found.R_q_p)
 
 
+@unhurried
 @given(seed=seeds)
 def test_far_from_the_origin_a_line_is_still_seen_as_one_and_a_cloud_is_not(seed: int) -> None:
     rng = np.random.default_rng(seed)

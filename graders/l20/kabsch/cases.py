@@ -81,7 +81,7 @@ def random_pairing(rng: np.random.Generator, d: int, *, noise: float = 0.0, mirr
     while True:
         P = random_cloud(rng, int(rng.integers(d + 3, d + 7)), d)
         flip = np.diag([-1.0] + [1.0] * (d - 1)) if mirror else np.eye(d)
-        P, Q, _ = moved(P, random_rotation(rng, d) @ flip, np.round(rng.uniform(-5.0, 5.0, d), 1))
+        P, Q, _ = moved(P, random_rotation(rng, d) @ flip, rng.uniform(-5.0, 5.0, d))
         pairing = Pairing(P, np.round(Q + noise * rng.normal(size=Q.shape), 1) + 0.0 if noise else Q)
         if well_separated(pairing):
             return pairing

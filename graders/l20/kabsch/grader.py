@@ -66,7 +66,7 @@ CHECKS = (
         points=2,
         functions=FUNCTIONS,
         pairings=cases.degenerate,
-        hint="Quand tous les points sont confondus, que vaut H ? Votre code divise-t-il par quelque chose de nul ?",
+        hint="Si tous les points sont confondus, que vaut H ? Votre code divise-t-il par zéro ? Et det(H) ?",
     ),
     Untouched(
         id="arguments",
