@@ -72,6 +72,8 @@ def number(value: complex, digits: int = 6) -> str:
 
 def _fraction_of_pi(value: float) -> str | None:
     """« π/2 » rather than 1,5708: only for simple fractions, exact to rounding."""
+    if abs(value) > 12 * math.pi:
+        return None
     for denominator in (1, 2, 3, 4, 6):
         multiple = value * denominator / math.pi
         times = round(multiple)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from server.catalogue import markdown
 
@@ -68,7 +68,7 @@ class Exercise:
     hint_sources: tuple[markdown.Source, markdown.Source, markdown.Source]
     grader: ExerciseGrader
     version: str
-    policy_overrides: Mapping[str, int | float] = field(default_factory=dict)
+    policy_overrides: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def id(self) -> str:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
-
 from server.catalogue import Exercise
 from server.pages.text import points
 from server.sandbox import Policy
@@ -14,8 +12,7 @@ MEBIBYTE, KIBIBYTE = 1 << 20, 1 << 10
 
 def limits_of(exercise: Exercise) -> tuple[tuple[str, str], ...]:
     """Name and value of each limit worth knowing, for this exercise."""
-    overrides: dict[str, Any] = dict(exercise.policy_overrides)
-    policy = replace(Policy(), **overrides)
+    policy = replace(Policy(), **exercise.policy_overrides)
     return (
         ("temps de calcul", f"{points(policy.cpu_seconds)}\u00a0s"),
         ("mémoire", f"{policy.memory_bytes // MEBIBYTE}\u00a0Mo"),

@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from server.catalogue import katex
@@ -32,6 +32,7 @@ def test_typography_spares_code_and_mathematics() -> None:
     assert "d[&#x27;a&#x27;] ; x" in html("```\nd['a'] ; x\n```")
 
 
+@settings(deadline=None)
 @given(st.text())
 def test_typography_changes_only_spaces_and_apostrophes(text: str) -> None:
     def bare(one: str) -> str:

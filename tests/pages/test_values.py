@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from server.pages.rendering import environment, ticks
@@ -13,7 +13,11 @@ from server.pages.text import plural, points, visible
 from server.pages.values import MAX_ROWS, ValueView, replay, view
 
 SHOW = '{% from "values.html" import show %}{{ show(value) }}'
-numbers = st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.sampled_from(["nan", "inf", "-inf"])
+numbers = (
+    st.integers(-(2**53), 2**53)
+    | st.floats(allow_nan=False, allow_infinity=False)
+    | st.sampled_from(["nan", "inf", "-inf"])
+)
 json_values: st.SearchStrategy[Any] = st.recursive(
     st.none() | st.booleans() | numbers | st.text(),
     lambda inner: st.lists(inner, max_size=5) | st.dictionaries(st.text(), inner, max_size=3),
@@ -58,11 +62,13 @@ def test_lists_that_are_no_matrix() -> None:
     assert mixed.items[1][1].rows[0][1].odd
 
 
+@settings(deadline=None, max_examples=60)
 @given(json_values, json_values)
 def test_any_json_can_be_shown(value: Any, expected: Any) -> None:
     assert shown(view(value, expected))
 
 
+@settings(deadline=None, max_examples=60)
 @given(st.dictionaries(st.sampled_from(["a", "bel", "scan_obs"]), numbers | st.lists(numbers, min_size=1, max_size=4)))
 def test_replayed_lines_give_the_same_inputs(inputs: dict[str, Any]) -> None:
     import numpy as np
@@ -95,6 +101,7 @@ def test_invisible_characters_are_spelled_out(strange: str) -> None:
     assert len(text) > 2
 
 
+@settings(deadline=None, max_examples=60)
 @given(st.text())
 def test_visible_text_is_stable_and_keeps_what_can_be_seen(text: str) -> None:
     once = visible(text)
