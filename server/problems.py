@@ -19,6 +19,7 @@ log = logging.getLogger(__name__)
 
 PROBLEM_TYPE = "urn:balise:probleme:"
 TITLES = {
+    400: ("Demande illisible", "Cette demande ne peut pas être lue."),
     404: ("Introuvable", "Il n’y a rien à cette adresse."),
     405: ("Méthode refusée", "Cette adresse n’accepte pas cette méthode."),
     422: ("Données refusées", "Les données envoyées ne conviennent pas."),

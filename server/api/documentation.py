@@ -6,6 +6,7 @@ from server.api.schemas import ProblemOut
 
 PROBLEM_SCHEMA = "#/components/schemas/ProblemOut"
 MEANINGS = {
+    400: "The request cannot be read.",
     401: "The bearer token is missing, unknown or revoked.",
     404: "No such thing, or it is someone else's.",
     413: "The code, or the request, is too large.",
@@ -19,6 +20,13 @@ def problems(*statuses: int) -> Responses:
     """The `responses` of a route that may answer with these problem documents."""
     content = {"application/problem+json": {"schema": {"$ref": PROBLEM_SCHEMA}}}
     return {status: {"description": MEANINGS[status], "content": content} for status in statuses}
+
+
+def events(description: str, name: str) -> dict[str, Any]:
+    """Server-sent events of one name, whose data is JSON."""
+    data = {"type": "string", "contentMediaType": "application/json"}
+    schema = {"type": "object", "properties": {"event": {"const": name}, "data": data}, "required": ["event", "data"]}
+    return {"description": description, "content": {"text/event-stream": {"schema": schema}}}
 
 
 def content(description: str, media_type: str) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from starlette.concurrency import run_in_threadpool
 
 from server.accounts.dependencies import ApiAccount
 from server.accounts.models import Account
-from server.api.documentation import content, problems
+from server.api.documentation import content, events, problems
 from server.api.exercises import CatalogueOf, find
 from server.api.schemas import NewSubmission, SubmissionOut
 from server.api.state import Resource, reader, resource
@@ -25,7 +25,7 @@ Wait = Annotated[
     float | None,
     Query(ge=0, allow_inf_nan=False, description="Seconds to wait for the verdict, 30 at most.", examples=[10]),
 ]
-STREAM = content("`event: status`, its data as in `GET /submissions/{id}`; ends when done.", "text/event-stream")
+STREAM = events("Its data is as in `GET /submissions/{id}`; ends when done.", "status")
 
 
 @router.post(
@@ -35,7 +35,7 @@ STREAM = content("`event: status`, its data as in `GET /submissions/{id}`; ends 
     responses={
         200: {"description": "Graded within `wait` seconds.", "model": SubmissionOut},
         202: {"description": "Stored; follow it at `url`."},
-        **problems(401, 404, 413, 422, 429),
+        **problems(400, 401, 404, 413, 422, 429),
     },
 )
 async def create(
@@ -60,9 +60,9 @@ def _store(database: Database, account: Account, body: NewSubmission) -> Resourc
 
 
 async def _wait(request: Request, database: Database, account: Account, current: Resource, seconds: float) -> Resource:
-    events: Events = request.app.state.events
+    hub: Events = request.app.state.events
     submission_id = submissions.parse_id(current.members["id"])
-    return await events.until_done(submission_id, reader(database, account, submission_id), seconds)
+    return await hub.until_done(submission_id, reader(database, account, submission_id), seconds)
 
 
 def _json(current: Resource, status: int = 200) -> Response:
@@ -80,10 +80,10 @@ def read(submission_id: str, account: ApiAccount, db: Db) -> Response:
 )
 async def follow(submission_id: str, request: Request, account: ApiAccount, database: DatabaseOf) -> Response:
     """The submission each time that it changes, as server-sent events."""
-    events: Events = request.app.state.events
+    hub: Events = request.app.state.events
     read = reader(database, account, submissions.parse_id(submission_id))
     await run_in_threadpool(read)  # a 404 must come before the stream begins
-    stream = as_sse(events.follow(submissions.parse_id(submission_id), read), Resource.text)
+    stream = as_sse(hub.follow(submissions.parse_id(submission_id), read), Resource.text)
     return StreamingResponse(stream, headers={"Cache-Control": "no-store"}, media_type="text/event-stream")
 
 

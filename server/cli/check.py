@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from graders.core.grading import Grading
 from graders.core.verdict import Outcome
 from server.catalogue import Exercise, load
-from server.cli.local import find, local_grader
+from server.cli.local import find, local_grader, start_probing
 from server.submissions.service import SEED_BITS
 from server.worker.grading import Grader
 
@@ -33,11 +33,11 @@ class Finding:
 
 def run(arguments: Namespace) -> int:
     logging.basicConfig(level=logging.WARNING, stream=sys.stderr)
-    catalogue = load()
+    probing, catalogue = start_probing(), load()
     exercises = [find(catalogue, name) for name in arguments.exercises] or list(catalogue.exercises.values())
     for problem in catalogue.problems:
         print(f"✗ {problem}")
-    with local_grader(catalogue) as grader:
+    with local_grader(catalogue, probing) as grader:
         faults = sum(_told(finding) for exercise in exercises for finding in findings(grader, exercise))
     print(_summary(len(exercises), faults + len(catalogue.problems)))
     return 1 if faults or catalogue.problems else 0

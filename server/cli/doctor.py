@@ -2,9 +2,9 @@
 
 from argparse import Namespace
 
-from server.sandbox import probe, safe_to_serve
+from server.sandbox import WallStatus, probe, safe_to_serve
 
-MARKS = {"standing": "✓", "missing": "✗", "unavailable": "–"}
+MARKS = {WallStatus.STANDING: "✓", WallStatus.MISSING: "✗", WallStatus.UNAVAILABLE: "–"}
 UNSAFE = 1
 
 
@@ -12,7 +12,7 @@ def run(_arguments: Namespace) -> int:
     reports = probe()
     for one in reports:
         need = "indispensable" if one.required else "souhaitable"
-        print(f"  {MARKS.get(str(one.status), '?')} {one.name} ({need}) : {one.detail}")
+        print(f"  {MARKS[one.status]} {one.name} ({need}) : {one.detail}")
     if safe_to_serve(reports):
         print("Cette machine peut exécuter le code des étudiants.")
         return 0

@@ -1,11 +1,12 @@
 """What grading on this machine needs, without server nor database."""
 
 from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 
 from server.catalogue import Catalogue, Exercise, load
 from server.cli import CannotRun
-from server.sandbox import Sandbox, probe, safe_to_serve
+from server.sandbox import Sandbox, WallReport, WallStatus, probe, safe_to_serve
 from server.worker.grading import Grader
 
 
@@ -25,18 +26,30 @@ def _known(catalogue: Catalogue) -> str:
     return "Exercices : " + ", ".join(catalogue.exercises) + "." + broken
 
 
-def require_safe_sandbox() -> None:
-    reports = probe()
+Probing = Future[list[WallReport]]
+
+
+def start_probing() -> Probing:
+    """Probes the sandbox's walls in a thread (it takes seconds, mostly waiting) while other things are read."""
+    pool = ThreadPoolExecutor(1)
+    probing = pool.submit(probe)
+    pool.shutdown(wait=False)
+    return probing
+
+
+def require_safe_sandbox(probing: Probing) -> None:
+    """Waits for the probe; raises CannotRun, with the walls that are missing, where it is not safe to run."""
+    reports = probing.result()
     if not safe_to_serve(reports):
         missing = "".join(
-            f"\n  {one.name} : {one.detail}" for one in reports if one.required and one.status != "standing"
+            f"\n  {one.name} : {one.detail}" for one in reports if one.required and one.status != WallStatus.STANDING
         )
         raise CannotRun(f"le bac à sable n’est pas sûr sur cette machine (voir « balise doctor ») :{missing}")
 
 
 @contextmanager
-def local_grader(catalogue: Catalogue) -> Iterator[Grader]:
+def local_grader(catalogue: Catalogue, probing: Probing) -> Iterator[Grader]:
     """A grader with its own sandbox; refuses where the walls do not stand."""
-    require_safe_sandbox()
+    require_safe_sandbox(probing)
     with Sandbox(catalogue.kits) as sandbox:
         yield Grader(catalogue, sandbox)

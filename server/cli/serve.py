@@ -4,10 +4,12 @@ import errno
 import fcntl
 import logging
 import os
+import signal
 import socket
 from argparse import Namespace
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import FrameType
 
 import uvicorn
 from fastapi import FastAPI
@@ -18,7 +20,7 @@ from server.app import create_app
 from server.catalogue import Catalogue, load
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
-from server.cli.local import require_safe_sandbox
+from server.cli.local import require_safe_sandbox, start_probing
 from server.database import Database
 from server.database.migrate import upgrade
 from server.settings import Settings
@@ -31,13 +33,21 @@ LOG_FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 def run(arguments: Namespace) -> int:
     settings = read_settings(data_dir=arguments.data)
     logging.basicConfig(level=logging.WARNING, format=LOG_FORMAT)
-    require_safe_sandbox()
     with _listening(arguments.host, arguments.port) as listener, _alone(settings):
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, _leave)
+        probing = start_probing()
         _migrate(settings)
         catalogue = load()
+        require_safe_sandbox(probing)
         app = create_app(settings, catalogue=catalogue)
         _serve(app, listener, lambda: _announce(settings, catalogue, _address(listener)))
     return 0
+
+
+def _leave(_signal: int, _frame: FrameType | None) -> None:
+    """Being asked to stop is no failure. (While it serves, uvicorn catches the signal, and raises it again after.)"""
+    raise SystemExit(0)
 
 
 class Server(uvicorn.Server):
@@ -67,8 +77,9 @@ def _serve(app: FastAPI, listener: socket.socket, ready: Callable[[], None]) -> 
 def _listening(host: str, port: int) -> Iterator[socket.socket]:
     """The listening socket; a port that is taken or an address that is not ours is told in words."""
     try:
-        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
-        listener = socket.socket(family, socket.SOCK_STREAM)
+        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        family, kind, protocol, _, address = found[0]
+        listener = socket.socket(family, kind, protocol)  # without its protocol, asyncio would leave Nagle's delays on
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(address)
         listener.listen(BACKLOG)

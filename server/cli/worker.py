@@ -8,7 +8,7 @@ from sqlalchemy.exc import OperationalError
 
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
-from server.cli.local import require_safe_sandbox
+from server.cli.local import require_safe_sandbox, start_probing
 from server.queue.polling import Polling
 from server.queue.port import NoSignals, Signals, WorkSource
 from server.queue.postgres import PostgresSignals, PostgresSource
@@ -22,7 +22,7 @@ def run(_arguments: Namespace) -> int:
     settings = read_settings()
     if settings.database_url is None:
         raise CannotRun("indiquez la base de données du serveur dans BALISE_DATABASE_URL.")
-    require_safe_sandbox()
+    require_safe_sandbox(start_probing())
     start_logging(f"worker[{os.getpid()}]")
     stop_on_signals(interrupt=True)
     try:

@@ -64,11 +64,6 @@ def throughput(sandbox: Sandbox, threads: int, rounds: int) -> float:
         return rounds / (time.perf_counter() - start)
 
 
-def resident(pid: int) -> float:
-    with open(f"/proc/{pid}/smaps_rollup", encoding="ascii") as file:
-        return next(int(line.split()[1]) for line in file if line.startswith("Rss")) / 1024.0
-
-
 def main(rounds: int) -> None:
     print(f"{'':44}   median      p95")
     print(f"{'bare fork of this small process':44} {milliseconds(bare_fork, rounds)}")
@@ -90,9 +85,8 @@ def main(rounds: int) -> None:
     if "scipy" in installation().sets:
         with Sandbox({}, Policy(), spares=1) as sandbox:
             submit(sandbox, SCIPY)
-            print(
-                f"{'scipy: open + call + close, spare ready':44} {milliseconds(lambda: submit(sandbox, SCIPY), rounds, 0.015)}"
-            )
+            figures = milliseconds(lambda: submit(sandbox, SCIPY), rounds, 0.015)
+            print(f"{'scipy: open + call + close, spare ready':44} {figures}")
     print(f"{'cold python that imports numpy':44} {milliseconds(cold_python, 10)}")
     assert threading.active_count() == 1
 

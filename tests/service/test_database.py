@@ -32,11 +32,16 @@ def test_migrating_again_changes_nothing(database: Database) -> None:
 
 def test_a_writing_transaction_that_raises_leaves_nothing(database: Database) -> None:
     ran: list[str] = []
-    with pytest.raises(RuntimeError, match="halfway"), database.write() as db:
-        db.add(Account(name="Ada"))
-        after_commit(db, lambda: ran.append("told"))
-        db.flush()
-        raise RuntimeError("halfway")
+
+    def fail_halfway() -> None:
+        with database.write() as db:
+            db.add(Account(name="Ada"))
+            after_commit(db, lambda: ran.append("told"))
+            db.flush()
+            raise RuntimeError("halfway")
+
+    with pytest.raises(RuntimeError, match="halfway"):
+        fail_halfway()
     with database.read() as db:
         assert db.execute(select(Account)).first() is None
     assert ran == []

@@ -1,0 +1,106 @@
+"""A real `balise serve`, in processes of its own."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import httpx
+
+PROJECT = Path(__file__).resolve().parents[2]
+PATIENCE = 60.0
+
+
+def environment(**values: str) -> dict[str, str]:
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("BALISE_")}
+    return {**clean, "PYTHONPATH": str(PROJECT), **values}
+
+
+def balise(*arguments: str, **values: str) -> subprocess.CompletedProcess[str]:
+    """Runs a command of the command line to its end."""
+    command = [sys.executable, "-m", "server", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment(**values), check=False)
+
+
+def until(condition: Callable[[], bool], what: str) -> None:
+    deadline = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < deadline, f"still not: {what}"
+        time.sleep(0.02)
+
+
+def children(pid: int) -> list[int]:
+    """The children of a process, and theirs."""
+    found = []
+    for thread in Path(f"/proc/{pid}/task").glob("*/children"):
+        for child in thread.read_text().split():
+            found += [int(child), *children(int(child))]
+    return found
+
+
+def alive(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+    except OSError:
+        return False
+
+
+class Live:
+    """A server on a data folder; `address` once it has said that it is ready."""
+
+    def __init__(self, data: Path, **values: str) -> None:
+        command = [sys.executable, "-m", "server", "serve", "--port", "0", "--data", str(data)]
+        self._errors = (data.parent / "errors.log").open("a")
+        self.process = subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=self._errors, text=True, env=environment(**values)
+        )
+        self.output = ""
+        self.address = self._ready()
+        self.client = httpx.Client(base_url=self.address, timeout=PATIENCE)
+
+    def _ready(self) -> str:
+        assert self.process.stdout
+        for line in self.process.stdout:
+            self.output += line
+            if "Ctrl+C" in line:
+                found = re.search(r"prête : (http://\S+?)/\n", self.output)
+                assert found, self.output
+                return found[1]
+        raise AssertionError(f"the server did not start: {self.output}")
+
+    def sign_up_teacher(self) -> None:
+        found = re.search(r"/bienvenue/\S+", self.output)
+        assert found, self.output
+        form = {"name": "Prof", "login": "prof", "password": "une phrase assez longue"}
+        assert self.client.post(found[0], data=form).status_code == 303
+
+    def token(self) -> str:
+        page = self.client.post("/compte/jetons", data={"label": "essai"}).text
+        found = re.search(r'id="jeton">([^<]+)<', page)
+        assert found, page
+        return found[1]
+
+    def workers(self) -> list[int]:
+        """The processes that the server has started itself."""
+        text = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text()
+        return [int(pid) for pid in text.split()]
+
+    def kill(self) -> list[int]:
+        """kill -9 of the server alone; returns the processes that it had below it."""
+        below = children(self.process.pid)
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait(PATIENCE)
+        self.close()
+        return below
+
+    def close(self) -> None:
+        self.client.close()
+        self._errors.close()
+        if self.process.stdout:
+            self.process.stdout.close()

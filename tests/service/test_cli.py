@@ -1,0 +1,159 @@
+"""The command line, without a server."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from argparse import Namespace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from server.catalogue import Catalogue
+from server.cli import check, main, report
+from server.cli.files import read_text
+from server.sandbox import Sandbox, WallReport, WallStatus
+from server.worker.grading import Grader
+
+from .conftest import EXERCISE
+from .live import balise, environment
+
+
+@pytest.fixture
+def right(tmp_path: Path, catalogue: Catalogue) -> Path:
+    path = tmp_path / "right.py"
+    path.write_text(catalogue.exercises[EXERCISE].solution)
+    return path
+
+
+def verdict_of(text: str) -> dict[str, Any]:
+    verdict: dict[str, Any] = json.loads(text)
+    return verdict
+
+
+def test_a_file_is_graded_in_another_process_without_a_trace(right: Path, tmp_path: Path) -> None:
+    done = balise("grade", EXERCISE, str(right), "--json", "--seed", "42", XDG_DATA_HOME=str(tmp_path / "home"))
+    assert (done.returncode, done.stderr) == (0, "")
+    verdict = verdict_of(done.stdout)
+    assert (verdict["outcome"], verdict["points"], verdict["seed"]) == ("ok", 20.0, 42)
+    assert not (tmp_path / "home").exists()
+
+
+def test_a_wrong_file_is_explained_in_french(tmp_path: Path, catalogue: Catalogue, capsys: Any) -> None:
+    misconception = catalogue.exercises[EXERCISE].grader.misconceptions[0]
+    wrong = tmp_path / "wrong.py"
+    wrong.write_text(misconception.source)
+    assert main(["grade", EXERCISE, str(wrong)]) == 1
+    told = capsys.readouterr().out
+    for part in ("/20", "✗", "✓", "attendu :", "obtenu :", f"Diagnostic : {misconception.title}"):
+        assert part in told
+
+
+def test_what_cannot_be_graded_has_its_own_status(right: Path, tmp_path: Path, monkeypatch: Any, capsys: Any) -> None:
+    assert main(["grade", "l20/inconnu", str(right)]) == 2
+    assert "n’existe pas" in capsys.readouterr().err
+    assert main(["grade", EXERCISE, str(tmp_path / "absent.py")]) == 2
+    assert main(["grade", EXERCISE, str(tmp_path)]) == 2
+    assert "dossier" in capsys.readouterr().err
+    hole = WallReport("seccomp", WallStatus.MISSING, "rien n’a été refusé", required=True)
+    monkeypatch.setattr("server.cli.local.probe", lambda: [hole])
+    assert main(["grade", EXERCISE, str(right)]) == 2
+    assert "rien n’a été refusé" in capsys.readouterr().err
+    assert main(["serve", "--port", "0", "--data", str(tmp_path / "data")]) == 2
+    assert "rien n’a été refusé" in capsys.readouterr().err
+    monkeypatch.setattr("server.cli.doctor.probe", lambda: [hole])
+    assert main(["doctor"]) == 1
+    assert "✗ seccomp" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "arguments", [["grade"], ["zut"], [], ["serve", "--port", "70000"], ["grade", "a", "b", "--seed", "-1"]]
+)
+def test_wrong_usage_is_refused(arguments: list[str], capsys: Any) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(arguments)
+    assert stopped.value.code == 2
+
+
+def test_a_malformed_setting_is_told_by_its_name(monkeypatch: Any, capsys: Any) -> None:
+    monkeypatch.setenv("BALISE_WORKERS", "beaucoup")
+    assert main(["serve", "--port", "0"]) == 2
+    assert "BALISE_WORKERS" in capsys.readouterr().err
+
+
+def test_a_remote_worker_needs_a_database(monkeypatch: Any, capsys: Any) -> None:
+    monkeypatch.delenv("BALISE_DATABASE_URL", raising=False)
+    assert main(["worker"]) == 2
+    assert "BALISE_DATABASE_URL" in capsys.readouterr().err
+
+
+def test_help_loads_nothing_slow() -> None:
+    code = "import sys, server.cli as c; c._parser().format_help(); print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment(), check=True)
+    assert not {"numpy", "fastapi", "sqlalchemy", "pydantic", "httpx"} & set(done.stdout.split())
+
+
+@pytest.mark.parametrize(
+    ("content", "text"),
+    [
+        (b"\xef\xbb\xbfx = 1\r\n", "x = 1\r\n"),
+        ("# coding: latin-1\né = 1\n".encode("latin-1"), "# coding: latin-1\né = 1\n"),
+        ("é = 1\n".encode(), "é = 1\n"),
+    ],
+)
+def test_files_are_read_as_python_reads_them(tmp_path: Path, content: bytes, text: str) -> None:
+    path = tmp_path / "f.py"
+    path.write_bytes(content)
+    assert read_text(str(path)) == text
+
+
+def test_a_program_s_output_cannot_drive_the_terminal() -> None:
+    assert report.printable("a\x1b[2Jb\u202ec\u00a0d") == "a·[2Jb·c\u00a0d"
+
+
+@pytest.mark.parametrize(("value", "text"), [(17.5, "17,5"), (20.0, "20"), (0, "0"), (10 / 3, "3,33")])
+def test_numbers_are_french(value: float, text: str) -> None:
+    assert report.number(value) == text
+
+
+class Shifted:
+    """A grader that grades something else than what it is given: what `check` must notice."""
+
+    def __init__(self, grader: Grader, source: str) -> None:
+        self.grader, self.source = grader, source.encode()
+
+    def grade(self, exercise: str, source: bytes, seed: int) -> Any:
+        return self.grader.grade(exercise, self.source, seed)
+
+
+def test_check_passes_the_course_and_notices_what_is_wrong(catalogue: Catalogue) -> None:
+    exercise = catalogue.exercises[EXERCISE]
+    with Sandbox(catalogue.kits) as sandbox:
+        grader = Grader(catalogue, sandbox)
+        good = list(check.findings(grader, exercise))
+        assert [one for one in good if one.fault] == []
+        assert len(good) == 2 + len(exercise.grader.misconceptions) + len(list(exercise.grader.specimens()))
+        all_right = {one.subject: one.fault for one in check.findings(Shifted(grader, exercise.solution), exercise)}  # type: ignore[arg-type]
+        all_wrong = {one.subject: one.fault for one in check.findings(Shifted(grader, "x = 1\n"), exercise)}  # type: ignore[arg-type]
+    first = f"erreur {exercise.grader.misconceptions[0].id}"
+    assert all_right["référence"] == ""
+    assert "obtient tous les points" in all_right["fichier de départ"]
+    assert "obtient tous les points" in all_right[first]
+    assert "missing_function obtenu" in all_wrong["référence"]
+    assert "diagnostic obtenu : aucun" in all_wrong[first]
+
+
+def test_check_refuses_an_unknown_exercise(capsys: Any) -> None:
+    assert main(["check", "l20/inconnu"]) == 2
+
+
+def test_a_broken_exercise_is_a_failure_of_check(monkeypatch: Any, tmp_path: Path, capsys: Any) -> None:
+    from server.catalogue import Problem
+    from server.cli import check as command
+
+    broken = Catalogue({}, (Problem(tmp_path / "exercise.toml", 3, "titre manquant"),))
+    monkeypatch.setattr(command, "load", lambda: broken)
+    assert command.run(Namespace(exercises=[])) == 1
+    assert "exercise.toml:3: titre manquant" in capsys.readouterr().out
