@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
+import struct
 
 import pytest
 
 from server.sandbox import Policy, ProgramFault, Sandbox, WallReport, WallStatus, probe, safe_to_serve
 from server.sandbox.attempts import ATTEMPTS
-from server.sandbox.child import landlock, seccomp, syscalls
+from server.sandbox.child import landlock, libc, seccomp, syscalls
 
 POLICY = Policy(cpu_seconds=0.3, memory_bytes=64 << 20)
 
@@ -79,6 +80,67 @@ def test_no_call_is_in_two_tables_and_the_attackers_calls_are_in_none() -> None:
         numbers = [number for table in tables for number in syscalls.numbers(table, column)]
         assert len(numbers) == len(set(numbers))
         assert max(numbers) <= syscalls.LAST_KNOWN
+
+
+def run_filter(program: bytes, machine: str, number: int, *arguments: int) -> int:
+    """What the kernel would answer: an interpreter of the few instructions that the filter uses."""
+    words = [number, libc.ARCHITECTURES[machine][1], 0, 0]
+    words += [
+        half for value in (*arguments, *(0,) * (6 - len(arguments))) for half in (value & 0xFFFFFFFF, value >> 32)
+    ]
+    instructions = list(struct.iter_unpack("=HBBI", program))
+    at = accumulator = 0
+    while True:
+        code, then, otherwise, value = instructions[at]
+        at += 1
+        if code == 0x20:
+            accumulator = words[value // 4]
+        elif code == 0x05:
+            at += value
+        elif code == 0x06:
+            return int(value)
+        else:
+            taken = {0x15: accumulator == value, 0x35: accumulator >= value, 0x45: bool(accumulator & value)}[code]
+            at += then if taken else otherwise
+
+
+@pytest.mark.parametrize("machine", ["x86_64", "aarch64"])
+def test_the_filter_answers_as_the_tables_say(monkeypatch: pytest.MonkeyPatch, machine: str) -> None:
+    monkeypatch.setattr(libc, "MACHINE", machine)
+    column = libc.column()
+    program = seccomp.assemble(threads=False)
+    expected = dict.fromkeys(range(syscalls.LAST_KNOWN + 1), seccomp.KILL)
+    expected |= dict.fromkeys(syscalls.numbers(syscalls.ALLOWED, column), seccomp.ALLOW)
+    expected |= dict.fromkeys(syscalls.numbers(syscalls.REFUSED, column), seccomp.ERRNO | seccomp.EPERM)
+    expected |= dict.fromkeys(syscalls.numbers(syscalls.ABSENT, column), seccomp.ERRNO | seccomp.ENOSYS)
+    expected |= dict.fromkeys(range(syscalls.LAST_KNOWN + 1, 2000), seccomp.ERRNO | seccomp.ENOSYS)
+    for number in syscalls.numbers(syscalls.CONDITIONAL, column):
+        del expected[number]
+    assert {number: run_filter(program, machine, number) for number in expected} == expected
+    other = "aarch64" if machine == "x86_64" else "x86_64"
+    assert run_filter(program, other, 0) == seccomp.KILL
+
+
+@pytest.mark.parametrize("machine", ["x86_64", "aarch64"])
+def test_the_filter_looks_at_arguments(monkeypatch: pytest.MonkeyPatch, machine: str) -> None:
+    monkeypatch.setattr(libc, "MACHINE", machine)
+    refused, thread, process, namespace = seccomp.ERRNO | seccomp.EPERM, 0x003D0F00, 0x01200011, 0x10000011
+    for threads in (False, True):
+        program = seccomp.assemble(threads=threads)
+
+        def answer(name: str, *arguments: int, program: bytes = program) -> int:
+            number = syscalls.number(name, libc.column())
+            assert number is not None
+            return run_filter(program, machine, number, *arguments)
+
+        assert answer("clone", thread) == (seccomp.ALLOW if threads else refused)
+        assert answer("clone", process) == refused
+        assert answer("clone", namespace) == seccomp.KILL
+        assert (answer("prlimit64", 0), answer("prlimit64", 1)) == (seccomp.ALLOW, refused)
+        assert (answer("ioctl", 1, 0x5401), answer("ioctl", 1, 0x5412)) == (seccomp.ALLOW, refused)
+        assert (answer("prctl", 15), answer("prctl", 22)) == (seccomp.ALLOW, refused)
+    if machine == "x86_64":
+        assert run_filter(program, machine, 0x40000000 | 39) == seccomp.KILL
 
 
 def test_a_filter_fits_the_kernel() -> None:

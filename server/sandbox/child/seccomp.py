@@ -1,7 +1,8 @@
 """A seccomp filter assembled by ourselves: no compiler and no libseccomp on the user's machine.
 
-The program first checks the architecture (and the x32 bit), then goes down the tables of `syscalls`: allow, EPERM for
-what an honest program may try, ENOSYS for what the C library must do without, kill for all the rest.
+The program first checks the architecture (and the x32 bit), then finds the call by halving the range of numbers (the
+kernel runs the filter once for each call when it is installed: a short path makes a fork fast). The answer is to allow,
+EPERM for what an honest program may try, ENOSYS for what the C library must do without, to kill for all the rest.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from . import libc, syscalls
 
 KILL, ERRNO, ALLOW = 0x80000000, 0x00050000, 0x7FFF0000
 EPERM, ENOSYS = 1, 38
-_LOAD, _JUMP_EQUAL, _JUMP_GREATER, _JUMP_BITS, _RETURN = 0x20, 0x15, 0x25, 0x45, 0x06
+_LOAD, _JUMP, _JUMP_EQUAL, _JUMP_AT_LEAST, _JUMP_BITS, _RETURN = 0x20, 0x05, 0x15, 0x35, 0x45, 0x06
 _NR, _ARCH = 0, 4
 CLONE_THREAD, CLONE_NAMESPACES = 0x00010000, 0x7E020080
 X32_BIT = 0x40000000
@@ -23,6 +24,7 @@ _IOCTLS = (0x5401, 0x5413, 0x541B, 0x5421, 0x5450, 0x5451)
 _PRCTLS = (15, 16, 3, 0x53564D41)
 
 Instruction = bytes
+Block = tuple[Instruction, ...]
 
 
 def _op(code: int, value: int, then: int = 0, otherwise: int = 0) -> Instruction:
@@ -37,46 +39,61 @@ def _argument(index: int, *, high: bool = False) -> int:
     return 16 + 8 * index + (4 if high else 0)
 
 
-def _each(numbers: tuple[int, ...], action: int) -> list[Instruction]:
-    """``if nr == n: return action`` for each number (the pair form has no jump distance to overflow)."""
-    return [piece for n in numbers for piece in (_op(_JUMP_EQUAL, n, 0, 1), _answer(action))]
-
-
-def _guarded(number: int, test: list[Instruction]) -> list[Instruction]:
-    """``if nr == number:`` followed by a block that always returns."""
-    return [_op(_JUMP_EQUAL, number, 0, len(test)), *test]
-
-
-def _among(index: int, values: tuple[int, ...]) -> list[Instruction]:
+def _among(index: int, values: tuple[int, ...]) -> Block:
     tests = [piece for v in values for piece in (_op(_JUMP_EQUAL, v, 0, 1), _answer(ALLOW))]
-    return [_op(_LOAD, _argument(index)), *tests, _answer(ERRNO | EPERM)]
+    return (_op(_LOAD, _argument(index)), *tests, _answer(ERRNO | EPERM))
 
 
-def _thread_only(threads: bool) -> list[Instruction]:
+def _thread_only(threads: bool) -> Block:
     """A thread when threads are allowed; new namespaces are an attack; a new process is refused."""
-    return [
+    return (
         _op(_LOAD, _argument(0)),
         _op(_JUMP_BITS, CLONE_NAMESPACES, 0, 1),
         _answer(KILL),
         _op(_JUMP_BITS, CLONE_THREAD, 0, 1),
         _answer(ALLOW if threads else ERRNO | EPERM),
         _answer(ERRNO | EPERM),
-    ]
+    )
 
 
-def _conditional(column: int, threads: bool) -> list[Instruction]:
-    blocks = {
+def _blocks(column: int, threads: bool) -> dict[int, Block]:
+    """What each known call of an architecture comes to, as instructions that always return."""
+    blocks: dict[int, Block] = {number: (_answer(KILL),) for number in range(syscalls.LAST_KNOWN + 1)}
+    tables = ((syscalls.ALLOWED, ALLOW), (syscalls.REFUSED, ERRNO | EPERM), (syscalls.ABSENT, ERRNO | ENOSYS))
+    for table, action in tables:
+        blocks |= dict.fromkeys(syscalls.numbers(table, column), (_answer(action),))
+    conditional = {
         "clone": _thread_only(threads),
         "ioctl": _among(1, _IOCTLS),
         "prctl": _among(0, _PRCTLS),
         "prlimit64": _among(0, (0,)),  # its own limits only
     }
-    program: list[Instruction] = []
-    for name, block in blocks.items():
+    for name, block in conditional.items():
         number = syscalls.number(name, column)
         if number is not None:
-            program += _guarded(number, block)
-    return program
+            blocks[number] = block
+    return blocks
+
+
+def _ranges(blocks: dict[int, Block]) -> list[tuple[int, Block]]:
+    """First number of each run of calls that come to the same, in order; the last run has no end."""
+    runs: list[tuple[int, Block]] = []
+    for number in sorted(blocks):
+        if not runs or runs[-1][1] != blocks[number]:
+            runs.append((number, blocks[number]))
+    return [*runs, (syscalls.LAST_KNOWN + 1, (_answer(ERRNO | ENOSYS),))]
+
+
+def _search(runs: list[tuple[int, Block]]) -> list[Instruction]:
+    """Goes to the run that holds the number, by halves."""
+    if len(runs) == 1:
+        return list(runs[0][1])
+    middle = len(runs) // 2
+    low, high = _search(runs[:middle]), _search(runs[middle:])
+    first = runs[middle][0]
+    if len(low) < 256:
+        return [_op(_JUMP_AT_LEAST, first, len(low), 0), *low, *high]
+    return [_op(_JUMP_AT_LEAST, first, 0, 1), _op(_JUMP, len(low)), *low, *high]
 
 
 def assemble(*, threads: bool) -> bytes:
@@ -88,13 +105,7 @@ def assemble(*, threads: bool) -> bytes:
         _answer(KILL),
         _op(_LOAD, _NR),
         *(_x32_is_an_attack() if column == 0 else []),
-        *_each(syscalls.numbers(syscalls.ALLOWED, column), ALLOW),
-        *_conditional(column, threads),
-        *_each(syscalls.numbers(syscalls.REFUSED, column), ERRNO | EPERM),
-        *_each(syscalls.numbers(syscalls.ABSENT, column), ERRNO | ENOSYS),
-        _op(_JUMP_GREATER, syscalls.LAST_KNOWN, 0, 1),
-        _answer(ERRNO | ENOSYS),
-        _answer(KILL),
+        *_search(_ranges(_blocks(column, threads))),
     ]
     return b"".join(program)
 

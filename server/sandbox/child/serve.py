@@ -37,7 +37,7 @@ def run(
         reserve = inner.raise_walls(prepared, limits, wire, output, lifted)
         wire = inner.WIRE
         print_to(BoundedText(BoundedBytes(1, order["stdout_bytes"]), order["stdout_bytes"]))
-        np.random.seed()  # `random` reseeds itself in a fork
+        np.random.seed(int.from_bytes(os.urandom(4), "little"))  # `random` reseeds itself in a fork
         program = Program(kits, codec.Limits(order["frame_bytes"], order["depth"], order["items"]), reserve.close)
         child = Child(program, limits.cpu_seconds)
         gc.enable()
