@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+
 from server.catalogue import Exercise
 from server.pages.text import points
 from server.sandbox import Policy

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from starlette.testclient import TestClient
 
 from graders.catalogue import Discovery
 from graders.core.exercise import ExerciseGrader
 from graders.core.program import KitSettings
+from server.app import create_app
 from server.catalogue import Catalogue, load
+from server.database import Database
+from server.database.migrate import upgrade
+from server.settings import Settings
+from tests.pages.site import Site
 
 MODULE = 'title = "Un module"\nnumber = "M9"\nsummary = "De quoi essayer."\n'
 EXERCISE = """title = "Doubler"
@@ -84,3 +91,14 @@ def course(tmp_path: Path) -> Course:
     for slug in ("a", "b"):
         made.add(slug)
     return made
+
+
+@pytest.fixture
+def site(course: Course, tmp_path: Path) -> Iterator[Site]:
+    settings = Settings(data_dir=tmp_path / "data", workers=0, submission_burst=8, submission_refill_seconds=1000)
+    database = Database(settings.url, {"settings": settings})
+    upgrade(database.engine)
+    app = create_app(settings, catalogue=course.load())
+    with TestClient(app) as client:
+        yield Site(client, database)
+    database.close()

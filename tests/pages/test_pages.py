@@ -2,113 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import pytest
-from starlette.testclient import TestClient
 
-from server.accounts import service as accounts
-from server.app import create_app
-from server.database import Database
-from server.database.migrate import upgrade
 from server.pages.service import HINT_OPENS_AFTER
 from server.pages.verdicts import OUTCOMES
-from server.queue import service as queue
-from server.queue.owner import owner_of
-from server.settings import Settings
-from tests.pages.conftest import Course
-
-PAGE = "/m9/exercices/a"
-CHECK = {
-    "id": "simple",
-    "title": "Des nombres simples",
-    "passed": False,
-    "points": 0,
-    "max_points": 20,
-    "message": "On attend 4.",
-    "counterexample": {"inputs": {"x": [2, 0.5]}, "expected": [4, 1], "got": [2, 1]},
-    "hint": "Que vaut le double de 2 ?",
-    "figure": "simple",
-}
-
-
-def verdict(outcome: str = "wrong_answer", points: float = 0.0, **changes: Any) -> dict[str, Any]:
-    """A verdict of the contract's shape, with one check."""
-    passed = outcome == "ok"
-    check = {**CHECK, "passed": passed, "points": points}
-    if passed:
-        check |= {"message": "", "counterexample": None, "hint": None, "figure": None}
-    return {
-        "exercise": "m9/a",
-        "exercise_version": "abc",
-        "outcome": outcome,
-        "score": points / 20,
-        "points": points,
-        "max_points": 20,
-        "checks": [check],
-        "diagnosis": None,
-        "stdout": "",
-        "seed": 123,
-        "timings": {"total_ms": 12.0},
-        **changes,
-    }
-
-
-@dataclass
-class Site:
-    """A browser on the application; `grade` plays the worker."""
-
-    client: TestClient
-    database: Database
-
-    def get(self, path: str, status: int = 200) -> str:
-        answer = self.client.get(path)
-        assert answer.status_code == status, answer.text
-        return answer.text
-
-    def submit(self, code: str = "x = 1") -> str:
-        """Send as a script does; the address of the attempt's page."""
-        answer = self.client.post(f"{PAGE}/soumissions", data={"code": code}, headers={"Accept": "application/json"})
-        assert answer.status_code == 202, answer.text
-        return str(answer.json()["page"])
-
-    def grade(self, result: dict[str, Any]) -> None:
-        with self.database.write() as db:
-            lease = queue.claim(db, owner_of(os.getpid()), 30)
-            assert lease is not None
-            written = {"outcome": result["outcome"], "score": result["score"], "verdict": result, "figures": {}}
-            assert queue.finish(db, lease, written)
-
-    def attempt(self, code: str, result: dict[str, Any]) -> str:
-        page = self.submit(code)
-        self.grade(result)
-        return page
-
-    def another(self) -> Site:
-        """Somebody else's browser."""
-        return Site(TestClient(self.client.app), self.database)
-
-    def become_teacher(self) -> None:
-        with self.database.write() as db:
-            token = accounts.invite_first_teacher(db)
-        form = {"name": "Mme Martin", "login": "martin", "password": "une phrase assez longue"}
-        assert self.client.post(f"/bienvenue/{token}", data=form).status_code == 200
-
-
-@pytest.fixture
-def site(course: Course, tmp_path: Path) -> Iterator[Site]:
-    settings = Settings(data_dir=tmp_path / "data", workers=0, submission_burst=8, submission_refill_seconds=1000)
-    database = Database(settings.url, {"settings": settings})
-    upgrade(database.engine)
-    app = create_app(settings, catalogue=course.load())
-    with TestClient(app) as client:
-        yield Site(client, database)
-    database.close()
+from tests.pages.site import CHECK, PAGE, Site, verdict
 
 
 def test_every_page_answers_to_a_visitor(site: Site) -> None:

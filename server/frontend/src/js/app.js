@@ -19,7 +19,7 @@ function showTheme() {
   }
   // Figures come in two themes: a <picture> follows the system, and the switch when it was used.
   for (const source of document.querySelectorAll("picture source[data-theme=dark]")) {
-    source.media = root.dataset.theme ? (dark ? "all" : "not all") : "(prefers-color-scheme: dark)";
+    source.media = root.dataset.theme ? (dark ? "screen" : "not all") : "screen and (prefers-color-scheme: dark)";
   }
 }
 
