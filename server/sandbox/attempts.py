@@ -28,6 +28,7 @@ class Attempt:
     namespaces: bool
     lifted: frozenset[str] = frozenset()
     argument: Callable[[ExitStack], Value] = lambda _: None
+    slow: bool = False
 
 
 POLICY = Policy(cpu_seconds=0.5, wall_seconds=20.0, memory_bytes=128 * MIB)
@@ -223,7 +224,7 @@ ATTEMPTS = (
     Attempt("seccomp", "appels système refusés (réseau, processus)", _SYSTEM_CALLS, True, False),
     Attempt("seccomp-attaques", "appels système qui arrêtent le programme (ptrace)", _KILLED, True, False),
     Attempt("mémoire", "allocation au-delà de la limite", _MEMORY, True, False, frozenset(), _twice_the_memory),
-    Attempt("temps", "boucle sans fin qui ignore les signaux", _TIME, True, False),
+    Attempt("temps", "boucle sans fin qui ignore les signaux", _TIME, True, False, slow=True),
     Attempt("processus", "création d'un processus, sans seccomp", _FORK, False, False, _SECCOMP),
     Attempt("privilèges", "retour à root, capacités, inspection", _PRIVILEGES, True, False, _ALL_BUT_NAMESPACES),
     Attempt("fuites", "descripteurs et environnement hérités", _LEAKS, True, False),

@@ -19,6 +19,7 @@ def test_every_wall_that_must_stand_stands_here() -> None:
     assert len(reports) == len(ATTEMPTS)
     assert [report for report in reports if report.required and report.status != WallStatus.STANDING] == []
     assert safe_to_serve(reports)
+    assert {report.name for report in reports} - {report.name for report in probe(slow=False)} == {"temps"}
 
 
 @pytest.mark.parametrize("status", [WallStatus.MISSING, WallStatus.UNAVAILABLE])
