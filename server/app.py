@@ -13,6 +13,7 @@ from fastapi import FastAPI
 from starlette.concurrency import run_in_threadpool
 
 from server import middleware, problems
+from server.accounts import service as accounts
 from server.accounts.routes import router as accounts_router
 from server.api.documentation import with_problem_schema
 from server.api.routes import router as api_router
@@ -66,6 +67,10 @@ class Services:
         with self.database.write() as db:
             queue.release(db, owner, give_up_with(self.catalogue))
 
+    def tidy(self) -> None:
+        with self.database.write() as db:
+            accounts.forget_stale(db)
+
     def recover(self) -> None:
         """Leases that have run out, or whose holder died with another server."""
         with self.database.write() as db:
@@ -84,6 +89,7 @@ class Services:
         """Workers, wake-ups and recovery, while the application serves."""
         async with AsyncExitStack() as stack:
             await run_in_threadpool(self.recover)
+            await run_in_threadpool(self.tidy)
             self.switchboard.bind(asyncio.get_running_loop())
             stack.callback(self.switchboard.bind, None)
             if self.on_postgres:

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import delete, func, select, update
+from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
-from server.accounts.models import Account, ApiToken, BrowserSession, Invitation, Role
+from server.accounts.models import Account, Allowance, ApiToken, BrowserSession, Invitation, Role
 
 
 def by_id(db: Session, account_id: UUID) -> Account | None:
@@ -34,12 +34,13 @@ def by_api_token(db: Session, token_digest: str) -> Account | None:
     return db.execute(query).scalar_one_or_none()
 
 
+def delete_stale(db: Session, sessions_before: datetime, allowances_before: datetime) -> None:
+    db.execute(delete(BrowserSession).where(BrowserSession.expires_at < sessions_before))
+    db.execute(delete(Allowance).where(Allowance.updated_at < allowances_before))
+
+
 def teacher_exists(db: Session) -> bool:
     return db.execute(select(Account.id).where(Account.role == Role.teacher).limit(1)).first() is not None
-
-
-def guest_count(db: Session) -> int:
-    return db.execute(select(func.count()).select_from(Account).where(Account.role == Role.guest)).scalar_one()
 
 
 def delete_session(db: Session, token_digest: str) -> None:

@@ -19,6 +19,7 @@ from server.errors import Conflict, NotFound
 from server.settings import Settings
 from server.submissions import service as submissions
 
+ALLOWANCES_KEPT = timedelta(days=7)
 GUEST_NAME = "Invité"
 TAKEN = "Cet identifiant est déjà pris."
 WRONG_LOGIN = "Identifiant ou mot de passe incorrect."
@@ -53,6 +54,12 @@ def open_session(db: Session, account: Account, settings: Settings) -> Opened:
 
 def close_session(db: Session, token: str) -> None:
     repository.delete_session(db, secrets.digest(token))
+
+
+def forget_stale(db: Session) -> None:
+    """Removes sessions that have ended, and token buckets that have been full again for long."""
+    now = utc_now()
+    repository.delete_stale(db, sessions_before=now, allowances_before=now - ALLOWANCES_KEPT)
 
 
 def account_of_session(db: Session, token: str) -> Account | None:

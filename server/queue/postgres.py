@@ -72,6 +72,7 @@ class Listener:
 
     def __init__(self, url: str, on_queued: Callable[[], None], on_changed: Callable[[UUID], None]) -> None:
         self._url, self._on_queued, self._on_changed = url, on_queued, on_changed
+        self.listening = threading.Event()
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name="postgres-listener", daemon=True)
 
@@ -94,6 +95,7 @@ class Listener:
 
     def _hear(self) -> None:
         with listen(self._url, [QUEUED, CHANGED]) as connection:
+            self.listening.set()
             while not self._stopping.is_set():
                 for notice in connection.notifies(timeout=0.5):
                     self._dispatch(notice.channel, notice.payload)

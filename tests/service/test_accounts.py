@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import re
+from datetime import timedelta
 from http.cookies import SimpleCookie
 
 import pytest
-from sqlalchemy import select
+from sqlalchemy import select, update
 from starlette.testclient import TestClient
 
 from server.accounts import service
 from server.accounts.models import Account, ApiToken, BrowserSession, Invitation, Role
 from server.accounts.schemas import RefusedForm, new_account
+from server.database import utc_now
 from server.errors import Conflict
 from server.submissions.models import Submission
 
@@ -100,7 +102,8 @@ def test_wrong_passwords_are_refused_then_throttled(site: Site) -> None:
     site.client.post("/inscription", data=FORM)
     site.client.post("/deconnexion")
     guess = {"login": FORM["login"], "password": "au hasard"}
-    for _ in range(site.settings.login_burst):
+    site.client.app.state.settings = site.settings.model_copy(update={"login_burst": 2})  # type: ignore[attr-defined]
+    for _ in range(2):
         assert site.client.post("/connexion", data=guess).status_code == 422
     answer = site.client.post("/connexion", data={**guess, "password": FORM["password"]})
     assert answer.status_code == 429
@@ -219,6 +222,17 @@ def test_security_headers_are_everywhere(site: Site) -> None:
         headers = site.client.get(path).headers
         assert "script-src 'self';" in headers["content-security-policy"]
         assert headers["x-content-type-options"] == "nosniff"
+
+
+def test_ended_sessions_open_nothing_and_are_forgotten(site: Site) -> None:
+    site.client.post("/inscription", data=FORM)
+    with site.database.write() as db:
+        db.execute(update(BrowserSession).values(expires_at=utc_now() - timedelta(seconds=1)))
+    assert site.client.get("/compte").status_code == 303
+    with site.database.write() as db:
+        service.forget_stale(db)
+    with site.database.read() as db:
+        assert db.execute(select(BrowserSession)).first() is None
 
 
 def test_new_visitors_from_one_address_are_bounded(site: Site) -> None:

@@ -1,0 +1,227 @@
+"""Wake-ups: the switchboard, its channel, PostgreSQL's notifications, and events for those who watch."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import threading
+from collections.abc import AsyncIterator, Callable, Iterator
+from dataclasses import dataclass
+from queue import Queue
+from typing import Any
+from uuid import UUID, uuid4
+
+import pytest
+
+from server.accounts.models import Account
+from server.database import Database
+from server.queue.channel import Channel
+from server.queue.polling import Polling
+from server.queue.postgres import Listener, PostgresSignals, PostgresSource
+from server.queue.switchboard import Switchboard
+from server.settings import Settings
+from server.submissions import events as events_module
+from server.submissions import service as submissions
+from server.submissions.events import Events, as_sse
+from server.worker.service import Worker
+
+from .conftest import EXERCISE, fake_grade, opened
+
+
+class Wire:
+    """A worker's line, on the web process's side."""
+
+    def __init__(self) -> None:
+        self.sent: list[bytes] = []
+
+    def write(self, data: bytes) -> None:
+        self.sent.append(data)
+
+
+def run(scenario: Callable[[Switchboard, list[UUID]], Any]) -> None:
+    async def main() -> None:
+        told: list[UUID] = []
+        board = Switchboard(told.append)
+        board.bind(asyncio.get_running_loop())
+        await scenario(board, told)
+
+    asyncio.run(main())
+
+
+def test_one_idle_worker_is_woken_for_each_submission() -> None:
+    async def scenario(board: Switchboard, _told: list[UUID]) -> None:
+        one, two = Wire(), Wire()
+        board.heard(one, "idle")
+        board.heard(two, "idle")
+        board.wake()
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        assert sorted([one.sent, two.sent]) == [[], [b"work\n"]]
+        board.wake()
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        assert [one.sent, two.sent] == [[b"work\n"], [b"work\n"]]
+
+    run(scenario)
+
+
+def test_a_wake_up_that_finds_nobody_is_owed_to_the_next_to_sleep() -> None:
+    async def scenario(board: Switchboard, _told: list[UUID]) -> None:
+        worker = Wire()
+        board.wake()
+        await asyncio.sleep(0.01)
+        board.heard(worker, "idle")
+        assert worker.sent == [b"work\n"]
+        board.heard(worker, "idle")
+        assert worker.sent == [b"work\n"], "it is owed once"
+
+    run(scenario)
+
+
+def test_the_dead_are_not_woken() -> None:
+    async def scenario(board: Switchboard, _told: list[UUID]) -> None:
+        dead, alive = Wire(), Wire()
+        board.heard(alive, "idle")
+        board.heard(dead, "idle")
+        board.gone(dead)
+        board.wake()
+        await asyncio.sleep(0.01)
+        assert (dead.sent, alive.sent) == ([], [b"work\n"])
+
+    run(scenario)
+
+
+def test_the_channel_carries_both_ways() -> None:
+    web, worker = socket.socketpair()
+    channel, name = Channel(worker), uuid4()
+    web.sendall(b"work\n")
+    assert channel.wait(20)
+    assert web.recv(100) == b"idle\n"
+    assert channel.wait(0.01), "nothing came: look again all the same"
+    web.close()
+    assert not channel.wait(20), "the web process is gone"
+    database_less: Any = type("Db", (), {"info": {}})()
+    channel.changed(database_less, name)
+    for action in database_less.info["after_commit"]:
+        action()  # nobody listens any more: this must not fail what has been recorded
+    worker.close()
+
+
+def test_polling_always_looks_again() -> None:
+    assert Polling(0.001).wait(10)
+
+
+@dataclass(frozen=True)
+class Count:
+    value: int
+    last: int = 3
+
+    @property
+    def done(self) -> bool:
+        return self.value >= self.last
+
+
+async def collect(snapshots: AsyncIterator[Count]) -> list[int]:
+    return [one.value async for one in snapshots]
+
+
+def test_watchers_see_each_change_once_and_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(events_module, "SAFETY_POLL", 60.0)
+    state = [0]
+
+    async def main() -> list[int]:
+        events, name = Events(), uuid4()
+        watching = asyncio.create_task(collect(events.follow(name, lambda: Count(state[0]))))
+        for value in (1, 1, 2, 3):
+            await asyncio.sleep(0.05)
+            state[0] = value
+            events.changed(name)
+        return await asyncio.wait_for(watching, 20)
+
+    assert asyncio.run(main()) == [0, 1, 2, 3]
+
+
+def test_a_lost_signal_is_made_up_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(events_module, "SAFETY_POLL", 0.02)
+    state = iter([0, 0, 1, 3])
+
+    async def main() -> list[int]:
+        return await asyncio.wait_for(collect(Events().follow(uuid4(), lambda: Count(next(state)))), 20)
+
+    assert asyncio.run(main()) == [0, 1, 3]
+
+
+def test_those_who_wait_learn_that_the_queue_has_moved(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(events_module, "SAFETY_POLL", 60.0)
+    state = [2]
+
+    async def main() -> list[int]:
+        events = Events()
+        watching = asyncio.create_task(collect(events.follow(uuid4(), lambda: Count(state[0]))))
+        await asyncio.sleep(0.05)
+        state[0] = 3
+        events.changed(uuid4())
+        return await asyncio.wait_for(watching, 20)
+
+    assert asyncio.run(main()) == [2, 3]
+
+
+def test_nothing_is_kept_of_watchers_who_leave() -> None:
+    async def main() -> dict[Any, Any]:
+        events, name = Events(), uuid4()
+        await events.until_done(name, lambda: Count(0), 0.02)
+        watching = asyncio.create_task(collect(events.follow(name, lambda: Count(0))))
+        await asyncio.sleep(0.05)
+        watching.cancel()
+        await asyncio.wait([watching])
+        return dict(events._watchers)
+
+    assert asyncio.run(main()) == {}
+
+
+def test_an_event_of_several_lines_stays_one_event() -> None:
+    async def main() -> list[str]:
+        async def one() -> AsyncIterator[Count]:
+            yield Count(3)
+
+        return [text async for text in as_sse(one(), lambda _: "a\nb", name="x")]
+
+    assert asyncio.run(main()) == ["event: x\ndata: a\ndata: b\n\n"]
+
+
+@pytest.fixture
+def far(settings: Settings, postgres_url: str) -> Iterator[Settings]:
+    far = settings.model_copy(update={"database_url": postgres_url})
+    for _ in opened(far):
+        yield far
+
+
+def test_postgresql_tells_other_machines(far: Settings) -> None:
+    told: Queue[UUID | str] = Queue()
+    listener = Listener(far.url, lambda: told.put("queued"), told.put)
+    listener.start()
+    assert listener.listening.wait(20)
+    remote = Database(far.url, {"settings": far, "signals": PostgresSignals()})
+    account = Account(name="Ada")
+    with remote.write() as db:
+        db.add(account)
+    working = threading.Thread(target=work_once, args=(remote, far, PostgresSource(far.url)))
+    working.start()
+    name = until_told(remote, account, told)
+    assert {told.get(timeout=20), told.get(timeout=20)} == {name}, "it began, then it was done"
+    working.join()
+    listener.stop()
+    remote.close()
+
+
+def work_once(database: Database, settings: Settings, source: PostgresSource) -> None:
+    worker = Worker(database, settings, fake_grade)
+    while not worker.step():
+        source.wait(20)
+
+
+def until_told(database: Database, account: Account, told: Queue[UUID | str]) -> UUID:
+    with database.write() as db:
+        name = submissions.submit(db, account, EXERCISE, "pass").id
+    assert told.get(timeout=20) == "queued"
+    return name
