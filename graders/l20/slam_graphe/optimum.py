@@ -96,7 +96,10 @@ def half_way(graph: Graph, got: Value) -> bool:
 
 
 def fingerprint(graph: Graph, got: Value) -> Value:
-    """What a diagnosis compares: coarse poses, or `LOST` for what only rounding errors decide."""
+    """What a diagnosis compares: coarse poses, or `LOST` for what rounding errors decide.
+
+    A divergence magnifies the small differences between two programs that make the same mistake.
+    """
     try:
         poses = read_array(got)
     except UnreadableError:
@@ -106,7 +109,8 @@ def fingerprint(graph: Graph, got: Value) -> Value:
     at_origin = bool(np.all(np.abs(poses[0]) <= TOLERANCE))
     if not np.all(np.abs(poses) < FAR) or (_first_pose(graph, poses) and not at_origin):
         return LOST
-    return poses / COARSENESS
+    diverged = graph.chi2(poses) > 2.0 * graph.solution.chi2[0] + 1e-3
+    return LOST if diverged and graph.n_iter != 1 else poses / COARSENESS
 
 
 @dataclass(frozen=True)
