@@ -1,0 +1,33 @@
+"""Verdicts of the graders that are shipped, as they are shown: every shape that they use has its place on the page."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from graders.catalogue import discover
+from graders.core.exercise import ExerciseGrader
+from graders.core.grading import grade
+from graders.core.program import local_launcher
+from server.pages import verdicts
+from server.pages.rendering import environment
+
+GRADERS = discover().graders
+SHOW = '{% from "verdict.html" import show_verdict %}{{ show_verdict(verdict, 1) }}'
+
+
+@pytest.mark.parametrize("grader", GRADERS.values(), ids=GRADERS.keys())
+def test_a_named_mistake_is_shown_with_all_that_explains_it(grader: ExerciseGrader) -> None:
+    mistake = grader.misconceptions[0]
+    grading = grade(grader, local_launcher(mistake.source), seed=1, version="0")
+    verdict = verdicts.view(json.loads(json.dumps(grading.verdict.to_json(), allow_nan=False)), "/figures")
+    html = environment().from_string(SHOW).render(verdict=verdict)
+    assert verdict.diagnosis is not None
+    assert len(verdict.diagnosis.paragraphs) >= 2
+    assert any(check.counterexample for check in verdict.checks)
+    assert {check.figure.light for check in verdict.checks if check.figure} == {
+        f"/figures/{name}.svg?theme=light" for name in grading.figures
+    }
+    for heading in ("Donné", "Attendu", "Obtenu", "Erreur reconnue"):
+        assert heading in html
