@@ -141,7 +141,7 @@ class Session:
         except Forged:
             self._forged()
         except Closed:
-            self._end(lambda ending: diagnosis.ended(ending, self._policy))
+            self._died()
         finally:
             self._waited += time.monotonic() - start
         return self._understood(outcome, answer)
@@ -159,6 +159,14 @@ class Session:
         if told.fatal:
             self._end(lambda _: told)
         raise told
+
+    def _died(self) -> NoReturn:
+        """The wire is closed: the process has ended by itself, or it has closed the wire and lives on."""
+        try:
+            self._child.ending(GRACE)
+        except TimeoutError:
+            self._forged()
+        self._end(lambda ending: diagnosis.ended(ending, self._policy))
 
     def _forged(self) -> NoReturn:
         self._end(lambda _: diagnosis.forged())

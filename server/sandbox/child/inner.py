@@ -109,10 +109,14 @@ def _bound(kind: int, soft: int, hard: int) -> None:
     resource.setrlimit(kind, (soft, hard))
 
 
-def address_space() -> int:
-    """Bytes of address space that this process has mapped; needs /proc, so before the view is changed."""
-    with open("/proc/self/statm", encoding="ascii") as statm:
-        return int(statm.read().split()[0]) * mmap.PAGESIZE
+def open_account() -> int:
+    """Descriptor on the account of this process's memory; needs /proc, so before the view is changed."""
+    return os.open("/proc/self/statm", os.O_RDONLY | os.O_CLOEXEC)
+
+
+def address_space(account: int) -> int:
+    """Bytes of address space that this process has mapped."""
+    return int(os.pread(account, 256, 0).split()[0]) * mmap.PAGESIZE
 
 
 def filters() -> dict[bool, bytes]:

@@ -94,7 +94,10 @@ class Program:
         except Unsendable as error:
             raise Failure(_result_fault("invalid_output", error.reason, error.culprit, function, error.place)) from None
         except BaseException as error:  # __array__ and the like are the student's code
-            raise Failure(report.describe(error, self._filename, self._lines) | {"kind": "invalid_output"}) from None
+            fault = report.describe(error, self._filename, self._lines)
+            if fault["kind"] != "memory_limit":
+                fault["kind"] = "invalid_output"
+            raise Failure(fault) from None
 
     def _defined(self) -> tuple[str, ...]:
         injected = self._injected

@@ -35,27 +35,32 @@ class Template:
         self._poll = select.poll()
 
     def prepare(self) -> None:
-        """Imports, then changes the view, then drops all privileges, then warms up."""
-        lifted = frozenset(self._configuration["lifted"])
+        """Imports, then changes the view, then drops all privileges, then warms up and takes the measure of it all."""
+        self._lifted = frozenset(self._configuration["lifted"])
         for name in modules(self._configuration["imports"]):
             importlib.import_module(name)
         self._kits = {name: _kit(name, source) for name, source in self._configuration["kits"].items()}
+        account = inner.open_account()
+        rules = self._enclose()
+        os.environ.clear()
+        serve.warm_up(self._kits)
+        self._prepared = inner.Prepared(rules, inner.filters(), inner.address_space(account), os.getpid())
+        os.close(account)
+        prepare_interpreter(__package__)
+
+    def _enclose(self) -> int | None:
+        """Leaves the host behind; returns the Landlock rules of the forks, None where the kernel has no Landlock."""
         libraries = [*(path for path in sys.path if path not in self._configuration["sites"]), *outer.mapped_files()]
         packages = self._configuration["packages"]
-        base_memory = inner.address_space()
-        rules = None
         if self._configuration["namespaces"]:
             outer.change_view(libraries, packages)
+        rules = None
         if landlock.version():
             rules = landlock.ruleset(outer.outermost([*_without_packages(libraries), *packages]), outer.DEVICES)
         outer.drop_privileges()
         libc.prctl(libc.PR_SET_NO_NEW_PRIVS, 1)
         libc.prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL)  # a change of identity has cleared it
-        self._prepared = inner.Prepared(rules, inner.filters(), base_memory, os.getpid())
-        self._lifted = lifted
-        os.environ.clear()
-        serve.warm_up(self._kits)
-        prepare_interpreter(__package__)
+        return rules
 
     def serve(self) -> None:
         """Until the other end of the control socket is closed."""
