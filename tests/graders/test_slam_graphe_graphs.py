@@ -1,4 +1,4 @@
-"""The graphs and edges that l20/slam_graphe grades on: within the contract, well conditioned, judged as they should be."""
+"""The graphs and edges that l20/slam_graphe grades on: within the contract, well conditioned, judged as meant."""
 
 from __future__ import annotations
 
