@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from graders.core.render import number
 
-MAX_ROWS, MAX_COLUMNS, MAX_LIST = 16, 16, 24
+MAX_ROWS, MAX_COLUMNS, MAX_LIST = 24, 40, 24  # a map of the course is 16 × 24, a scan has 36 rays
 SPECIAL = {"nan": "nan", "inf": "∞", "-inf": "\N{MINUS SIGN}∞"}
 Kind = Literal["text", "matrix", "plan", "list", "fields"]
 
