@@ -1,0 +1,155 @@
+"""The inputs of l20/predire2d: beliefs, commands and scans on the module's map and on others, simplest first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from graders.core.program import kit_source
+from graders.core.shrink import Arguments
+from graders.core.values import Floats
+from graders.l20 import world
+from graders.l20.predire2d.beliefs import one_hot, spread, weighted
+from reference.grid_filter import BEAMS, COMMANDS, Cell, Grid, GridWorld
+
+MOVES = COMMANDS[1:]
+Rng = np.random.Generator
+
+
+@cache
+def module_world() -> GridWorld:
+    """The map that the kit holds."""
+    names: dict[str, object] = {"__name__": world.MODULE}
+    exec(compile(kit_source(world.MODULE), f"<kit {world.MODULE}>", "exec"), names)
+    return GridWorld.of(np.asarray(names["libres"]), world.RANGE)
+
+
+def open_world(rng: Rng, height: int = 5, width: int = 7) -> GridWorld:
+    """A small map without walls around it, where leaving by one side and coming back by the other would be possible."""
+    while True:
+        free = world.random_map(rng, height + 2, width + 2, fill=0.25)[1:-1, 1:-1]
+        if np.count_nonzero(free) >= 0.5 * free.size and _wraps(free) and _wraps(free.T):
+            return GridWorld.of(free, world.RANGE)
+
+
+def _wraps(free: Grid) -> bool:
+    """Does some row have both its ends free?"""
+    return bool(np.any(free[:, 0] & free[:, -1]))
+
+
+def pick(rng: Rng, mask: Grid) -> Cell:
+    """One of the cells (y, x) of a mask."""
+    y, x = rng.choice(np.argwhere(mask))
+    return int(y), int(x)
+
+
+def roomy(free: Grid) -> Grid:
+    """The free cells whose eight neighbours are free."""
+    padded = np.pad(free, 1)
+    height, width = free.shape
+    windows = [padded[dy : dy + height, dx : dx + width] for dy in range(3) for dx in range(3)]
+    return np.asarray(np.logical_and.reduce(windows))
+
+
+def open_moves(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
+    """Far from walls: the example of the statement, every command, then a doubt between two cells."""
+    clear = roomy(grid.free)
+    shape = grid.free.shape
+    yield one_hot(shape, (2, 3)), 1, 0
+    for du, dv in MOVES:
+        yield one_hot(shape, pick(rng, clear)), du, dv
+    for du, dv in MOVES:
+        first, second = (int(i) for i in rng.choice(np.flatnonzero(clear), 2, replace=False))
+        belief = np.zeros(shape)
+        belief.flat[[first, second]] = 0.75, 0.25
+        yield belief, du, dv
+
+
+def moves_near_walls(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
+    """The doorway of the statement, beside it, a corner, cells against a wall, then the whole map."""
+    shape = grid.free.shape
+    yield one_hot(shape, (3, 6)), 1, 0
+    yield one_hot(shape, (2, 6)), 1, 0
+    yield one_hot(shape, (1, 1)), -1, 0
+    yield one_hot(shape, (1, 1)), 0, -1
+    tight = grid.free & ~roomy(grid.free)
+    for du, dv in MOVES:
+        yield one_hot(shape, pick(rng, tight)), du, dv
+    yield grid.uniform(), 0, 1
+    for du, dv in MOVES:
+        yield spread(rng, grid.free), du, dv
+
+
+def moves_at_the_edge(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
+    """Out of the grid on each side, no move at all, then beliefs over the whole map."""
+    free = grid.free
+    sides: dict[tuple[int, int], tuple[Any, Any]] = {
+        (-1, 0): (slice(None), 0),
+        (1, 0): (slice(None), -1),
+        (0, -1): (0, slice(None)),
+        (0, 1): (-1, slice(None)),
+    }
+    for (du, dv), side in sides.items():
+        edge = np.zeros_like(free)
+        edge[side] = free[side]
+        opposite = np.zeros_like(free)
+        opposite[side] = np.flip(free, axis=1 if du else 0)[side]
+        yield one_hot(free.shape, pick(rng, edge & opposite)), du, dv
+    yield one_hot(free.shape, pick(rng, free)), 0, 0
+    yield spread(rng, free), 0, 0
+    for du, dv in MOVES * 2:
+        yield spread(rng, free), du, dv
+
+
+def neighbour(rng: Rng, grid: GridWorld, cell: Cell) -> Cell:
+    """A free cell beside a free cell of a connected map."""
+    around = [(cell[0] + dv, cell[1] + du) for du, dv in MOVES]
+    free = [other for other in around if grid.is_free(other)]
+    return free[int(rng.integers(len(free)))]
+
+
+def doubts(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
+    """Between two neighbours: the example of the statement, several sigmas; then nothing known at all."""
+    shape = grid.free.shape
+    yield one_hot(shape, (1, 1), (1, 2)), grid.scans[1, 1], 0.5
+    yield one_hot(shape, (1, 1), (1, 2)), grid.scans[1, 1], 1.0
+    for sigma in (1.5, 1.0, 0.5):
+        cell = pick(rng, grid.free)
+        other = neighbour(rng, grid, cell)
+        yield one_hot(shape, cell, other), grid.scans[cell], sigma
+        yield weighted(shape, {cell: 0.25, other: 0.75}), grid.scans[cell], sigma
+    for sigma in (0.5, 0.4):
+        yield grid.uniform(), grid.scans[pick(rng, grid.free)], sigma
+
+
+def noisy_scans(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
+    """Between two neighbours, then any belief: a scan from the likeliest cell with some noise, several sigmas.
+
+    The evidence stays above 1e-3 even with normalised densities, so that a guard of 1e-12 in a division is harmless.
+    """
+    for sigma in (1.5, 0.5):
+        cell = pick(rng, grid.free)
+        belief = one_hot(grid.free.shape, cell, neighbour(rng, grid, cell))
+        yield belief, noisy_scan(rng, grid, belief, 0.3 * sigma), sigma
+    for sigma in (0.5, 1.0, 0.3, 0.7, 0.8, 1.0):
+        belief = spread(rng, grid.free)
+        yield belief, noisy_scan(rng, grid, belief, 0.3 * sigma), sigma
+
+
+def noisy_scan(rng: Rng, grid: GridWorld, belief: Floats, deviation: float) -> Floats:
+    """What the lidar reads in the likeliest cell, with noise kept between 0 and the range."""
+    cell = np.unravel_index(int(np.argmax(belief)), belief.shape)
+    noise = np.clip(rng.normal(0.0, deviation, BEAMS), -2.0 * deviation, 2.0 * deviation)
+    return np.asarray(np.clip(grid.scans[cell] + noise, 0.0, world.RANGE))
+
+
+def without_sigma(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
+    """The same doubts, sigma being left out."""
+    shape = grid.free.shape
+    yield one_hot(shape, (1, 1), (1, 2)), grid.scans[1, 1]
+    for _ in range(3):
+        cell = pick(rng, grid.free)
+        yield one_hot(shape, cell, neighbour(rng, grid, cell)), grid.scans[cell]

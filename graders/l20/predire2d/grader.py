@@ -1,0 +1,105 @@
+"""l20/predire2d: Markov localisation on the grid, with a robot that slips (course, self-graded exercise 1)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graders.core.checks import Trial, Untouched
+from graders.core.exercise import exercise
+from graders.core.shrink import Arguments
+from graders.l20 import world
+from graders.l20.predire2d import cases
+from graders.l20.predire2d.beliefs import spread
+from graders.l20.predire2d.checks import NAMES, OnGrid
+from graders.l20.predire2d.trials import localise
+
+PREDICT = ("predire2d",)
+CORRECT = ("corriger2d",)
+
+
+def arguments_to_keep(rng: np.random.Generator) -> dict[str, Arguments]:
+    grid = cases.module_world()
+    du, dv = cases.MOVES[int(rng.integers(len(cases.MOVES)))]
+    scan = grid.scans[cases.pick(rng, grid.free)]
+    return {"predire2d": (spread(rng, grid.free), du, dv), "corriger2d": (spread(rng, grid.free), scan, 0.5)}
+
+
+CHECKS = (
+    OnGrid(
+        id="predire_exemples",
+        title="Prédire loin des murs",
+        points=3,
+        functions=PREDICT,
+        cases=cases.open_moves,
+        hint="Le robot est en (y, x) = (2, 3) et avance d'une case selon x : sur quelles trois cases peut-il tomber ?",
+    ),
+    OnGrid(
+        id="predire_murs",
+        title="Prédire contre les murs et devant une porte",
+        points=3,
+        functions=PREDICT,
+        cases=cases.moves_near_walls,
+        hint="Quand une des trois arrivées est un mur, où est le robot juste après ? Où va donc sa probabilité ?",
+    ),
+    OnGrid(
+        id="predire_autre_carte",
+        title="Prédire au bord d'une autre carte, et à l'arrêt",
+        points=3,
+        functions=PREDICT,
+        cases=cases.moves_at_the_edge,
+        draw=cases.open_world,
+        hint="Votre fonction se sert-elle de H, W et libres, y compris quand la grille n'est pas entourée de murs ? "
+        "Que glisse un robot qui ne bouge pas ?",
+    ),
+    OnGrid(
+        id="corriger_exemples",
+        title="Corriger : deux hypothèses voisines",
+        points=3,
+        functions=CORRECT,
+        cases=cases.doubts,
+        hint="Que lirait le lidar placé au centre de chacune des deux cases ? Laquelle ressemble le plus au scan ?",
+    ),
+    OnGrid(
+        id="corriger_autre_carte",
+        title="Corriger : croyances et scans bruités sur une autre carte",
+        points=3,
+        functions=CORRECT,
+        cases=cases.noisy_scans,
+        draw=cases.open_world,
+        hint="Dans exp(−Σ(z − ẑ)² / (2σ²)), qu'est-ce qui est au carré, et sur quoi porte la somme ?",
+    ),
+    OnGrid(
+        id="sigma_par_defaut",
+        title="Corriger : sigma vaut 0,5 quand on ne le donne pas",
+        points=1,
+        functions=CORRECT,
+        cases=cases.without_sigma,
+        hint="Comment écrit-on, dans la ligne « def », la valeur que prend un paramètre absent ?",
+    ),
+    Trial(
+        id="localisation",
+        title="Localiser un robot perdu, en huit pas",
+        points=3,
+        functions=(*PREDICT, *CORRECT),
+        protocol=localise,
+        hint="Après chaque pas, affichez la case la plus probable : à quel moment s'éloigne-t-elle du robot ?",
+    ),
+    Untouched(
+        id="arguments",
+        title="Les tableaux donnés restent intacts",
+        points=1,
+        functions=(*PREDICT, *CORRECT),
+        names=NAMES,
+        inputs=arguments_to_keep,
+        hint="Faut-il écrire dans le tableau reçu, ou en créer un nouveau ?",
+    ),
+)
+
+GRADER = exercise(
+    __package__ or "graders.l20.predire2d",
+    __file__,
+    "l20/predire2d",
+    functions=(*PREDICT, *CORRECT),
+    checks=CHECKS,
+    kit=world.kit,
+)

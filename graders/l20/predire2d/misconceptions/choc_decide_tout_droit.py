@@ -1,0 +1,7 @@
+def predire2d(bel, du, dv):
+    nouvelle = np.zeros((H, W))
+    devant = CARTE[Y + dv + 1, X + du + 1]
+    for p, dx, dy in arrivees(du, dv):
+        passe = devant & CARTE[Y + dy + 1, X + dx + 1]
+        np.add.at(nouvelle, (np.where(passe, Y + dy, Y), np.where(passe, X + dx, X)), p * bel[Y, X])
+    return nouvelle

@@ -1,0 +1,4 @@
+def arrivees(du, dv):
+    if (du, dv) == (0, 0):
+        return [(1.0, 0, 0)]
+    return [(0.8, du, dv), (0.2, du + dv, dv + du)]

@@ -1,0 +1,2 @@
+def arrivees(du, dv):
+    return [(1.0, du, dv)]

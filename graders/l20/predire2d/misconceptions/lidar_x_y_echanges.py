@@ -1,0 +1,9 @@
+ATTENDUS = lidar_lot(np.column_stack([Y + 0.5, X + 0.5, np.zeros(len(X))]), 4)
+
+
+def corriger2d(bel, scan_obs, sigma=0.5):
+    carres = np.sum((scan_obs - ATTENDUS) ** 2, axis=1)
+    nouvelle = np.zeros((H, W))
+    nouvelle[Y, X] = bel[Y, X] * np.exp(-carres / (2 * sigma**2))
+    total = nouvelle.sum()
+    return nouvelle / total

@@ -1,0 +1,1 @@
+CARTE = np.pad(np.ones((H, W), dtype=bool), 1)

@@ -1,0 +1,162 @@
+"""The closed loop: a robot lost on the module's map moves eight times, slips, looks around, and must be found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from graders.core.bench import Bench
+from graders.core.checks import FigureData, Rejection
+from graders.core.compare import Mismatch, unreadable, wrong_shape
+from graders.core.values import Floats, UnreadableError, Value, read_array
+from graders.core.verdict import Outcome
+from graders.l20.predire2d.beliefs import at
+from graders.l20.predire2d.cases import MOVES, module_world, pick
+from reference.grid_filter import Belief, Cell, GridWorld, correct, most_likely, predict, sample_move
+
+STEPS = 8
+SIGMA = 0.5
+EPISODES = 2
+NEAR = 1
+MARGIN = 4.0
+MAX_DRAWS = 4000
+LOOP = "predire2d puis corriger2d"
+
+
+@dataclass(frozen=True)
+class Episode:
+    """A walk: the commands, the cells really reached, and where the reference believes the robot to be at the end."""
+
+    start: Cell
+    commands: tuple[tuple[int, int], ...]
+    cells: tuple[Cell, ...]
+    belief: Belief
+
+    @property
+    def end(self) -> Cell:
+        return self.cells[-1]
+
+
+@lru_cache(maxsize=16)
+def episodes(seed: int) -> tuple[Episode, ...]:
+    """Walks that the reference follows and a filter that never predicts does not.
+
+    An honest program cannot fail by bad luck: the reference's belief is, near the truth, MARGIN times greater than
+    anywhere else, and an honest one differs from it by rounding alone. Less than half of the walks drawn are rejected,
+    so that none being left after MAX_DRAWS is out of the question (below 1e-900), and an error of ours.
+    """
+    rng = np.random.default_rng(seed)
+    found: list[Episode] = []
+    for _ in range(MAX_DRAWS):
+        episode = _walk(module_world(), rng)
+        if _is_telling(module_world(), episode):
+            found.append(episode)
+        if len(found) == EPISODES:
+            return tuple(found)
+    raise RuntimeError("the reference never localises the robot on the module's map")
+
+
+def _walk(grid: GridWorld, rng: np.random.Generator) -> Episode:
+    start = cell = pick(rng, grid.free)
+    belief, commands, cells = grid.uniform(), [], []
+    for _ in range(STEPS):
+        du, dv = MOVES[int(rng.integers(len(MOVES)))]
+        cell = sample_move(grid, cell, du, dv, rng)
+        belief = correct(grid, predict(grid, belief, du, dv), grid.scans[cell], SIGMA)
+        commands.append((du, dv))
+        cells.append(cell)
+    return Episode(start, tuple(commands), tuple(cells), belief)
+
+
+def _is_telling(grid: GridWorld, episode: Episode) -> bool:
+    y, x = np.indices(grid.free.shape)
+    close = np.maximum(np.abs(y - episode.end[0]), np.abs(x - episode.end[1])) <= NEAR
+    if episode.belief[close].max() < MARGIN * episode.belief[~close].max():
+        return False
+    motionless = grid.uniform()
+    for cell in episode.cells:
+        motionless = correct(grid, motionless, grid.scans[cell], SIGMA)
+    return gap(most_likely(motionless), episode.end) > NEAR
+
+
+def gap(one: Cell, other: Cell) -> int:
+    """How many cells apart, a diagonal step counting for one."""
+    return max(abs(one[0] - other[0]), abs(one[1] - other[1]))
+
+
+def localise(bench: Bench) -> None:
+    """The student's two functions follow each walk; the greatest probability must end within one cell of the robot."""
+    grid = module_world()
+    failed: Rejection | None = None
+    for episode in episodes(int(bench.rng.integers(2**53))):
+        belief = _followed(bench, grid, episode)
+        believed = most_likely(belief)
+        located = gap(believed, episode.end) <= NEAR
+        bench.observe(LOOP, located, ok=located)
+        if not located and failed is None:
+            failed = _lost(grid, episode, believed, belief)
+    if failed is not None:
+        raise failed
+
+
+def _followed(bench: Bench, grid: GridWorld, episode: Episode) -> Floats:
+    belief: Floats = grid.uniform()
+    for (du, dv), cell in zip(episode.commands, episode.cells, strict=True):
+        belief = _called(bench, grid, "predire2d", belief, du, dv)
+        belief = _called(bench, grid, "corriger2d", belief, grid.scans[cell], SIGMA)
+    return belief
+
+
+def _called(bench: Bench, grid: GridWorld, function: str, *args: Value) -> Floats:
+    value = bench.call(function, *args)
+    try:
+        belief = read_array(value)
+    except UnreadableError as error:
+        raise _not_a_belief(bench, function, args, value, unreadable(error)) from error
+    if belief.shape != grid.free.shape:
+        raise _not_a_belief(bench, function, args, value, wrong_shape(grid.free.astype(float), belief))
+    if not np.all(np.isfinite(belief)):
+        raise _not_a_belief(bench, function, args, value, Mismatch("Elle contient « nan » ou l'infini.", "nan"))
+    return belief
+
+
+def _not_a_belief(bench: Bench, function: str, args: tuple[Value, ...], value: Value, why: Mismatch) -> Rejection:
+    bench.observe(LOOP, function, ok=False)
+    rest = ("du", "dv") if function == "predire2d" else ("scan_obs", "sigma")
+    return Rejection(
+        f"Pendant la localisation, {function} ne renvoie pas une croyance. {why.message}",
+        inputs=dict(zip(("bel", *rest), args, strict=True)),
+        expected="un tableau (H, W) de probabilités",
+        got=value,
+        slip=why.slip if why.cause is Outcome.WRONG_ANSWER else None,
+        cause=why.cause,
+    )
+
+
+def _lost(grid: GridWorld, episode: Episode, believed: Cell, belief: Floats) -> Rejection:
+    away = gap(believed, episode.end)
+    return Rejection(
+        f"Départ inconnu, {STEPS} pas : le robot finit en (y, x) = {at(episode.end)}, mais votre croyance est maximale "
+        f"en {at(believed)}, à {away} cases de lui.",
+        inputs={
+            "départ (inconnu du filtre)": list(episode.start),
+            "ordres (du, dv)": [list(command) for command in episode.commands],
+            "cases (y, x) atteintes": [list(cell) for cell in episode.cells],
+        },
+        expected=f"un maximum à une case au plus de {at(episode.end)}",
+        got=f"un maximum en {at(believed)}",
+        figure=_figure(grid, episode, belief),
+    )
+
+
+def _figure(grid: GridWorld, episode: Episode, belief: Floats) -> FigureData:
+    sane = bool(np.all(np.abs(belief) < 1e9))
+    return {
+        "kind": "localisation",
+        "free": grid.free,
+        "path": [list(cell) for cell in (episode.start, *episode.cells)],
+        "expected": episode.belief,
+        "got": belief if sane else None,
+    }

@@ -1,0 +1,153 @@
+"""Markov localisation on a grid: a belief (H, W), moved by an uncertain command and corrected by a scan.
+
+A belief is an array (H, W) indexed (y, x), non-negative, zero on walls, of sum 1. A command (du, dv) asks for one cell
+along x (columns) or along y (rows), or for none. Whatever lies outside the grid is wall.
+
+Source: Thrun, Burgard, Fox, "Probabilistic Robotics" (2005), table 8.1 (grid localisation), with the motion model of
+the course: 0.8 as asked, 0.1 for each slip of one cell sideways.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from reference.raycast import cast_scans
+
+Belief = NDArray[np.float64]
+Floats = NDArray[np.float64]
+Grid = NDArray[np.bool_]
+Cell = tuple[int, int]
+
+BEAMS = 4
+P_STRAIGHT = 0.8
+P_SLIP = 0.1
+COMMANDS = ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1))
+
+
+class GridFilterError(ValueError):
+    """Input for which there is no belief; `argument` names it."""
+
+    def __init__(self, argument: str, reason: str) -> None:
+        super().__init__(f"{argument}: {reason}")
+        self.argument = argument
+
+
+class ImpossibleScanError(GridFilterError):
+    """A belief that leaves no mass to correct."""
+
+
+@dataclass(frozen=True)
+class Landing:
+    """One outcome of a command: a displacement (dx, dy) in cells, and its probability."""
+
+    probability: float
+    dx: int
+    dy: int
+
+
+@dataclass(frozen=True)
+class GridWorld:
+    """A map: `free` (H, W), and `scans` (H, W, 4), what the noiseless lidar sees at each cell's centre, heading 0."""
+
+    free: Grid
+    scans: Floats
+
+    @classmethod
+    def of(cls, free: ArrayLike, max_range: float) -> GridWorld:
+        """The world of a map (H, W), True where free. Raises GridFilterError when no cell is free."""
+        grid = np.array(free, dtype=np.bool_)
+        if grid.ndim != 2 or not grid.any():
+            raise GridFilterError("free", "is not a map (H, W) with a free cell")
+        y, x = np.indices(grid.shape)
+        poses = np.column_stack([x.ravel() + 0.5, y.ravel() + 0.5, np.zeros(grid.size)])
+        return cls(grid, cast_scans(grid, poses, BEAMS, max_range).reshape(*grid.shape, BEAMS))
+
+    def uniform(self) -> Belief:
+        """The belief of a robot that knows nothing."""
+        return self.free / np.count_nonzero(self.free)
+
+    def is_free(self, cell: Cell) -> bool:
+        """Is the cell (y, x) in the grid, and free?"""
+        y, x = cell
+        return 0 <= y < self.free.shape[0] and 0 <= x < self.free.shape[1] and bool(self.free[y, x])
+
+
+def landings(du: int, dv: int) -> tuple[Landing, ...]:
+    """Where a command leads: straight, or one cell sideways too; a command of (0, 0) leads nowhere, for sure.
+
+    p(+(du, dv)) = 0.8 and p(+(du, dv) + (dv, du)) = p(+(du, dv) - (dv, du)) = 0.1                          (1)
+    """
+    if (du, dv) not in COMMANDS:
+        raise GridFilterError("du, dv", f"({du}, {dv}) is not a move of at most one cell along one axis")
+    if (du, dv) == (0, 0):
+        return (Landing(1.0, 0, 0),)
+    slips = (Landing(P_SLIP, du + dv, dv + du), Landing(P_SLIP, du - dv, dv - du))
+    return (Landing(P_STRAIGHT, du, dv), *slips)
+
+
+def predict(world: GridWorld, belief: ArrayLike, du: int, dv: int) -> Belief:
+    """The belief after the command: sum over x' of p(x | x', u) bel(x'), by (1); who would land on a wall stays.
+
+    Raises GridFilterError.
+    """
+    prior = _checked(world, belief)
+    moved = np.zeros((prior.shape[0] + 2, prior.shape[1] + 2))
+    free = np.pad(world.free, 1)
+    for landing in landings(du, dv):
+        there = _window(landing.dy, landing.dx, prior.shape)
+        leaving = np.where(free[there], prior, 0.0)
+        moved[there] += landing.probability * leaving
+        moved[1:-1, 1:-1] += landing.probability * (prior - leaving)
+    return moved[1:-1, 1:-1]
+
+
+def _window(dy: int, dx: int, shape: tuple[int, ...]) -> tuple[slice, slice]:
+    """In an array with one cell of margin, the cells at (dy, dx) from those of the grid."""
+    return slice(1 + dy, 1 + dy + shape[0]), slice(1 + dx, 1 + dx + shape[1])
+
+
+def correct(world: GridWorld, belief: ArrayLike, scan: ArrayLike, sigma: float) -> Belief:
+    """The belief after a scan (4,): bel(x) times exp(-sum of (z - z_expected(x))^2 / (2 sigma^2)), normalised. (2)
+
+    Computed with logarithms, so that a scan unlike any other still tells cells apart. Raises GridFilterError, and
+    ImpossibleScanError when the belief is zero on every free cell.
+    """
+    prior = _checked(world, belief)
+    seen = np.asarray(scan, dtype=np.float64)
+    if seen.shape != (BEAMS,) or not np.all(np.isfinite(seen)):
+        raise GridFilterError("scan", f"is not an array ({BEAMS},) of finite distances")
+    if not 0.0 < sigma < np.inf:
+        raise GridFilterError("sigma", f"{sigma} is not a positive standard deviation")
+    exponent = -np.sum((seen - world.scans) ** 2, axis=2) / (2.0 * sigma**2)
+    possible = world.free & (prior > 0.0)
+    if not possible.any():
+        raise ImpossibleScanError("belief", "is zero on every free cell")
+    exponent = np.where(possible, exponent, -np.inf)
+    weights = prior * np.exp(exponent - exponent.max())
+    return np.asarray(weights / weights.sum())
+
+
+def _checked(world: GridWorld, belief: ArrayLike) -> Belief:
+    prior = np.asarray(belief, dtype=np.float64)
+    if prior.shape != world.free.shape:
+        raise GridFilterError("belief", f"has shape {prior.shape}, not {world.free.shape}")
+    if not np.all(np.isfinite(prior)) or np.any(prior < 0.0):
+        raise GridFilterError("belief", "holds a number that is not a probability")
+    return prior
+
+
+def sample_move(world: GridWorld, cell: Cell, du: int, dv: int, rng: np.random.Generator) -> Cell:
+    """The free cell (y, x) where a robot that stands in `cell` ends up, drawn from (1)."""
+    outcomes = landings(du, dv)
+    chosen = outcomes[int(rng.choice(len(outcomes), p=[landing.probability for landing in outcomes]))]
+    target = (cell[0] + chosen.dy, cell[1] + chosen.dx)
+    return target if world.is_free(target) else cell
+
+
+def most_likely(belief: Belief) -> Cell:
+    """The cell (y, x) of the greatest probability; the first one in reading order when several share it."""
+    y, x = np.unravel_index(int(np.argmax(belief)), belief.shape)
+    return int(y), int(x)
