@@ -52,7 +52,7 @@ def diagnose(
 
 
 def _compete(one: Misconception, other: Misconception) -> bool:
-    return bool(set(one.functions) & set(other.functions))
+    return one.id != other.id and bool(set(one.functions) & set(other.functions))
 
 
 def _explain(
@@ -93,9 +93,13 @@ def _diagnosis(misconception: Misconception) -> Diagnosis:
     return Diagnosis(misconception.id, misconception.title, explanation)
 
 
-def slip_diagnosis(slips: Sequence[str]) -> Diagnosis | None:
-    """When no misconception of the exercise fits, the usual slip common to the failures, if there is just one."""
-    if len(set(slips)) != 1:
+def slip_diagnosis(slips: Sequence[str | None]) -> Diagnosis | None:
+    """When no misconception of the exercise fits: the usual slip seen in most of the failed checks, if no other was.
+
+    `slips` holds one entry for each failed check, None where no slip explains it.
+    """
+    seen = [slip for slip in slips if slip is not None]
+    if len(set(seen)) != 1 or 2 * len(seen) <= len(slips):
         return None
-    slip = SLIPS[slips[0]]
+    slip = SLIPS[seen[0]]
     return Diagnosis(slip.id, slip.title, f"{slip.explanation}\n\n{slip.question}")

@@ -28,7 +28,10 @@ class MalformedExerciseError(Exception):
 
 @dataclass(frozen=True)
 class Misconception:
-    """A named wrong implementation of `functions`; `source` is a whole submission that makes this mistake."""
+    """A named wrong implementation of `functions`; `source` is a whole submission that makes this mistake.
+
+    Several may share an id: the same mistake leaves other outputs in code that, say, forgets to wrap angles besides.
+    """
 
     id: str
     functions: tuple[str, ...]
@@ -106,24 +109,25 @@ def _misconceptions(folder: Path, solution: str, functions: set[str]) -> Iterato
     except (tomllib.TOMLDecodeError, KeyError) as error:
         raise MalformedExerciseError(path, f"not a list of misconceptions: {error}") from error
     for entry in entries:
-        yield _misconception(folder, path, entry, solution, functions)
+        yield from _misconception(folder, path, entry, solution, functions)
 
 
 def _misconception(
     folder: Path, path: Path, entry: dict[str, Any], solution: str, functions: set[str]
-) -> Misconception:
+) -> Iterator[Misconception]:
     missing = {"id", "functions", "title", "explanation", "question"} - entry.keys()
     if missing:
         raise MalformedExerciseError(path, f"misconception {entry.get('id', '?')} lacks {', '.join(sorted(missing))}")
     unknown = set(entry["functions"]) - functions
     if unknown:
         raise MalformedExerciseError(path, f"{entry['id']} speaks of unknown functions: {sorted(unknown)}")
-    code = _read(folder / "misconceptions" / f"{entry['id']}.py")
-    return Misconception(
-        id=entry["id"],
-        functions=tuple(entry["functions"]),
-        title=entry["title"],
-        explanation=entry["explanation"],
-        question=entry["question"],
-        source=f"{solution}\n\n{code}",
-    )
+    home = folder / "misconceptions"
+    for file in (home / f"{entry['id']}.py", *sorted(home.glob(f"{entry['id']}__*.py"))):
+        yield Misconception(
+            id=entry["id"],
+            functions=tuple(entry["functions"]),
+            title=entry["title"],
+            explanation=entry["explanation"],
+            question=entry["question"],
+            source=f"{solution}\n\n{_read(file)}",
+        )

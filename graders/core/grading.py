@@ -136,7 +136,7 @@ def _diagnosis(
 
     named = diagnose(observations, grader.misconceptions, replay)
     judged = (Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT)
-    return named or slip_diagnosis([f.slip for f in failed if f.slip is not None and f.result.cause in judged])
+    return named or slip_diagnosis([f.slip for f in failed if f.result.cause in judged and f.result.counterexample])
 
 
 def observe(

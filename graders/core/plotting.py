@@ -11,6 +11,7 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 EXPECTED = "#2a78c8"
 OBTAINED = "#d9622b"
@@ -68,8 +69,23 @@ def ink_of(axes: Axes) -> str:
     return str(axes.xaxis.label.get_color())
 
 
+class _FrenchTicks(ScalarFormatter):
+    """Ticks with a decimal comma, whatever the locale of the machine."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        return super().__call__(x, pos).replace(".", ",")
+
+
+def _write_ticks_in_french(figure: Figure) -> None:
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if type(axis.get_major_formatter()) is ScalarFormatter:
+                axis.set_major_formatter(_FrenchTicks())
+
+
 def to_bytes(figure: Figure, extension: str) -> bytes:
     """The figure as a file, "svg" or "png", to be asked for inside `drawing`. Reproducible: no date in it."""
+    _write_ticks_in_french(figure)
     buffer = io.BytesIO()
     metadata = {"Date": None} if extension == "svg" else None
     figure.savefig(buffer, format=extension, metadata=metadata, dpi=144)

@@ -1,0 +1,2 @@
+def inverse(a):
+    return -a

@@ -1,0 +1,2 @@
+def relatif(a, b):
+    return b - a

@@ -1,0 +1,2 @@
+def composer(a, b):
+    return a + b
