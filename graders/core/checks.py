@@ -216,7 +216,8 @@ def drawable(value: Value, shape: tuple[int, ...]) -> Floats | None:
 def fault_rejection(fault: StudentFault, *, inputs: dict[str, Value] | None, expected: Value = None) -> Rejection:
     """A fault of the student's program, told as the finding of a check."""
     where = "".join(f"\n  {frame}" for frame in fault.frames)
-    return Rejection(fault.message + where, inputs=inputs, expected=expected, got=None, cause=fault.outcome)
+    got = f"aucune valeur ({fault.exception})" if fault.exception else "aucune valeur"
+    return Rejection(fault.message + where, inputs=inputs, expected=expected, got=got, cause=fault.outcome)
 
 
 def _same_kind(one: Failure, other: Failure) -> bool:
