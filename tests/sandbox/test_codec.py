@@ -23,6 +23,12 @@ from server.sandbox.child.codec import DTYPES, Limits, Malformed, TooBig, Unsend
 LIMITS = Limits(size=1 << 20, depth=16, items=10_000)
 
 
+def object_array(*items: object) -> Any:
+    array = np.empty(len(items), dtype=object)
+    array[:] = items
+    return array
+
+
 def roundtrip(value: object) -> Any:
     return decode(encode(value, LIMITS), LIMITS)
 
@@ -116,6 +122,7 @@ class _Arraylike:
         (np.array([1, 2.5], dtype=object), np.array([1.0, 2.5])),
         (np.array([True, False], dtype=object), np.array([True, False])),
         (np.array([1, 2j], dtype=object), np.array([1, 2j])),
+        (object_array(np.eye(2), np.ones(2)), [np.eye(2), np.ones(2)]),
         (np.array([1.5], dtype=np.longdouble), np.array([1.5])),
         (np.array([1.5, 2.5], dtype=">f8"), np.array([1.5, 2.5])),
         (np.arange(2.0).view(_Subclass), np.arange(2.0)),
