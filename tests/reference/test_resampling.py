@@ -2,6 +2,7 @@
 
 import math
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -69,7 +70,7 @@ def test_copies_average_to_the_share_over_all_offsets(weights: list[int]) -> Non
     n, total = len(weights), sum(weights)
     steps = sorted({Fraction(n * sum(weights[:i]), total) % 1 for i in range(n)} | {Fraction(0), Fraction(1)})
     mean = np.zeros(n)
-    for low, high in zip(steps, steps[1:], strict=False):
+    for low, high in pairwise(steps):
         mean += float(high - low) * comb(weights, float((low + high) / 2)).copies
     assert np.allclose(mean, n * np.array(weights) / total, atol=1e-9)
 
@@ -123,7 +124,6 @@ def test_effective_sample_size_against_exact_fractions(weights: list[int]) -> No
         [[1.0]],
         1.0,
         [0.0, 0.0],
-        [1e-400, 0.0],
         [0.5, math.nan],
         [math.nan],
         [1.5, -0.5],

@@ -120,28 +120,26 @@ def _faulty(scenario: Scenario, faults: list[StudentFault], *, always: bool) -> 
 
 def _read(scenario: Scenario, value: Value) -> Floats | Finding:
     """The value as an array (N, d), or what is wrong with it."""
-    if isinstance(value, tuple) and len(value) == 2 and np.shape(value[1]) == (scenario.size,):
-        return _pair(scenario, value)
     try:
         array = read_array(value)
     except UnreadableError as error:
+        if _with_weights(scenario, value):
+            message = "La fonction renvoie un couple (particules, poids) : on attend les particules seules."
+            return _misread(scenario, "couple", message, value, cause=Outcome.INVALID_OUTPUT)
         mismatch = unreadable(error)
         return _misread(scenario, "illisible", mismatch.message, value, cause=mismatch.cause)
-    if array.shape != scenario.particles.shape:
-        return _misshapen(scenario, array)
-    return array
+    return array if array.shape == scenario.particles.shape else _misshapen(scenario, array)
 
 
-def _pair(scenario: Scenario, value: Value) -> Finding | Floats:
-    """(particles, weights) instead of the particles alone; two particles in a tuple are just a container."""
+def _with_weights(scenario: Scenario, value: Value) -> bool:
+    """Is this the particles together with their new weights?"""
+    if not isinstance(value, tuple | list) or len(value) != 2:
+        return False
     try:
-        array = read_array(value)
+        shapes = tuple(read_array(item).shape for item in value)
     except UnreadableError:
-        array = None
-    if array is not None and array.shape == scenario.particles.shape:
-        return array
-    message = "La fonction renvoie un couple (particules, poids) : on attend les particules seules."
-    return _misread(scenario, "couple", message, value, cause=Outcome.INVALID_OUTPUT)
+        return False
+    return shapes == (scenario.particles.shape, scenario.weights.shape)
 
 
 def _misshapen(scenario: Scenario, array: Floats) -> Finding:

@@ -42,7 +42,7 @@ def inexact(harvest: Harvest) -> Finding | None:
     found = out_of_bounds(harvest)
     if found is None:
         return None
-    label = f"toujours {_counts_text(harvest.copies[0])}" if harvest.constant else "variable"
+    label = _always(harvest) if harvest.constant else "variable"
     return Finding(label, found.rejection)
 
 
@@ -131,7 +131,7 @@ def _bias_label(harvest: Harvest, total: Counts, few: Counts, many: Counts) -> s
         signs = np.select([total < few, total > many], ["-", "+"], default="0")
         return f"biais {''.join(signs.tolist())}"
     first = harvest.copies[0]
-    return "peigne figé" if is_comb(harvest.scenario.weights, first) else f"toujours {_counts_text(first)}"
+    return "peigne figé" if is_comb(harvest.scenario.weights, first) else _always(harvest)
 
 
 def is_comb(weights: Floats, copies: Counts) -> bool:
@@ -165,8 +165,10 @@ def _means_text(means: Floats) -> str:
     return "copies par appel, en moyenne : " + " ; ".join(render.number(float(m), 3) for m in means)
 
 
-def _counts_text(copies: Counts) -> str:
-    return " ".join(str(c) for c in copies[:SHOWN])
+def _always(harvest: Harvest) -> str:
+    """The copies that every call gives, whichever of equal weights they fall on."""
+    pairs = zip(harvest.scenario.weights, harvest.copies[0], strict=True)
+    return "toujours " + " ; ".join(f"{n} de poids {w:.4f}" for w, n in sorted(pairs, reverse=True) if n)
 
 
 def comb_figure(scenario: Scenario, obtained: Counts | Floats, i: int, legend: str) -> FigureData:

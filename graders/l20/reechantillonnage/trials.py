@@ -21,11 +21,10 @@ Judge = Callable[[Harvest], Finding | None]
 def particles(rng: np.random.Generator, n: int, d: int) -> Floats:
     """n distinct rows (n, d): whole numbers when they are few, else multiples of STEP, exact in float32 too."""
     step = 1.0 if n <= 5 else STEP
-    reach = 9 if n <= 5 else int(REACH / STEP)
-    rows = rng.integers(-reach + 1, reach, (n, d))
-    while len(np.unique(rows, axis=0)) < n:
-        rows = rng.integers(-reach + 1, reach, (n, d))
-    return step * rows.astype(np.float64)
+    reach = 9 if n <= 5 else int(REACH / STEP) - 1
+    side = 2 * reach + 1
+    rows = np.unravel_index(rng.choice(side**d, n, replace=False), (side,) * d)
+    return np.stack(rows, axis=1).astype(np.float64) * step - reach * step
 
 
 def scenario(rng: np.random.Generator, weights: Iterable[float], *, d: int = 1, calls: int = 1) -> Scenario:
