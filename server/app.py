@@ -34,6 +34,7 @@ from server.worker.supervisor import WORKER_COMMAND, Supervisor
 log = logging.getLogger(__name__)
 
 DAY = 86400
+RECOVER_EVERY = 3.0  # seconds
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ class Services:
 
     async def keep_recovering(self) -> None:
         while True:
-            await asyncio.sleep(self.settings.lease_seconds / 3)
+            await asyncio.sleep(min(RECOVER_EVERY, self.settings.lease_seconds / 3))
             try:
                 await run_in_threadpool(self.recover)
             except Exception:

@@ -51,23 +51,27 @@ def _leave(_signal: int, _frame: FrameType | None) -> None:
 
 
 class Server(uvicorn.Server):
-    """uvicorn, which says when it is ready."""
+    """uvicorn, which says when it is ready, and when it begins to stop (open streams would keep it from ending)."""
 
-    def __init__(self, config: uvicorn.Config, ready: Callable[[], None]) -> None:
+    def __init__(self, config: uvicorn.Config, ready: Callable[[], None], stopping: Callable[[], None]) -> None:
         super().__init__(config)
-        self._ready = ready
+        self._ready, self._stopping = ready, stopping
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         if self.started:
             self._ready()
 
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self._stopping()
+        await super().shutdown(sockets)
+
 
 def _serve(app: FastAPI, listener: socket.socket, ready: Callable[[], None]) -> None:
     config = uvicorn.Config(
         app, log_config=None, access_log=False, timeout_graceful_shutdown=GRACE, server_header=False
     )
-    server = Server(config, ready)
+    server = Server(config, ready, app.state.events.close)
     server.run([listener])
     if not server.started:
         raise CannotRun("le service n’a pas pu démarrer (voir les messages ci-dessus).")

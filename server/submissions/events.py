@@ -32,6 +32,12 @@ class Events:
     def __init__(self) -> None:
         self._watchers: dict[UUID, set[asyncio.Event]] = defaultdict(set)
         self._moving = False
+        self._closed = False
+
+    def close(self) -> None:
+        """Ends every watch, as the server stops: browsers come back by themselves."""
+        self._closed = True
+        self._moved()
 
     def changed(self, submission_id: UUID) -> None:
         """A submission has changed state: its watchers look at once, the others soon (their place has moved)."""
@@ -61,7 +67,8 @@ class Events:
                 del self._watchers[submission_id]
 
     async def follow(self, submission_id: UUID, read: Callable[[], S]) -> AsyncIterator[S]:
-        """Yields what `read` gives (called in a thread) at first, then each time that it differs, until it is done."""
+        """Yields what `read` gives (called in a thread) at first, then each time that it differs, until it is done
+        (or the server stops)."""
         with self._watch(submission_id) as event:
             latest: S | None = None
             while True:
@@ -70,7 +77,7 @@ class Events:
                 if snapshot != latest:
                     yield snapshot
                     latest = snapshot
-                if snapshot.done:
+                if snapshot.done or self._closed:
                     return
                 await _wait(event, SAFETY_POLL)
 

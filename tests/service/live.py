@@ -56,7 +56,8 @@ class Live:
 
     def __init__(self, data: Path, **values: str) -> None:
         command = [sys.executable, "-m", "server", "serve", "--port", "0", "--data", str(data)]
-        self._errors = (data.parent / "errors.log").open("a")
+        self.errors = data.parent / "errors.log"
+        self._errors = self.errors.open("a")
         self.process = subprocess.Popen(
             command, stdout=subprocess.PIPE, stderr=self._errors, text=True, env=environment(**values)
         )

@@ -149,3 +149,4 @@ def stop_while_someone_watches(live: Live, headers: dict[str, str]) -> None:
         assert live.process.wait(20) == 0
     live.close()
     until(lambda: not any(map(alive, below)), "nothing is left running")
+    assert "Traceback" not in live.errors.read_text()

@@ -179,6 +179,17 @@ def test_nothing_is_kept_of_watchers_who_leave() -> None:
     assert asyncio.run(main()) == {}
 
 
+def test_a_stopping_server_ends_the_watches() -> None:
+    async def main() -> list[int]:
+        events = Events()
+        watching = asyncio.create_task(collect(events.follow(uuid4(), lambda: Count(0))))
+        await asyncio.sleep(0.05)
+        events.close()
+        return await asyncio.wait_for(watching, 20)
+
+    assert asyncio.run(main()) == [0]
+
+
 def test_an_event_of_several_lines_stays_one_event() -> None:
     async def main() -> list[str]:
         async def one() -> AsyncIterator[Count]:
