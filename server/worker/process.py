@@ -1,6 +1,7 @@
 """What a worker process does first, and how it is put together."""
 
 import ctypes
+import gc
 import logging
 import os
 import signal
@@ -49,6 +50,7 @@ def start_logging(name: str) -> None:
 def run(settings: Settings, work: WorkSource, signals: Signals) -> None:
     """Grades with the real catalogue and sandbox until told to stop."""
     catalogue = load(render=False)
+    gc.freeze()  # what is loaded stays: no collection needs to look at it again
     database = Database(settings.url, {"settings": settings, "signals": signals})
     with closing(database), Sandbox(catalogue.kits) as sandbox:
         grader = Grader(catalogue, sandbox)
