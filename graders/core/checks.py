@@ -23,6 +23,9 @@ from graders.core.verdict import Outcome
 
 FigureData = dict[str, Any]
 
+# A function that raised that often has shown enough; each fault may have cost a large part of its time limit.
+MAX_FAULTS = 4
+
 
 class Rejection(Exception):
     """A check's finding against the submission, with what was given, expected and obtained.
@@ -142,11 +145,14 @@ class Cases(Check):
 
     def run(self, bench: Bench) -> None:
         first: Failure | None = None
+        faults = 0
         for args in self.cases(bench.rng):
             failure = self._try(bench, args, record=True)
             first = first or failure
-            if failure and failure.fault and (failure.fault.fatal or failure.fault.outcome is Outcome.MISSING_FUNCTION):
-                break
+            if failure and failure.fault:
+                faults += 1
+                if failure.fault.fatal or failure.fault.outcome is Outcome.MISSING_FUNCTION or faults == MAX_FAULTS:
+                    break
         if first is not None:
             raise self._rejection(self._shrunk(bench, first))
 
