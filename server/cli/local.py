@@ -29,10 +29,13 @@ def _known(catalogue: Catalogue) -> str:
 Probing = Future[list[WallReport]]
 
 
-def start_probing() -> Probing:
-    """Probes the sandbox's walls in a thread (it takes seconds, mostly waiting) while other things are read."""
+def start_probing(*, slow: bool = True) -> Probing:
+    """Probes the sandbox's walls in a thread (it takes seconds, mostly waiting) while other things are read.
+
+    A command that runs one file of its user leaves out the `slow` attempts, which wait for a time limit.
+    """
     pool = ThreadPoolExecutor(1)
-    probing = pool.submit(probe)
+    probing = pool.submit(probe, slow=slow)
     pool.shutdown(wait=False)
     return probing
 
