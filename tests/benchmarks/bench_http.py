@@ -72,11 +72,14 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=200)
     arguments = parser.parse_args()
     code = arguments.file.read_text(encoding="utf-8")
-    with tempfile.TemporaryDirectory() as folder, server(Path(folder)) as address:
-        with httpx.Client(base_url=address, timeout=60) as client:
-            client.headers["Authorization"] = f"Bearer {new_token(client)}"
-            times(client, arguments.exercise, code, WARM_UP)
-            whole, grading = times(client, arguments.exercise, code, arguments.count)
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        server(Path(folder)) as address,
+        httpx.Client(base_url=address, timeout=60) as client,
+    ):
+        client.headers["Authorization"] = f"Bearer {new_token(client)}"
+        times(client, arguments.exercise, code, WARM_UP)
+        whole, grading = times(client, arguments.exercise, code, arguments.count)
     print(summary("submit to verdict", whole))
     print(summary("of which grading", grading))
 

@@ -58,12 +58,12 @@ def test_what_cannot_be_graded_has_its_own_status(right: Path, tmp_path: Path, m
     assert main(["grade", EXERCISE, str(tmp_path)]) == 2
     assert "dossier" in capsys.readouterr().err
     hole = WallReport("seccomp", WallStatus.MISSING, "rien n’a été refusé", required=True)
-    monkeypatch.setattr("server.cli.local.probe", lambda: [hole])
+    monkeypatch.setattr("server.cli.local.probe", lambda **_: [hole])
     assert main(["grade", EXERCISE, str(right)]) == 2
     assert "rien n’a été refusé" in capsys.readouterr().err
     assert main(["serve", "--port", "0", "--data", str(tmp_path / "data")]) == 2
     assert "rien n’a été refusé" in capsys.readouterr().err
-    monkeypatch.setattr("server.cli.doctor.probe", lambda: [hole])
+    monkeypatch.setattr("server.cli.doctor.probe", lambda **_: [hole])
     assert main(["doctor"]) == 1
     assert "✗ seccomp" in capsys.readouterr().out
 

@@ -118,7 +118,7 @@ def _encode_array(writer: _Writer, value: Array, depth: int, place: str) -> None
         raise TooBig("depth")
     if plain.size * plain.itemsize > writer.limits.size:
         raise TooBig("size")
-    if plain.dtype.kind == "O" and any(isinstance(item, (list, tuple, np.ndarray)) for item in plain.flat):
+    if plain.dtype.kind == "O" and any(isinstance(item, np.ndarray) for item in plain.flat):
         return _encode_list(writer, list(plain), depth, place)
     plain = _listed_dtype(plain, place)
     shape = struct.pack(f"<BB{plain.ndim}I", DTYPE_CODE[plain.dtype], plain.ndim, *plain.shape)
