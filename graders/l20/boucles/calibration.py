@@ -1,0 +1,137 @@
+"""Finding a threshold that separates, by the student's own function alone.
+
+What is found grows with the threshold, in any norm. So a threshold at which some scan of the same place is missing
+while one of another place is found proves that none separates; otherwise one of the two says which way to go, and
+a bisection on the logarithm of the threshold closes in. Powers of ten from -30 to 30 hold every distance that a
+signature of distances, of its powers and of its products has; a gap of a factor 2 is met in at most eight steps.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from graders.core.bench import Bench
+from graders.core.values import UnreadableError, Value, read_indices
+from graders.l20.boucles.readings import is_mask
+from graders.l20.boucles.walks import GAP, Walk
+
+HUGE = 1e30
+NARROW = 1e-4
+FUNCTION = "candidats_boucle"
+
+
+class Outcome(StrEnum):
+    """How a search ended; the words are those that a diagnosis compares."""
+
+    FOUND = "séparés"
+    MIXED = "mélangés"
+    NEVER = "jamais trouvé"
+    ALWAYS = "toujours trouvé"
+    REVERSED = "à l'envers"
+    UNREADABLE = "illisible"
+
+
+@dataclass(frozen=True)
+class Search:
+    """The end of a search on `walk`: at `threshold`, from scan `query`, `missed` and `wrong` are scans at fault."""
+
+    walk: Walk
+    outcome: Outcome
+    threshold: float
+    query: int
+    found: tuple[int, ...] = ()
+    missed: int | None = None
+    wrong: int | None = None
+    wrong_from: int | None = None
+    got: Value = None
+    reason: str = ""
+
+    @property
+    def hopeless(self) -> bool:
+        """Too low and too high at once: no threshold separates."""
+        return self.missed is not None and self.wrong is not None
+
+
+def calibrate(bench: Bench, walk: Walk) -> Search:
+    """Look for one threshold > 0 that separates for every query of the walk. Raises StudentFault."""
+    most = _ask(bench, walk, walk.queries[0], HUGE)
+    if most.outcome is Outcome.UNREADABLE:
+        return most
+    if most.missed is not None:
+        return _lost(bench, most)
+    search = _bisect(bench, walk)
+    if search.outcome is not Outcome.MIXED:
+        return search
+    # A distance that other places always meet (zero, or negative) is another mistake than one too blunt.
+    least = _try(bench, walk, 1.0 / HUGE)
+    return search if least.wrong is None else replace(least, outcome=Outcome.ALWAYS, missed=None)
+
+
+def _lost(bench: Bench, most: Search) -> Search:
+    """The largest threshold misses something: is it that the smallest one finds more?"""
+    least = _ask(bench, most.walk, most.query, 1.0 / HUGE)
+    reversed_ = least.wrong is not None and len(least.found) > len(most.found)
+    return replace(least, outcome=Outcome.REVERSED) if reversed_ else replace(most, outcome=Outcome.NEVER)
+
+
+def _bisect(bench: Bench, walk: Walk) -> Search:
+    low, high = 1.0 / HUGE, HUGE
+    too_low: Search | None = None
+    too_high: Search | None = None
+    while math.log10(high / low) > NARROW:
+        found = _try(bench, walk, math.sqrt(low * high))
+        if found.outcome is not Outcome.MIXED or found.hopeless:
+            return found
+        if found.missed is not None:
+            low, too_low = found.threshold, found
+        else:
+            high, too_high = found.threshold, found
+    return _closed(too_low, too_high)
+
+
+def _closed(too_low: Search | None, too_high: Search | None) -> Search:
+    """The bisection has closed on the border between missing and too many, or on an end of the range."""
+    if too_low is not None and too_high is not None:
+        return _joined(too_low, too_high)
+    end = too_low or too_high
+    assert end is not None, "the bisection took no step"
+    return replace(end, outcome=Outcome.NEVER if end is too_low else Outcome.ALWAYS)
+
+
+def _try(bench: Bench, walk: Walk, threshold: float) -> Search:
+    """One threshold, every query. MIXED with only `missed` is too low, with only `wrong` too high."""
+    worst: Search | None = None
+    for i in walk.queries:
+        one = _ask(bench, walk, i, threshold)
+        if one.outcome is Outcome.UNREADABLE or one.hopeless:
+            return one
+        if one.outcome is Outcome.FOUND:
+            continue
+        if worst is not None and (worst.missed is None) != (one.missed is None):
+            return _joined(*((worst, one) if one.missed is None else (one, worst)))
+        worst = one
+    return worst or Search(walk, Outcome.FOUND, threshold, walk.queries[0])
+
+
+def _joined(blind: Search, greedy: Search) -> Search:
+    """Too low for one query and too high for another, or on either side of the border: no threshold separates."""
+    return replace(blind, wrong=greedy.wrong, wrong_from=greedy.wrong_from)
+
+
+def _ask(bench: Bench, walk: Walk, i: int, threshold: float) -> Search:
+    got = bench.call(FUNCTION, walk.scans, i, threshold)
+    try:
+        indices = read_indices(got)
+    except UnreadableError as error:
+        return Search(walk, Outcome.UNREADABLE, threshold, i, got=got, reason=str(error))
+    if is_mask(got):
+        reason = "la fonction renvoie des booléens et non des indices"
+        return Search(walk, Outcome.UNREADABLE, threshold, i, got=got, reason=reason)
+    # The window of allowed indices has its own check: here only the scans well before i are judged.
+    found = {j for j in indices if 0 <= j <= i - GAP}
+    wanted = set(walk.same_place(i))
+    missed, wrong = min(wanted - found, default=None), min(found - wanted, default=None)
+    outcome = Outcome.FOUND if missed is None and wrong is None else Outcome.MIXED
+    return Search(walk, outcome, threshold, i, tuple(sorted(found)), missed, wrong, i, got)

@@ -1,0 +1,122 @@
+"""l20/boucles: recognising a place by a signature that ignores the heading (course exercise 4).
+
+Any descriptor and any norm may be chosen, so nothing is compared with a reference. `signature` is asked to be the same
+when the scan is shifted and not to be constant. `candidats_boucle` is asked, with a threshold beyond any distance, for
+exactly the scans of its window; then, on walks, for a threshold that separates the visits of one place from the other
+places. That threshold is found by bisection on the student's own answers (`calibration`): what is found grows with the
+threshold in every norm, so that the search is exact and a scale is never assumed. One threshold must serve all the
+queries of one walk, no more. The window being judged apart, walks judge only the scans j <= i - 10, and hold no match
+at i - 10 itself: one mistake costs its own check.
+
+Why no honest submission is rejected. Walks are made of places that 29 usual descriptors (`family`: amplitudes and
+powers of Fourier, autocorrelations, sorted distances, histograms with fixed or adaptive boxes, two statistics or more,
+the scan turned to its longest or shortest ray) separate in each of 4 distances, with all the noise of the walk and a
+factor 2 in hand; a walk that does not is drawn again. Shifted scans are exact copies, no ray is at the end of the
+range, the longest and the shortest ray are unique. The search itself is exact, so that only places which a descriptor
+outside the family sees otherwise could cause a false alarm. Measured on 49 descriptors and 9 distances in ordinary
+code (`tests/graders/boucles_styles.py`), many of them outside the family: 10 553 gradings over 115 seeds, none
+rejected. The tests run a part of
+these.
+
+Why one number is not enough. In a trap, two places have the same mean (standard deviation, longest ray), and the noise
+is drawn so that by this number the other place is nearer than the same place: no threshold can separate. A signature
+of length 1 is also put to a trap made for its own values.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graders.core.checks import Trial, Untouched
+from graders.core.exercise import exercise
+from graders.core.shrink import Arguments
+from graders.l20 import world
+from graders.l20.boucles import trials
+from graders.l20.boucles.places import BEAMS
+
+SIGNATURE = ("signature",)
+CANDIDATES = ("candidats_boucle",)
+BOTH = SIGNATURE + CANDIDATES
+
+
+def arguments_to_keep(rng: np.random.Generator) -> dict[str, Arguments]:
+    scans = rng.uniform(1.0, 9.0, (13, BEAMS))
+    return {"signature": (scans[0],), "candidats_boucle": (scans, 12, 1.0)}
+
+
+CHECKS = (
+    Trial(
+        id="signature_exemple",
+        title="Signature : les mêmes distances décalées d'un rayon",
+        points=2,
+        functions=SIGNATURE,
+        protocol=trials.example,
+        hint="Votre résultat dépend-il de l'ordre dans lequel les 36 distances sont rangées ?",
+    ),
+    Trial(
+        id="signature_rotation",
+        title="Signature : le robot tourne sur place",
+        points=3,
+        functions=SIGNATURE,
+        protocol=trials.rotation,
+        hint="Tourner de 10° décale le scan d'un cran : quelles quantités calculées sur le scan restent les mêmes ?",
+    ),
+    Trial(
+        id="fenetre",
+        title="Candidats : tous les j ≤ i − 10, et eux seuls",
+        points=3,
+        functions=CANDIDATES,
+        protocol=trials.window,
+        hint="Avec i = 10, quel est le seul candidat possible ? Et avec i = 9 ?",
+    ),
+    Trial(
+        id="lieux",
+        title="Même endroit trouvé, autres endroits non",
+        points=3,
+        functions=BOTH,
+        protocol=trials.places,
+        hint="Quelle distance sépare les signatures de deux scans du même endroit ? Et de deux endroits différents ?",
+    ),
+    Trial(
+        id="autre_carte",
+        title="Sur une autre carte",
+        points=1,
+        functions=BOTH,
+        protocol=trials.other_places,
+        hint="Votre code emploie-t-il des nombres qui ne valent que pour la carte du module ?",
+    ),
+    Trial(
+        id="bruit",
+        title="Avec des scans bruités",
+        points=3,
+        functions=BOTH,
+        protocol=trials.noisy_places,
+        hint="Deux scans bruités du même endroit ne sont jamais égaux : comparez-vous une distance au seuil ?",
+    ),
+    Trial(
+        id="sosies",
+        title="Des endroits qui se ressemblent",
+        points=4,
+        functions=BOTH,
+        protocol=trials.traps,
+        hint="Votre signature contient-elle assez de nombres pour décrire un lieu ?",
+    ),
+    Untouched(
+        id="arguments",
+        title="Les scans donnés restent intacts",
+        points=1,
+        functions=BOTH,
+        names={"signature": ("scan",), "candidats_boucle": ("scans", "i", "seuil")},
+        inputs=arguments_to_keep,
+        hint="scan.sort() trie le tableau reçu ; que fait np.sort(scan) ?",
+    ),
+)
+
+GRADER = exercise(
+    __package__ or "graders.l20.boucles",
+    __file__,
+    "l20/boucles",
+    functions=BOTH,
+    checks=CHECKS,
+    kit=world.kit,
+)

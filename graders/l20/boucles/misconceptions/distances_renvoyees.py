@@ -1,0 +1,4 @@
+def candidats_boucle(scans, i, seuil):
+    reference = signature(scans[i])
+    distances = [np.linalg.norm(signature(scans[j]) - reference) for j in range(i - 9)]
+    return [d for d in distances if d <= seuil]

@@ -1,0 +1,2 @@
+def signature(scan):
+    return np.fft.fft(scan)

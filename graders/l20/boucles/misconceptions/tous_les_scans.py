@@ -1,0 +1,3 @@
+def candidats_boucle(scans, i, seuil):
+    reference = signature(scans[i])
+    return [j for j in range(len(scans)) if np.linalg.norm(signature(scans[j]) - reference) <= seuil]

@@ -1,0 +1,109 @@
+"""How a failed search for a threshold is told to the student, and the data of the drawings."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graders.core import render
+from graders.core.bench import Bench
+from graders.core.checks import FigureData, Rejection
+from graders.core.program import StudentFault
+from graders.core.values import Floats, Value
+from graders.core.verdict import Outcome as Cause
+from graders.l20.boucles.calibration import Outcome, Search
+from graders.l20.boucles.readings import Unsuitable, read_signature
+from graders.l20.boucles.walks import Walk, lidar_call
+
+DRAWABLE = 1e12
+LONGEST_DRAWN = 400
+
+
+def tell(search: Search, remark: str, figure: FigureData | None) -> Rejection:
+    """A failed search as a finding: from which scan, with which threshold, which scan is missing or too many."""
+    if search.outcome is Outcome.UNREADABLE:
+        return Rejection(
+            f"candidats_boucle ne convient pas : {search.reason}.",
+            inputs={"scans": f"{len(search.walk.scans)} scans", "i": search.query, "seuil": search.threshold},
+            expected="une liste d'indices entiers",
+            got=search.got,
+            cause=Cause.INVALID_OUTPUT,
+        )
+    return Rejection(
+        _sentence(search) + remark,
+        inputs=_inputs(search),
+        expected=search.walk.same_place(search.query),
+        got=list(search.found),
+        figure=figure,
+    )
+
+
+def _sentence(search: Search) -> str:
+    i, missed, wrong = search.query, search.missed, search.wrong
+    if search.outcome is Outcome.NEVER:
+        return (
+            f"Depuis le scan {i}, le scan {missed}, pris au même endroit avec un autre cap, n'est pas trouvé, "
+            "même avec un seuil immense."
+        )
+    if search.outcome is Outcome.REVERSED:
+        return (
+            f"Depuis le scan {i}, un seuil minuscule trouve le scan {wrong}, pris ailleurs, et un seuil immense trouve "
+            "moins de scans : plus le seuil est grand, plus il doit y avoir de candidats."
+        )
+    if search.outcome is Outcome.ALWAYS:
+        seen = f"Depuis le scan {search.wrong_from}, le scan {wrong}, pris ailleurs,"
+        return f"{seen} est trouvé même avec un seuil minuscule."
+    seen_from = "" if search.wrong_from in (None, i) else f" depuis le scan {search.wrong_from}"
+    return (
+        f"Aucun seuil ne convient. Avec {render.number(search.threshold, 3)}, depuis le scan {i}, le scan {missed} "
+        f"(même endroit, autre cap) manque encore, alors que{seen_from} le scan {wrong} (autre endroit) "
+        "est déjà trouvé, ou l'est pour un seuil à peine plus grand."
+    )
+
+
+def _inputs(search: Search) -> dict[str, Value]:
+    walk, i = search.walk, search.query
+    inputs: dict[str, Value] = {f"scan {i}": _shown(walk, i)}
+    if search.missed is not None:
+        inputs[f"scan {search.missed} (même endroit)"] = _shown(walk, search.missed)
+    if search.wrong is not None:
+        inputs[f"scan {search.wrong} (autre endroit)"] = _shown(walk, search.wrong)
+    return {**inputs, "i": i, "seuil": search.threshold}
+
+
+def _shown(walk: Walk, j: int) -> str:
+    return lidar_call(walk.poses[j], walk.noise)
+
+
+def rotation_figure(scan: Floats, shifted: Floats, one: Floats, other: Floats) -> FigureData:
+    """A scan and the same one shifted, with the student's signatures of both."""
+    rows = [("le scan", scan, one), ("le même, décalé", shifted, other)]
+    return {
+        "kind": "rotation",
+        "scans": [{"name": name, "scan": z, "signature": _drawable(s)} for name, z, s in rows],
+    }
+
+
+def places_figure(bench: Bench, search: Search) -> FigureData:
+    """The scan asked about, the one missed and the one wrongly found, and where these stand in the walk."""
+    walk, i = search.walk, search.query
+    here = walk.same_place(i)
+    same = search.missed if search.missed is not None else here[0]
+    rows = [(f"scan {i}", i), (f"scan {same}, même endroit", same)]
+    if search.wrong is not None:
+        rows.append((f"scan {search.wrong}, ailleurs", search.wrong))
+    scans = [{"name": name, "scan": walk.scans[j], "signature": _asked(bench, walk.scans[j])} for name, j in rows]
+    timeline = {"count": len(walk.scans), "query": i, "expected": here, "found": list(search.found)}
+    return {"kind": "places", "scans": scans, "timeline": timeline, "threshold": search.threshold}
+
+
+def _asked(bench: Bench, scan: Floats) -> Floats | None:
+    try:
+        found = read_signature(bench.call("signature", scan))
+    except StudentFault:
+        return None
+    return None if isinstance(found, Unsuitable) else _drawable(found)
+
+
+def _drawable(signature: Floats) -> Floats | None:
+    sane = signature.size <= LONGEST_DRAWN and bool(np.all(np.abs(signature) < DRAWABLE))
+    return signature if sane else None

@@ -1,0 +1,292 @@
+"""The protocols of l20/boucles: what is asked of `signature` and of `candidats_boucle`, and how a failure is told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+
+from graders.core.bench import Bench
+from graders.core.checks import FigureData, Rejection
+from graders.core.compare import SameIndices
+from graders.core.program import StudentFault
+from graders.core.values import Floats, UnreadableError, Value, read_array, read_indices
+from graders.core.verdict import Outcome
+from graders.l20 import world
+from graders.l20.boucles import calibration, family
+from graders.l20.boucles.calibration import HUGE, Search, calibrate
+from graders.l20.boucles.places import BEAMS, Pool, Rng, module_pool, other_map
+from graders.l20.boucles.readings import apart, habits, is_mask, signature, tolerance
+from graders.l20.boucles.stories import places_figure, rotation_figure, tell
+from graders.l20.boucles.walks import Statistic, Walk, draw_trap, draw_walk, lidar_call, turned
+from reference.loop_closure import loop_candidates
+
+SPARE_POOLS = 8
+SHIFTS = (1, 7, 18, 35)
+WINDOWS = ((11, 10), (13, 12), (13, 9), (13, 3), (12, 0), (24, 11), (24, 23))
+"""(m, i): how many scans there are, and the one from which to look back."""
+
+TRAPS: dict[str, Statistic] = {
+    "la même moyenne": family.mean,
+    "le même rayon le plus long": family.longest,
+    "le même écart-type": family.std,
+}
+
+# Two scans that can be written by hand: distinct distances, one longest and one shortest ray.
+RAMP = 1.0 + np.arange(BEAMS) / 4.0
+BOWL = 1.0 + np.arange(BEAMS) ** 2 / 150.0
+
+
+def example(bench: Bench) -> None:
+    """The scan of the statement, turned by one ray and by a quarter of a turn, then a scan of another place."""
+    here, elsewhere = signature(bench, RAMP), signature(bench, BOWL)
+    shifted = {k: signature(bench, np.roll(RAMP, k)) for k in (1, 9)}
+    moved = [k for k, found in shifted.items() if apart(here, found) > tolerance(here, elsewhere)]
+    same = apart(here, elsewhere) <= 1e-9 * max(1e-6, float(np.max(np.abs(here))))
+    bench.observe("signature", "change" if moved else "constante" if same else "convient", ok=not moved and not same)
+    if moved:
+        raise Rejection(
+            f"Les mêmes distances, décalées de {moved[0]} rayon{'s' if moved[0] > 1 else ''}, "
+            "donnent une autre signature.",
+            inputs={"scan": RAMP, "scan décalé": f"np.roll(scan, {moved[0]})"},
+            expected=here,
+            got=shifted[moved[0]],
+            figure=rotation_figure(RAMP, np.roll(RAMP, moved[0]), here, shifted[moved[0]]),
+        )
+    if same:
+        raise Rejection(
+            "Deux scans sans rien de commun ont la même signature : elle ne distingue aucun lieu.",
+            inputs={"scan 1": RAMP, "scan 2": BOWL},
+            expected="deux signatures différentes",
+            got=here,
+        )
+
+
+def rotation(bench: Bench) -> None:
+    """Three places of the map: any heading gives the same signature, another place gives another one."""
+    pool = _pool(bench)
+    chosen = bench.rng.choice(len(pool.poses), 4, replace=False)
+    rejections = [_turn(bench, pool, int(p), int(q)) for p, q in pairwise(chosen)]
+    for rejection in rejections:
+        if rejection is not None:
+            raise rejection
+
+
+def _turn(bench: Bench, pool: Pool, place: int, other: int) -> Rejection | None:
+    scan, elsewhere = pool.scans[place], pool.scans[other]
+    here, there = signature(bench, scan), signature(bench, elsewhere)
+    for k in SHIFTS:
+        found = signature(bench, np.roll(scan, -k))
+        if apart(here, found) > tolerance(here, there):
+            bench.observe("signature", habits(bench, scan, elsewhere), ok=False)
+            return _changed(pool.poses[place], scan, k, here, found)
+    distinct = apart(here, there) > 1e-9 * max(1e-6, float(np.max(np.abs(here))))
+    bench.observe("signature", "invariante" if distinct else "constante", ok=distinct)
+    return None if distinct else _constant(pool.poses[place], pool.poses[other], here)
+
+
+def _changed(pose: Floats, scan: Floats, k: int, here: Floats, found: Floats) -> Rejection:
+    return Rejection(
+        f"Le robot tourne sur place de {10 * k}° et sa signature change : elle dépend encore du cap.",
+        inputs={"scan 1": lidar_call(pose), "scan 2": lidar_call(turned(pose, k))},
+        expected=here,
+        got=found,
+        figure=rotation_figure(scan, np.roll(scan, -k), here, found),
+    )
+
+
+def _constant(pose: Floats, other: Floats, here: Floats) -> Rejection:
+    return Rejection(
+        "Deux lieux différents ont exactement la même signature.",
+        inputs={"scan 1": lidar_call(pose), "scan 2": lidar_call(other)},
+        expected="deux signatures différentes",
+        got=here,
+    )
+
+
+def window(bench: Bench) -> None:
+    """With a threshold beyond any distance, exactly the scans j <= i - 10 are candidates."""
+    pool = _pool(bench)
+    scans = pool.scans[bench.rng.choice(len(pool.scans), 24, replace=False)]
+    rejections = [_look_back(bench, scans[:m], i) for m, i in WINDOWS]
+    for rejection in rejections:
+        if rejection is not None:
+            raise rejection
+
+
+def _look_back(bench: Bench, scans: Floats, i: int) -> Rejection | None:
+    expected = [int(j) for j in loop_candidates(scans, i, HUGE).indices]
+    try:
+        got = bench.call(calibration.FUNCTION, scans, i, HUGE)
+    except StudentFault as fault:
+        bench.observe(calibration.FUNCTION, None, ok=False, fault=fault)
+        if fault.fatal or fault.outcome is Outcome.MISSING_FUNCTION:
+            raise
+        return Rejection(fault.message, inputs=_window_inputs(scans, i), expected=expected, cause=fault.outcome)
+    mismatch = SameIndices()(expected, got)
+    bench.observe(calibration.FUNCTION, _indices_in_words(got, expected), ok=mismatch is None)
+    if mismatch is None:
+        return None
+    return Rejection(
+        f"Avec un seuil immense, tous les scans j ≤ i − 10 sont candidats, et eux seuls. {mismatch.message}",
+        inputs=_window_inputs(scans, i),
+        expected=expected,
+        got=got,
+        cause=mismatch.cause,
+    )
+
+
+def _window_inputs(scans: Floats, i: int) -> dict[str, Value]:
+    return {"scans": f"{len(scans)} scans de lieux différents", "i": i, "seuil": HUGE}
+
+
+def _indices_in_words(got: Value, expected: list[int]) -> Value:
+    """The indices, or in words what does not depend on the descriptor that the student chose."""
+    try:
+        indices = read_indices(got)
+    except UnreadableError:
+        return _shape_in_words(got)
+    if indices != expected and sorted(indices) == expected:
+        return "désordre"
+    # True and 1 are one value to a comparison of numbers: a mask must stay a mask.
+    return ["masque", *indices] if is_mask(got) else indices
+
+
+def _shape_in_words(got: Value) -> str:
+    try:
+        array = read_array(got)
+    except UnreadableError as error:
+        return str(error)
+    return "non entiers" if array.ndim == 1 else f"dimension {array.ndim}, {array.shape[-1] if array.ndim else 0}"
+
+
+def places(bench: Bench) -> None:
+    """On the module's map, without noise."""
+    _separate(bench, _walk(_kit_seed(bench), with_noise=False))
+
+
+def noisy_places(bench: Bench) -> None:
+    """On the module's map, each scan with its own noise."""
+    _separate(bench, _walk(_kit_seed(bench), with_noise=True))
+
+
+def other_places(bench: Bench) -> None:
+    """The same file launched on another map, with scans of that map."""
+    free, walk = _elsewhere(_draw_seed(bench.rng))
+    with bench.on(world.kit(bench.rng, free)) as other:
+        _separate(other, walk, " Ces scans sont ceux d'une autre carte que celle du module.")
+
+
+def traps(bench: Bench) -> None:
+    """Two places that share one number; then, for a signature that is one number, two places that share that one."""
+    seed = _draw_seed(bench.rng)
+    _must_ignore_heading(bench)
+    rejections = [_spring(bench, _trap(_kit_seed(bench), seed, name), name) for name in TRAPS]
+    own = _own_trap(bench, seed)
+    rejections.append(_spring(bench, own, "la même signature, ou presque") if own is not None else None)
+    for rejection in rejections:
+        if rejection is not None:
+            raise rejection
+
+
+def _must_ignore_heading(bench: Bench) -> None:
+    """A signature that follows the heading may escape from a trap by luck: it is turned away before."""
+    pool = _pool(bench)
+    here, there = signature(bench, pool.scans[0]), signature(bench, pool.scans[1])
+    found = signature(bench, np.roll(pool.scans[0], -7))
+    if apart(here, found) > tolerance(here, there):
+        bench.observe("signature", "suit le cap", ok=False)
+        raise _changed(pool.poses[0], pool.scans[0], 7, here, found)
+
+
+def _own_trap(bench: Bench, seed: int) -> Walk | None:
+    pool = _pool(bench)
+    if signature(bench, pool.scans[0]).size != 1:
+        return None
+
+    def number(scans: Floats) -> Floats:
+        return np.array([float(signature(bench, scan)[0]) for scan in scans])
+
+    try:
+        return draw_trap(np.random.default_rng(seed), pool, number, readings=12, pairs=12)
+    except LookupError:
+        return None
+
+
+def _spring(bench: Bench, walk: Walk, shared: str) -> Rejection | None:
+    search, right = _judge(bench, walk, "signature")
+    return None if right else _failure(bench, search, f" Ces deux lieux ont {shared}.")
+
+
+def _separate(bench: Bench, walk: Walk, remark: str = "") -> None:
+    search, right = _judge(bench, walk, calibration.FUNCTION)
+    if not right:
+        raise _failure(bench, search, remark)
+
+
+def _judge(bench: Bench, walk: Walk, function: str) -> tuple[Search, bool]:
+    """Look for a threshold; what came of it is held against `function`."""
+    try:
+        search = calibrate(bench, walk)
+    except StudentFault as fault:
+        bench.observe(function, None, ok=False, fault=fault)
+        raise
+    right = search.outcome is calibration.Outcome.FOUND
+    bench.observe(function, search.outcome.value, ok=right)
+    return search, right
+
+
+def _failure(bench: Bench, search: Search, remark: str) -> Rejection:
+    figure: FigureData | None = None
+    if not bench.runner.replaying and search.outcome is not calibration.Outcome.UNREADABLE:
+        figure = places_figure(bench, search)
+    return tell(search, remark, figure)
+
+
+def _pool(bench: Bench) -> Pool:
+    return module_pool(_kit_seed(bench))
+
+
+def _kit_seed(bench: Bench) -> int:
+    """The seed of the grading's kit: one pool of places serves all its checks."""
+    return int(bench.kit.parameters["seed"])
+
+
+def _draw_seed(rng: Rng) -> int:
+    return int(rng.integers(2**62))
+
+
+@lru_cache(maxsize=16)
+def _walk(seed: int, *, with_noise: bool) -> Walk:
+    return _drawn(seed, int(with_noise), lambda rng, pool: draw_walk(rng, pool, with_noise=with_noise))
+
+
+@lru_cache(maxsize=32)
+def _trap(kit_seed: int, seed: int, name: str) -> Walk:
+    return _drawn(kit_seed, seed, lambda rng, pool: draw_trap(rng, pool, TRAPS[name]))
+
+
+def _drawn(kit_seed: int, seed: int, draw: Callable[[Rng, Pool], Walk]) -> Walk:
+    """Draw among the grading's places or, where these do not allow it, among others of the same map."""
+    rng = np.random.default_rng([seed, kit_seed])
+    for spare in range(SPARE_POOLS):
+        try:
+            return draw(rng, module_pool(kit_seed + spare))
+        except LookupError:
+            continue
+    raise LookupError("the module's map has no places distinct enough")
+
+
+@lru_cache(maxsize=8)
+def _elsewhere(seed: int) -> tuple[world.Grid, Walk]:
+    """Another map and a walk on it; a map whose places are too much alike is drawn again."""
+    rng = np.random.default_rng(seed)
+    for _ in range(SPARE_POOLS):
+        free = other_map(rng)
+        try:
+            return free, draw_walk(rng, Pool.of(rng, free), with_noise=False)
+        except LookupError:
+            continue
+    raise LookupError("no map with places distinct enough was drawn")

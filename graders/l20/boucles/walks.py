@@ -1,0 +1,187 @@
+"""Sequences of scans in which some places are seen again, with another heading.
+
+A walk is drawn until every descriptor of the family, with every distance, separates by one threshold the scans to be
+found from the others, `MARGIN` times farther: what an honest student may have chosen has then its threshold too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graders.core.values import Floats
+from graders.l20.boucles.family import DISTANCES
+from graders.l20.boucles.places import BEAMS, NOISE, Pool, Rng, noisy, signatures_of
+
+GAP = 10
+MARGIN = 2.0
+PREFILTER = 3.0
+ATTEMPTS = 400
+READINGS = 40
+NEARER = 3.0
+Statistic = Callable[[Floats], Floats]
+
+
+@dataclass(frozen=True)
+class Walk:
+    """`scans` (m, 36) seen from `poses` (m, 3) at `places` (m,), labels; `queries` are the scans to look back from."""
+
+    poses: Floats
+    scans: Floats
+    places: NDArray[np.int64]
+    queries: tuple[int, ...]
+    noise: float
+
+    def same_place(self, i: int) -> list[int]:
+        """The scans of the past, `GAP` or more before i, that were taken where scan i was."""
+        return [j for j in range(i - GAP + 1) if self.places[j] == self.places[i]]
+
+
+def turned(pose: Floats, steps: int) -> Floats:
+    """The same position with the heading increased by `steps` beams, brought back to [-pi, pi]."""
+    theta = math.remainder(float(pose[2]) + steps * math.tau / BEAMS, math.tau)
+    return np.array([pose[0], pose[1], theta])
+
+
+def lidar_call(pose: Floats, noise: float = 0.0) -> str:
+    """What a student types to see this scan."""
+    x, y, theta = (round(float(value), 6) for value in pose)
+    return f"lidar(({x}, {y}, {theta})" + (f", bruit={noise})" if noise else ")")
+
+
+def seen(rng: Rng, pool: Pool, places: NDArray[np.int64], queries: tuple[int, ...], *, noise: float) -> Walk:
+    """A walk through places of the pool: each visit has its own heading and, with noise, its own reading."""
+    steps = _headings(rng, places)
+    scans = np.stack([np.roll(pool.scans[p], -k) for p, k in zip(places, steps, strict=True)])
+    poses = np.stack([turned(pool.poses[p], int(k)) for p, k in zip(places, steps, strict=True)])
+    return Walk(poses, noisy(rng, scans) if noise else scans, places, queries, noise)
+
+
+def _headings(rng: Rng, places: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Beams to turn by at each visit: a sixth of a turn or so between those of one place, never twice the same."""
+    steps = np.zeros(len(places), dtype=np.int64)
+    for place in np.unique(places):
+        visits = np.flatnonzero(places == place)
+        apart = 5 if len(visits) <= 7 else 1
+        steps[visits] = apart * rng.permutation(BEAMS // apart)[: len(visits)]
+    return steps
+
+
+def separable(walk: Walk, margin: float = MARGIN) -> bool:
+    """Does every descriptor, with every distance, have one threshold for all the queries of the walk?"""
+    past = max(walk.queries) - GAP + 1
+    rows = list(walk.queries)
+    asked = np.arange(past) <= np.array(rows)[:, None] - GAP
+    same = (walk.places[:past] == walk.places[rows][:, None]) & asked
+    others = asked & ~same
+    kept = np.concatenate([walk.scans[rows], walk.scans[:past]])
+    for signatures in signatures_of(kept).values():
+        for distance in DISTANCES.values():
+            away = distance(signatures[: len(rows)], signatures[len(rows) :])
+            if not np.min(away[others]) > margin * np.max(away[same], initial=0.0) + 1e-6:
+                return False
+    return True
+
+
+def draw_walk(rng: Rng, pool: Pool, *, with_noise: bool) -> Walk:
+    """Twenty-two scans; from two of them the same places were seen twice before, among six other places.
+
+    Noiseless walks are chosen with the same noise as the others, so that their places are as distinct.
+    """
+    for _ in range(ATTEMPTS):
+        chosen = _distinct_places(rng, pool)
+        if chosen is None:
+            continue
+        places, queries = _itinerary(rng, chosen)
+        trial = seen(rng, pool, places, queries, noise=NOISE)
+        if separable(trial):
+            return trial if with_noise else seen(rng, pool, places, queries, noise=0.0)
+    raise LookupError("no walk with distinct places was found on this map")
+
+
+def _distinct_places(rng: Rng, pool: Pool) -> NDArray[np.int64] | None:
+    """Two places to recognise and six others, all distinct from both."""
+    first = int(rng.integers(len(pool.poses)))
+    clear = pool.distinct_from(first, PREFILTER)
+    if not np.any(clear):
+        return None
+    second = int(rng.choice(np.flatnonzero(clear)))
+    others = np.flatnonzero(clear & pool.distinct_from(second, PREFILTER))
+    return np.array([first, second, *rng.choice(others, 6, replace=False)]) if len(others) >= 6 else None
+
+
+def _itinerary(rng: Rng, chosen: NDArray[np.int64]) -> tuple[NDArray[np.int64], tuple[int, ...]]:
+    """Past: each place to recognise twice, the six others once, in any order; then ten or more others; then queries."""
+    a, b, *others = chosen
+    past = rng.permutation([a, a, b, b, *others])
+    recent = rng.choice(others, 10)
+    return np.array([*past, *recent, a, b]), (20, 21)
+
+
+def draw_trap(rng: Rng, pool: Pool, statistic: Statistic, *, readings: int = READINGS, pairs: int = ATTEMPTS) -> Walk:
+    """Fourteen scans; one of the first three is of the place of the last, another has the same `statistic` elsewhere.
+
+    By this number alone, and whatever the distance, the other place is nearer than the same place.
+    """
+    for here, there in _lookalikes(pool, statistic)[:pairs]:
+        if not pool.distinct_from(here, PREFILTER)[there]:
+            continue
+        for _ in range(3):
+            walk = _trap(rng, pool, (here, there), statistic, readings)
+            if walk is not None and separable(walk):
+                return walk
+    raise LookupError("no two places share this statistic on this map")
+
+
+def _lookalikes(pool: Pool, statistic: Statistic) -> list[tuple[int, int]]:
+    """Pairs of places, those whose statistic differs least first."""
+    values = statistic(pool.scans)
+    if np.ptp(values) == 0.0:
+        return []
+    one, two = np.triu_indices(len(values), 1)
+    nearest = np.argsort(np.abs(values[one] - values[two]))[:ATTEMPTS]
+    return [(int(one[k]), int(two[k])) for k in nearest]
+
+
+def _trap(rng: Rng, pool: Pool, pair: tuple[int, int], statistic: Statistic, readings: int) -> Walk | None:
+    here, there = pair
+    clear = np.flatnonzero(pool.distinct_from(here, PREFILTER))
+    others = clear[clear != there]
+    if len(others) < 3:
+        return None
+    past = rng.permutation([here, there, int(rng.choice(others))])
+    places = np.array([*past, *rng.choice(others, 10), here])
+    walk = seen(rng, pool, places, (len(places) - 1,), noise=NOISE)
+    rows = (int(np.flatnonzero(past == here)[0]), int(np.flatnonzero(past == there)[0]), len(places) - 1)
+    return _confused(rng, [_clean(pool, walk, k) for k in rows], walk, rows, statistic, readings)
+
+
+def _confused(
+    rng: Rng, clean: Sequence[Floats], walk: Walk, rows: Sequence[int], statistic: Statistic, readings: int
+) -> Walk | None:
+    """Choose, among noisy readings, three by which the statistic brings the other place nearer than the same place."""
+    of_same, of_other, of_query = (noisy(rng, np.repeat(scan[None], readings, axis=0)) for scan in clean)
+    asked = statistic(of_query)
+    far = np.abs(statistic(of_same)[:, None] - asked)
+    near = np.abs(statistic(of_other)[:, None] - asked)
+    enough = far > NEARER * near.min(axis=0)
+    usable = np.flatnonzero(enough.any(axis=0) & (far.max(axis=0) > 0.0))
+    if not len(usable):
+        return None
+    q = int(usable[0])
+    scans = walk.scans.copy()
+    scans[rows[0]] = of_same[np.argmin(np.where(enough[:, q], far[:, q], np.inf))]
+    scans[rows[1]] = of_other[np.argmin(near[:, q])]
+    scans[rows[2]] = of_query[q]
+    return replace(walk, scans=scans)
+
+
+def _clean(pool: Pool, walk: Walk, row: int) -> Floats:
+    """The noiseless scan of one visit."""
+    place = int(walk.places[row])
+    steps = round((float(walk.poses[row, 2]) - float(pool.poses[place, 2])) * BEAMS / math.tau)
+    return np.roll(pool.scans[place], -steps)
