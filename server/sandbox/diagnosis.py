@@ -9,13 +9,15 @@ from typing import Any
 
 from server.sandbox import messages
 from server.sandbox.child.report import MAX_FRAMES
-from server.sandbox.faults import FaultKind, Frame, ProgramFault
+from server.sandbox.faults import FaultKind, Frame, ProgramFault, TemplateFault
 from server.sandbox.policy import Policy
 from server.sandbox.process import Ending
 
 _KILLED_BY_TIME = (signal.SIGXCPU, signal.SIGALRM, signal.SIGPROF)
 _TOLD_BY_CHILD = frozenset(FaultKind) - {FaultKind.MISSING_FUNCTION}
 _MAX_LINE = 10**6
+#: Below this share of its memory limit, a program is not what the kernel kills for lack of memory.
+_SUSPECT_SHARE = 0.25
 
 
 def forged() -> ProgramFault:
@@ -31,7 +33,11 @@ def _fatal(kind: FaultKind, message: str) -> ProgramFault:
 
 
 def ended(ending: Ending, policy: Policy) -> ProgramFault:
-    """The fault of a program that died without an answer and that nobody killed."""
+    """The fault of a program that died without an answer and that we did not kill.
+
+    Raises TemplateFault for a program killed from outside: it cannot send itself SIGKILL, and had not taken the
+    memory for which the kernel would have sent it.
+    """
     if os.WIFEXITED(ending.status):
         return _fatal(FaultKind.RUNTIME_ERROR, messages.ended(os.WEXITSTATUS(ending.status)))
     number = os.WTERMSIG(ending.status)
@@ -40,6 +46,8 @@ def ended(ending: Ending, policy: Policy) -> ProgramFault:
     exhausted = number == signal.SIGKILL and ending.cpu_seconds >= policy.cpu_seconds
     if number in _KILLED_BY_TIME or exhausted:
         return _fatal(FaultKind.TIMEOUT, messages.timeout("cpu", policy, None, ()))
+    if number == signal.SIGKILL and ending.max_rss_bytes < policy.memory_bytes * _SUSPECT_SHARE:
+        raise TemplateFault("a child was killed from outside")
     if number == signal.SIGKILL:  # the kernel's own answer to a lack of memory
         return _fatal(FaultKind.MEMORY_LIMIT, messages.memory_limit(policy, None, ()))
     return _fatal(FaultKind.RUNTIME_ERROR, messages.killed(number))

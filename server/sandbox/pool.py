@@ -120,8 +120,12 @@ class Sandbox:
             template = self._template(slot, imports)
             waiting = slot.spares.setdefault(policy, deque())
             slot.spares.move_to_end(policy)
-            child = waiting.popleft() if waiting else template.fork(policy)
-            self._refill(slot, template, policy)
+            try:
+                child = waiting.popleft() if waiting else template.fork(policy)
+            except TemplateFault:
+                self._discard(slot)
+                raise
+            self._refill_or_discard(slot, template, policy, child)
         self._renew(slot, template, imports)
         return template, child
 
@@ -142,6 +146,15 @@ class Sandbox:
             with slot.lock:
                 self._discard(slot)
                 slot.template = successor
+
+    def _refill_or_discard(self, slot: _Slot, template: TemplateProcess, policy: Policy, taken: Child) -> None:
+        """A template that cannot fork any more goes at once, or the retry would find it again; so does its child."""
+        try:
+            self._refill(slot, template, policy)
+        except TemplateFault:
+            taken.close()
+            self._discard(slot)
+            raise
 
     def _refill(self, slot: _Slot, template: TemplateProcess, policy: Policy) -> None:
         waiting = slot.spares.setdefault(policy, deque())

@@ -93,6 +93,19 @@ def test_a_killed_template_is_replaced_and_its_sessions_are_our_fault() -> None:
         answers(sandbox)
 
 
+def test_a_child_killed_from_outside_is_no_fault_of_the_student() -> None:
+    with Sandbox({}) as sandbox:
+        before = templates()
+        answers(sandbox)
+        with sandbox.open(SOURCE) as session:
+            for pid in templates() - before:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
+            with pytest.raises(SandboxFault):
+                session.call("f", 1)
+        answers(sandbox)
+
+
 @pytest.mark.parametrize("spares", [0, 1])
 def test_a_template_killed_at_any_moment_costs_a_retry_at_most(spares: int) -> None:
     with Sandbox({}, spares=spares) as sandbox:
