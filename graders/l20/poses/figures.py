@@ -12,33 +12,43 @@ from graders.core.plotting import EXPECTED, OBTAINED, ink_of
 
 
 def draw_frames(figure: Figure, data: dict[str, Any]) -> None:
-    """The world, the given poses, the expected pose and, when it can be drawn, the one obtained."""
+    """The known frames, the expected one and, when it can be drawn, the one obtained."""
     axes = figure.add_subplot()
     ink = ink_of(axes)
-    poses = [*data["given"].values(), data["expected"], *([data["got"]] if data["got"] else []), [0.0, 0.0, 0.0]]
-    size = 0.16 * max(2.0, float(np.ptp(np.array(poses)[:, :2], axis=0).max()))
-    _frame(axes, [0.0, 0.0, 0.0], size, ink, "monde", 0.45)
-    for name, pose in data["given"].items():
-        _frame(axes, pose, size, ink, name, 0.9)
-    _frame(axes, data["expected"], size, EXPECTED, "attendu", 1.0)
+    drawn = [(name, pose, ink) for name, pose in data["frames"].items()]
+    drawn.append(("attendu", data["expected"], EXPECTED))
     if data["got"]:
-        _frame(axes, data["got"], size, OBTAINED, "obtenu", 1.0)
+        drawn.append(("obtenu", data["got"], OBTAINED))
+    reach = np.ptp(np.array([pose[:2] for _, pose, _ in drawn]), axis=0).max()
+    for name, pose, colour in drawn:
+        _frame(axes, pose, 0.16 * max(2.0, float(reach)), colour)
+        _label(axes, name, pose, colour, rank=_rank(pose, name, drawn))
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.15)
     axes.set_xlabel("x")
     axes.set_ylabel("y")
-    axes.set_title("Le repère attendu et le vôtre")
+    axes.set_title(data["title"])
 
 
-def _frame(axes: Axes, pose: list[float], size: float, colour: str, name: str, alpha: float) -> None:
+def _rank(pose: list[float], name: str, drawn: list[tuple[str, list[float], str]]) -> int:
+    """How many frames drawn before stand at the same place: their names are written below one another."""
+    names = [other for other, place, _ in drawn if np.allclose(place[:2], pose[:2])]
+    return names.index(name)
+
+
+def _label(axes: Axes, name: str, pose: list[float], colour: str, *, rank: int) -> None:
+    offset = (8, -12 - 12 * rank)
+    axes.annotate(name, (pose[0], pose[1]), textcoords="offset points", xytext=offset, color=colour)
+
+
+def _frame(axes: Axes, pose: list[float], size: float, colour: str) -> None:
     x, y, theta = pose
     for angle, length, width in ((theta, size, 2.2), (theta + np.pi / 2, 0.6 * size, 1.2)):
         tip = (x + length * np.cos(angle), y + length * np.sin(angle))
-        style = {"arrowstyle": "-|>", "color": colour, "lw": width, "alpha": alpha, "shrinkA": 0, "shrinkB": 0}
+        style = {"arrowstyle": "-|>", "color": colour, "lw": width, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", xy=tip, xytext=(x, y), arrowprops=style)
         axes.plot(*tip, alpha=0)
-    axes.plot(x, y, "o", color=colour, ms=5, alpha=alpha)
-    axes.annotate(name, (x, y), textcoords="offset points", xytext=(6, -12), color=colour)
+    axes.plot(x, y, "o", color=colour, ms=5)
 
 
 FIGURES = {"frames": draw_frames}

@@ -92,9 +92,16 @@ def stays(args: Arguments) -> bool:
     return not wraps(args)
 
 
-def frames_figure(args: Arguments, expected: Value, got: Floats | None) -> FigureData:
-    given = dict(zip("ab", args, strict=False))
-    return {"kind": "frames", "given": given, "expected": expected, "got": got}
+def in_the_world(args: Arguments, expected: Value, got: Floats | None) -> FigureData:
+    """The answer of `composer` beside a, in the frame of the world (b is given in another one)."""
+    frames = {"monde": pose(0, 0, 0), "a": args[0]}
+    return {"kind": "frames", "title": "Dans le repère du monde", "frames": frames, "expected": expected, "got": got}
+
+
+def seen_from_a(args: Arguments, expected: Value, got: Floats | None) -> FigureData:
+    """The answer of `inverse` or `relatif`, in the frame of a."""
+    frames = {"a": pose(0, 0, 0)}
+    return {"kind": "frames", "title": "Dans le repère de a", "frames": frames, "expected": expected, "got": got}
 
 
 def identities(bench: Bench) -> None:
@@ -157,7 +164,7 @@ CHECKS = (
         compare=SamePose(),
         shrinkers=ON_POSES,
         valid=stays,
-        figure=frames_figure,
+        figure=in_the_world,
         hint="Le robot regarde vers le haut (θ = π/2) et avance d'un mètre : laquelle de ses coordonnées change ?",
     ),
     Cases(
@@ -171,7 +178,7 @@ CHECKS = (
         compare=SamePose(),
         shrinkers=ON_POSES,
         valid=stays,
-        figure=frames_figure,
+        figure=in_the_world,
         hint="Votre formule emploie-t-elle cos θ₁ et sin θ₁ aux quatre bons endroits, avec les bons signes ?",
     ),
     Cases(
@@ -185,7 +192,7 @@ CHECKS = (
         compare=SamePose(),
         shrinkers=ON_POSES,
         valid=wraps,
-        figure=frames_figure,
+        figure=in_the_world,
         hint="Que vaut θ₁ + θ₂ quand le robot tourne deux fois de 135° ? Comment le ramener dans ]−π, π] ?",
     ),
     Cases(
@@ -198,7 +205,7 @@ CHECKS = (
         expected=inverse,
         compare=SamePose(),
         shrinkers=(shrink_pose,),
-        figure=frames_figure,
+        figure=seen_from_a,
         hint="Vu du robot, où se trouve l'origine du monde ? Suffit-il de changer les signes de x et de y ?",
     ),
     Cases(
@@ -211,7 +218,7 @@ CHECKS = (
         expected=relative,
         compare=SamePose(),
         shrinkers=ON_POSES,
-        figure=frames_figure,
+        figure=seen_from_a,
         hint="Si a et b sont confondues, que doit valoir relatif(a, b) ? Et si b est un mètre devant a ?",
     ),
     Trial(
