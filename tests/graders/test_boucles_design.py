@@ -8,7 +8,7 @@ import pytest
 from graders.core.bench import Bench, Runner
 from graders.core.program import KitSettings, local_launcher
 from graders.l20 import world
-from graders.l20.boucles import calibration, family, trials, walks
+from graders.l20.boucles import calibration, family, scenes, walks
 from graders.l20.boucles.calibration import Outcome as Ending
 from graders.l20.boucles.places import module_map, module_pool
 
@@ -34,9 +34,9 @@ def test_walks_keep_what_the_contract_says_of_them() -> None:
             assert i - walks.GAP not in walk.same_place(i)
 
 
-@pytest.mark.parametrize("name", trials.TRAPS)
+@pytest.mark.parametrize("name", scenes.TRAPS)
 def test_in_a_trap_the_other_place_is_nearer_by_the_shared_number(name: str) -> None:
-    statistic = trials.TRAPS[name]
+    statistic = scenes.TRAPS[name]
     for seed in range(10):
         walk = walks.draw_trap(np.random.default_rng(seed), module_pool(seed), statistic)
         i = walk.queries[0]

@@ -99,6 +99,13 @@ def _gaps_counted(scans: Floats) -> Floats:
     return np.hstack([_histogram(8)(_gaps(scans)), scans.mean(axis=1, keepdims=True)])
 
 
+def _area_and_perimeter(scans: Floats) -> Floats:
+    """Of the polygon that joins the ends of the beams."""
+    turn, after = 2.0 * np.pi / scans.shape[1], np.roll(scans, -1, axis=1)
+    sides = np.sqrt(scans**2 + after**2 - 2.0 * scans * after * np.cos(turn))
+    return np.stack([0.5 * np.sin(turn) * (scans * after).sum(axis=1), sides.sum(axis=1)], axis=1)
+
+
 def _moments(scans: Floats) -> Floats:
     shape = _standardised(scans)
     return np.stack([mean(scans), scans.var(axis=1), (shape**3).mean(axis=1), (shape**4).mean(axis=1)], axis=1)
@@ -111,6 +118,7 @@ DESCRIPTORS: dict[str, Descriptor] = {
     "power": lambda scans: _spectrum(scans) ** 2,
     "shares of the spectrum": lambda scans: _shares(_spectrum(scans)),
     "log spectrum": lambda scans: np.log1p(_spectrum(scans)),
+    "bare log spectrum": lambda scans: np.log(_spectrum(scans) + 1e-9),
     "autocorrelation": _autocorrelation,
     "correlation": lambda scans: _autocorrelation(_standardised(scans)),
     "sorted": lambda scans: np.sort(scans, axis=1),
@@ -124,6 +132,7 @@ DESCRIPTORS: dict[str, Descriptor] = {
     "moments": _moments,
     "sums of powers": _power_sums,
     "gaps counted": _gaps_counted,
+    "area, perimeter": _area_and_perimeter,
     "longest first": _from_extreme(np.argmax),
     "shortest first": _from_extreme(np.argmin),
     **{f"histogram {bins}": _histogram(bins) for bins in (6, 10, 12, 20, 36)},

@@ -66,6 +66,7 @@ def _signatures(axes: Axes, scans: list[dict[str, Any]], colours: tuple[str, ...
     axes.set_title("Vos signatures" if drawable else "Les signatures attendues (spectre)")
     if drawable and len(scans[0]["signature"]) == 1:
         axes.set_xticks([])
+        axes.margins(y=0.15)
     else:
         axes.set_xlabel("composante")
 

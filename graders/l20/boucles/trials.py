@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -15,24 +15,23 @@ from graders.core.program import StudentFault
 from graders.core.values import Floats, UnreadableError, Value, read_array, read_indices
 from graders.core.verdict import Outcome
 from graders.l20 import world
-from graders.l20.boucles import calibration, family
+from graders.l20.boucles import calibration
 from graders.l20.boucles.calibration import HUGE, Search, calibrate
-from graders.l20.boucles.places import BEAMS, Pool, Rng, module_pool, other_map
+from graders.l20.boucles.places import BEAMS, Pool, Rng, module_pool
 from graders.l20.boucles.readings import apart, habits, is_mask, signature, tolerance
+from graders.l20.boucles.scenes import TRAPS, map_elsewhere, trap, walk_at_home, walk_elsewhere
 from graders.l20.boucles.stories import places_figure, rotation_figure, tell
-from graders.l20.boucles.walks import Statistic, Walk, draw_trap, draw_walk, lidar_call, turned
+from graders.l20.boucles.walks import Walk, draw_trap, lidar_call, turned
 from reference.loop_closure import loop_candidates
 
-SPARE_POOLS = 8
 SHIFTS = (1, 7, 18, 35)
 WINDOWS = ((11, 10), (13, 12), (13, 9), (13, 3), (12, 0), (24, 11), (24, 23))
 """(m, i): how many scans there are, and the one from which to look back."""
 
-TRAPS: dict[str, Statistic] = {
-    "la même moyenne": family.mean,
-    "le même rayon le plus long": family.longest,
-    "le même écart-type": family.std,
-}
+Draw = Callable[[int], Walk]
+
+CHANCES = 3
+"""Walks on which a submission may show one threshold that separates: an unlucky one is no evidence."""
 
 # Two scans that can be written by hand: distinct distances, one longest and one shortest ray.
 RAMP = 1.0 + np.arange(BEAMS) / 4.0
@@ -164,28 +163,30 @@ def _shape_in_words(got: Value) -> str:
 
 def places(bench: Bench) -> None:
     """On the module's map, without noise."""
-    _separate(bench, _walk(_kit_seed(bench), with_noise=False))
+    _separate(bench, lambda again: walk_at_home(_kit_seed(bench), again, with_noise=False))
 
 
 def noisy_places(bench: Bench) -> None:
     """On the module's map, each scan with its own noise."""
-    _separate(bench, _walk(_kit_seed(bench), with_noise=True))
+    _separate(bench, lambda again: walk_at_home(_kit_seed(bench), again, with_noise=True))
 
 
 def other_places(bench: Bench) -> None:
     """The same file launched on another map, with scans of that map."""
-    free, walk = _elsewhere(_draw_seed(bench.rng))
-    with bench.on(world.kit(bench.rng, free)) as other:
-        _separate(other, walk, " Ces scans sont ceux d'une autre carte que celle du module.")
+    seed = _draw_seed(bench.rng)
+    with bench.on(world.kit(bench.rng, map_elsewhere(seed))) as other:
+        remark = " Ces scans sont ceux d'une autre carte que celle du module."
+        _separate(other, lambda again: walk_elsewhere(seed, again), remark)
 
 
 def traps(bench: Bench) -> None:
     """Two places that share one number; then, for a signature that is one number, two places that share that one."""
     seed = _draw_seed(bench.rng)
     _must_ignore_heading(bench)
-    rejections = [_spring(bench, _trap(_kit_seed(bench), seed, name), name) for name in TRAPS]
+    kit_seed = _kit_seed(bench)
+    rejections = [_spring(bench, partial(trap, kit_seed, seed, name), name) for name in TRAPS]
     own = _own_trap(bench, seed)
-    rejections.append(_spring(bench, own, "la même signature, ou presque") if own is not None else None)
+    rejections.append(_spring(bench, lambda again: own, "la même signature, ou presque") if own is not None else None)
     for rejection in rejections:
         if rejection is not None:
             raise rejection
@@ -215,27 +216,32 @@ def _own_trap(bench: Bench, seed: int) -> Walk | None:
         return None
 
 
-def _spring(bench: Bench, walk: Walk, shared: str) -> Rejection | None:
-    search, right = _judge(bench, walk, "signature")
+def _spring(bench: Bench, draw: Draw, shared: str) -> Rejection | None:
+    search, right = _judge(bench, draw, "signature")
     return None if right else _failure(bench, search, f" Ces deux lieux ont {shared}.")
 
 
-def _separate(bench: Bench, walk: Walk, remark: str = "") -> None:
-    search, right = _judge(bench, walk, calibration.FUNCTION)
+def _separate(bench: Bench, draw: Draw, remark: str = "") -> None:
+    search, right = _judge(bench, draw, calibration.FUNCTION)
     if not right:
         raise _failure(bench, search, remark)
 
 
-def _judge(bench: Bench, walk: Walk, function: str) -> tuple[Search, bool]:
-    """Look for a threshold; what came of it is held against `function`."""
+def _judge(bench: Bench, draw: Draw, function: str) -> tuple[Search, bool]:
+    """Look for a threshold; what came of it, over `CHANCES` walks at most, is held against `function`."""
     try:
-        search = calibrate(bench, walk)
+        search = first = calibrate(bench, draw(0))
+        for again in range(1, CHANCES):
+            if search.outcome is not calibration.Outcome.MIXED:
+                break
+            search = calibrate(bench, draw(again))
     except StudentFault as fault:
         bench.observe(function, None, ok=False, fault=fault)
         raise
     right = search.outcome is calibration.Outcome.FOUND
-    bench.observe(function, search.outcome.value, ok=right)
-    return search, right
+    told = search if right else first
+    bench.observe(function, told.outcome.value, ok=right)
+    return told, right
 
 
 def _failure(bench: Bench, search: Search, remark: str) -> Rejection:
@@ -256,37 +262,3 @@ def _kit_seed(bench: Bench) -> int:
 
 def _draw_seed(rng: Rng) -> int:
     return int(rng.integers(2**62))
-
-
-@lru_cache(maxsize=16)
-def _walk(seed: int, *, with_noise: bool) -> Walk:
-    return _drawn(seed, int(with_noise), lambda rng, pool: draw_walk(rng, pool, with_noise=with_noise))
-
-
-@lru_cache(maxsize=32)
-def _trap(kit_seed: int, seed: int, name: str) -> Walk:
-    return _drawn(kit_seed, seed, lambda rng, pool: draw_trap(rng, pool, TRAPS[name]))
-
-
-def _drawn(kit_seed: int, seed: int, draw: Callable[[Rng, Pool], Walk]) -> Walk:
-    """Draw among the grading's places or, where these do not allow it, among others of the same map."""
-    rng = np.random.default_rng([seed, kit_seed])
-    for spare in range(SPARE_POOLS):
-        try:
-            return draw(rng, module_pool(kit_seed + spare))
-        except LookupError:
-            continue
-    raise LookupError("the module's map has no places distinct enough")
-
-
-@lru_cache(maxsize=8)
-def _elsewhere(seed: int) -> tuple[world.Grid, Walk]:
-    """Another map and a walk on it; a map whose places are too much alike is drawn again."""
-    rng = np.random.default_rng(seed)
-    for _ in range(SPARE_POOLS):
-        free = other_map(rng)
-        try:
-            return free, draw_walk(rng, Pool.of(rng, free), with_noise=False)
-        except LookupError:
-            continue
-    raise LookupError("no map with places distinct enough was drawn")
