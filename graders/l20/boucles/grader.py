@@ -18,8 +18,8 @@ A choice outside it may meet a walk whose places it confuses: it is then given t
 Measured on the 49 descriptors and 9 distances of `tests/graders/boucles_styles.py`, many outside the family. With one
 walk and 29 descriptors, 2 gradings of 20 244 were rejected, in the noisy walk (a bare logarithm of the spectrum by its
 largest gap; area and perimeter by their cosine). These two descriptors joined the family and the spare walks came:
-8 676 gradings on 180 new seeds, none rejected. At 1e-4 a walk, three independent walks make a rate of 1e-12; for one
-fragile choice that confuses one walk in a hundred, which we know none of, it would be 1e-6.
+8 676 gradings on 180 new seeds, none rejected. At 1e-4 a walk, three independent walks make a rate of 1e-12; for a
+fragile choice that confuses one walk in a hundred, as those two may have done, 1e-6.
 
 Why one number is not enough. In a trap, two places have the same mean (standard deviation, longest ray), and the noise
 is drawn so that by this number the other place is nearer than the same place: no threshold can separate. A signature
