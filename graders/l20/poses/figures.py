@@ -24,7 +24,7 @@ def draw_frames(figure: Figure, data: dict[str, Any]) -> None:
         _frame(axes, pose, 0.16 * max(2.0, float(reach)), colour)
         _label(axes, name, pose, colour, rank=_rank(pose, name, drawn))
     axes.set_aspect("equal", adjustable="datalim")
-    axes.margins(0.15)
+    axes.margins(0.22)
     axes.set_xlabel("x")
     axes.set_ylabel("y")
     axes.set_title(data["title"])

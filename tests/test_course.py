@@ -1,0 +1,37 @@
+"""What `balise check` proves of the course, in the real sandbox, on seeds that do not change."""
+
+import itertools
+from collections.abc import Iterator
+
+import pytest
+
+from server.catalogue import load
+from server.cli.check import findings
+from server.sandbox import Sandbox
+from server.worker.grading import Grader
+
+CATALOGUE = load(render=False)
+
+
+@pytest.fixture(scope="module")
+def grader() -> Iterator[Grader]:
+    with Sandbox(CATALOGUE.kits) as sandbox:
+        yield Grader(CATALOGUE, sandbox)
+
+
+def test_the_course_has_its_exercises_and_no_problem() -> None:
+    first = {"poses", "predire2d", "reechantillonnage", "boucles", "kabsch", "slam_graphe"}
+    assert {f"l20/{slug}" for slug in first} <= CATALOGUE.exercises.keys()
+    assert CATALOGUE.problems == ()
+
+
+@pytest.mark.parametrize("name", CATALOGUE.exercises)
+def test_solutions_pass_starters_do_not_and_mistakes_are_named(name: str, grader: Grader) -> None:
+    seeds = itertools.count(20_26)
+    found = list(findings(grader, CATALOGUE.exercises[name], lambda: next(seeds)))
+    assert [f"{one.subject}: {one.fault} (seed {one.seed})" for one in found if one.fault] == []
+
+
+@pytest.mark.parametrize("name", CATALOGUE.exercises)
+def test_every_exercise_knows_at_least_six_mistakes(name: str) -> None:
+    assert len({misconception.id for misconception in CATALOGUE.exercises[name].grader.misconceptions}) >= 6
