@@ -22,6 +22,15 @@ Judge = Callable[[Grading], str]
 
 
 @dataclass(frozen=True)
+class Case:
+    """A submission that is known; `judge` says what is wrong with its grading, or nothing."""
+
+    subject: str
+    source: bytes
+    judge: Judge
+
+
+@dataclass(frozen=True)
 class Finding:
     """One line of the table; `fault` is empty when all is well."""
 
@@ -56,24 +65,25 @@ def _summary(exercises: int, faults: int) -> str:
     return f"{faults} problème{'s' if faults > 1 else ''}."
 
 
-def fresh_seed() -> int:
-    return secrets.randbits(SEED_BITS)
-
-
-def findings(grader: Grader, exercise: Exercise, draw_seed: Callable[[], int] = fresh_seed) -> Iterator[Finding]:
+def findings(grader: Grader, exercise: Exercise) -> Iterator[Finding]:
     """Grades everything that is known of an exercise, each with a fresh seed."""
+    for case in cases(exercise):
+        yield examine(grader, exercise, case, secrets.randbits(SEED_BITS))
 
-    def finding(subject: str, source: bytes, judge: Judge) -> Finding:
-        seed = draw_seed()
-        return Finding(exercise.id, subject, judge(grader.grade(exercise.id, source, seed)), seed)
 
-    yield finding("référence", exercise.solution.encode(), full_marks)
-    yield finding("fichier de départ", exercise.starter.encode(), not_full_marks)
+def cases(exercise: Exercise) -> Iterator[Case]:
+    """Everything that is known of an exercise, with what must be found of it."""
+    yield Case("référence", exercise.solution.encode(), full_marks)
+    yield Case("fichier de départ", exercise.starter.encode(), not_full_marks)
     for misconception in exercise.grader.misconceptions:
-        yield finding(f"erreur {misconception.id}", misconception.source.encode(), named(misconception.id))
+        yield Case(f"erreur {misconception.id}", misconception.source.encode(), named(misconception.id))
     for specimen in exercise.grader.specimens():
         subject = f"spécimen {specimen.outcome.value}/{specimen.path.name}"
-        yield finding(subject, specimen.path.read_bytes(), outcome(specimen.outcome))
+        yield Case(subject, specimen.path.read_bytes(), outcome(specimen.outcome))
+
+
+def examine(grader: Grader, exercise: Exercise, case: Case, seed: int) -> Finding:
+    return Finding(exercise.id, case.subject, case.judge(grader.grade(exercise.id, case.source, seed)), seed)
 
 
 def full_marks(grading: Grading) -> str:

@@ -53,20 +53,19 @@ def test_the_starter_earns_nothing() -> None:
 
 @pytest.mark.parametrize("path", sorted((GRADER.folder / "specimens/ok").glob("*.py")), ids=lambda p: p.stem)
 def test_honest_programs_pass(path: Path) -> None:
-    for seed in range(2):
+    for seed in range(1):
         found = verdict(path.read_text(encoding="utf-8"), seed)
         assert found.outcome is Outcome.OK, failed(found)
 
 
 @pytest.mark.parametrize("name", DESCRIPTORS)
 def test_every_honest_descriptor_passes(name: str) -> None:
-    """Four distances and two styles for each descriptor, over all the seeds of `SEEDS`; see the grader for more."""
+    """Distances, styles and seeds taken in turn over the descriptors; see the grader for the thorough runs."""
     rank = list(DESCRIPTORS).index(name)
     distances = list(DISTANCES.values())
-    for k in range(2):
-        seed, distance = SEEDS[(5 * rank + k) % len(SEEDS)], distances[(4 * rank + k) % len(distances)]
-        found = verdict(submission(DESCRIPTORS[name], distance, (LIST, ARRAY)[k % 2]), seed)
-        assert found.outcome is Outcome.OK, (seed, distance, [(c.id, c.message) for c in found.checks if not c.passed])
+    seed, distance = SEEDS[5 * rank % len(SEEDS)], distances[4 * rank % len(distances)]
+    found = verdict(submission(DESCRIPTORS[name], distance, (LIST, ARRAY)[rank % 2]), seed)
+    assert found.outcome is Outcome.OK, (seed, distance, [(c.id, c.message) for c in found.checks if not c.passed])
 
 
 @pytest.mark.parametrize(
@@ -107,14 +106,14 @@ def test_every_honest_descriptor_passes(name: str) -> None:
     ],
 )
 def test_poor_descriptors_are_rejected(descriptor: str, where: str) -> None:
-    for seed in range(2):
+    for seed in range(1):
         found = verdict(submission(descriptor), seed)
         assert found.outcome is Outcome.WRONG_ANSWER
         assert where in failed(found)
 
 
 def test_single_numbers_are_always_caught() -> None:
-    for seed in range(3):
+    for seed in range(2):
         assert failed(verdict(mistake("moyenne_seule").source, seed)) == {"sosies"}
         assert "sosies" in failed(verdict(submission("np.array([np.median(scan)])"), seed))
 
@@ -148,13 +147,13 @@ def test_subtly_wrong_searches_are_rejected(body: str, where: str) -> None:
 
 @pytest.mark.parametrize("path", sorted((GRADER.folder / "specimens/wrong_answer").glob("*.py")), ids=lambda p: p.stem)
 def test_hostile_programs_are_rejected(path: Path) -> None:
-    for seed in range(3):
+    for seed in range(2):
         assert verdict(path.read_text(encoding="utf-8"), seed).outcome is Outcome.WRONG_ANSWER
 
 
 def test_a_mistake_of_the_window_costs_its_own_check_alone() -> None:
     for name in ("borne_stricte", "ecart_oublie", "regarde_le_futur", "tranche_negative", "plus_proche_d_abord"):
-        for seed in range(3):
+        for seed in range(2):
             assert failed(verdict(mistake(name).source, seed)) == {"fenetre"}
 
 
@@ -185,7 +184,7 @@ def test_a_mistake_of_the_window_costs_its_own_check_alone() -> None:
     ],
 )  # fmt: skip
 def test_a_mistake_is_recognised_in_another_style(name: str, source: str) -> None:
-    for seed in range(2):
+    for seed in range(1):
         assert named(verdict(source, seed)) == name
 
 
