@@ -67,10 +67,13 @@ class Sandbox:
         self.close()
 
     def warm(self, imports: str = "numpy") -> None:
-        """Starts a template and its spare child now rather than at the first submission."""
+        """Starts a template and its spare child now rather than at the first submission. Raises SandboxFault."""
         slot = self._slots[imports]
-        with slot.lock:
-            self._refill(slot, self._template(slot, imports), self.policy)
+        try:
+            with slot.lock:
+                self._refill(slot, self._template(slot, imports), self.policy)
+        except TemplateFault as error:
+            raise SandboxFault(str(error)) from error
 
     def open(
         self, source: bytes, *, kit: Kit | None = None, policy: Policy | None = None, filename: str = "solution.py"

@@ -6,6 +6,7 @@ import logging
 import os
 import signal
 import sys
+import threading
 from contextlib import closing
 from types import FrameType
 from typing import Any
@@ -14,13 +15,15 @@ from server.catalogue import load
 from server.database import Database
 from server.queue.port import Signals, WorkSource
 from server.queue.service import Lease
-from server.sandbox import Sandbox
+from server.sandbox import Sandbox, SandboxFault
 from server.settings import Settings
 from server.worker.grading import Grader
 from server.worker.results import recorded
 from server.worker.service import Stop, Worker
 
 PR_SET_PDEATHSIG = 1
+
+log = logging.getLogger(__name__)
 
 
 def die_with(parent: int) -> None:
@@ -47,6 +50,15 @@ def start_logging(name: str) -> None:
     logging.basicConfig(level=logging.INFO, format=f"%(asctime)s %(levelname)s {name} %(name)s: %(message)s")
 
 
+def _warm(sandbox: Sandbox) -> None:
+    """Starts the templates before the first submission, which meets again one that fails."""
+    for imports in ("numpy", "scipy"):
+        try:
+            sandbox.warm(imports)
+        except SandboxFault:
+            log.warning("the %s template did not start", imports, exc_info=True)
+
+
 def run(settings: Settings, work: WorkSource, signals: Signals) -> None:
     """Grades with the real catalogue and sandbox until told to stop."""
     catalogue = load(render=False)
@@ -54,6 +66,7 @@ def run(settings: Settings, work: WorkSource, signals: Signals) -> None:
     database = Database(settings.url, {"settings": settings, "signals": signals})
     with closing(database), Sandbox(catalogue.kits) as sandbox:
         grader = Grader(catalogue, sandbox)
+        threading.Thread(target=_warm, args=(sandbox,), name="warm-up", daemon=True).start()
 
         def grade(lease: Lease) -> dict[str, Any]:
             grading = grader.grade(lease.exercise, lease.source, lease.seed)

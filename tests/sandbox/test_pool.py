@@ -41,10 +41,12 @@ def templates() -> set[int]:
     return descendants(os.getpid())
 
 
-def kill_templates() -> None:
-    for pid in templates():
+def kill_templates() -> set[int]:
+    killed = templates()
+    for pid in killed:
         with contextlib.suppress(ProcessLookupError):
             os.kill(pid, signal.SIGKILL)
+    return killed
 
 
 def running(pid: int) -> bool:
@@ -112,11 +114,13 @@ def test_a_template_killed_at_any_moment_costs_a_retry_at_most(spares: int) -> N
         for delay in (0.0, 0.001, 0.003):
             answers(sandbox)
             with ThreadPoolExecutor(1) as pool:
-                pool.submit(lambda wait=delay: (time.sleep(wait), kill_templates()))
+                killing = pool.submit(lambda wait=delay: (time.sleep(wait), kill_templates())[1])
                 try:
                     answers(sandbox)
-                except SandboxFault:
-                    answers(sandbox)  # killed between loading and calling: the worker grades again from the start
+                except SandboxFault:  # killed between loading and calling: the worker grades again from the start
+                    killed = killing.result()
+                    assert eventually(lambda killed=killed: not any(map(running, killed)))
+                    answers(sandbox)
 
 
 def test_a_kit_that_fails_is_our_fault_with_its_traceback() -> None:

@@ -12,7 +12,7 @@ encodings.utf_8_sig encodings.latin_1 encodings.cp1252 encodings.ascii encodings
 _NUMPY = "numpy numpy.linalg numpy.random numpy.fft numpy.polynomial numpy.ma"
 _SCIPY = """
 scipy.linalg scipy.sparse scipy.sparse.linalg scipy.special scipy.optimize scipy.spatial scipy.spatial.distance
-scipy.spatial.transform scipy.ndimage
+scipy.spatial.transform scipy.ndimage scipy.signal scipy.stats
 """
 _SETS = {"numpy": _USUAL + _NUMPY, "scipy": _USUAL + _NUMPY + _SCIPY}
 
