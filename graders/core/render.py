@@ -94,15 +94,19 @@ def text(value: Value, *, digits: int = 6) -> str:
         return "vrai" if value else "faux"
     if isinstance(value, int | float | complex | np.number):
         return number(value.item() if isinstance(value, np.generic) else value, digits)
-    if isinstance(value, list | tuple):
-        left, right = ("[", "]") if isinstance(value, list) else ("(", ")")
-        items = [text(item, digits=digits) for item in value[:40]]
-        return left + " ; ".join([*items, "…"] if len(value) > 40 else items) + right
-    return _cut(str(value))
+    return _items_text(value, digits) if isinstance(value, list | tuple | dict) else _cut(str(value))
+
+
+def _items_text(value: list[Value] | tuple[Value, ...] | dict[str, Value], digits: int) -> str:
+    cut = ["…"] if len(value) > 40 else []
+    if isinstance(value, dict):
+        return " ; ".join([f"{k} : {text(v, digits=digits)}" for k, v in list(value.items())[:40]] + cut)
+    left, right = ("[", "]") if isinstance(value, list) else ("(", ")")
+    return left + " ; ".join([text(item, digits=digits) for item in value[:40]] + cut) + right
 
 
 def shape_text(shape: tuple[int, ...]) -> str:
-    """A shape in French: `(3,)` is « 3 nombres », `(2, 2)` is « 2 × 2 »."""
+    """A shape as numpy writes it; () is « un seul nombre »."""
     if shape == ():
         return "un seul nombre"
     if len(shape) == 1:

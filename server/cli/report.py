@@ -1,6 +1,5 @@
 """A verdict for the terminal. Works on the verdict's JSON, whether it comes from here or from a server."""
 
-import json
 import textwrap
 from collections.abc import Iterator
 from typing import Any
@@ -79,7 +78,10 @@ def _value(name: str, value: Any) -> Iterator[str]:
 
 
 def _compact(value: Any) -> str:
-    return json.dumps(value, ensure_ascii=False)
+    """French numbers, as in the messages; `--json` has all their digits."""
+    from graders.core.render import text
+
+    return text(value)
 
 
 def _diagnosis(diagnosis: Json | None) -> Iterator[str]:
