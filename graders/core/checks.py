@@ -92,7 +92,10 @@ class Untouched(Check):
 
     def run(self, bench: Bench) -> None:
         for function, args in self.inputs(bench.rng).items():
-            reply = bench.call_keeping(function, *args)
+            try:
+                reply = bench.call_keeping(function, *args)
+            except StudentFault as fault:
+                raise fault_rejection(fault, inputs=dict(zip(self.names[function], args, strict=True))) from fault
             after = reply.arguments or ()
             trio = zip(self.names[function], args, after, strict=True)
             changed = [name for name, before, now in trio if not same_value(before, now, tolerance=0.0)]

@@ -79,9 +79,13 @@ class ScalarCloseTo:
 
 @dataclass(frozen=True)
 class SamePose:
-    """Poses (3,): x and y within the tolerance, theta modulo 2 pi but brought back to [-pi, pi]."""
+    """Poses (3,): x and y within the tolerance, theta modulo 2 pi but brought back to [-pi, pi].
+
+    With `any_turn`, an angle out of this range is let pass: for checks of a formula, beside one of the range.
+    """
 
     tolerance: float = TOLERANCE
+    any_turn: bool = False
 
     def __call__(self, expected: Value, got: Value) -> Mismatch | None:
         wanted = read_array(expected)
@@ -105,7 +109,7 @@ class SamePose:
 
     def _angle_mismatch(self, wanted: float, theta: float) -> Mismatch | None:
         if abs(math.remainder(theta - wanted, math.tau)) <= self.tolerance:
-            if abs(theta) <= math.pi + TOLERANCE:
+            if self.any_turn or abs(theta) <= math.pi + TOLERANCE:
                 return None
             return Mismatch(f"L'angle {render.angle(theta)} sort de l'intervalle [−π, π].", "angle_non_ramene")
         gap = f"Le cap est faux : {render.angle(theta)} au lieu de {render.angle(wanted)}."

@@ -15,7 +15,7 @@ from graders.core.checks import Check, FigureData, Rejection, fault_rejection
 from graders.core.diagnosis import diagnose, hopeless, slip_diagnosis
 from graders.core.exercise import ExerciseGrader, Misconception
 from graders.core.program import KitSettings, Launcher, StudentFault, local_launcher
-from graders.core.render import to_jsonable
+from graders.core.render import tidy, to_jsonable
 from graders.core.verdict import CheckResult, Counterexample, Diagnosis, Outcome, Verdict, overall_outcome
 
 FIGURE_ITEMS = 20_000
@@ -84,7 +84,9 @@ def _unless_alone(check: Check, finding: Finding, checks: Sequence[Check], findi
     if not check.needs_another or not finding.result.passed or any(f.result.passed for f in others):
         return finding
     message = "Rien à reprocher ici, mais ces points ne comptent qu'à partir d'une autre vérification réussie."
-    return _finding(check, Rejection(message))
+    return _finding(
+        check, Rejection(message, inputs={}, expected="une autre vérification réussie", got="aucune pour l'instant")
+    )
 
 
 def run_check(check: Check, bench: Bench) -> Finding:
@@ -105,7 +107,7 @@ def _finding(check: Check, rejection: Rejection) -> Finding:
     counterexample = None
     if rejection.inputs is not None:
         inputs = {name: to_jsonable(value) for name, value in rejection.inputs.items()}
-        counterexample = Counterexample(inputs, to_jsonable(rejection.expected), to_jsonable(rejection.got))
+        counterexample = Counterexample(inputs, tidy(to_jsonable(rejection.expected)), tidy(to_jsonable(rejection.got)))
     result = CheckResult(
         id=check.id,
         title=check.title,

@@ -33,6 +33,18 @@ def to_jsonable(value: Value, *, limit: int = MAX_ITEMS) -> Any:
     return _scalar_to_jsonable(value)
 
 
+def tidy(value: Any) -> Any:
+    """JSON without the dust of rounding: 6.1e-17 and -0.0 are 0.0, 0.9999999999999999 is 1.0.
+
+    For what is read, expected and obtained values; inputs, which may be typed in again, keep all their digits.
+    """
+    if isinstance(value, float):
+        return 0.0 if abs(value) < NEGLIGIBLE else float(f"{value:.14g}")
+    if isinstance(value, list):
+        return [tidy(item) for item in value]
+    return {key: tidy(item) for key, item in value.items()} if isinstance(value, dict) else value
+
+
 def _scalar_to_jsonable(value: Value) -> Any:
     if value is None or isinstance(value, bool):
         return value

@@ -1,0 +1,2 @@
+def ramener(angle):
+    return angle % (2 * np.pi)
