@@ -44,6 +44,7 @@ def problem(
 ) -> dict[str, Any]:
     """The members of a problem document; extension members are added as they are."""
     kind = PROBLEM_TYPE + slug if slug else "about:blank"
+    detail = detail.encode("utf-8", "replace").decode()  # a lone surrogate of the request's cannot be sent back
     return {
         "type": kind, "title": title, "status": status, "detail": detail, "instance": request.url.path, **members
     }  # fmt: skip

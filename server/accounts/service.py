@@ -104,7 +104,7 @@ def log_in(
     """Opens a session; a guest `visitor`'s submissions join the account. Raises RefusedForm or TooMany."""
     login = normalised_login(login)
     with database.write() as db:
-        throttle.take(db, f"login:{secrets.digest(login)}", settings.login_bucket, TOO_MANY_LOGINS)
+        throttle.take(db, f"login:{secrets.digest(f'{login} {address}')}", settings.login_bucket, TOO_MANY_LOGINS)
         throttle.take(db, f"login-from:{address}", settings.guest_bucket, TOO_MANY_LOGINS)
     with database.read() as db:
         known = repository.by_login(db, login)

@@ -61,7 +61,7 @@ def _told(finding: Finding) -> bool:
 
 def _summary(exercises: int, faults: int) -> str:
     if not faults:
-        return f"Tout est en ordre ({exercises} exercices)."
+        return f"Tout est en ordre ({exercises} exercice{'s' if exercises > 1 else ''})."
     return f"{faults} problème{'s' if faults > 1 else ''}."
 
 

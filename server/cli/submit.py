@@ -19,6 +19,8 @@ RECONNECTIONS = 5
 
 def run(arguments: Namespace) -> int:
     code = read_text(arguments.file)
+    if not arguments.token.isascii():
+        raise CannotRun("le jeton porte un caractère qui n’en fait pas partie ; recopiez-le depuis votre compte.")
     headers = {"Authorization": f"Bearer {arguments.token}"}
     try:
         with httpx.Client(base_url=_base(arguments.server), headers=headers, timeout=TIMEOUT) as client:

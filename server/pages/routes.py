@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 
 from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, StreamingResponse
+from starlette.concurrency import run_in_threadpool
 from starlette.convertors import Convertor, register_url_convertor
 
 from server.accounts.dependencies import BrowserAccount, OptionalAccount, TeacherAccount
@@ -167,6 +168,7 @@ async def events(request: Request, submission_id: str, account: OptionalAccount)
             sent = submissions.get_for(db, account, submission_id)
             return Waiting(sent.state, service.waiting_text(sent.state, queue.position(db, sent)))
 
+    await run_in_threadpool(read)  # a 404 must come before the stream begins
     snapshots = request.app.state.events.follow(submissions.parse_id(submission_id), read)
     lines: AsyncIterator[str] = as_sse(snapshots, lambda one: json.dumps({"status": one.status, "text": one.text}))
     return StreamingResponse(lines, media_type="text/event-stream", headers=STREAM_HEADERS)

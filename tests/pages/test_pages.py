@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from uuid import uuid4
 
 import pytest
 
@@ -74,6 +75,11 @@ def test_events_end_with_the_verdict(site: Site) -> None:
         body = "".join(answer.iter_text())
     assert body.startswith("event: status\ndata: ")
     assert '"status": "done"' in body
+
+
+def test_events_of_nothing_are_a_404_before_any_stream(site: Site) -> None:
+    assert site.client.get(f"/soumissions/{uuid4()}/evenements").status_code == 404
+    assert site.client.get("/soumissions/rien/evenements").status_code == 404
 
 
 def test_without_script_a_form_leads_to_the_attempt(site: Site) -> None:

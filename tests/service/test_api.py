@@ -109,6 +109,14 @@ def test_waiting_gives_the_verdict_or_says_that_it_is_not_there(site: Site) -> N
     assert (answer.status_code, answer.json()["verdict"]["outcome"]) == (200, "ok")
 
 
+def test_a_name_that_is_no_text_is_an_unknown_exercise(site: Site) -> None:
+    body = b'{"exercise": "\\ud800", "code": "x"}'
+    headers = {**site.token(), "Content-Type": "application/json"}
+    answer = site.client.post("/api/v1/submissions", content=body, headers=headers)
+    assert answer.status_code == 404
+    assert answer.headers["content-type"] == "application/problem+json"
+
+
 def test_events_tell_each_change_and_end(site: Site) -> None:
     headers = site.token()
     site.submit(headers)

@@ -157,3 +157,10 @@ def test_a_broken_exercise_is_a_failure_of_check(monkeypatch: Any, tmp_path: Pat
     monkeypatch.setattr(command, "load", lambda: broken)
     assert command.run(Namespace(exercises=[])) == 1
     assert "exercise.toml:3: titre manquant" in capsys.readouterr().out
+
+
+def test_a_token_that_is_none_is_said_in_a_sentence(capsys: Any, tmp_path: Path) -> None:
+    file = tmp_path / "a.py"
+    file.write_text("x = 1")
+    assert main(["submit", EXERCISE, str(file), "--server", "http://127.0.0.1:1", "--token", "jeton…"]) == 2
+    assert "jeton" in capsys.readouterr().err
