@@ -207,6 +207,33 @@ def test_failed_checks_say_what_was_given_expected_and_obtained() -> None:
                 assert check.counterexample.expected is not None
 
 
+def message(source: str, check: str, seed: int) -> str:
+    return next(c.message for c in verdict(source, seed).checks if c.id == check)
+
+
+def test_lookalikes_are_spoken_of_only_when_they_are_confused() -> None:
+    for seed in range(3):
+        assert "Ces deux lieux ont la même moyenne." in message(mistake("moyenne_seule").source, "sosies", seed)
+        for name in ("scans_compares_bruts", "comparaison_a_l_envers", "seuil_ignore", "ecarts_signes", "masque"):
+            assert "Ces deux lieux" not in message(mistake(name).source, "sosies", seed), name
+        nothing = submission("np.sort(scan)", body="\n    return []\n")
+        assert "n'est pas trouvé, même avec un seuil immense." in message(nothing, "sosies", seed)
+        assert "Ces deux lieux" not in message(nothing, "sosies", seed)
+
+
+def test_a_mask_is_called_a_mask() -> None:
+    for seed in range(2):
+        told = message(mistake("masque").source, "fenetre", seed)
+        assert "des booléens (un masque) et non des indices" in told
+        assert "il manque" not in told
+
+
+def test_slopes_are_not_said_to_be_sectors() -> None:
+    found = verdict(submission("np.diff(scan)"), 1).diagnosis
+    assert found is not None
+    assert "écarts entre voisins" in found.explanation
+
+
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_figures_draw(theme: str) -> None:
     for name in ("scan_brut", "moyenne_seule"):

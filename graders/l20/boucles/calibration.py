@@ -132,6 +132,7 @@ def _ask(bench: Bench, walk: Walk, i: int, threshold: float) -> Search:
     # The window of allowed indices has its own check: here only the scans well before i are judged.
     found = {j for j in indices if 0 <= j <= i - GAP}
     wanted = set(walk.same_place(i))
-    missed, wrong = min(wanted - found, default=None), min(found - wanted, default=None)
+    missed, extra = min(wanted - found, default=None), found - wanted
+    wrong = walk.lookalike if walk.lookalike in extra else min(extra, default=None)
     outcome = Outcome.FOUND if missed is None and wrong is None else Outcome.MIXED
     return Search(walk, outcome, threshold, i, tuple(sorted(found)), missed, wrong, i, got)

@@ -11,7 +11,7 @@ from graders.core.program import StudentFault
 from graders.core.values import Floats, Value
 from graders.core.verdict import Outcome as Cause
 from graders.l20.boucles.calibration import Outcome, Search
-from graders.l20.boucles.readings import Unsuitable, read_signature
+from graders.l20.boucles.readings import Unsuitable, apart, read_signature
 from graders.l20.boucles.walks import Walk, lidar_call
 
 DRAWABLE = 1e12
@@ -94,6 +94,15 @@ def places_figure(bench: Bench, search: Search) -> FigureData:
     scans = [{"name": name, "scan": walk.scans[j], "signature": _asked(bench, walk.scans[j])} for name, j in rows]
     timeline = {"count": len(walk.scans), "query": i, "expected": here, "found": list(search.found)}
     return {"kind": "places", "scans": scans, "timeline": timeline, "threshold": search.threshold}
+
+
+def confuses(bench: Bench, search: Search) -> bool:
+    """Is what went wrong in a trap that the student's signature puts the look-alike nearer than the same place?"""
+    walk, missed, wrong = search.walk, search.missed, search.wrong
+    if search.outcome is not Outcome.MIXED or missed is None or wrong is None or wrong != walk.lookalike:
+        return False
+    asked, same, other = (_asked(bench, walk.scans[j]) for j in (search.query, missed, wrong))
+    return asked is not None and same is not None and other is not None and apart(asked, other) < apart(asked, same)
 
 
 def _asked(bench: Bench, scan: Floats) -> Floats | None:

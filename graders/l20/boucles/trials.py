@@ -10,7 +10,7 @@ import numpy as np
 
 from graders.core.bench import Bench
 from graders.core.checks import FigureData, Rejection
-from graders.core.compare import SameIndices
+from graders.core.compare import Mismatch, SameIndices
 from graders.core.program import StudentFault
 from graders.core.values import Floats, UnreadableError, Value, read_array, read_indices
 from graders.core.verdict import Outcome
@@ -20,7 +20,7 @@ from graders.l20.boucles.calibration import HUGE, Search, calibrate
 from graders.l20.boucles.places import BEAMS, Pool, Rng, module_pool
 from graders.l20.boucles.readings import apart, habits, is_mask, signature, tolerance
 from graders.l20.boucles.scenes import TRAPS, map_elsewhere, trap, walk_at_home, walk_elsewhere
-from graders.l20.boucles.stories import places_figure, rotation_figure, tell
+from graders.l20.boucles.stories import confuses, places_figure, rotation_figure, tell
 from graders.l20.boucles.walks import Walk, draw_trap, lidar_call, turned
 from reference.loop_closure import loop_candidates
 
@@ -124,7 +124,7 @@ def _look_back(bench: Bench, scans: Floats, i: int) -> Rejection | None:
         if fault.fatal or fault.outcome is Outcome.MISSING_FUNCTION:
             raise
         return Rejection(fault.message, inputs=_window_inputs(scans, i), expected=expected, cause=fault.outcome)
-    mismatch = SameIndices()(expected, got)
+    mismatch = _not_indices(got) or SameIndices()(expected, got)
     bench.observe(calibration.FUNCTION, _indices_in_words(got, expected), ok=mismatch is None)
     if mismatch is None:
         return None
@@ -135,6 +135,17 @@ def _look_back(bench: Bench, scans: Floats, i: int) -> Rejection | None:
         got=got,
         cause=mismatch.cause,
     )
+
+
+def _not_indices(got: Value) -> Mismatch | None:
+    """Booleans read as 0 and 1 would be told as indices, which they are not."""
+    try:
+        read_indices(got)
+    except UnreadableError:
+        return None
+    if not is_mask(got):
+        return None
+    return Mismatch("La fonction renvoie des booléens (un masque) et non des indices.", cause=Outcome.INVALID_OUTPUT)
 
 
 def _window_inputs(scans: Floats, i: int) -> dict[str, Value]:
@@ -218,7 +229,11 @@ def _own_trap(bench: Bench, seed: int) -> Walk | None:
 
 def _spring(bench: Bench, draw: Draw, shared: str) -> Rejection | None:
     search, right = _judge(bench, draw, "signature")
-    return None if right else _failure(bench, search, f" Ces deux lieux ont {shared}.")
+    if right:
+        return None
+    # What is told is of no use to a replay, which keeps its calls for what is observed.
+    confused = not bench.runner.replaying and confuses(bench, search)
+    return _failure(bench, search, f" Ces deux lieux ont {shared}." if confused else "")
 
 
 def _separate(bench: Bench, draw: Draw, remark: str = "") -> None:

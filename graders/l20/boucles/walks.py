@@ -28,13 +28,17 @@ Statistic = Callable[[Floats], Floats]
 
 @dataclass(frozen=True)
 class Walk:
-    """`scans` (m, 36) seen from `poses` (m, 3) at `places` (m,), labels; `queries` are the scans to look back from."""
+    """`scans` (m, 36) seen from `poses` (m, 3) at `places` (m,), labels; `queries` are the scans to look back from.
+
+    In a trap, `lookalike` is the scan of the other place that shares a number with the place of the query.
+    """
 
     poses: Floats
     scans: Floats
     places: NDArray[np.int64]
     queries: tuple[int, ...]
     noise: float
+    lookalike: int | None = None
 
     def same_place(self, i: int) -> list[int]:
         """The scans of the past, `GAP` or more before i, that were taken where scan i was."""
@@ -177,7 +181,7 @@ def _confused(
     scans[rows[0]] = of_same[np.argmin(np.where(enough[:, q], far[:, q], np.inf))]
     scans[rows[1]] = of_other[np.argmin(near[:, q])]
     scans[rows[2]] = of_query[q]
-    return replace(walk, scans=scans)
+    return replace(walk, scans=scans, lookalike=rows[1])
 
 
 def _clean(pool: Pool, walk: Walk, row: int) -> Floats:
