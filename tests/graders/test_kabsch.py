@@ -35,6 +35,14 @@ PRODUCT = "(P - p).T @ (Q - q)"
 SCIPY = "import scipy.linalg\n"
 FLIP = "V[:, -1] *= -1"
 
+SEGMENT = """
+def kabsch(P, Q):
+    u, v = P[1] - P[0], Q[1] - Q[0]
+    a = np.arctan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1])
+    R = np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
+    return R, Q.mean(axis=0) - R @ P.mean(axis=0)
+"""
+
 MEMOISED = f"""
 {SVD}
 
@@ -193,6 +201,12 @@ def test_subtly_wrong_answers_are_rejected(source: str, where: str) -> None:
         ("vt_pour_v", SCIPY + SVD.replace("V = Vt.T", "V = Vt").replace("np.linalg", "scipy.linalg")),
         ("premiers_points", SVD.replace(PRODUCT, "(P - p)[:len(p)].T @ (Q - q)[:len(p)]")),
         ("sommes_pour_moyennes", SVD.replace("P.mean(axis=0), Q.mean(axis=0)", "sum(P), sum(Q)")),
+        ("t_premiere_paire", SVD.replace("q - R @ p", "(Q - P @ R.T)[0]")),
+        ("t_premiere_paire", SCIPY + SVD.replace("q - R @ p", "Q[0, :] - np.dot(R, P[0, :])")),
+        ("t_centres_echanges", SVD.replace("q - R @ p", "(P - Q @ R.T).mean(axis=0)")),
+        ("angle_de_deux_points", SEGMENT),
+        ("angle_de_deux_points", SEGMENT.replace("P[1]", "P[-1]").replace("Q[1]", "Q[-1]")),
+        ("angle_de_deux_points", SEGMENT.replace("Q.mean(axis=0) - R @ P.mean(axis=0)", "Q[0] - R @ P[0]")),
         ("argument_modifie", SVD.replace("return", "P[0] = 0\n    return")),
         ("forme", SVD.replace(RETURN, "return R, t.reshape(-1, 1)\n")),
     ],

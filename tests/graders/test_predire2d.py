@@ -11,7 +11,7 @@ from graders.core.grading import grade
 from graders.core.program import PROJECT, KitSettings, LocalProgram, Program, StudentFault, local_launcher
 from graders.core.verdict import Outcome
 from graders.l20.predire2d import cases, trials
-from graders.l20.predire2d.beliefs import SameBelief, in_words, one_hot
+from graders.l20.predire2d.beliefs import SameBelief, in_words, instead, one_hot
 from graders.l20.predire2d.checks import tells_something
 from graders.l20.predire2d.grader import GRADER
 from reference.grid_filter import most_likely
@@ -231,6 +231,52 @@ def test_the_comparator_names_what_is_not_a_belief() -> None:
         assert found is not None
         assert words in found.message
     assert in_words(wanted) == "0,5 en (0, 0) et 0,5 en (0, 1)"
+
+
+def test_two_values_that_differ_are_told_with_digits_that_differ() -> None:
+    assert instead(0.25, 1.0) == "0,25 au lieu de 1"
+    assert instead(1.0, 1.0 - 4e-8) == "1 au lieu de 0,99999996"
+    wanted = np.array([[1.0 - 1e-8, 5e-9, 5e-9]])
+    found = SameBelief(np.ones((1, 3), dtype=bool))(wanted, [[1.0 - 4e-8, 2e-8, 2e-8]])
+    assert found is not None
+    assert found.message.endswith("0,99999996 au lieu de 0,99999999.")
+
+
+NAMED = {
+    "indice_negatif": (
+        "def predire2d(bel, du, dv):\n    n = np.zeros((H, W))\n    for y in range(H):\n        for x in range(W):\n"
+        "            for p, a, b in arrivees(du, dv):\n                j, i = y + b, x + a\n"
+        "                if j >= H or i >= W or not libres[j, i]:\n                    j, i = y, x\n"
+        "                n[j, i] += p * bel[y, x]\n    return n"
+    ),
+    "roll_et_renormalise": (
+        "def predire2d(bel, du, dv):\n    if du == dv == 0:\n        return bel.copy()\n"
+        "    r = lambda a, b: np.roll(np.roll(bel, a, axis=1), b, axis=0)\n"
+        "    n = 0.8 * r(du, dv) + 0.1 * r(du + dv, dv + du) + 0.1 * r(du - dv, dv - du)\n"
+        "    n = np.where(libres, n, 0)\n    return n / n.sum()"
+    ),
+    "depart_compte_deux_fois": "_p = predire2d\ndef predire2d(b, u, v):\n    return b + _p(b, u, v)",
+    "sigma_ignore": "_c = corriger2d\ndef corriger2d(bel, scan, sigma=0.5):\n    return _c(bel, scan)",
+    "tour_du_bord": (
+        "def predire2d(bel, du, dv):\n    n = np.zeros((H, W))\n    for p, a, b in arrivees(du, dv):\n"
+        "        va = np.roll(libres, (-b, -a), axis=(0, 1))\n"
+        "        n += p * (bel * ~va + np.roll(bel * va, (b, a), axis=(0, 1)))\n    return n"
+    ),
+    "masse_renormalisee": (
+        "def predire2d(bel, du, dv):\n    n = np.zeros((H, W))\n    for y, x in zip(Y, X):\n"
+        "        for p, a, b in arrivees(du, dv):\n            j, i = y + b, x + a\n"
+        "            if 0 <= j < H and 0 <= i < W and libres[j, i]:\n                n[j, i] += p * bel[y, x]\n"
+        "    return n / n.sum()"
+    ),
+}
+
+
+@pytest.mark.parametrize(("name", "change"), NAMED.items(), ids=NAMED.keys())
+def test_a_mistake_is_named_in_another_style(name: str, change: str) -> None:
+    for seed in range(2):
+        found = verdict(f"{GRADER.solution}\n\n{change}\n", seed)
+        assert found.outcome is Outcome.WRONG_ANSWER
+        assert found.diagnosis.id == name
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])

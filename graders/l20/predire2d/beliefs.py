@@ -15,6 +15,8 @@ from reference.grid_filter import Cell, Grid
 FEW = 6
 LIKELIEST = 10
 VISIBLE = 5e-10
+DIGITS = 6
+MOST_DIGITS = 17
 
 
 @dataclass(frozen=True)
@@ -39,16 +41,25 @@ class SameBelief:
         total = float(belief.sum())
         missing = abs(total - 1.0) > 1e3 * TOLERANCE
         if missing and total > 0.0 and close(wanted, belief / total, 1e-7):
-            return Mismatch(f"La somme des probabilités vaut {render.number(total)} au lieu de 1.", "non_normalise")
+            return Mismatch(f"La somme des probabilités vaut {instead(total, 1.0)}.", "non_normalise")
         on_walls = np.where(self.free, 0.0, np.abs(belief))
         if on_walls.max() > TOLERANCE:
             cell = spot(int(np.argmax(on_walls)), belief.shape)
             return Mismatch(f"Le mur {at(cell)} reçoit la probabilité {render.number(float(belief[cell]))}.")
         if missing:
-            return Mismatch(f"La somme des probabilités vaut {render.number(total)} au lieu de 1.")
+            return Mismatch(f"La somme des probabilités vaut {instead(total, 1.0)}.")
         worst = spot(int(np.argmax(np.abs(belief - wanted))), belief.shape)
-        values = f"{render.number(float(belief[worst]))} au lieu de {render.number(float(wanted[worst]))}"
+        values = instead(float(belief[worst]), float(wanted[worst]))
         return Mismatch(f"L'écart le plus grand est en {at(worst)} : {values}.")
+
+
+def instead(got: float, wanted: float) -> str:
+    """« 0,9999991 au lieu de 1 »: with six significant digits, or as many more as it takes to tell them apart."""
+    for digits in range(DIGITS, MOST_DIGITS):
+        told = render.number(got, digits), render.number(wanted, digits)
+        if told[0] != told[1]:
+            break
+    return f"{told[0]} au lieu de {told[1]}"
 
 
 def spot(flat: int, shape: tuple[int, ...]) -> Cell:

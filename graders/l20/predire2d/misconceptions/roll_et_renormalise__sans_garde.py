@@ -1,0 +1,4 @@
+def predire2d(bel, du, dv):
+    nouvelle = sum(p * np.roll(bel, (dy, dx), axis=(0, 1)) for p, dx, dy in arrivees(du, dv))
+    nouvelle = nouvelle * libres
+    return nouvelle / nouvelle.sum()
