@@ -127,13 +127,18 @@ async def collect(snapshots: AsyncIterator[Count]) -> list[int]:
 
 def test_watchers_see_each_change_once_and_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(events_module, "SAFETY_POLL", 60.0)
-    state = [0]
+    state, reads = [0], list[int]()
+
+    def read() -> Count:
+        reads.append(state[0])
+        return Count(reads[-1])
 
     async def main() -> list[int]:
         events, name = Events(), uuid4()
-        watching = asyncio.create_task(collect(events.follow(name, lambda: Count(state[0]))))
+        watching = asyncio.create_task(collect(events.follow(name, read)))
         for value in (1, 1, 2, 3):
-            await asyncio.sleep(0.05)
+            while reads[-1:] != state:  # the watcher has seen how things stand
+                await asyncio.sleep(0.005)
             state[0] = value
             events.changed(name)
         return await asyncio.wait_for(watching, 20)
