@@ -58,9 +58,7 @@ def _compete(one: Misconception, other: Misconception) -> bool:
 def _explain(
     observations: Sequence[Observation], misconception: Misconception, replayed: Sequence[Observation]
 ) -> Explanation | None:
-    theirs = {(o.check, o.index): o for o in replayed}
-    pairs = [(o, theirs[o.check, o.index]) for o in observations if (o.check, o.index) in theirs]
-    pairs = [(mine, other) for mine, other in pairs if mine.function == other.function]
+    pairs = _paired(observations, replayed)
     relevant = [p for p in pairs if p[0].function in misconception.functions and not (p[0].ok and p[1].ok)]
     explained = sum(not mine.ok and agree(mine, other) for mine, other in pairs)
     agreement = sum(agree(*p) for p in relevant) / len(relevant) if relevant else 0.0
@@ -73,12 +71,16 @@ def hopeless(
     observations: Sequence[Observation], misconception: Misconception, replayed: Sequence[Observation]
 ) -> bool:
     """Do the checks replayed so far already rule the misconception out, whatever the others give?"""
-    theirs = {(o.check, o.index): o for o in replayed}
     judged = [o for o in observations if o.function in misconception.functions]
-    pairs = [(o, theirs[o.check, o.index]) for o in judged if (o.check, o.index) in theirs]
-    pairs = [(mine, other) for mine, other in pairs if mine.function == other.function]
+    pairs = _paired(judged, replayed)
     differing = sum(not (mine.ok and other.ok) and not agree(mine, other) for mine, other in pairs)
     return differing > (1.0 - MIN_AGREEMENT) * len(judged) + 1e-9
+
+
+def _paired(mine: Sequence[Observation], replayed: Sequence[Observation]) -> list[tuple[Observation, Observation]]:
+    """What both programs gave at the same place of the same check, of the same function."""
+    theirs = {(o.check, o.index, o.function): o for o in replayed}
+    return [(o, theirs[o.check, o.index, o.function]) for o in mine if (o.check, o.index, o.function) in theirs]
 
 
 def agree(one: Observation, other: Observation) -> bool:
