@@ -1,95 +1,147 @@
-"""What a submission costs: open, one call, close, with and without a spare child, beside a bare fork and a cold Python.
+"""What the walls cost: beside a bare fork of the same template, cold interpreters, and other graders, in one run.
 
-Run by hand: ``python tests/benchmarks/bench_sandbox.py [rounds]``. Milliseconds: median and 95th percentile.
+    PYTHONPATH=. python tests/benchmarks/bench_sandbox.py [--rounds 200] [--peers-venv PEERS] [--only latency]
+
+Prints Markdown tables. `peers.py` says how to make PEERS; without it, the other graders are left out.
 """
 
 from __future__ import annotations
 
+import argparse
 import os
-import statistics
-import subprocess
+import platform
 import sys
-import threading
-import time
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+import tempfile
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from footprint import weigh
+from measure import Contender, figure, interleave, median, p95, table
+from peers import peers
+from programs import PROGRAMS, Program
+from throughput import KINDS, rate
 
 from server.sandbox import Policy, Sandbox
 from server.sandbox.install import installation
 
-COMPOSER = b"""
-import numpy as np
-def composer(a, b):
-    c, s = np.cos(a[2]), np.sin(a[2])
-    return np.array([a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], a[2] + b[2]])
-"""
-SCIPY = b"import scipy.sparse\n" + COMPOSER
-POSE = np.array([1.0, 2.0, 0.5])
+#: Every wall by its name: without them all, a session is a bare fork of the template with the same protocol.
+ALL_WALLS = frozenset(
+    {"user", "pid", "network", "ipc", "uts", "view", "landlock", "seccomp", "rlimits", "cgroup", "capabilities"}
+    | {"dumpable", "environment", "descriptors"}
+)
+#: Seconds before each measure: the spare child that the one before has ordered is ready by then.
+REST = 0.02
+IMPORTS = ("numpy", "scipy")
+SECONDS = 4.0
+LOADS = ((1, 1), (1, 2), (1, 4), (2, 1), (2, 2))
 
 
-def milliseconds(action: Callable[[], object], rounds: int, pause: float = 0.0) -> str:
-    times = []
-    for _ in range(rounds):
-        start = time.perf_counter()
-        action()
-        times.append(1000.0 * (time.perf_counter() - start))
-        time.sleep(pause)
-    return f"{statistics.median(times):8.2f} {statistics.quantiles(times, n=20)[-1]:8.2f}"
+def arguments(program: Program) -> tuple[Any, ...]:
+    given = eval(program.arguments, {"np": np})
+    return given if isinstance(given, tuple) else (given,)
 
 
-def submit(sandbox: Sandbox, source: bytes) -> None:
-    with sandbox.open(source) as session:
-        session.call("composer", POSE, POSE)
+def submission(sandbox: Sandbox, program: Program) -> Callable[[], float]:
+    """Open, one call, close; returns what the program computed by its own account."""
+    source, given = program.timed, arguments(program)
+
+    def action() -> float:
+        with sandbox.open(source) as session:
+            value: Any = session.call("timed", *given).value
+        return float(value[1])
+
+    return action
 
 
-def bare_fork() -> None:
-    pid = os.fork()
-    if pid == 0:
-        os._exit(0)
-    os.waitpid(pid, 0)
+def ours(stack: ExitStack, program: Program) -> list[Contender]:
+    def sandbox(spares: int, lifted: frozenset[str] = frozenset()) -> Sandbox:
+        namespaces = False if lifted else None
+        return stack.enter_context(Sandbox({}, Policy(), spares=spares, namespaces=namespaces, lifted=lifted))
+
+    return [
+        Contender("**Balise, a spare ready**", submission(sandbox(1), program), rest=REST),
+        Contender("a bare fork, a spare ready", submission(sandbox(1, ALL_WALLS), program), rest=REST),
+        Contender("**Balise, no spare**", submission(sandbox(0), program), rest=REST),
+        Contender("a bare fork, no spare", submission(sandbox(0, ALL_WALLS), program), rest=REST),
+    ]
 
 
-def cold_python() -> None:
-    sites = ":".join(installation().sites)
-    program = f"import sys; sys.path += {sites.split(':')!r}; import numpy"
-    subprocess.run([sys.executable, "-I", "-S", "-c", program], check=True, env={"OPENBLAS_NUM_THREADS": "1"})
+def latency(rounds: int, peers_venv: Path | None) -> None:
+    for program in PROGRAMS:
+        with ExitStack() as stack, tempfile.TemporaryDirectory() as folder:
+            contenders = ours(stack, program)
+            binaries = peers_venv / "bin" if peers_venv else Path(sys.executable).parent
+            contenders += peers(program, Path(folder), binaries)
+            interleave(contenders, rounds)
+        report(program, contenders)
 
 
-def throughput(sandbox: Sandbox, threads: int, rounds: int) -> float:
-    with ThreadPoolExecutor(threads) as pool:
-        start = time.perf_counter()
-        list(pool.map(lambda _: submit(sandbox, COMPOSER), range(rounds)))
-        return rounds / (time.perf_counter() - start)
-
-
-def main(rounds: int) -> None:
-    print(f"{'':44}   median      p95")
-    print(f"{'bare fork of this small process':44} {milliseconds(bare_fork, rounds)}")
-    with Sandbox({}, Policy(), spares=0) as sandbox:
-        submit(sandbox, COMPOSER)
-        print(f"{'open + call + close, no spare':44} {milliseconds(lambda: submit(sandbox, COMPOSER), rounds)}")
-    with Sandbox({}, Policy(), spares=1) as sandbox:
-        submit(sandbox, COMPOSER)
-        print(
-            f"{'open + call + close, one spare, hurried':44} {milliseconds(lambda: submit(sandbox, COMPOSER), rounds)}"
+def report(program: Program, contenders: Sequence[Contender]) -> None:
+    spare, spare_limit, fork, fork_limit = contenders[:4]
+    limits = {spare.name: spare_limit, fork.name: fork_limit}
+    rows = []
+    for one in contenders:
+        limit = limits.get(one.name)
+        added = [figure(median(one.added)), figure(p95(one.added))] if any(one.own) else ["", ""]
+        rows.append(
+            [
+                one.name,
+                figure(median(one.total)),
+                figure(p95(one.total)),
+                f"{median(one.total) / median(spare.total):.2f}",
+                *added,
+                f"{median(one.added) / median(limit.added):.2f}" if limit else "",
+                str(len(one.total)),
+            ]
         )
-        print(
-            f"{'open + call + close, spare ready':44} {milliseconds(lambda: submit(sandbox, COMPOSER), rounds, 0.01)}"
-        )
-        with sandbox.open(COMPOSER) as session:
-            print(f"{'one more call':44} {milliseconds(lambda: session.call('composer', POSE, POSE), rounds)}")
-        for threads in (1, 2, 4):
-            print(f"{f'throughput, {threads} threads':44} {throughput(sandbox, threads, rounds):8.0f} /s")
-    if "scipy" in installation().sets:
-        with Sandbox({}, Policy(), spares=1) as sandbox:
-            submit(sandbox, SCIPY)
-            figures = milliseconds(lambda: submit(sandbox, SCIPY), rounds, 0.015)
-            print(f"{'scipy: open + call + close, spare ready':44} {figures}")
-    print(f"{'cold python that imports numpy':44} {milliseconds(cold_python, 10)}")
-    assert threading.active_count() == 1
+    own = median([time for one in contenders[:4] for time in one.own])
+    print(f"\n{program.name}: open, one call, close; ms (the student's own computing is {figure(own)} of them)\n")
+    head = ["", "median", "p95", "× Balise", "added, median", "added, p95", "added, × bare fork", "rounds"]
+    print(table(head, rows), flush=True)
+
+
+def memory() -> None:
+    rows = []
+    for imports, program in zip(IMPORTS, PROGRAMS, strict=True):
+        idle, child = weigh(program, arguments(program), imports)
+        rows += [
+            [f"idle template, {imports}", *map(figure, (idle.pss, idle.rss, idle.dirty))],
+            [f"a child of it, after {program.name}", *map(figure, (child.pss, child.rss, child.dirty))],
+        ]
+    print("\nMemory, MB\n")
+    print(table(["", "proportional (PSS)", "resident (RSS)", "private, written"], rows), flush=True)
+
+
+def throughput() -> None:
+    rows = [
+        [f"{processes} × {threads}", *(figure(rate(kind, processes, threads, SECONDS)) for kind in KINDS)]
+        for processes, threads in LOADS
+    ]
+    print("\nThroughput, a second\n")
+    print(table(["processes × threads", "bare submissions", "gradings of l20/poses"], rows), flush=True)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--rounds", type=int, default=200)
+    parser.add_argument("--peers-venv", type=Path, help="a virtual environment that holds the other graders")
+    parser.add_argument("--only", choices=("latency", "memory", "throughput"))
+    options = parser.parse_args()
+    if "scipy" not in installation().sets:
+        raise SystemExit("this benchmark needs scipy")
+    print(f"Python {platform.python_version()}, Linux {platform.release()}, {os.cpu_count()} cores")
+    parts: dict[str, Callable[[], None]] = {
+        "latency": lambda: latency(options.rounds, options.peers_venv),
+        "memory": memory,
+        "throughput": throughput,
+    }
+    for name, part in parts.items():
+        if options.only in (None, name):
+            part()
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 200)
+    main()
