@@ -43,6 +43,8 @@ def ended(ending: Ending, policy: Policy) -> ProgramFault:
     number = os.WTERMSIG(ending.status)
     if number == signal.SIGSYS:
         return _fatal(FaultKind.FORBIDDEN_OPERATION, messages.forbidden("appel système", None, ()))
+    if ending.out_of_memory:
+        return _fatal(FaultKind.MEMORY_LIMIT, messages.memory_limit(policy, None, ()))
     exhausted = number == signal.SIGKILL and ending.cpu_seconds >= policy.cpu_seconds
     if number in _KILLED_BY_TIME or exhausted:
         return _fatal(FaultKind.TIMEOUT, messages.timeout("cpu", policy, None, ()))

@@ -15,7 +15,9 @@ class Policy:
 
     `cpu_seconds` counts the time of the processor over the whole session; `wall_seconds` counts the time spent waiting
     for answers; `memory_bytes` comes above what the interpreter and the libraries use themselves; `threads` counts the
-    main one; `files` are descriptors; `depth` and `items` bound the nesting and the number of values of an answer.
+    main one; `files` are descriptors; a program may write files of `file_bytes` each, `folder_bytes` in all, into a
+    private folder that goes with it (where the machine cannot give it one, it writes nothing); `depth` and `items`
+    bound the nesting and the number of values of an answer.
     """
 
     cpu_seconds: float = 5.0
@@ -26,7 +28,8 @@ class Policy:
     source_bytes: int = 64 * KIB
     threads: int = 1
     files: int = 64
-    file_bytes: int = 1 * MIB
+    file_bytes: int = 4 * MIB
+    folder_bytes: int = 16 * MIB
     depth: int = 16
     items: int = 200_000
 

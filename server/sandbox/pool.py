@@ -11,6 +11,8 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Self
 
 from server.sandbox import messages
+from server.sandbox.cgroups import Seats, hierarchies
+from server.sandbox.child.walls import WALLS
 from server.sandbox.faults import FaultKind, NamespacesRefused, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.install import import_set
 from server.sandbox.policy import Policy
@@ -52,7 +54,10 @@ class Sandbox:
         lifted: frozenset[str] = frozenset(),
     ) -> None:
         self.policy = policy or Policy()
+        if unknown := lifted - WALLS:
+            raise ValueError(f"no such wall: {', '.join(sorted(unknown))}")
         self._kits, self._lifted = dict(kits), lifted
+        self._seats = Seats(() if "cgroup" in lifted else hierarchies()[0])
         self._spares, self._forks, self._namespaces = spares, forks, namespaces
         self._slots: dict[str, _Slot] = {"numpy": _Slot(), "scipy": _Slot()}
         self._retired: set[TemplateProcess] = set()
@@ -101,6 +106,7 @@ class Sandbox:
             template.close()
         self._retired.clear()
         self._spawner.shutdown()
+        self._seats.close()
 
     def _opened(self, source: bytes, filename: str, kit: Kit | None, policy: Policy) -> Session:
         imports = import_set(source)
@@ -191,7 +197,7 @@ class Sandbox:
 
     def _start(self, imports: str, namespaces: bool) -> TemplateProcess:
         setting = Setting(self._kits, imports, namespaces, self._lifted)
-        return TemplateProcess(setting, self._bury_retired).start(self._spawner)
+        return TemplateProcess(setting, self._seats, self._bury_retired).start(self._spawner)
 
     def _replace(self, imports: str, failed: TemplateProcess) -> None:
         slot = self._slots[imports]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import signal
 import socket
 import struct
 import subprocess
@@ -13,6 +14,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, fields
 from typing import Any
 
+from server.sandbox.cgroups import Seat, Seats
 from server.sandbox.child import codec, inner, outer
 from server.sandbox.child.codec import Value
 from server.sandbox.child.template import CONTROL
@@ -27,11 +29,12 @@ START_SECONDS = 60.0
 _SEND_TIMEOUT = struct.pack("@ll", 5, 0)
 _BOOT = (
     "import sys; sys.path.insert(0, sys.argv[1]); from child.boot import main; del sys.path[0]; "
-    "main(int(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]), sys.argv[5] == 'namespaces', sys.argv[6:])"
+    "main(*map(int, sys.argv[2:5]), sys.argv[5] == 'namespaces', sys.argv[6].split(), sys.argv[7:])"
 )
 _ENVIRONMENT = {
     **dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1"),
     "LC_ALL": "C.UTF-8",
+    "PYTHONHASHSEED": "0",  # a set of strings has the same order for every submission
 }
 
 
@@ -47,11 +50,12 @@ class Setting:
 
 @dataclass(frozen=True)
 class Ending:
-    """How a child ended, as `os.wait4` tells it."""
+    """How a child ended, as `os.wait4` tells it, and whether its control group says that it lacked memory."""
 
     status: int
     cpu_seconds: float
     max_rss_bytes: int
+    out_of_memory: bool = False
 
 
 class Child:
@@ -78,9 +82,10 @@ class Child:
 class TemplateProcess:
     """One template. `start` must be called from a thread that outlives it: its death kills the template."""
 
-    def __init__(self, setting: Setting, when_idle: Callable[[TemplateProcess], None]) -> None:
-        self._setting, self._when_idle = setting, when_idle
+    def __init__(self, setting: Setting, seats: Seats, when_idle: Callable[[TemplateProcess], None]) -> None:
+        self._setting, self._seats, self._when_idle = setting, seats, when_idle
         self._lock = threading.Lock()
+        self._taken: dict[int, Seat] = {}
         self._endings: dict[int, Future[Ending]] = {}
         self._dead = False
         self.namespaces = setting.namespaces
@@ -109,7 +114,7 @@ class TemplateProcess:
         try:
             return subprocess.Popen(
                 self._command(control, configuration),
-                env=_ENVIRONMENT | {k: v for k, v in os.environ.items() if k == "LD_LIBRARY_PATH"},
+                env=self._environment(),
                 cwd="/",
                 stdin=subprocess.DEVNULL,
                 stdout=self._log,
@@ -120,12 +125,17 @@ class TemplateProcess:
         finally:
             os.close(configuration)
 
+    def _environment(self) -> dict[str, str]:
+        whole = "environment" in self._setting.lifted
+        return {k: v for k, v in os.environ.items() if whole or k == "LD_LIBRARY_PATH"} | _ENVIRONMENT
+
     def _command(self, control: int, configuration: int) -> list[str]:
         installed = installation()
         mode = "namespaces" if self._setting.namespaces else "plain"
         numbers = (str(control), str(configuration), str(os.getpid()))
         here = os.path.dirname(os.path.abspath(__file__))
-        return [installed.python, "-I", "-S", "-E", "-c", _BOOT, here, *numbers, mode, *installed.sites]
+        lifted = " ".join(sorted(self._setting.lifted))
+        return [installed.python, "-P", "-s", "-S", "-c", _BOOT, here, *numbers, mode, lifted, *installed.sites]
 
     def _configuration(self) -> int:
         installed = installation()
@@ -174,9 +184,13 @@ class TemplateProcess:
             number = self.forks
             self._endings[number] = Future()
         child = Child(self, number, Wire(ours), output)
+        seat = self._seats.take(policy)
+        if seat:
+            self._taken[number] = seat
         try:
             with theirs:
-                self._order(_fork_order(number, policy), [theirs.fileno(), output.fileno()])
+                descriptors = [theirs.fileno(), output.fileno(), *(seat.descriptors if seat else ())]
+                self._order(_fork_order(number, policy), descriptors)
         except TemplateFault:
             child.close()
             raise
@@ -214,9 +228,19 @@ class TemplateProcess:
             report: Any = codec.decode(data, CONTROL)
             with self._lock:
                 ending = self._endings.pop(report["id"])
-            ending.set_result(Ending(report["status"], report["cpu"], report["rss"]))
+            exhausted = self._leave_seat(report["id"], report["status"])
+            ending.set_result(Ending(report["status"], report["cpu"], report["rss"], exhausted))
             self._when_idle(self)
         self._bury()
+
+    def _leave_seat(self, number: int, status: int) -> bool:
+        """Gives back the seat of a child that has ended; returns whether the kernel ended it for lack of memory."""
+        seat = self._taken.pop(number, None)
+        if seat is None:
+            return False
+        exhausted = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGKILL and seat.ran_out_of_memory()
+        self._seats.give_back(seat)
+        return exhausted
 
     def _received(self) -> bytes:
         try:
@@ -233,6 +257,8 @@ class TemplateProcess:
             said = self.said()
             self._control.close()
             os.close(self._log)
+        while self._taken:
+            self._seats.drop(self._taken.popitem()[1])
         for ending in left.values():
             ending.set_exception(TemplateFault(f"the template died: {said}"))
 

@@ -8,8 +8,8 @@ import sys
 from . import outer
 
 
-def main(control: int, configuration: int, parent: int, namespaces: bool, sites: list[str]) -> None:
-    """`sites`: the directories where numpy and scipy are installed."""
+def main(control: int, configuration: int, parent: int, namespaces: bool, lifted: list[str], sites: list[str]) -> None:
+    """`lifted`: walls left down; `sites`: the directories where numpy and scipy are installed."""
     outer.tie_to_parent(parent)
 
     def inside() -> None:
@@ -21,7 +21,7 @@ def main(control: int, configuration: int, parent: int, namespaces: bool, sites:
         template.start(control, data)
 
     if namespaces:
-        code = outer.split_off(inside, control)
+        code = outer.split_off(inside, control, lifted)
         os._exit(code if code >= 0 else 70)
     inside()
     os._exit(0)

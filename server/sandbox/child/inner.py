@@ -6,9 +6,11 @@ import mmap
 import os
 import resource
 import signal
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from . import landlock, libc, seccomp
+from .namespaces import Nest
 
 WIRE = 230
 #: Address space that only the report of a lack of memory may use.
@@ -24,6 +26,8 @@ class Prepared:
     filters: dict[bool, bytes]
     base_memory: int
     parent: int
+    nest: Nest | None
+    lifted: frozenset[str]
 
 
 @dataclass(frozen=True)
@@ -34,18 +38,26 @@ class Limits:
     memory_bytes: int
     files: int
     file_bytes: int
+    folder_bytes: int
     threads: int
 
 
-def raise_walls(prepared: Prepared, limits: Limits, wire: int, output: int, lifted: frozenset[str]) -> mmap.mmap:
+def raise_walls(prepared: Prepared, limits: Limits, wire: int, output: int, seats: Sequence[int]) -> mmap.mmap:
     """Leaves fds 0 (null), 1 and 2 (output) and WIRE, and all walls up; returns the reserve of memory.
 
-    `lifted` names walls to leave down: only the probe and the tests of the walls themselves use it.
+    `seats` are the lists of processes of control groups, which this process joins.
     """
-    _tie_to_parent(prepared.parent)
-    _keep_descriptors(wire, output, prepared.rules)
+    lifted = prepared.lifted
+    for seat in seats:
+        os.write(seat, b"0")
+    _tie_to_parent(prepared)
+    if prepared.nest:
+        prepared.nest.settle(limits.folder_bytes)
+    _keep_descriptors(wire, output, prepared.rules, others="descriptors" in lifted)
     reserve = mmap.mmap(-1, RESERVE, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
-    libc.prctl(libc.PR_SET_DUMPABLE, 0)
+    if "capabilities" not in lifted:
+        libc.drop_capabilities()
+    libc.prctl(libc.PR_SET_DUMPABLE, int("dumpable" in lifted))
     libc.prctl(libc.PR_SET_NO_NEW_PRIVS, 1)
     if "rlimits" not in lifted:
         _bound_resources(limits, prepared.base_memory + RESERVE)
@@ -58,18 +70,23 @@ def raise_walls(prepared: Prepared, limits: Limits, wire: int, output: int, lift
     return reserve
 
 
-def _tie_to_parent(parent: int) -> None:
-    """Dies with the template; a template that died in between is noticed by the changed parent."""
+def _tie_to_parent(prepared: Prepared) -> None:
+    """Dies with the template; a template that died in between is noticed by the changed parent.
+
+    (In a process namespace of its own, a fork does not see its parent: the end of the template's ends it.)
+    """
     libc.prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL)
-    if os.getppid() != parent:
+    if os.getppid() not in (prepared.parent, 0):
         os._exit(70)
 
 
-def _keep_descriptors(wire: int, output: int, rules: int | None) -> None:
+def _keep_descriptors(wire: int, output: int, rules: int | None, *, others: bool) -> None:
     kept = sorted({WIRE} | ({rules} if rules is not None else set()))
     os.dup2(output, 1)
     os.dup2(output, 2)
     os.dup2(wire, WIRE, inheritable=False)
+    if others:
+        return
     low = 3
     for descriptor in kept:
         _close(low, descriptor - 1)
@@ -119,6 +136,6 @@ def address_space(account: int) -> int:
     return int(os.pread(account, 256, 0).split()[0]) * mmap.PAGESIZE
 
 
-def filters() -> dict[bool, bytes]:
-    """Seccomp programs by whether threads are allowed."""
-    return {threads: seccomp.assemble(threads=threads) for threads in (False, True)}
+def filters(*, folder: bool) -> dict[bool, bytes]:
+    """Seccomp programs by whether threads are allowed; `folder` tells that there is a place to write in."""
+    return {threads: seccomp.assemble(threads=threads, folder=folder) for threads in (False, True)}

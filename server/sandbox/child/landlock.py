@@ -12,6 +12,11 @@ from . import libc
 
 _CREATE, _ADD, _RESTRICT = 444, 445, 446  # the same on every architecture
 _EXECUTE, _WRITE_FILE, _READ_FILE, _READ_DIR = 1, 2, 4, 8
+_REMOVE_DIR, _REMOVE_FILE, _MAKE_DIR, _MAKE_REG, _REFER, _TRUNCATE = 1 << 4, 1 << 5, 1 << 7, 1 << 8, 1 << 13, 1 << 14
+#: No device, socket, pipe or symbolic link.
+_OWN_FOLDER = (
+    _WRITE_FILE | _READ_FILE | _READ_DIR | _REMOVE_DIR | _REMOVE_FILE | _MAKE_DIR | _MAKE_REG | _REFER | _TRUNCATE
+)
 #: Number of file-system rights, by version of the interface.
 _FS_RIGHTS = {1: 13, 2: 14, 3: 15, 4: 15, 5: 16, 6: 16, 7: 16}
 _NET_BIND_AND_CONNECT, _SCOPE_ABSTRACT_SOCKET_AND_SIGNAL = 3, 3
@@ -29,8 +34,11 @@ def version() -> int:
         return 0
 
 
-def ruleset(readable: Iterable[str], devices: Iterable[str] = ()) -> int:
-    """Descriptor of a rule set; paths that do not exist are left out. Raises OSError without Landlock."""
+def ruleset(readable: Iterable[str], devices: Iterable[str] = (), writable: Iterable[str] = ()) -> int:
+    """Descriptor of a rule set; paths that do not exist are left out. Raises OSError without Landlock.
+
+    A rule holds below its folder in mounts that come later too, unless it is on the very folder that they cover.
+    """
     known = min(version(), max(_FS_RIGHTS))
     if not known:
         raise libc.Unsupported(38, "Landlock est absent de ce noyau")
@@ -45,6 +53,8 @@ def ruleset(readable: Iterable[str], devices: Iterable[str] = ()) -> int:
         _allow(rules, path, _READ_FILE | (_READ_DIR if os.path.isdir(path) else 0))
     for path in devices:
         _allow(rules, path, _READ_FILE | _WRITE_FILE)
+    for path in writable:
+        _allow(rules, path, _OWN_FOLDER & attributes.fs)
     return rules
 
 

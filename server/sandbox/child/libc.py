@@ -9,6 +9,8 @@ import platform
 
 _libc = ctypes.CDLL(None, use_errno=True)
 _libc.syscall.restype = ctypes.c_long
+_held = ctypes.PyDLL(None, use_errno=True)
+_held.syscall.restype = ctypes.c_long
 
 MACHINE = platform.machine()
 #: Column of `syscalls` and ``AUDIT_ARCH`` of seccomp, for the architectures that are known.
@@ -40,6 +42,15 @@ def syscall(
     what: str, number: int, *arguments: int | bytes | ctypes.Array[ctypes.c_char] | ctypes.Structure | None
 ) -> int:
     return _checked(_libc.syscall(ctypes.c_long(number), *map(_argument, arguments)), what)
+
+
+def syscall_with_gil(number: int, *arguments: int | ctypes.Structure) -> int:
+    """As `syscall`, without letting go of the interpreter's lock: for a fork. Returns -1 on failure."""
+    return int(_held.syscall(ctypes.c_long(number), *map(_argument, arguments)))
+
+
+def set_host_name(name: bytes) -> None:
+    _checked(_libc.sethostname(name, ctypes.c_size_t(len(name))), "sethostname")
 
 
 def prctl(option: int, *arguments: int | ctypes.Structure) -> int:

@@ -7,20 +7,15 @@ import signal
 import struct
 import sys
 import traceback
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 
 from . import libc
+from .namespaces import FOLDER, UNPRIVILEGED, enter
 
-_NEWNS, _NEWCGROUP, _NEWUTS, _NEWIPC, _NEWUSER, _NEWPID, _NEWNET = (
-    0x00020000, 0x02000000, 0x04000000, 0x08000000, 0x10000000, 0x20000000, 0x40000000,
-)  # fmt: skip
-_ALL = _NEWNS | _NEWCGROUP | _NEWUTS | _NEWIPC | _NEWPID | _NEWNET
 _OPEN_TREE, _MOVE_MOUNT, _MOUNT_SETATTR = 428, 429, 442  # the same on every architecture
 _RECURSIVE, _EMPTY_PATH, _CWD = 0x8000, 0x1000, -100
 _RDONLY, _NOSUID, _NODEV = 1, 2, 4
 _MS_PRIVATE_RECURSIVE, _MS_NOSUID_NODEV = (1 << 18) | (1 << 14), 2 | 4
-#: Nobody's own identity: no file and no service of a machine belongs to it.
-UNPRIVILEGED = 61_185
 DEVICES = ("/dev/null", "/dev/zero", "/dev/urandom", "/dev/random")
 #: Exit code of a template that this machine refuses the namespaces or the file view.
 REFUSED = 71
@@ -34,31 +29,22 @@ def tie_to_parent(parent: int) -> None:
         os._exit(70)
 
 
-def split_off(inside: Callable[[], None], control: int) -> int:
+def split_off(inside: Callable[[], None], control: int, lifted: Collection[str]) -> int:
     """Enters new namespaces and runs `inside` in their first process; returns its exit code, REFUSED without them."""
     try:
-        _enter_namespaces(os.geteuid(), os.getegid())
+        enter(lifted)
     except OSError:
         traceback.print_exc()
         return REFUSED
-    watcher = os.getpid()
     child = os.fork()
     if child == 0:
-        _first_process(inside, watcher)
+        _first_process(inside)
     os.close(control)
     _, status = os.waitpid(child, 0)
     return os.waitstatus_to_exitcode(status)
 
 
-def _enter_namespaces(user: int, group: int) -> None:
-    try:
-        libc.unshare(_ALL)
-    except PermissionError:
-        libc.unshare(_NEWUSER | _ALL)
-        _map_identity(user, group)
-
-
-def _first_process(inside: Callable[[], None], watcher: int) -> None:
+def _first_process(inside: Callable[[], None]) -> None:
     code = 70
     try:
         libc.prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL)
@@ -71,24 +57,16 @@ def _first_process(inside: Callable[[], None], watcher: int) -> None:
         os._exit(code)
 
 
-def _map_identity(user: int, group: int) -> None:
-    for name, text in (
-        ("setgroups", "deny"),
-        ("uid_map", f"{UNPRIVILEGED} {user} 1"),
-        ("gid_map", f"{UNPRIVILEGED} {group} 1"),
-    ):
-        with open(f"/proc/self/{name}", "w", encoding="ascii") as file:
-            file.write(text)
-
-
-def drop_privileges() -> None:
+def drop_privileges(lifted: Collection[str] = ()) -> None:
     """Nobody's identity where this process may change it, no capability, no way to gain one."""
-    libc.drop_bounding_capabilities()
-    if os.geteuid() == 0:
+    if "capabilities" not in lifted:
+        libc.drop_bounding_capabilities()
+    if os.geteuid() == 0 and "identity" not in lifted:
         os.setgroups([])
         os.setresgid(UNPRIVILEGED, UNPRIVILEGED, UNPRIVILEGED)
         os.setresuid(UNPRIVILEGED, UNPRIVILEGED, UNPRIVILEGED)
-    libc.drop_capabilities()
+    if "capabilities" not in lifted:
+        libc.drop_capabilities()
 
 
 def mapped_files() -> list[str]:
@@ -135,6 +113,7 @@ def _change_view(libraries: Iterable[str], packages: Iterable[str]) -> None:
         hidden += _hide_packages(root + path)
     for path in (*loose, *devices):
         _attach(trees.get(path) or devices[path], root, path)
+    os.makedirs(root + FOLDER, mode=0o755)
     _pivot(root)
     for path in ("/", *(name.removeprefix(root) for name in hidden)):
         _set_attributes(_CWD, path, _RDONLY | _NOSUID | _NODEV, recursive=False)

@@ -56,10 +56,15 @@ def _thread_only(threads: bool) -> Block:
     )
 
 
-def _blocks(column: int, threads: bool) -> dict[int, Block]:
+def _blocks(column: int, threads: bool, folder: bool) -> dict[int, Block]:
     """What each known call of an architecture comes to, as instructions that always return."""
     blocks: dict[int, Block] = {number: (_answer(KILL),) for number in range(syscalls.LAST_KNOWN + 1)}
-    tables = ((syscalls.ALLOWED, ALLOW), (syscalls.REFUSED, ERRNO | EPERM), (syscalls.ABSENT, ERRNO | ENOSYS))
+    tables = (
+        (syscalls.ALLOWED, ALLOW),
+        (syscalls.REFUSED, ERRNO | EPERM),
+        (syscalls.FOLDER, ALLOW if folder else ERRNO | EPERM),
+        (syscalls.ABSENT, ERRNO | ENOSYS),
+    )
     for table, action in tables:
         blocks |= dict.fromkeys(syscalls.numbers(table, column), (_answer(action),))
     conditional = {
@@ -96,8 +101,11 @@ def _search(runs: list[tuple[int, Block]]) -> list[Instruction]:
     return [_op(_JUMP_AT_LEAST, first, 0, 1), _op(_JUMP, len(low)), *low, *high]
 
 
-def assemble(*, threads: bool) -> bytes:
-    """The filter of this architecture, as an array of ``struct sock_filter``. Raises Unsupported elsewhere."""
+def assemble(*, threads: bool, folder: bool) -> bytes:
+    """The filter of this architecture, as an array of ``struct sock_filter``. Raises Unsupported elsewhere.
+
+    `folder` allows the calls that change folders and files, where there is a private place for them.
+    """
     column = libc.column()
     program = [
         _op(_LOAD, _ARCH),
@@ -105,7 +113,7 @@ def assemble(*, threads: bool) -> bytes:
         _answer(KILL),
         _op(_LOAD, _NR),
         *(_x32_is_an_attack() if column == 0 else []),
-        *_search(_ranges(_blocks(column, threads))),
+        *_search(_ranges(_blocks(column, threads, folder))),
     ]
     return b"".join(program)
 

@@ -9,7 +9,7 @@ import random
 import signal
 import sys
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import FrameType, ModuleType
 from typing import Any, NoReturn
 
@@ -31,13 +31,13 @@ def run(
     order: Mapping[str, Any],
     wire: int,
     output: int,
-    lifted: frozenset[str],
+    seats: Sequence[int],
 ) -> NoReturn:
     """Runs in a fresh fork, and ends the process."""
     ready = False
     try:
         limits = inner.Limits(*(order[name] for name in inner.Limits.__dataclass_fields__))
-        reserve = inner.raise_walls(prepared, limits, wire, output, lifted)
+        reserve = inner.raise_walls(prepared, limits, wire, output, seats)
         wire = inner.WIRE
         print_to(BoundedText(BoundedBytes(1, order["stdout_bytes"]), order["stdout_bytes"]))
         np.random.seed(int.from_bytes(os.urandom(4), "little"))  # `random` reseeds itself in a fork

@@ -35,33 +35,36 @@ prlimit64:302/261 ioctl:16/29 clone:56/220 prctl:157/167
 #: What libraries or beginners try in good faith: refused with EPERM, so that Python raises an exception.
 REFUSED = """
 socket:41/198 socketpair:53/199 connect:42/203 bind:49/200 listen:50/201 accept:43/202 accept4:288/242
-getsockname:51/204 getpeername:52/205 setsockopt:54/208 getsockopt:55/209 sendto:44/206 recvfrom:45/207
-sendmsg:46/211 recvmsg:47/212 sendmmsg:307/269 recvmmsg:299/243 shutdown:48/210 fork:57/ vfork:58/ execve:59/221
-execveat:322/281 wait4:61/260 waitid:247/95 kill:62/129 tkill:200/130 tgkill:234/131 rt_sigqueueinfo:129/138
-rt_tgsigqueueinfo:297/240 unlink:87/ unlinkat:263/35 rename:82/ renameat:264/38 renameat2:316/276 mkdir:83/
-mkdirat:258/34 rmdir:84/ link:86/ linkat:265/37 symlink:88/ symlinkat:266/36 chmod:90/ fchmod:91/52 fchmodat:268/53
-chown:92/ fchown:93/55 lchown:94/ fchownat:260/54 truncate:76/45 ftruncate:77/46 fallocate:285/47 creat:85/
-mknod:133/ mknodat:259/33 utime:132/ utimes:235/ utimensat:280/88 futimesat:261/ setuid:105/146 setgid:106/144
-setreuid:113/145 setregid:114/143 setresuid:117/147 setresgid:119/149 setfsuid:122/151 setfsgid:123/152
-setgroups:116/159 setpgid:109/154 setsid:112/157 setpriority:141/140 sched_setparam:142/118
-sched_setscheduler:144/119 sched_setaffinity:203/122 sched_setattr:314/274 sched_getattr:315/275 ioprio_set:251/30
-ioprio_get:252/31 setrlimit:160/164 capset:126/91 chroot:161/51 sync:162/81 syncfs:306/267 sync_file_range:277/84
-memfd_create:319/279 mlock:149/228 munlock:150/229 mlockall:151/230 munlockall:152/231 mlock2:325/284
+getsockname:51/204 getpeername:52/205 setsockopt:54/208 getsockopt:55/209 sendto:44/206 recvfrom:45/207 sendmsg:46/211
+recvmsg:47/212 sendmmsg:307/269 recvmmsg:299/243 shutdown:48/210 fork:57/ vfork:58/ execve:59/221 execveat:322/281
+wait4:61/260 waitid:247/95 kill:62/129 tkill:200/130 tgkill:234/131 rt_sigqueueinfo:129/138 rt_tgsigqueueinfo:297/240
+link:86/ linkat:265/37 symlink:88/ symlinkat:266/36 chown:92/ fchown:93/55 lchown:94/ fchownat:260/54 mknod:133/
+mknodat:259/33 setuid:105/146 setgid:106/144 setreuid:113/145 setregid:114/143 setresuid:117/147 setresgid:119/149
+setfsuid:122/151 setfsgid:123/152 setgroups:116/159 setpgid:109/154 setsid:112/157 setpriority:141/140
+sched_setparam:142/118 sched_setscheduler:144/119 sched_setaffinity:203/122 sched_setattr:314/274
+sched_getattr:315/275 ioprio_set:251/30 ioprio_get:252/31 setrlimit:160/164 capset:126/91 chroot:161/51 sync:162/81
+syncfs:306/267 memfd_create:319/279 mlock:149/228 munlock:150/229 mlockall:151/230 munlockall:152/231 mlock2:325/284
 remap_file_pages:216/234 shmget:29/194 shmat:30/196 shmctl:31/195 shmdt:67/197 semget:64/190 semop:65/193
 semctl:66/191 semtimedop:220/192 msgget:68/186 msgsnd:69/189 msgrcv:70/188 msgctl:71/187 mq_open:240/180
 mq_unlink:241/181 mq_timedsend:242/182 mq_timedreceive:243/183 mq_notify:244/184 mq_getsetattr:245/185
 inotify_init:253/ inotify_init1:294/26 inotify_add_watch:254/27 inotify_rm_watch:255/28 timerfd_create:283/85
 timerfd_settime:286/86 timerfd_gettime:287/87 timer_create:222/107 timer_settime:223/110 timer_gettime:224/108
-timer_getoverrun:225/109 timer_delete:226/111 signalfd:282/ signalfd4:289/74 eventfd:284/ copy_file_range:326/285
-sendfile:40/71 splice:275/76 tee:276/77 vmsplice:278/75 getxattr:191/8 lgetxattr:192/9 fgetxattr:193/10
-listxattr:194/11 llistxattr:195/12 flistxattr:196/13 setxattr:188/5 lsetxattr:189/6 fsetxattr:190/7
-removexattr:197/14 lremovexattr:198/15 fremovexattr:199/16 readahead:187/213 pidfd_open:434/434
-pidfd_send_signal:424/424 pidfd_getfd:438/438 landlock_create_ruleset:444/444 landlock_add_rule:445/445
-landlock_restrict_self:446/446 seccomp:317/277 personality:135/92 mbind:237/235 set_mempolicy:238/237
-get_mempolicy:239/236 pkey_mprotect:329/288 pkey_alloc:330/289 pkey_free:331/290 clock_settime:227/112
-clock_adjtime:305/266 adjtimex:159/171 settimeofday:164/170 sethostname:170/161 setdomainname:171/162 vhangup:153/58
-syslog:103/116 ustat:136/ sysfs:139/ epoll_pwait2:441/441 io_setup:206/0 io_submit:209/2 io_destroy:207/1
-io_getevents:208/4 io_cancel:210/3
+timer_getoverrun:225/109 timer_delete:226/111 signalfd:282/ signalfd4:289/74 eventfd:284/ splice:275/76 tee:276/77
+vmsplice:278/75 getxattr:191/8 lgetxattr:192/9 fgetxattr:193/10 listxattr:194/11 llistxattr:195/12 flistxattr:196/13
+setxattr:188/5 lsetxattr:189/6 fsetxattr:190/7 removexattr:197/14 lremovexattr:198/15 fremovexattr:199/16
+readahead:187/213 pidfd_open:434/434 pidfd_send_signal:424/424 pidfd_getfd:438/438 landlock_create_ruleset:444/444
+landlock_add_rule:445/445 landlock_restrict_self:446/446 seccomp:317/277 personality:135/92 mbind:237/235
+set_mempolicy:238/237 get_mempolicy:239/236 pkey_mprotect:329/288 pkey_alloc:330/289 pkey_free:331/290
+clock_settime:227/112 clock_adjtime:305/266 adjtimex:159/171 settimeofday:164/170 sethostname:170/161
+setdomainname:171/162 vhangup:153/58 syslog:103/116 ustat:136/ sysfs:139/ epoll_pwait2:441/441 io_setup:206/0
+io_submit:209/2 io_destroy:207/1 io_getevents:208/4 io_cancel:210/3
+"""
+
+#: What changes folders and files: refused likewise where the program has no private folder to do so.
+FOLDER = """
+unlink:87/ unlinkat:263/35 rename:82/ renameat:264/38 renameat2:316/276 mkdir:83/ mkdirat:258/34 rmdir:84/ chmod:90/
+fchmod:91/52 fchmodat:268/53 truncate:76/45 ftruncate:77/46 fallocate:285/47 creat:85/ utime:132/ utimes:235/
+utimensat:280/88 futimesat:261/ sync_file_range:277/84 copy_file_range:326/285 sendfile:40/71
 """
 
 #: Answered with ENOSYS, so that the C library falls back on an older call.
@@ -82,7 +85,7 @@ def numbers(table: str, column: int) -> tuple[int, ...]:
 
 def number(name: str, column: int) -> int | None:
     """Number of one call of any table; None when the architecture has no such call."""
-    for entry in " ".join((ALLOWED, CONDITIONAL, REFUSED, ABSENT)).split():
+    for entry in " ".join((ALLOWED, CONDITIONAL, REFUSED, FOLDER, ABSENT)).split():
         if entry.partition(":")[0] == name:
             field = entry.partition(":")[2].split("/")[column]
             return int(field) if field else None

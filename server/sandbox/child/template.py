@@ -16,13 +16,15 @@ import sys
 from types import ModuleType
 from typing import Any
 
-from . import codec, inner, landlock, libc, outer, serve
+from . import codec, inner, landlock, libc, namespaces, outer, serve
 from .codec import Limits, Value
 from .imports import modules
 from .program import prepare_interpreter
 
 CONTROL = Limits(size=1 << 26, depth=6, items=10_000)
 _MESSAGE = 1 << 17
+#: A wire, an output, and the seats of three control groups.
+MAX_DESCRIPTORS = 5
 
 
 class Template:
@@ -37,14 +39,20 @@ class Template:
     def prepare(self) -> None:
         """Imports, then changes the view, then drops all privileges, then warms up and takes the measure of it all."""
         self._lifted = frozenset(self._configuration["lifted"])
+        self._own_view = self._configuration["namespaces"] and "view" not in self._lifted
         for name in modules(self._configuration["imports"]):
             importlib.import_module(name)
         self._kits = {name: _kit(name, source) for name, source in self._configuration["kits"].items()}
         account = inner.open_account()
+        processes = os.open("/proc", os.O_PATH | os.O_CLOEXEC)
         rules = self._enclose()
-        os.environ.clear()
+        if "environment" not in self._lifted:
+            os.environ.clear()
         serve.warm_up(self._kits)
-        self._prepared = inner.Prepared(rules, inner.filters(), inner.address_space(account), os.getpid())
+        nest, self._refusal = self._nest(processes)
+        filters = inner.filters(folder=nest is not None and nest.folder)
+        memory = inner.address_space(account)
+        self._prepared = inner.Prepared(rules, filters, memory, os.getpid(), nest, self._lifted)
         os.close(account)
         prepare_interpreter(__package__)
 
@@ -52,22 +60,36 @@ class Template:
         """Leaves the host behind; returns the Landlock rules of the forks, None where the kernel has no Landlock."""
         libraries = [*(path for path in sys.path if path not in self._configuration["sites"]), *outer.mapped_files()]
         packages = self._configuration["packages"]
-        if self._configuration["namespaces"]:
+        if self._own_view:
             outer.change_view(libraries, packages)
         rules = None
         if landlock.version():
-            rules = landlock.ruleset(outer.outermost([*_without_packages(libraries), *packages]), outer.DEVICES)
-        outer.drop_privileges()
+            readable = outer.outermost([*_without_packages(libraries), *packages])
+            rules = landlock.ruleset(readable, outer.DEVICES, [namespaces.HOME] if self._own_view else [])
+        outer.drop_privileges(self._lifted)
         libc.prctl(libc.PR_SET_NO_NEW_PRIVS, 1)
         libc.prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL)  # a change of identity has cleared it
         return rules
+
+    def _nest(self, processes: int) -> tuple[namespaces.Nest | None, str]:
+        """How to fork into namespaces of each child's own; None and the reason where there can be none."""
+        libc.prctl(libc.PR_SET_DUMPABLE, 0)
+        if not self._configuration["namespaces"] or "user" in self._lifted:
+            return None, "the template has no namespaces either"
+        libc.prctl(libc.PR_SET_DUMPABLE, 1)  # or a child could not write its own map of identities
+        nest = namespaces.Nest(processes, namespaces.NEWUSER | namespaces.flags(self._lifted), self._own_view)
+        if refusal := nest.refused():
+            libc.prctl(libc.PR_SET_DUMPABLE, 0)
+            return None, refusal
+        return nest, ""
 
     def serve(self) -> None:
         """Until the other end of the control socket is closed."""
         gc.collect()
         gc.disable()
         gc.freeze()
-        self._tell({"do": "hello", "base_memory": self._prepared.base_memory, "landlock": landlock.version()})
+        hello: dict[str, Value] = {"do": "hello", "base_memory": self._prepared.base_memory}
+        self._tell(hello | {"landlock": landlock.version(), "refusal": self._refusal})
         self._poll.register(self._control.fileno(), select.POLLIN)
         while True:
             for descriptor, _ in self._poll.poll():
@@ -80,7 +102,7 @@ class Template:
         self._control.sendall(codec.encode(message, CONTROL))
 
     def _obey(self) -> bool:
-        data, descriptors, _, _ = socket.recv_fds(self._control, _MESSAGE, 2, socket.MSG_CMSG_CLOEXEC)
+        data, descriptors, _, _ = socket.recv_fds(self._control, _MESSAGE, MAX_DESCRIPTORS, socket.MSG_CMSG_CLOEXEC)
         if not data:
             return False
         order: Any = codec.decode(data, CONTROL)
@@ -90,12 +112,13 @@ class Template:
             self._kill(order["id"])
         return True
 
-    def _fork(self, order: dict[str, Any], wire: int, output: int) -> None:
-        pid = os.fork()
+    def _fork(self, order: dict[str, Any], wire: int, output: int, *seats: int) -> None:
+        nest = self._prepared.nest
+        pid = nest.fork() if nest else os.fork()
         if pid == 0:
-            serve.run(self._prepared, self._kits, order, wire, output, self._lifted)
-        os.close(wire)
-        os.close(output)
+            serve.run(self._prepared, self._kits, order, wire, output, seats)
+        for descriptor in (wire, output, *seats):
+            os.close(descriptor)
         pidfd = os.pidfd_open(pid)
         self._children[pidfd] = (pid, order["id"])
         self._poll.register(pidfd, select.POLLIN)

@@ -1,6 +1,6 @@
-import os, sys, tempfile, numpy
+import os, numpy
 def repondre(contexte):
-    dossiers = [".", "/", "/tmp", "/dev", "/dev/shm", "/var/tmp", "/proc", os.path.dirname(os.__file__), os.path.dirname(numpy.__file__),
+    dossiers = ["/", "/home", "..", "/tmp", "/dev", "/dev/shm", "/var/tmp", "/proc", os.path.dirname(os.__file__), os.path.dirname(numpy.__file__),
                 os.path.dirname(numpy.__file__) + "/__pycache__", os.path.dirname(contexte["projet"])]
     faits = []
     for dossier in dossiers:
@@ -13,9 +13,4 @@ def repondre(contexte):
             except OSError:
                 continue
             faits.append(dossier)
-    try:
-        tempfile.mkdtemp()
-        faits.append("tempfile")
-    except OSError:
-        pass
     return str(faits) if faits else "rien"

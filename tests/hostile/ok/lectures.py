@@ -1,7 +1,7 @@
 import os
 def repondre(contexte):
     chemins = ["/etc/passwd", "/etc/shadow", "/proc/self/environ", "/proc/1/environ", "/proc/self/maps", "/proc/1/mem", "/root",
-               "/home", "/tmp", "/sys", "/dev", "/var", "/", ".", "..", "~", "/dev/shm", "/run", "/proc",
+               "/tmp", "/sys", "/dev", "/var", "/", "~", "/dev/shm", "/run", "/proc",
                contexte["projet"], contexte["gabarit"], os.path.dirname(contexte["projet"])]
     lus = []
     for chemin in chemins:

@@ -1,0 +1,261 @@
+"""Control groups: a seat for each child, which bounds its resident memory, its processes and its share of processors.
+
+Version 2 where the machine delegates it, else version 1, else none: the resource limits of the child stand in for them.
+A child joins its seat by itself, through descriptors that it is handed and that are closed before its first line.
+Seats are used again: making one costs more than a fork.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import logging
+import os
+import secrets
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from server.sandbox.child.inner import RESERVE
+from server.sandbox.policy import MIB, Policy
+
+_log = logging.getLogger(__name__)
+_PREFIX = "balise"
+#: What a fork may own beside what its policy grants: copied pages of the template, its page tables, the reserve.
+ALLOWANCE = RESERVE + 48 * MIB
+#: A seat that holds on to more than that is not used again.
+_LEFT_OVER = 4 * MIB
+_PERIOD = 100_000
+_WANTED = frozenset({"memory", "pids", "cpu"})
+_CLOSING_SECONDS = 5.0
+
+
+@dataclass(frozen=True)
+class Hierarchy:
+    """A folder of a cgroup file system in which seats can be made, and what they bound there."""
+
+    folder: Path
+    version: int
+    controllers: frozenset[str]
+
+    def limits(self, policy: Policy) -> dict[str, str]:
+        """Name and content of the files that hold the limits of a seat; a name with ``?`` may be absent."""
+        memory = str(policy.memory_bytes + policy.folder_bytes + ALLOWANCE)
+        quota = str(policy.threads * _PERIOD)
+        if self.version == 1:
+            files = {
+                "memory": {"memory.limit_in_bytes": memory, "?memory.swappiness": "0"},
+                "pids": {"pids.max": str(policy.threads)},
+                "cpu": {"cpu.cfs_period_us": str(_PERIOD), "cpu.cfs_quota_us": quota},
+            }
+        else:
+            files = {
+                "memory": {"memory.max": memory, "?memory.swap.max": "0"},
+                "pids": {"pids.max": str(policy.threads)},
+                "cpu": {"cpu.max": f"{quota} {_PERIOD}"},
+            }
+        return {name: text for controller in sorted(self.controllers) for name, text in files[controller].items()}
+
+    def memory(self, seat: str) -> int:
+        """Bytes charged to a seat."""
+        name = "memory.usage_in_bytes" if self.version == 1 else "memory.current"
+        return int((self.folder / seat / name).read_text())
+
+    def deaths(self, seat: str) -> int:
+        """How many processes the kernel has ended in this seat for lack of memory."""
+        name = "memory.oom_control" if self.version == 1 else "memory.events"
+        lines = (self.folder / seat / name).read_text().splitlines()
+        return sum(int(line.split()[1]) for line in lines if line.startswith("oom_kill "))
+
+
+class Seat:
+    """One group in each hierarchy. `descriptors` are where a process writes 0 to join it."""
+
+    def __init__(self, name: str, hierarchies: Sequence[Hierarchy]) -> None:
+        self._name, self._hierarchies = name, hierarchies
+        self._policy: Policy | None = None
+        self._memory = next((h for h in hierarchies if "memory" in h.controllers), None)
+        self._deaths = 0
+        self.descriptors: tuple[int, ...] = ()
+        try:
+            for hierarchy in hierarchies:
+                (hierarchy.folder / name).mkdir()
+                self.descriptors += (os.open(hierarchy.folder / name / "cgroup.procs", os.O_WRONLY),)
+        except OSError:
+            self.remove()
+            raise
+
+    def bind(self, policy: Policy) -> None:
+        """Gives the seat the limits of a policy. Raises OSError."""
+        self._deaths = self._memory.deaths(self._name) if self._memory else 0
+        if policy == self._policy:
+            return
+        for hierarchy in self._hierarchies:
+            for name, text in hierarchy.limits(policy).items():
+                path = hierarchy.folder / self._name / name.lstrip("?")
+                if not name.startswith("?") or path.exists():
+                    path.write_text(text)
+        self._policy = policy
+
+    def ran_out_of_memory(self) -> bool:
+        """Whether the kernel has ended a process here for lack of memory since `bind`."""
+        return self._memory is not None and self._memory.deaths(self._name) > self._deaths
+
+    def clean(self) -> bool:
+        """Whether nothing of its last process weighs on the next."""
+        return self._memory is None or self._memory.memory(self._name) <= _LEFT_OVER
+
+    def remove(self) -> None:
+        """Raises OSError while a process is still in it."""
+        while self.descriptors:
+            os.close(self.descriptors[0])
+            self.descriptors = self.descriptors[1:]
+        for hierarchy in self._hierarchies:
+            with contextlib.suppress(FileNotFoundError):
+                (hierarchy.folder / self._name).rmdir()
+
+
+class Seats:
+    """The seats of one pool; several threads may take and give back."""
+
+    def __init__(self, hierarchies: Sequence[Hierarchy]) -> None:
+        self._hierarchies = tuple(hierarchies)
+        self._prefix = f"{_PREFIX}-{os.getpid()}-{secrets.token_hex(4)}"
+        self._lock = threading.Lock()
+        self._free: list[Seat] = []
+        self._leaving: list[Seat] = []
+        self._made = 0
+        for hierarchy in self._hierarchies:
+            _sweep(hierarchy.folder)
+
+    def take(self, policy: Policy) -> Seat | None:
+        """A seat with the limits of this policy; None on a machine without control groups."""
+        if not self._hierarchies:
+            return None
+        with self._lock:
+            seat = self._free.pop() if self._free else None
+            self._made += seat is None
+            name = f"{self._prefix}-{self._made}"
+        try:
+            seat = seat or Seat(name, self._hierarchies)
+            seat.bind(policy)
+        except OSError as error:
+            _log.warning("a child goes without a control group: %s", error)
+            if seat:
+                self.drop(seat)
+            return None
+        return seat
+
+    def give_back(self, seat: Seat) -> None:
+        """Its process is gone."""
+        if not seat.clean():
+            self.drop(seat)
+            return
+        with self._lock:
+            self._free.append(seat)
+
+    def drop(self, seat: Seat) -> None:
+        """Not to be used again; it goes at once, or when the last process in it has ended."""
+        with self._lock:
+            self._leaving.append(seat)
+            self._leaving = [one for one in self._leaving if not _removed(one)]
+
+    def close(self) -> None:
+        """Removes all seats; waits for processes that are still ending."""
+        with self._lock:
+            left, self._free, self._leaving = self._free + self._leaving, [], []
+        deadline = time.monotonic() + _CLOSING_SECONDS
+        while (left := [seat for seat in left if not _removed(seat)]) and time.monotonic() < deadline:
+            time.sleep(0.002)
+        if left:
+            _log.error("%d control groups could not be removed: %s…", len(left), self._prefix)
+
+
+def _removed(seat: Seat) -> bool:
+    try:
+        seat.remove()
+    except OSError as error:
+        if error.errno != errno.EBUSY:
+            raise
+        return False
+    return True
+
+
+def _sweep(folder: Path) -> None:
+    """Removes what a pool that was killed has left."""
+    for path in folder.glob(f"{_PREFIX}-*-*-*"):
+        owner = path.name.split("-")[1]
+        if owner.isdigit() and not os.path.exists(f"/proc/{owner}"):
+            with contextlib.suppress(OSError):  # another pool has just done it, or a process is still ending there
+                path.rmdir()
+
+
+def hierarchies() -> tuple[tuple[Hierarchy, ...], str]:
+    """Where seats can be made on this machine, learnt by making one; and why not, for what cannot be had."""
+    found: list[Hierarchy] = []
+    problems: list[str] = []
+    missing = set(_WANTED)
+    for candidate in _candidates():
+        wanted = candidate.controllers & missing
+        if not wanted:
+            continue
+        hierarchy = Hierarchy(candidate.folder, candidate.version, frozenset(wanted))
+        if problem := _problem(hierarchy):
+            problems.append(problem)
+            continue
+        found.append(hierarchy)
+        missing -= wanted
+    why = "; ".join(problems) or ("no cgroup file system" if missing else "")
+    return tuple(found), why if missing else ""
+
+
+def _problem(hierarchy: Hierarchy) -> str:
+    """Why no seat can be made there; "" when one can."""
+    seats = Seats([hierarchy])
+    try:
+        if hierarchy.version == 2:
+            _delegate(hierarchy)
+        seat = Seat(f"{_PREFIX}-{os.getpid()}-{secrets.token_hex(4)}-0", [hierarchy])
+        try:
+            seat.bind(Policy())
+        finally:
+            seats.drop(seat)
+    except OSError as error:
+        return str(error)
+    return ""
+
+
+def _delegate(hierarchy: Hierarchy) -> None:
+    """Has the folder hand its controllers to the groups below it. Raises OSError (EBUSY: processes live in it)."""
+    control = hierarchy.folder / "cgroup.subtree_control"
+    if not hierarchy.controllers <= set(control.read_text().split()):
+        control.write_text(" ".join(f"+{name}" for name in sorted(hierarchy.controllers)))
+
+
+def _candidates(processes: Path = Path("/proc/self")) -> Iterator[Hierarchy]:
+    """Folders of this process's own groups, version 2 first (its own group, then the one above), and what is there."""
+    mounts = list(_mounts(processes / "mountinfo"))
+    lines = [line.split(":", 2) for line in (processes / "cgroup").read_text().splitlines()]
+    for _, names, path in sorted(lines, key=lambda line: line[1]):
+        for kind, root, point, options in mounts:
+            if kind != ("cgroup" if names else "cgroup2") or (names and not set(names.split(",")) <= options):
+                continue
+            below = os.path.relpath(path, root) if path.startswith(root) else "."
+            folder = Path(os.path.normpath(point / below))
+            if names:
+                yield Hierarchy(folder, 1, frozenset(names.split(",")))
+                continue
+            for place in (folder, folder.parent) if folder != point else (folder,):
+                with contextlib.suppress(OSError):
+                    yield Hierarchy(place, 2, frozenset((place / "cgroup.controllers").read_text().split()))
+
+
+def _mounts(mountinfo: Path) -> Iterator[tuple[str, str, Path, frozenset[str]]]:
+    """Kind, root, place and options of each mount of a cgroup file system."""
+    for line in mountinfo.read_text().splitlines():
+        before, _, after = line.partition(" - ")
+        kind, _, options = after.split(" ", 2)
+        if kind in ("cgroup", "cgroup2"):
+            yield kind, before.split()[3], Path(before.split()[4]), frozenset(options.split(","))

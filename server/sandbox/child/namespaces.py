@@ -1,0 +1,129 @@
+"""Namespaces: those of a template, entered once, and those of each of its forks, made by one ``clone3``.
+
+A fork gets user, process, mount, network, IPC, UTS and cgroup namespaces of its own, so that two submissions have no
+name in common; in its mount namespace stands a small private folder, the only place that it may write in.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from . import libc
+
+NEWNS, NEWCGROUP, NEWUTS, NEWIPC, NEWUSER, NEWPID, NEWNET = (
+    0x00020000, 0x02000000, 0x04000000, 0x08000000, 0x10000000, 0x20000000, 0x40000000,
+)  # fmt: skip
+#: Nobody's own identity: no file and no service of a machine belongs to it.
+UNPRIVILEGED = 61_185
+#: What `uname` says to a student's program.
+HOST = b"bac-a-sable"
+#: The private folder of a fork, and the folder above it, on which Landlock's rule stands.
+HOME, FOLDER, MAX_FILES = "/home", "/home/eleve", 200
+_CLONE3, _CHILD_SETTID, _GET_TID_ADDRESS = 435, 0x01000000, 40
+_FOLDER_FLAGS = 2 | 4 | 8  # nosuid, nodev, noexec
+_BY_WALL = {"view": NEWNS, "uts": NEWUTS, "ipc": NEWIPC, "pid": NEWPID, "network": NEWNET}
+
+
+def flags(lifted: Collection[str]) -> int:
+    """The namespaces of all walls but those left down, the user's apart."""
+    return NEWCGROUP | sum(flag for wall, flag in _BY_WALL.items() if wall not in lifted)
+
+
+def enter(lifted: Collection[str]) -> None:
+    """Puts the calling process in new namespaces; with a user's own where that needs one. Raises OSError."""
+    user, group = os.geteuid(), os.getegid()
+    try:
+        libc.unshare(flags(lifted))
+    except PermissionError:
+        libc.unshare(NEWUSER | flags(lifted))
+        _map_identity("/proc/self", None, user, group)
+    if "uts" not in lifted:
+        libc.set_host_name(HOST)
+
+
+def _map_identity(folder: str, base: int | None, user: int, group: int) -> None:
+    for name, text in (
+        ("setgroups", "deny"),
+        ("uid_map", f"{UNPRIVILEGED} {user} 1"),
+        ("gid_map", f"{UNPRIVILEGED} {group} 1"),
+    ):
+        descriptor = os.open(f"{folder}/{name}", os.O_WRONLY | os.O_CLOEXEC, dir_fd=base)
+        try:
+            os.write(descriptor, text.encode("ascii"))
+        finally:
+            os.close(descriptor)
+
+
+class _CloneArguments(ctypes.Structure):
+    _fields_ = tuple(
+        (name, ctypes.c_uint64)
+        for name in ("flags", "pidfd", "child_tid", "parent_tid", "exit_signal", "stack", "stack_size", "tls")
+    )
+
+
+@dataclass(frozen=True)
+class Nest:
+    """How a template forks children into namespaces of their own.
+
+    `processes` is a descriptor on /proc, opened before the view is changed: a child writes its map of identities there.
+    """
+
+    processes: int
+    flags: int
+    folder: bool
+
+    def fork(self) -> int:
+        """As `os.fork`, into the namespaces. Raises OSError where the machine refuses them."""
+        python = ctypes.pythonapi
+        python.PyOS_BeforeFork()
+        pid = _clone(self.flags)
+        if pid == 0:
+            python.PyOS_AfterFork_Child()
+        else:
+            python.PyOS_AfterFork_Parent()
+        if pid < 0:
+            code = ctypes.get_errno()
+            raise OSError(code, f"clone3: {os.strerror(code)}")
+        return pid
+
+    def settle(self, folder_bytes: int) -> None:
+        """In the child: its identity, its name, its private folder, where it then is. Raises OSError."""
+        _map_identity("self", self.processes, UNPRIVILEGED, UNPRIVILEGED)
+        if self.folder:
+            options = f"size={folder_bytes},nr_inodes={MAX_FILES},mode=700,uid={UNPRIVILEGED},gid={UNPRIVILEGED}"
+            libc.mount("none", FOLDER, "tmpfs", _FOLDER_FLAGS, options)
+            os.chdir(FOLDER)
+
+    def refused(self) -> str:
+        """Why no child can be forked so on this machine; "" when one can: it has been tried."""
+        try:
+            pid = self.fork()
+        except OSError as error:
+            return str(error)
+        if pid == 0:
+            self._try()
+        _, status = os.waitpid(pid, 0)
+        code = os.waitstatus_to_exitcode(status)
+        return "" if code == 0 else f"a trial fork ended with {code}: {os.strerror(max(code, 0))}"
+
+    def _try(self) -> None:
+        code = 255
+        try:
+            self.settle(1 << 16)
+            code = 0
+        except OSError as error:
+            code = error.errno or code
+        finally:
+            os._exit(code)
+
+
+def _clone(flags: int) -> int:
+    """The C library keeps the thread's number in its own memory: the kernel must write the child's there."""
+    address = ctypes.c_uint64()
+    libc.prctl(_GET_TID_ADDRESS, ctypes.cast(ctypes.byref(address), ctypes.c_void_p).value or 0)
+    arguments = _CloneArguments(flags | _CHILD_SETTID, 0, address.value, 0, signal.SIGCHLD, 0, 0, 0)
+    return libc.syscall_with_gil(_CLONE3, arguments, ctypes.sizeof(arguments))

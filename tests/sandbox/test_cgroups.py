@@ -1,0 +1,145 @@
+"""Control groups: found where they may be used, joined by each child, used again, and none left behind."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from server.sandbox import Policy, ProgramFault, Sandbox
+from server.sandbox.cgroups import Hierarchy, Seats, _candidates, hierarchies
+
+FOUND, WHY = hierarchies()
+POLICY = Policy(memory_bytes=32 << 20, folder_bytes=1 << 20)
+HUNGRY = b"def f(n):\n    x = [b'x' * 1_000_000 for _ in range(n)]\n    return len(x)\n"
+
+available = pytest.mark.skipif(not FOUND, reason=f"no control group here: {WHY}")
+
+
+def groups() -> set[Path]:
+    return {path for hierarchy in FOUND for path in hierarchy.folder.glob("balise-*")}
+
+
+@pytest.fixture(autouse=True)
+def nothing_left() -> Iterator[None]:
+    mine = f"balise-{os.getpid()}-"
+    yield
+    assert not [path for path in groups() if path.name.startswith(mine)]
+
+
+@available
+def test_resident_memory_is_bounded_even_without_resource_limits() -> None:
+    with Sandbox({}, POLICY, lifted=frozenset({"rlimits"})) as sandbox:
+        with sandbox.open(HUNGRY) as session:
+            assert session.call("f", 20).value == 20
+        with pytest.raises(ProgramFault) as caught, sandbox.open(HUNGRY) as session:
+            session.call("f", 400)
+        assert caught.value.kind == "memory_limit"
+        assert "32 Mio" in caught.value.message
+
+
+@available
+def test_a_seat_is_used_again_with_the_limits_of_its_new_policy() -> None:
+    generous = Policy(memory_bytes=512 << 20)
+    with Sandbox({}, POLICY, spares=0, lifted=frozenset({"rlimits"})) as sandbox:
+        for policy, count in ((POLICY, 20), (generous, 400), (POLICY, 20)):
+            with sandbox.open(HUNGRY, policy=policy) as session:
+                assert session.call("f", count).value == count
+            assert session.usage
+            mine = [path for path in groups() if path.name.startswith(f"balise-{os.getpid()}-")]
+            assert len(mine) == len(FOUND)
+        with pytest.raises(ProgramFault), sandbox.open(HUNGRY) as session:
+            session.call("f", 400)
+
+
+@available
+def test_a_seat_with_a_living_process_goes_when_that_has_ended() -> None:
+    seats = Seats(FOUND)
+    seat = seats.take(POLICY)
+    assert seat
+    join = f"import os, sys\nfor k in {seat.descriptors}: os.write(k, b'0')\nprint(flush=True)\nsys.stdin.read()"
+    with subprocess.Popen(
+        [sys.executable, "-c", join], pass_fds=seat.descriptors, stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as process:
+        assert process.stdout
+        process.stdout.readline()
+        seats.drop(seat)
+        assert groups()
+        process.communicate()
+    seats.close()
+
+
+@available
+def test_what_a_killed_pool_left_is_swept() -> None:
+    with subprocess.Popen([sys.executable, "-c", ""]) as process:
+        process.wait()
+    left = [hierarchy.folder / f"balise-{process.pid}-0123abcd-1" for hierarchy in FOUND]
+    for path in left:
+        path.mkdir()
+    Seats(FOUND).close()
+    assert not any(path.exists() for path in left)
+
+
+def test_a_machine_without_control_groups_goes_without_seats() -> None:
+    seats = Seats(())
+    assert seats.take(POLICY) is None
+    seats.close()
+
+
+def fake(folder: Path, cgroup: str, mounts: list[str]) -> Path:
+    (folder / "cgroup").write_text(cgroup)
+    (folder / "mountinfo").write_text("".join(f"{line}\n" for line in mounts))
+    return folder
+
+
+def test_the_groups_of_version_1_are_found_by_their_mounts(tmp_path: Path) -> None:
+    memory, cpu = tmp_path / "memory", tmp_path / "cpu,cpuacct"
+    mounts = [
+        f"30 1 0:26 / {memory} rw,relatime - cgroup cgroup rw,memory",
+        f"31 1 0:27 /docker/a {cpu} rw,relatime - cgroup cgroup rw,cpu,cpuacct",
+        f"32 1 0:28 / {tmp_path} rw,relatime - tmpfs tmpfs rw",
+    ]
+    processes = fake(tmp_path, "4:memory:/service\n3:cpu,cpuacct:/docker/a/b\n2:pids:/x\n", mounts)
+    assert list(_candidates(processes)) == [
+        Hierarchy(cpu / "b", 1, frozenset({"cpu", "cpuacct"})),
+        Hierarchy(memory / "service", 1, frozenset({"memory"})),
+    ]
+
+
+def test_the_group_of_version_2_and_the_one_above_are_tried(tmp_path: Path) -> None:
+    own = tmp_path / "balise.service" / "main"
+    own.mkdir(parents=True)
+    for folder, controllers in ((own, "memory"), (own.parent, "cpu memory pids")):
+        (folder / "cgroup.controllers").write_text(controllers)
+    mounts = [f"30 1 0:26 / {tmp_path} rw,relatime - cgroup2 cgroup2 rw"]
+    found = list(_candidates(fake(tmp_path, "0::/balise.service/main\n", mounts)))
+    assert found == [
+        Hierarchy(own, 2, frozenset({"memory"})),
+        Hierarchy(own.parent, 2, frozenset({"cpu", "memory", "pids"})),
+    ]
+
+
+@pytest.mark.parametrize("version", [1, 2])
+def test_limits_say_what_the_policy_says(tmp_path: Path, version: int) -> None:
+    limits = Hierarchy(tmp_path, version, frozenset({"memory", "pids", "cpu"})).limits(Policy(threads=3))
+    assert limits["pids.max"] == "3"
+    memory = int(limits["memory.limit_in_bytes" if version == 1 else "memory.max"])
+    assert Policy().memory_bytes + Policy().folder_bytes < memory < 2 * Policy().memory_bytes
+    assert ("300000" in limits["cpu.cfs_quota_us"]) if version == 1 else limits["cpu.max"] == "300000 100000"
+
+
+def test_deaths_and_memory_are_read_from_both_versions(tmp_path: Path) -> None:
+    for name, text in (
+        ("memory.oom_control", "oom_kill_disable 0\nunder_oom 0\noom_kill 2\n"),
+        ("memory.events", "low 0\nmax 7\noom 3\noom_kill 3\noom_group_kill 0\n"),
+        ("memory.usage_in_bytes", "4096\n"),
+        ("memory.current", "8192\n"),
+    ):
+        (tmp_path / name).write_text(text)
+    one, two = (Hierarchy(tmp_path, version, frozenset({"memory"})) for version in (1, 2))
+    assert (one.deaths("."), two.deaths(".")) == (2, 3)
+    assert (one.memory("."), two.memory(".")) == (4096, 8192)
