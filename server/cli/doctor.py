@@ -13,6 +13,8 @@ def run(_arguments: Namespace) -> int:
     for one in reports:
         need = "indispensable" if one.required else "souhaitable"
         print(f"  {MARKS[one.status]} {one.name} ({need}) : {one.detail}")
+        if one.mend:
+            print(f"      remède : {one.mend}")
     if safe_to_serve(reports):
         print("Cette machine peut exécuter le code des étudiants.")
         return 0

@@ -1,39 +1,48 @@
-"""The attempts of the probe: one program for each wall, which tries to cross it."""
+"""The attempts of the probe: for each wall, at least one program that tries to cross it, and what it is told."""
 
 from __future__ import annotations
 
 import ctypes
 import os
+import platform
 import socket
 import tempfile
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 
+from server.sandbox import trials
+from server.sandbox.cgroups import ALLOWANCE
 from server.sandbox.child.codec import Value
 from server.sandbox.policy import MIB, Policy
 
 
 @dataclass(frozen=True)
 class Attempt:
-    """A program that tries to cross one wall, the walls that would hide it left down; it returns "" when it failed.
+    """A program that tries to cross one wall; `hiders` are the other walls that would stop it too, left down meanwhile.
 
-    It runs in the namespaces where this machine offers them; with `namespaces`, it runs only there.
+    `detail` and `mend` (what to do where the wall is missing) are French. It runs in the namespaces where this machine
+    offers them; with `namespaces`, only there. `accomplice` runs in another session, and stays.
     """
 
     name: str
+    wall: str
     detail: str
     source: str
-    required: bool
-    namespaces: bool
-    lifted: frozenset[str] = frozenset()
+    mend: str
+    required: bool = False
+    namespaces: bool = False
+    hiders: frozenset[str] = frozenset()
     argument: Callable[[ExitStack], Value] = lambda _: None
+    accomplice: str = ""
     slow: bool = False
 
 
-POLICY = Policy(cpu_seconds=0.5, wall_seconds=20.0, memory_bytes=128 * MIB)
-_SECCOMP = frozenset({"seccomp"})
-_ALL_BUT_NAMESPACES = frozenset({"seccomp", "landlock"})
+POLICY = Policy(cpu_seconds=1.0, wall_seconds=20.0, memory_bytes=32 * MIB, folder_bytes=1 * MIB)
+#: What stands between a program and a file, a socket or a process whatever the namespaces are.
+_FILTERS = frozenset({"seccomp", "landlock"})
+_ALL_BUT_LANDLOCK = frozenset({"seccomp", "view", "cgroup"})
+_ALL_BUT_CGROUP = frozenset({"seccomp", "rlimits"})
 
 
 def _canary(stack: ExitStack) -> Value:
@@ -62,175 +71,66 @@ def _message_queue(stack: ExitStack) -> Value:
     return key
 
 
-def _own_pid(_: ExitStack) -> Value:
-    return os.getpid()
+def _host(_: ExitStack) -> Value:
+    return os.uname().nodename
+
+
+def _machine(_: ExitStack) -> Value:
+    return platform.machine().replace("arm64", "aarch64")
 
 
 def _twice_the_memory(_: ExitStack) -> Value:
-    return 2 * POLICY.memory_bytes
+    return 2 * (POLICY.memory_bytes + POLICY.folder_bytes + ALLOWANCE)
 
 
-_REACH = """
-import os
-def essai(chemin):
-    for action in (lambda: open(chemin).close(), lambda: os.listdir("/")):
-        try:
-            action()
-        except OSError:
-            continue
-        return "des fichiers hors des dossiers permis ont pu être lus"
-    return ""
-"""
-
-_READ = """
-def essai(chemin):
-    try:
-        open(chemin).close()
-    except OSError:
-        return ""
-    return "un fichier de la machine a pu être lu"
-"""
-
-_WRITE = """
-import os
-def essai(_):
-    for dossier in ("/", "/tmp", "/dev", "/dev/shm", os.path.dirname(os.__file__)):
-        try:
-            os.close(os.open(dossier + "/canari", os.O_CREAT | os.O_WRONLY))
-        except OSError:
-            continue
-        return "un fichier a pu être écrit dans " + dossier
-    return ""
-"""
-
-_CONNECT = """
-import socket
-def essai(port):
-    try:
-        socket.create_connection(("127.0.0.1", port), 2).close()
-    except OSError:
-        return ""
-    return "une connexion a pu être ouverte"
-"""
-
-_PROCESSES = """
-import os
-def essai(parent):
-    if os.getppid() != 1:
-        return "les processus de la machine sont visibles"
-    try:
-        os.kill(parent, 0)
-    except OSError:
-        return ""
-    return "un processus de la machine peut recevoir un signal"
-"""
-
-_QUEUE = """
-import ctypes
-def essai(cle):
-    return "une file de messages de la machine est ouverte" if ctypes.CDLL(None).msgget(cle, 0) >= 0 else ""
-"""
-
-_SYSTEM_CALLS = """
-import os, socket
-def essai(_):
-    for nom, action in (("socket", socket.socket), ("fork", os.fork), ("memfd", lambda: os.memfd_create("x"))):
-        try:
-            action()
-        except PermissionError:
-            continue
-        if nom == "fork" and os.getpid() != PID:
-            os._exit(0)
-        return nom + " n'est pas refusé"
-    return ""
-PID = os.getpid()
-"""
-
-_KILLED = """
-import ctypes
-def essai(_):
-    ctypes.CDLL(None).ptrace(0, 0, 0, 0)
-    return "ptrace n'est pas refusé"
-"""
-
-_MEMORY = """
-def essai(octets):
-    try:
-        bytearray(octets)
-    except MemoryError:
-        return ""
-    return "la mémoire n'est pas bornée"
-"""
-
-_FORK = """
-import os
-def essai(_):
-    try:
-        pid = os.fork()
-    except OSError:
-        return ""
-    if pid == 0:
-        os._exit(0)
-    return "un processus a pu être créé"
-"""
-
-_TIME = """
-import signal, time
-def essai(_):
-    for numero in (signal.SIGPROF, signal.SIGALRM):
-        signal.signal(numero, signal.SIG_IGN)
-    fin = time.monotonic() + 8
-    while time.monotonic() < fin:
-        pass
-    return "le temps de calcul n'est pas borné"
-"""
-
-_PRIVILEGES = """
-import ctypes, os
-def essai(_):
-    libc = ctypes.CDLL(None, use_errno=True)
-    if libc.prctl(39, 0, 0, 0, 0) != 1:
-        return "no_new_privs n'est pas posé"
-    if libc.prctl(3, 0, 0, 0, 0) != 0:
-        return "le processus est ouvert à l'inspection"
-    actions = {"setuid": lambda: os.setuid(0), "chroot": lambda: os.chroot("/"), "nice": lambda: os.nice(-5)}
-    for nom, action in actions.items():
-        try:
-            action()
-        except OSError:
-            continue
-        return nom + " a réussi"
-    return ""
-"""
-
-_LEAKS = """
-import ctypes, fcntl, os
-def essai(_):
-    ouverts = []
-    for numero in range(4096):
-        try:
-            fcntl.fcntl(numero, fcntl.F_GETFD)
-        except OSError:
-            continue
-        ouverts.append(numero)
-    if len(ouverts) != 4 or ouverts[:3] != [0, 1, 2]:
-        return "des descripteurs restent ouverts : " + str(ouverts)
-    return "l'environnement n'est pas vide" if os.environ else ""
-"""
+_MEND_LANDLOCK = "Linux ≥ 5.13, et « landlock » dans la liste lsm= du noyau (cat /sys/kernel/security/lsm)"
+_MEND_SECCOMP = "un noyau avec CONFIG_SECCOMP_FILTER, sur x86-64 ou aarch64"
+_MEND_NAMESPACES = (
+    "sysctl user.max_user_namespaces > 0, kernel.unprivileged_userns_clone=1 (Debian), "
+    "kernel.apparmor_restrict_unprivileged_userns=0 (Ubuntu) ; dans un conteneur, un profil seccomp qui permet unshare"
+)
+_MEND_CGROUP = "lancez le service par systemd avec Delegate=yes et DelegateSubgroup=service, ou en root"
+_MEND_OURS = "cette protection est posée par Balise elle-même : signalez ce défaut, et ne servez pas"
 
 ATTEMPTS = (
-    Attempt("landlock", "lecture hors des dossiers permis, sans seccomp", _REACH, True, False, _SECCOMP, _canary),
-    Attempt("écriture", "création d'un fichier, sans seccomp", _WRITE, True, False, _SECCOMP),
-    Attempt("seccomp", "appels système refusés (réseau, processus)", _SYSTEM_CALLS, True, False),
-    Attempt("seccomp-attaques", "appels système qui arrêtent le programme (ptrace)", _KILLED, True, False),
-    Attempt("mémoire", "allocation au-delà de la limite", _MEMORY, True, False, frozenset(), _twice_the_memory),
-    Attempt("temps", "boucle sans fin qui ignore les signaux", _TIME, True, False, slow=True),
-    Attempt("processus", "création d'un processus, sans seccomp", _FORK, False, False, _SECCOMP),
-    Attempt("privilèges", "retour à root, capacités, inspection", _PRIVILEGES, True, False, _ALL_BUT_NAMESPACES),
-    Attempt("fuites", "descripteurs et environnement hérités", _LEAKS, True, False),
-    Attempt("vue-lecture", "lecture d'un fichier, sans Landlock", _READ, False, True, _ALL_BUT_NAMESPACES, _canary),
-    Attempt("vue-écriture", "écriture d'un fichier, sans Landlock", _WRITE, False, True, _ALL_BUT_NAMESPACES),
-    Attempt("réseau", "connexion à la machine, sans seccomp", _CONNECT, False, True, _ALL_BUT_NAMESPACES, _listener),
-    Attempt("pid", "signal à un processus de la machine", _PROCESSES, False, True, _ALL_BUT_NAMESPACES, _own_pid),
-    Attempt("ipc", "file de messages de la machine", _QUEUE, False, True, _ALL_BUT_NAMESPACES, _message_queue),
-)
+    Attempt("espace-utilisateurs", "user", "trousseau de clés d'une autre copie", trials.KEYRING, _MEND_NAMESPACES,
+            namespaces=True, hiders=_FILTERS, argument=_machine, accomplice=trials.KEYRING),
+    Attempt("espace-processus", "pid", "signal à un autre processus", trials.SIGNAL, _MEND_NAMESPACES,
+            namespaces=True, hiders=_FILTERS, accomplice=trials.WAIT),
+    Attempt("espace-fichiers-lecture", "view", "lecture d'un fichier de la machine", trials.READ, _MEND_NAMESPACES,
+            namespaces=True, hiders=_FILTERS, argument=_canary),
+    Attempt("espace-fichiers-écriture", "view", "écriture hors du dossier privé", trials.WRITE, _MEND_NAMESPACES,
+            namespaces=True, hiders=_FILTERS),
+    Attempt("dossier-privé", "view", "fichier laissé par une autre copie", trials.FIND, _MEND_NAMESPACES,
+            namespaces=True, hiders=_FILTERS, accomplice=trials.LEAVE),
+    Attempt("espace-réseau", "network", "connexion à la machine", trials.CONNECT, _MEND_NAMESPACES,
+            namespaces=True, hiders=_FILTERS, argument=_listener),
+    Attempt("espace-ipc", "ipc", "file de messages de la machine", trials.QUEUE, _MEND_NAMESPACES,
+            namespaces=True, hiders=_FILTERS, argument=_message_queue),
+    Attempt("espace-uts", "uts", "nom de la machine", trials.HOST, _MEND_NAMESPACES, namespaces=True, argument=_host),
+    Attempt("landlock-lecture", "landlock", "lecture hors des dossiers permis", trials.REACH, _MEND_LANDLOCK,
+            required=True, hiders=_ALL_BUT_LANDLOCK, argument=_canary),
+    Attempt("landlock-écriture", "landlock", "création d'un fichier", trials.WRITE, _MEND_LANDLOCK,
+            required=True, hiders=_ALL_BUT_LANDLOCK),
+    Attempt("seccomp-refus", "seccomp", "appels système refusés (réseau, processus)", trials.SYSTEM_CALLS,
+            _MEND_SECCOMP, required=True),
+    Attempt("seccomp-arrêt", "seccomp", "appels système qui arrêtent le programme (ptrace)", trials.KILLED,
+            _MEND_SECCOMP, required=True),
+    Attempt("limite-mémoire", "rlimits", "allocation au-delà de la limite", trials.MEMORY, _MEND_OURS,
+            required=True, argument=_twice_the_memory),
+    Attempt("limite-temps", "rlimits", "boucle sans fin qui ignore les signaux", trials.TIME, _MEND_OURS,
+            required=True, slow=True),
+    Attempt("limite-processus", "rlimits", "création d'un processus", trials.FORK, _MEND_OURS,
+            hiders=_ALL_BUT_LANDLOCK),
+    Attempt("cgroup-mémoire", "cgroup", "mémoire occupée au-delà de la limite", trials.RESIDENT, _MEND_CGROUP,
+            hiders=_ALL_BUT_CGROUP, argument=_twice_the_memory),
+    Attempt("cgroup-processus", "cgroup", "création d'un processus", trials.FORK, _MEND_CGROUP,
+            hiders=_ALL_BUT_CGROUP),
+    Attempt("capacités", "capabilities", "droits d'administration", trials.CAPABILITY, _MEND_OURS,
+            required=True, hiders=_FILTERS),
+    Attempt("identité", "identity", "retour à root", trials.ROOT, _MEND_OURS, required=True, hiders=_FILTERS),
+    Attempt("inspection", "dumpable", "lecture du processus par un autre", trials.INSPECTION, _MEND_OURS,
+            required=True, hiders=_FILTERS),
+    Attempt("environnement", "environment", "variables de la machine", trials.ENVIRONMENT, _MEND_OURS, required=True),
+    Attempt("descripteurs", "descriptors", "descripteurs hérités", trials.DESCRIPTORS, _MEND_OURS, required=True),
+)  # fmt: skip

@@ -13,6 +13,7 @@ from enum import StrEnum
 
 from server.sandbox import messages
 from server.sandbox.attempts import ATTEMPTS, POLICY, Attempt
+from server.sandbox.cgroups import Seats, hierarchies
 from server.sandbox.faults import ProgramFault, TemplateFault
 from server.sandbox.process import Setting, TemplateProcess
 from server.sandbox.session import Session
@@ -26,12 +27,13 @@ class WallStatus(StrEnum):
 
 @dataclass(frozen=True)
 class WallReport:
-    """One wall: `detail` is French; without a `required` wall, serving is not safe."""
+    """One attempt on one wall: `detail` and `mend` are French; without a `required` wall, serving is not safe."""
 
     name: str
     status: WallStatus
     detail: str
     required: bool
+    mend: str = ""
 
 
 def probe(*, slow: bool = True) -> list[WallReport]:
@@ -40,7 +42,7 @@ def probe(*, slow: bool = True) -> list[WallReport]:
     with ThreadPoolExecutor(1) as spawner:
         templates = _Templates(spawner)
         try:
-            for lifted in {attempt.lifted for attempt in attempts}:
+            for lifted in {attempt.hiders for attempt in attempts}:
                 templates.get(lifted, namespaces=False)
             with ThreadPoolExecutor(4) as pool:
                 return list(pool.map(lambda attempt: _report(attempt, templates), attempts))
@@ -60,6 +62,8 @@ class _Templates:
     def __init__(self, spawner: ThreadPoolExecutor) -> None:
         self._spawner = spawner
         self._known: dict[tuple[bool, frozenset[str]], TemplateProcess | str] = {}
+        found, self.without_seats = hierarchies()
+        self._seats, self._no_seats = Seats(found), Seats(())
 
     def get(self, lifted: frozenset[str], *, namespaces: bool) -> TemplateProcess | str:
         """The template, in the namespaces if they can be had or are asked for; or why there is none."""
@@ -70,8 +74,9 @@ class _Templates:
         key = (namespaces, lifted)
         if key not in self._known:
             setting = Setting({}, "numpy", namespaces, lifted)
+            seats = self._no_seats if "cgroup" in lifted else self._seats
             try:
-                self._known[key] = TemplateProcess(setting, lambda _: None).start(self._spawner)
+                self._known[key] = TemplateProcess(setting, seats, lambda _: None).start(self._spawner)
             except TemplateFault as error:
                 self._known[key] = _last_line(error)
         return self._known[key]
@@ -80,6 +85,7 @@ class _Templates:
         for template in self._known.values():
             if isinstance(template, TemplateProcess):
                 template.close()
+        self._seats.close()
 
 
 def _last_line(error: TemplateFault) -> str:
@@ -97,22 +103,28 @@ def _session(template: TemplateProcess, source: str) -> Iterator[Session]:
 
 
 def _report(attempt: Attempt, templates: _Templates) -> WallReport:
-    template = templates.get(attempt.lifted, namespaces=attempt.namespaces)
+    if attempt.wall == "cgroup" and templates.without_seats:
+        return _told(attempt, WallStatus.UNAVAILABLE, templates.without_seats)
+    template = templates.get(attempt.hiders, namespaces=attempt.namespaces)
     if isinstance(template, str):
         return _told(attempt, WallStatus.UNAVAILABLE, template)
     try:
-        crossed = _crossed(attempt, template)
+        crossed = crossing(attempt, template)
     except TemplateFault as error:
         return _told(attempt, WallStatus.UNAVAILABLE, _last_line(error))
     except ProgramFault as fault:
         return _told(attempt, WallStatus.UNAVAILABLE, fault.message)
+    if crossed and attempt.namespaces and (refusal := template.hello["refusal"]):
+        crossed = f"{crossed} ({refusal})"
     return _told(attempt, WallStatus.MISSING if crossed else WallStatus.STANDING, crossed)
 
 
-def _crossed(attempt: Attempt, template: TemplateProcess) -> str:
+def crossing(attempt: Attempt, template: TemplateProcess) -> str:
     """What the attempt managed to do; "" when the wall held, be it by ending the program."""
     with ExitStack() as stack:
         argument = attempt.argument(stack)
+        if attempt.accomplice:
+            stack.enter_context(_session(template, attempt.accomplice)).call("prepare", argument)
         session = stack.enter_context(_session(template, attempt.source))
         try:
             return str(session.call("essai", argument).value)
@@ -124,4 +136,5 @@ def _crossed(attempt: Attempt, template: TemplateProcess) -> str:
 
 def _told(attempt: Attempt, status: WallStatus, why: str) -> WallReport:
     detail = f"{attempt.detail} : {why}" if why else attempt.detail
-    return WallReport(attempt.name, status, messages.typeset(detail), attempt.required)
+    mend = "" if status == WallStatus.STANDING else messages.typeset(attempt.mend)
+    return WallReport(attempt.name, status, messages.typeset(detail), attempt.required, mend)
