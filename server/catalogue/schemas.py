@@ -46,6 +46,12 @@ class Limits(Strict):
     memory_bytes: Annotated[int, Field(ge=64 << 20, le=4 << 30)] | None = None
     stdout_bytes: Annotated[int, Field(ge=1024, le=1 << 20)] | None = None
     source_bytes: Annotated[int, Field(ge=1024, le=1 << 20)] | None = None
+    frame_bytes: Annotated[int, Field(ge=1024, le=64 << 20)] | None = None
+    items: Annotated[int, Field(ge=1000, le=10_000_000)] | None = None
+    depth: Annotated[int, Field(ge=4, le=60)] | None = None
+    threads: Annotated[int, Field(ge=1, le=16)] | None = None
+    files: Annotated[int, Field(ge=16, le=1024)] | None = None
+    file_bytes: Annotated[int, Field(ge=1024, le=64 << 20)] | None = None
 
     def overrides(self) -> dict[str, int | float]:
         return self.model_dump(exclude_none=True)

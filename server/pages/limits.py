@@ -2,21 +2,53 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from server.catalogue import Exercise
 from server.pages.text import points
 from server.sandbox import Policy
 
-MEBIBYTE, KIBIBYTE = 1 << 20, 1 << 10
+_NO_BREAK, _THIN = "\u00a0", "\u202f"
+
+
+def _seconds(value: float) -> str:
+    return f"{points(value)}{_NO_BREAK}s"
+
+
+def _size(count: float) -> str:
+    for unit, name in ((1 << 30, "Gio"), (1 << 20, "Mio"), (1 << 10, "Kio")):
+        if count >= unit:
+            return f"{points(count / unit)}{_NO_BREAK}{name}"
+    return f"{count:.0f}{_NO_BREAK}octets"
+
+
+def _count(value: float) -> str:
+    """1 500, with the thin space of French thousands."""
+    return f"{value:,.0f}".replace(",", _THIN)
+
+
+def _threads(value: float) -> str:
+    return "un seul" if value == 1 else _count(value)
+
+
+#: One line for each field of the policy, in the order of the page: its name, and how its value reads.
+LINES: dict[str, tuple[str, Callable[[float], str]]] = {
+    "cpu_seconds": ("Temps de calcul", _seconds),
+    "wall_seconds": ("Durée, attentes comprises", _seconds),
+    "memory_bytes": ("Mémoire, sans les bibliothèques", _size),
+    "source_bytes": ("Taille de votre fichier", _size),
+    "stdout_bytes": ("Texte affiché par print", _size),
+    "frame_bytes": ("Taille d’une réponse", _size),
+    "items": ("Valeurs d’une réponse, hors tableaux", _count),
+    "depth": ("Imbrication d’une réponse", lambda value: f"{_count(value)}{_NO_BREAK}niveaux"),
+    "threads": ("Fils d’exécution (threads)", _threads),
+    "files": ("Fichiers ouverts en même temps", _count),
+    "file_bytes": ("Taille d’un fichier écrit", _size),
+}
 
 
 def limits_of(exercise: Exercise) -> tuple[tuple[str, str], ...]:
-    """Name and value of each limit worth knowing, for this exercise."""
+    """Name and value of each limit, for this exercise."""
     policy = replace(Policy(), **exercise.policy_overrides)
-    return (
-        ("temps de calcul", f"{points(policy.cpu_seconds)}\u00a0s"),
-        ("mémoire", f"{policy.memory_bytes // MEBIBYTE}\u00a0Mo"),
-        ("texte affiché", f"{policy.stdout_bytes // KIBIBYTE}\u00a0Ko"),
-        ("taille du fichier", f"{policy.source_bytes // KIBIBYTE}\u00a0Ko"),
-    )
+    return tuple((name, read(getattr(policy, field))) for field, (name, read) in LINES.items())

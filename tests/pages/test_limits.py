@@ -1,0 +1,64 @@
+"""The limits that a student meets are those that the page shows, the exercise's own included."""
+
+from __future__ import annotations
+
+import html
+import re
+from dataclasses import fields
+
+import pytest
+
+from server.catalogue.schemas import Limits
+from server.pages.limits import LINES, limits_of
+from server.sandbox import Policy
+from server.worker.grading import policy_of
+from tests.pages.conftest import EXERCISE, Course
+from tests.pages.site import PAGE, Site
+
+POLICY = [field.name for field in fields(Policy)]
+OWN = {
+    "cpu_seconds": (1.5, "1,5\u00a0s"),
+    "wall_seconds": (90.0, "90\u00a0s"),
+    "memory_bytes": (1536 << 20, "1,5\u00a0Gio"),
+    "source_bytes": (1536, "1,5\u00a0Kio"),
+    "stdout_bytes": (1 << 20, "1\u00a0Mio"),
+    "frame_bytes": (1030, "1,01\u00a0Kio"),
+    "items": (1_234_567, "1\u202f234\u202f567"),
+    "depth": (9, "9\u00a0niveaux"),
+    "threads": (4, "4"),
+    "files": (20, "20"),
+    "file_bytes": (3 << 20, "3\u00a0Mio"),
+}
+
+
+def shown(page: str) -> list[tuple[str, str]]:
+    return [
+        (html.unescape(name), html.unescape(value))
+        for name, value in re.findall(r"<div><dt>(.*?)</dt><dd>(.*?)</dd></div>", page)
+    ]
+
+
+def test_no_limit_is_kept_from_students_nor_from_authors() -> None:
+    assert sorted(LINES) == sorted(POLICY)
+    assert sorted(Limits.model_fields) == sorted(POLICY)
+
+
+def test_the_page_shows_every_limit(site: Site) -> None:
+    limits = shown(site.get(PAGE))
+    assert [name for name, _ in limits] == [name for name, _ in LINES.values()]
+    policy = Policy()
+    assert ("Temps de calcul", f"{policy.cpu_seconds:g}\u00a0s") in limits
+    assert ("Mémoire, sans les bibliothèques", f"{policy.memory_bytes >> 20}\u00a0Mio") in limits
+    assert ("Fils d’exécution (threads)", "un seul") in limits
+
+
+@pytest.mark.parametrize("field", OWN)
+def test_an_exercises_own_limit_binds_and_shows(course: Course, field: str) -> None:
+    value, told = OWN[field]
+    course.write("curriculum/m9/exercices/a/exercise.toml", EXERCISE + f"\n[limits]\n{field} = {value}\n")
+    catalogue = course.load()
+    assert not catalogue.problems
+    own, usual = (catalogue.exercises[f"m9/{slug}"] for slug in ("a", "b"))
+    assert getattr(policy_of(own), field) == value
+    changed = set(limits_of(own)) - set(limits_of(usual))
+    assert changed == {(LINES[field][0], told)}
