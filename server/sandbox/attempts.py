@@ -22,7 +22,8 @@ class Attempt:
     """A program that tries to cross one wall; `hiders` are the other walls that would stop it too, left down meanwhile.
 
     `detail` and `mend` (what to do where the wall is missing) are French. It runs in the namespaces where this machine
-    offers them; with `namespaces`, only there. `accomplice` runs in another session, and stays.
+    offers them; with `namespaces`, only there; with `controller`, only where there are control groups that have it.
+    `accomplice` runs in another session, and stays.
     """
 
     name: str
@@ -35,6 +36,7 @@ class Attempt:
     hiders: frozenset[str] = frozenset()
     argument: Callable[[ExitStack], Value] = lambda _: None
     accomplice: str = ""
+    controller: str = ""
     slow: bool = False
 
 
@@ -90,6 +92,7 @@ _MEND_NAMESPACES = (
     "kernel.apparmor_restrict_unprivileged_userns=0 (Ubuntu) ; dans un conteneur, un profil seccomp qui permet unshare"
 )
 _MEND_CGROUP = "lancez le service par systemd avec Delegate=yes et DelegateSubgroup=service, ou en root"
+_MEND_IDENTITY = "lancez le service en utilisateur ordinaire, ou dans un conteneur qui a plus d'une identité (subuid)"
 _MEND_OURS = "cette protection est posée par Balise elle-même : signalez ce défaut, et ne servez pas"
 
 ATTEMPTS = (
@@ -120,15 +123,15 @@ ATTEMPTS = (
             required=True, argument=_twice_the_memory),
     Attempt("limite-temps", "rlimits", "boucle sans fin qui ignore les signaux", trials.TIME, _MEND_OURS,
             required=True, slow=True),
-    Attempt("limite-processus", "rlimits", "création d'un processus", trials.FORK, _MEND_OURS,
+    Attempt("limite-processus", "rlimits", "création d'un processus", trials.FORK, _MEND_IDENTITY,
             hiders=_ALL_BUT_LANDLOCK),
     Attempt("cgroup-mémoire", "cgroup", "mémoire occupée au-delà de la limite", trials.RESIDENT, _MEND_CGROUP,
-            hiders=_ALL_BUT_CGROUP, argument=_twice_the_memory),
+            hiders=_ALL_BUT_CGROUP, argument=_twice_the_memory, controller="memory"),
     Attempt("cgroup-processus", "cgroup", "création d'un processus", trials.FORK, _MEND_CGROUP,
-            hiders=_ALL_BUT_CGROUP),
+            hiders=_ALL_BUT_CGROUP, controller="pids"),
     Attempt("capacités", "capabilities", "droits d'administration", trials.CAPABILITY, _MEND_OURS,
             required=True, hiders=_FILTERS),
-    Attempt("identité", "identity", "retour à root", trials.ROOT, _MEND_OURS, required=True, hiders=_FILTERS),
+    Attempt("identité", "identity", "retour à root", trials.ROOT, _MEND_IDENTITY, required=True, hiders=_FILTERS),
     Attempt("inspection", "dumpable", "lecture du processus par un autre", trials.INSPECTION, _MEND_OURS,
             required=True, hiders=_FILTERS),
     Attempt("environnement", "environment", "variables de la machine", trials.ENVIRONMENT, _MEND_OURS, required=True),

@@ -193,7 +193,7 @@ def _sweep(folder: Path) -> None:
 
 
 def hierarchies() -> tuple[tuple[Hierarchy, ...], str]:
-    """Where seats can be made on this machine, learnt by making one; and why not, for what cannot be had."""
+    """Where seats can be made here, learnt by making one; and the first reason, where something is missing."""
     found: list[Hierarchy] = []
     problems: list[str] = []
     missing = set(_WANTED)
@@ -207,8 +207,7 @@ def hierarchies() -> tuple[tuple[Hierarchy, ...], str]:
             continue
         found.append(hierarchy)
         missing -= wanted
-    why = "; ".join(problems) or ("no cgroup file system" if missing else "")
-    return tuple(found), why if missing else ""
+    return tuple(found), (problems or ["no cgroup file system"])[0] if missing else ""
 
 
 def _problem(hierarchy: Hierarchy) -> str:
@@ -223,7 +222,7 @@ def _problem(hierarchy: Hierarchy) -> str:
         finally:
             seats.drop(seat)
     except OSError as error:
-        return str(error)
+        return f"{error.strerror}: {hierarchy.folder}"
     return ""
 
 

@@ -62,7 +62,8 @@ class _Templates:
     def __init__(self, spawner: ThreadPoolExecutor) -> None:
         self._spawner = spawner
         self._known: dict[tuple[bool, frozenset[str]], TemplateProcess | str] = {}
-        found, self.without_seats = hierarchies()
+        found, self.why_no_seat = hierarchies()
+        self.controllers = frozenset(name for hierarchy in found for name in hierarchy.controllers)
         self._seats, self._no_seats = Seats(found), Seats(())
 
     def get(self, lifted: frozenset[str], *, namespaces: bool) -> TemplateProcess | str:
@@ -103,8 +104,8 @@ def _session(template: TemplateProcess, source: str) -> Iterator[Session]:
 
 
 def _report(attempt: Attempt, templates: _Templates) -> WallReport:
-    if attempt.wall == "cgroup" and templates.without_seats:
-        return _told(attempt, WallStatus.UNAVAILABLE, templates.without_seats)
+    if attempt.controller and attempt.controller not in templates.controllers:
+        return _told(attempt, WallStatus.UNAVAILABLE, templates.why_no_seat)
     template = templates.get(attempt.hiders, namespaces=attempt.namespaces)
     if isinstance(template, str):
         return _told(attempt, WallStatus.UNAVAILABLE, template)

@@ -33,16 +33,37 @@ def flags(lifted: Collection[str]) -> int:
     return NEWCGROUP | sum(flag for wall, flag in _BY_WALL.items() if wall not in lifted)
 
 
+def can_become_unprivileged() -> bool:
+    """Whether this process is root and knows the unprivileged identity (root of a user namespace may know one only)."""
+    if os.geteuid() != 0:
+        return False
+    with open("/proc/self/setgroups", encoding="ascii") as file:
+        may_leave_groups = file.read().strip() == "allow"
+    return may_leave_groups and all(_knows(f"/proc/self/{name}") for name in ("uid_map", "gid_map"))
+
+
+def _knows(path: str) -> bool:
+    with open(path, encoding="ascii") as file:
+        ranges = [tuple(map(int, line.split())) for line in file]
+    return any(first <= UNPRIVILEGED < first + count for first, _, count in ranges)
+
+
 def enter(lifted: Collection[str]) -> None:
-    """Puts the calling process in new namespaces; with a user's own where that needs one. Raises OSError."""
+    """Puts the calling process in new namespaces; with a user's own unless it is root enough. Raises OSError."""
     user, group = os.geteuid(), os.getegid()
-    try:
-        libc.unshare(flags(lifted))
-    except PermissionError:
+    if not (can_become_unprivileged() and _allowed(flags(lifted))):
         libc.unshare(NEWUSER | flags(lifted))
         _map_identity("/proc/self", None, user, group)
     if "uts" not in lifted:
         libc.set_host_name(HOST)
+
+
+def _allowed(flags: int) -> bool:
+    try:
+        libc.unshare(flags)
+    except PermissionError:
+        return False
+    return True
 
 
 def _map_identity(folder: str, base: int | None, user: int, group: int) -> None:

@@ -57,11 +57,11 @@ def _first_process(inside: Callable[[], None]) -> None:
         os._exit(code)
 
 
-def drop_privileges(lifted: Collection[str] = ()) -> None:
-    """Nobody's identity where this process may change it, no capability, no way to gain one."""
+def drop_privileges(lifted: Collection[str], *, identity: bool) -> None:
+    """No capability, no way to gain one; and the unprivileged `identity`, for a process that has another to leave."""
     if "capabilities" not in lifted:
         libc.drop_bounding_capabilities()
-    if os.geteuid() == 0 and "identity" not in lifted:
+    if identity and "identity" not in lifted:
         os.setgroups([])
         os.setresgid(UNPRIVILEGED, UNPRIVILEGED, UNPRIVILEGED)
         os.setresuid(UNPRIVILEGED, UNPRIVILEGED, UNPRIVILEGED)

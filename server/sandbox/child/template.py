@@ -60,13 +60,14 @@ class Template:
         """Leaves the host behind; returns the Landlock rules of the forks, None where the kernel has no Landlock."""
         libraries = [*(path for path in sys.path if path not in self._configuration["sites"]), *outer.mapped_files()]
         packages = self._configuration["packages"]
+        identity = namespaces.can_become_unprivileged()
         if self._own_view:
             outer.change_view(libraries, packages)
         rules = None
         if landlock.version():
             readable = outer.outermost([*_without_packages(libraries), *packages])
             rules = landlock.ruleset(readable, outer.DEVICES, [namespaces.HOME] if self._own_view else [])
-        outer.drop_privileges(self._lifted)
+        outer.drop_privileges(self._lifted, identity=identity)
         libc.prctl(libc.PR_SET_NO_NEW_PRIVS, 1)
         libc.prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL)  # a change of identity has cleared it
         return rules
