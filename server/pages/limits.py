@@ -45,6 +45,7 @@ LINES: dict[str, tuple[str, Callable[[float], str]]] = {
     "threads": ("Fils d’exécution (threads)", _threads),
     "files": ("Fichiers ouverts en même temps", _count),
     "file_bytes": ("Taille d’un fichier écrit", _size),
+    "folder_bytes": ("Fichiers écrits, en tout", _size),
 }
 
 
