@@ -52,6 +52,7 @@ class Limits(Strict):
     threads: Annotated[int, Field(ge=1, le=16)] | None = None
     files: Annotated[int, Field(ge=16, le=1024)] | None = None
     file_bytes: Annotated[int, Field(ge=1024, le=64 << 20)] | None = None
+    folder_bytes: Annotated[int, Field(ge=64 << 10, le=256 << 20)] | None = None
 
     def overrides(self) -> dict[str, int | float]:
         return self.model_dump(exclude_none=True)

@@ -25,13 +25,9 @@ from programs import PROGRAMS, Program
 from throughput import KINDS, rate
 
 from server.sandbox import Policy, Sandbox
+from server.sandbox.child.walls import WALLS
 from server.sandbox.install import installation
 
-#: Every wall by its name: without them all, a session is a bare fork of the template with the same protocol.
-ALL_WALLS = frozenset(
-    {"user", "pid", "network", "ipc", "uts", "view", "landlock", "seccomp", "rlimits", "cgroup", "capabilities"}
-    | {"dumpable", "environment", "descriptors"}
-)
 #: Seconds before each measure: the spare child that the one before has ordered is ready by then.
 REST = 0.02
 IMPORTS = ("numpy", "scipy")
@@ -58,14 +54,13 @@ def submission(sandbox: Sandbox, program: Program) -> Callable[[], float]:
 
 def ours(stack: ExitStack, program: Program) -> list[Contender]:
     def sandbox(spares: int, lifted: frozenset[str] = frozenset()) -> Sandbox:
-        namespaces = False if lifted else None
-        return stack.enter_context(Sandbox({}, Policy(), spares=spares, namespaces=namespaces, lifted=lifted))
+        return stack.enter_context(Sandbox({}, Policy(), spares=spares, lifted=lifted))
 
     return [
         Contender("**Balise, a spare ready**", submission(sandbox(1), program), rest=REST),
-        Contender("a bare fork, a spare ready", submission(sandbox(1, ALL_WALLS), program), rest=REST),
+        Contender("a bare fork, a spare ready", submission(sandbox(1, WALLS), program), rest=REST),
         Contender("**Balise, no spare**", submission(sandbox(0), program), rest=REST),
-        Contender("a bare fork, no spare", submission(sandbox(0, ALL_WALLS), program), rest=REST),
+        Contender("a bare fork, no spare", submission(sandbox(0, WALLS), program), rest=REST),
     ]
 
 

@@ -28,6 +28,7 @@ OWN = {
     "threads": (4, "4"),
     "files": (20, "20"),
     "file_bytes": (3 << 20, "3\u00a0Mio"),
+    "folder_bytes": (40 << 20, "40\u00a0Mio"),
 }
 
 
