@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from reference.errors import InvalidArgumentError
 from reference.raycast import cast_scans
 
 Belief = NDArray[np.float64]
@@ -27,12 +28,8 @@ P_SLIP = 0.1
 COMMANDS = ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1))
 
 
-class GridFilterError(ValueError):
+class GridFilterError(InvalidArgumentError):
     """Input for which there is no belief; `argument` names it."""
-
-    def __init__(self, argument: str, reason: str) -> None:
-        super().__init__(f"{argument}: {reason}")
-        self.argument = argument
 
 
 class ImpossibleScanError(GridFilterError):

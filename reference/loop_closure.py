@@ -15,17 +15,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from reference.errors import InvalidArgumentError
+
 Floats = NDArray[np.float64]
 
 MIN_GAP = 10
 
 
-class LoopClosureError(ValueError):
+class LoopClosureError(InvalidArgumentError):
     """Input in which no loop can be looked for; `argument` names it."""
-
-    def __init__(self, argument: str, reason: str) -> None:
-        super().__init__(f"{argument}: {reason}")
-        self.argument = argument
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.sparse import linalg as sparse_linalg
 
+from reference.errors import InvalidArgumentError
 from reference.se2 import wrap_angle
 
 Floats = NDArray[np.float64]
@@ -30,12 +31,8 @@ BLOCK = 3
 STEP_TOLERANCE = 1e-9
 
 
-class PoseGraphError(ValueError):
+class PoseGraphError(InvalidArgumentError):
     """Input that is not a pose graph; `argument` names what is wrong with it."""
-
-    def __init__(self, argument: str, message: str) -> None:
-        super().__init__(f"{argument}: {message}")
-        self.argument = argument
 
 
 class ShapeError(PoseGraphError):

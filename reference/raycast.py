@@ -14,16 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from reference.errors import InvalidArgumentError
+
 Floats = NDArray[np.float64]
 Grid = NDArray[np.bool_]
 
 
-class RaycastError(ValueError):
+class RaycastError(InvalidArgumentError):
     """Input along which no ray can be cast; `argument` names it."""
-
-    def __init__(self, argument: str, reason: str) -> None:
-        super().__init__(f"{argument}: {reason}")
-        self.argument = argument
 
 
 @dataclass

@@ -14,17 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from reference.errors import InvalidArgumentError
+
 Floats = NDArray[np.float64]
 
 ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
 
 
-class InvalidCloudError(ValueError):
+class InvalidCloudError(InvalidArgumentError):
     """Clouds that cannot be registered; `argument` names the one at fault ("P" or "Q")."""
-
-    def __init__(self, argument: str, message: str) -> None:
-        super().__init__(f"{argument}: {message}")
-        self.argument = argument
 
 
 @dataclass(frozen=True)

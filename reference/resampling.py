@@ -13,16 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from reference.errors import InvalidArgumentError
+
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
-
-
-class InvalidArgumentError(ValueError):
-    """Input from which nothing can be computed; `argument` names it."""
-
-    def __init__(self, argument: str, reason: str) -> None:
-        super().__init__(f"{argument}: {reason}")
-        self.argument = argument
 
 
 class InvalidWeightsError(InvalidArgumentError):
