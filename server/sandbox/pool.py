@@ -5,9 +5,11 @@ from __future__ import annotations
 import contextlib
 import logging
 import threading
+import time
 from collections import OrderedDict, deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import Self
 
 from server.sandbox import messages
@@ -15,7 +17,7 @@ from server.sandbox.cgroups import Seats, hierarchies
 from server.sandbox.child.walls import WALLS
 from server.sandbox.faults import FaultKind, NamespacesRefused, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.install import import_set
-from server.sandbox.policy import Policy
+from server.sandbox.policy import MIB, Policy
 from server.sandbox.process import Child, Setting, TemplateProcess
 from server.sandbox.session import Session
 from server.sandbox.values import Kit
@@ -23,6 +25,8 @@ from server.sandbox.values import Kit
 _log = logging.getLogger(__name__)
 #: Policies for which a template keeps spare children: the last ones used.
 _POLICIES = 3
+#: Seconds before another try at a worn template's successor, which could not be started.
+_PAUSE = 30.0
 
 
 class _Slot:
@@ -30,17 +34,24 @@ class _Slot:
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
-        self.renewing = threading.Lock()
+        self.renewing, self.pause = False, 0.0
         self.template: TemplateProcess | None = None
         self.spares: OrderedDict[Policy, deque[Child]] = OrderedDict()
+
+    def may_renew(self) -> bool:
+        """Whether the caller may start a successor: nobody else does, nor has just tried in vain."""
+        free = not self.renewing and time.monotonic() >= self.pause
+        self.renewing = self.renewing or free
+        return free
 
 
 class Sandbox:
     """Runs students' files. Safe to share between threads; close it, or use it as a context manager.
 
     `kits` maps the name of a kit's module to its Python source. `spares` children stand ready for each of the last
-    policies used; a template is replaced after `forks` forks. `namespaces` None means: where this machine offers them.
-    `lifted` leaves walls down, and serves only to probe and test the walls themselves.
+    policies used; a template is replaced after `forks` forks, or once it has taken `growth` bytes of memory of its own.
+    `namespaces` None means: where this machine offers them. `lifted` leaves walls down, and serves only to probe and
+    test the walls themselves.
     """
 
     def __init__(
@@ -50,6 +61,7 @@ class Sandbox:
         *,
         spares: int = 1,
         forks: int = 2000,
+        growth: int = 16 * MIB,
         namespaces: bool | None = None,
         lifted: frozenset[str] = frozenset(),
     ) -> None:
@@ -58,11 +70,12 @@ class Sandbox:
             raise ValueError(f"no such wall: {', '.join(sorted(unknown))}")
         self._kits, self._lifted = dict(kits), lifted
         self._seats = Seats(() if "cgroup" in lifted else hierarchies()[0])
-        self._spares, self._forks, self._namespaces = spares, forks, namespaces
+        self._spares, self._forks, self._growth, self._namespaces = spares, forks, growth, namespaces
         self._slots: dict[str, _Slot] = {"numpy": _Slot(), "scipy": _Slot()}
         self._retired: set[TemplateProcess] = set()
         self._spawner = ThreadPoolExecutor(1, thread_name_prefix="sandbox-spawner")
-        self._helper = ThreadPoolExecutor(1, thread_name_prefix="sandbox-helper")
+        self._refiller = ThreadPoolExecutor(1, thread_name_prefix="sandbox-refiller")
+        self._renewer = ThreadPoolExecutor(1, thread_name_prefix="sandbox-renewer")
         self._closed = False
 
     def __enter__(self) -> Self:
@@ -98,7 +111,8 @@ class Sandbox:
     def close(self) -> None:
         """Ends every template and every session; returns when their processes are gone."""
         self._closed = True
-        self._helper.shutdown(cancel_futures=True)
+        self._refiller.shutdown(cancel_futures=True)
+        self._renewer.shutdown(cancel_futures=True)
         for slot in self._slots.values():
             with slot.lock:
                 self._discard(slot)
@@ -114,10 +128,10 @@ class Sandbox:
         session = Session(child, policy)
         try:
             session.load(source, filename, kit)
-        except TemplateFault:
+        except TemplateFault as error:
             self._replace(imports, template)
             session.close()
-            raise
+            raise TemplateFault(f"{error}; the template said: {template.said() or 'nothing'}") from error
         except BaseException:
             session.close()
             raise
@@ -127,46 +141,56 @@ class Sandbox:
         slot = self._slots[imports]
         with slot.lock:
             template = self._template(slot, imports)
-            waiting = slot.spares.setdefault(policy, deque())
-            slot.spares.move_to_end(policy)
             try:
-                child = waiting.popleft() if waiting else template.fork(policy)
+                child = _living(slot.spares.get(policy)) or template.fork(policy)
             except TemplateFault:
                 self._discard(slot)
                 raise
-            self._refill_or_discard(slot, template, policy, child)
-        self._renew(slot, template, imports)
+            renew = self._worn(template) and slot.may_renew()
+        # What is not needed for this answer waits for its end: the machine has few processors.
+        child.when_closed = partial(self._later, self._refiller, self._restock, slot, template, policy)
+        if renew:
+            self._later(self._renewer, self._succeed, slot, template, imports)
         return template, child
 
-    def _renew(self, slot: _Slot, worn: TemplateProcess, imports: str) -> None:
-        """Starts the successor of a template that has forked enough, while it goes on serving."""
-        if worn.forks >= self._forks and not slot.renewing.locked():
-            self._helper.submit(self._succeed, slot, worn, imports)
+    def _later(self, executor: ThreadPoolExecutor, action: Callable[..., None], *arguments: object) -> None:
+        with contextlib.suppress(RuntimeError):  # it is closed: there is nothing left to prepare for
+            executor.submit(_logged, action, *arguments)
 
     def _succeed(self, slot: _Slot, worn: TemplateProcess, imports: str) -> None:
-        with slot.renewing:
-            if slot.template is not worn or self._closed:
+        """Starts the successor of a worn template, which goes on serving meanwhile, and for good if there is none."""
+        try:
+            if slot.template is not worn:
                 return
-            try:
-                successor = self._started(imports)
-            except TemplateFault as error:
-                _log.warning("no successor to a worn template, which goes on: %s", error)
-                return
+            successor = self._started(imports)
             with slot.lock:
+                policies = [*slot.spares]
                 self._discard(slot)
                 slot.template = successor
-
-    def _refill_or_discard(self, slot: _Slot, template: TemplateProcess, policy: Policy, taken: Child) -> None:
-        """A template that cannot fork any more goes at once, or the retry would find it again; so does its child."""
-        try:
-            self._refill(slot, template, policy)
-        except TemplateFault:
-            taken.close()
-            self._discard(slot)
+                for policy in policies:
+                    self._refill(slot, successor, policy)
+        except BaseException:
+            slot.pause = time.monotonic() + _PAUSE
             raise
+        finally:
+            slot.renewing = False
+
+    def _worn(self, template: TemplateProcess) -> bool:
+        return template.forks >= self._forks or template.growth > self._growth
+
+    def _restock(self, slot: _Slot, template: TemplateProcess, policy: Policy) -> None:
+        with slot.lock:
+            if slot.template is not template:
+                return
+            try:
+                self._refill(slot, template, policy)
+            except TemplateFault:
+                self._discard(slot)
+                raise
 
     def _refill(self, slot: _Slot, template: TemplateProcess, policy: Policy) -> None:
         waiting = slot.spares.setdefault(policy, deque())
+        slot.spares.move_to_end(policy)
         while len(waiting) < self._spares:
             waiting.append(template.fork(policy))
         while len(slot.spares) > _POLICIES:
@@ -221,6 +245,25 @@ class Sandbox:
             with contextlib.suppress(KeyError):
                 self._retired.remove(template)
             template.close()
+
+
+def _living(waiting: deque[Child] | None) -> Child | None:
+    """The first of these children that has not died while it waited."""
+    while waiting:
+        child = waiting.popleft()
+        if not child.ended():
+            return child
+        _log.warning("a spare child has died while it waited")
+        child.close()
+    return None
+
+
+def _logged(action: Callable[..., None], *arguments: object) -> None:
+    """Runs what nobody waits for; its failure costs nothing but the time that it should have saved."""
+    try:
+        action(*arguments)
+    except Exception:
+        _log.exception("%s failed", action.__name__)
 
 
 def _check_source(source: bytes, policy: Policy) -> None:

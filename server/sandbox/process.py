@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
+import select
 import signal
 import socket
 import struct
 import subprocess
 import threading
+import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, fields
 from typing import Any
 
+from server.sandbox import vitals
 from server.sandbox.cgroups import Seat, Seats
 from server.sandbox.child import codec, inner, outer
 from server.sandbox.child.codec import Value
@@ -24,9 +28,14 @@ from server.sandbox.output import Output
 from server.sandbox.policy import Policy
 from server.sandbox.wire import Wire
 
+_log = logging.getLogger(__name__)
 START_SECONDS = 60.0
+_END_SECONDS = 3.0
 #: A ``struct timeval``: a template that takes no order for so long is as good as dead.
 _SEND_TIMEOUT = struct.pack("@ll", 5, 0)
+_MESSAGE = 1 << 17
+#: A ``struct ucred``: process, user, group.
+_CREDENTIALS = struct.Struct("3i")
 _BOOT = (
     "import sys; sys.path.insert(0, sys.argv[1]); from child.boot import main; del sys.path[0]; "
     "main(*map(int, sys.argv[2:5]), sys.argv[5] == 'namespaces', sys.argv[6].split(), sys.argv[7:])"
@@ -65,6 +74,8 @@ class Child:
         self._template, self._number = template, number
         self.wire, self.output = wire, output
         self._ending: Future[Ending] = template.ending(number)
+        #: Called once it is closed.
+        self.when_closed: Callable[[], object] = lambda: None
 
     def kill(self) -> None:
         self._template.kill(self._number)
@@ -73,10 +84,14 @@ class Child:
         """Raises TemplateFault when the template is gone and nobody can tell, TimeoutError when it still lives."""
         return self._ending.result(timeout)
 
+    def ended(self) -> bool:
+        return self._ending.done()
+
     def close(self) -> None:
         self.kill()
         self.wire.close()
         self.output.close()
+        self.when_closed()
 
 
 class TemplateProcess:
@@ -86,10 +101,14 @@ class TemplateProcess:
         self._setting, self._seats, self._when_idle = setting, seats, when_idle
         self._lock = threading.Lock()
         self._taken: dict[int, Seat] = {}
+        self._sending = threading.Lock()
         self._endings: dict[int, Future[Ending]] = {}
         self._dead = False
+        self._words = ""
         self.namespaces = setting.namespaces
         self.forks = 0
+        #: Bytes of its own memory that it has taken since it came up.
+        self.growth = 0
         self.hello: dict[str, Any] = {}
 
     def start(self, spawner: ThreadPoolExecutor) -> TemplateProcess:
@@ -98,6 +117,7 @@ class TemplateProcess:
         self._log = os.memfd_create("log", os.MFD_CLOEXEC)
         try:
             with theirs:
+                self._control.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
                 self._process = spawner.submit(self._spawn, theirs.fileno()).result()
             self._greet()
         except BaseException:
@@ -153,25 +173,51 @@ class TemplateProcess:
         return descriptor
 
     def _greet(self) -> None:
-        self._control.settimeout(START_SECONDS)
         try:
-            data = self._control.recv(1 << 17)
-        except TimeoutError:
-            data = b""
-        if not data:
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                self._process.wait(1.0)
-            self._process.kill()
-            self._process.wait()
-            code = self._process.returncode
+            hello, pid = self._hello()
+            self._life = vitals.Life(pid)
+        except Exception as error:
+            code = self._stopped(1.0 if isinstance(error, EOFError) else 0.0)
             kind = NamespacesRefused if code == outer.REFUSED else TemplateFault
-            raise kind(f"the template did not start ({code}): {self.said()}")
+            raise kind(f"the template did not start ({code}, {error!r}): {self.said()}") from error
+        # Credentials asked for would give this end a name that all can see when it sends.
+        self._control.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 0)
         self._control.settimeout(None)
+        self.hello = hello
+
+    def _hello(self) -> tuple[dict[str, Any], int]:
+        """What the template says first, and its number among the processes of this side, which the kernel tells."""
+        deadline, watch = time.monotonic() + START_SECONDS, vitals.Watch()
+        self._control.settimeout(vitals.LOOK)
+        while True:
+            try:
+                data, ancillary, _, _ = self._control.recvmsg(_MESSAGE, socket.CMSG_SPACE(_CREDENTIALS.size))
+                break
+            except TimeoutError:
+                if watch.starting(self._process.pid) or time.monotonic() > deadline:
+                    raise
+        if not data:
+            raise EOFError
         hello: Any = codec.decode(data, CONTROL)
-        self.hello = dict(hello)
+        match hello:
+            case {"do": "hello", "memory": int()}:
+                pid, _, _ = _CREDENTIALS.unpack(ancillary[0][2])
+                return hello, pid
+        raise ValueError(f"no greeting: {hello!r:.500}")
+
+    def _stopped(self, seconds: float) -> int:
+        """The exit code of the first process, which is left so long to end by itself."""
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(seconds)
+        self._process.kill()
+        return self._process.wait()
 
     def said(self) -> str:
         """The end of what the template wrote on its standard error."""
+        with self._lock:
+            return self._words if self._dead else self._said()
+
+    def _said(self) -> str:
         size = os.fstat(self._log).st_size
         return os.pread(self._log, 8192, max(0, size - 8192)).decode("utf-8", "replace")
 
@@ -193,8 +239,16 @@ class TemplateProcess:
                 self._order(_fork_order(number, policy), descriptors)
         except TemplateFault:
             child.close()
+            self._forget(number)
             raise
         return child
+
+    def _forget(self, number: int) -> None:
+        """A child that was not even ordered."""
+        with self._lock:
+            self._endings.pop(number, None)
+        if seat := self._taken.pop(number, None):
+            self._seats.give_back(seat)
 
     def ending(self, number: int) -> Future[Ending]:
         return self._endings[number]
@@ -208,7 +262,7 @@ class TemplateProcess:
 
     def _order(self, message: dict[str, Value], descriptors: list[int]) -> None:
         data = codec.encode(message, CONTROL)
-        with self._lock:
+        with self._sending:  # not the other lock: a template that takes no order must not keep anyone from learning it
             if self._dead:
                 raise TemplateFault("the template is gone")
             try:
@@ -224,14 +278,40 @@ class TemplateProcess:
         return not self._dead
 
     def _listen(self) -> None:
-        while data := self._received():
-            report: Any = codec.decode(data, CONTROL)
-            with self._lock:
-                ending = self._endings.pop(report["id"])
-            exhausted = self._leave_seat(report["id"], report["status"])
-            ending.set_result(Ending(report["status"], report["cpu"], report["rss"], exhausted))
-            self._when_idle(self)
-        self._bury()
+        try:
+            watch = vitals.Watch()
+            while data := self._received(watch):
+                self._note(codec.decode(data, CONTROL))
+                self._when_idle(self)
+        except Exception:
+            _log.exception("a template reports nonsense, and is ended")
+        finally:
+            self._bury()
+
+    def _received(self, watch: vitals.Watch) -> bytes:
+        """The next report; empty when the template is gone or hangs."""
+        coming = select.poll()
+        coming.register(self._control, select.POLLIN)
+        while not coming.poll(1000.0 * vitals.LOOK):
+            if watch.serving(self._life.pid, self._control.fileno()):
+                _log.error("a template hangs (%s), and is ended", vitals.state(self._life.pid))
+                return b""
+        watch.heard()
+        try:
+            return self._control.recv(_MESSAGE)
+        except OSError:
+            return b""
+
+    def _note(self, report: Any) -> None:
+        match report:
+            case {"do": "exited", "id": int(number), "status": int(status), "cpu": float(cpu), "rss": int(rss)}:
+                ending = Ending(status, cpu, rss, self._leave_seat(number, status))
+            case _:
+                raise ValueError(f"no report of an end: {report!r:.500}")
+        self.growth = report["memory"] - self.hello["memory"]
+        with self._lock:
+            known = self._endings.pop(number)
+        known.set_result(ending)
 
     def _leave_seat(self, number: int, status: int) -> bool:
         """Gives back the seat of a child that has ended; returns whether the kernel ended it for lack of memory."""
@@ -242,25 +322,24 @@ class TemplateProcess:
         self._seats.give_back(seat)
         return exhausted
 
-    def _received(self) -> bytes:
-        try:
-            return self._control.recv(1 << 17)
-        except OSError:
-            return b""
-
     def _bury(self) -> None:
-        self._process.kill()
-        self._process.wait()
-        with self._lock:
+        """The template goes first, so that its parent is there to take note of it."""
+        if not self._life.end(_END_SECONDS):
+            _log.error("the template %d cannot be killed", self._life.pid)
+        self._life.close()
+        self._process.send_signal(signal.SIGCONT)
+        self._stopped(_END_SECONDS)
+        with self._sending, self._lock:
             self._dead = True
             left, self._endings = self._endings, {}
-            said = self.said()
+            self._words = self._said()
             self._control.close()
             os.close(self._log)
         while self._taken:
             self._seats.drop(self._taken.popitem()[1])
         for ending in left.values():
-            ending.set_exception(TemplateFault(f"the template died: {said}"))
+            ending.set_exception(TemplateFault(f"the template died: {self._words}"))
+        self._when_idle(self)
 
     def close(self) -> None:
         """Ends the template and all its children; returns when they are gone."""

@@ -32,13 +32,36 @@ def descendants(root: int) -> set[int]:
                 parents[int(name)] = int(parent)
     found, generation = set(), {root}
     while generation:
-        generation = {pid for pid, parent in parents.items() if parent in generation}
+        generation = {pid for pid, parent in parents.items() if parent in generation} - OTHERS
         found |= generation
     return found
 
 
+#: What the sandbox of other tests has left running in this process.
+OTHERS: set[int] = set()
+
+
+@pytest.fixture(autouse=True)
+def _know_the_others() -> None:
+    OTHERS.clear()
+    OTHERS.update(children(os.getpid()))
+
+
+def children(pid: int) -> list[int]:
+    below = Path(f"/proc/{pid}/task").glob("*/children")
+    return [int(child) for thread in below for child in thread.read_text().split()]
+
+
 def templates() -> set[int]:
+    """The processes of the test's own sandboxes."""
     return descendants(os.getpid())
+
+
+def root_and_template() -> tuple[int, int]:
+    """The process that the test's only sandbox has started, and its child: the template."""
+    (watcher,) = set(children(os.getpid())) - OTHERS
+    (template,) = children(watcher)
+    return watcher, template
 
 
 def kill_templates() -> set[int]:
@@ -70,14 +93,15 @@ def answers(sandbox: Sandbox) -> None:
 
 
 def test_closing_leaves_no_process_and_no_descriptor() -> None:
-    before, descriptors = templates(), os.listdir("/proc/self/fd")
+    time.sleep(0.2)  # the other tests' sandbox makes its next spare child ready
+    descriptors = os.listdir("/proc/self/fd")
     with Sandbox({}) as sandbox:
         for k in range(20):
             with contextlib.suppress(ProgramFault), sandbox.open(SOURCE if k % 3 else LEAVES) as session:
                 session.call("f", k)
         abandoned = sandbox.open(SOURCE)
-        assert templates() > before
-    assert eventually(lambda: templates() <= before)
+        assert templates()
+    assert eventually(lambda: not templates())
     with pytest.raises(SandboxFault):
         abandoned.call("f", 1)
     abandoned.close()
@@ -142,6 +166,160 @@ def test_templates_are_renewed_after_their_forks_while_they_serve() -> None:
         first = templates()
         assert eventually(lambda: answers(sandbox) is None and not first & templates())
         answers(sandbox)
+
+
+GREEDY = """
+import os
+kept = []
+os.register_at_fork(before=lambda: kept.append(b"\\1" * (3 << 20)))
+"""
+
+
+def test_a_template_that_grows_is_renewed_while_it_serves() -> None:
+    with Sandbox({"goulue": GREEDY}, growth=8 << 20) as sandbox:
+        sandbox.warm()
+        first = templates()
+        assert eventually(lambda: answers(sandbox) is None and not first & templates())
+        answers(sandbox)
+
+
+def test_a_template_that_serves_keeps_its_size() -> None:
+    with Sandbox({}, growth=1 << 20) as sandbox:
+        sandbox.warm()
+        first = root_and_template()
+        for _ in range(100):
+            answers(sandbox)
+        assert set(first) <= templates()
+
+
+@pytest.mark.parametrize(
+    ("who", "number", "spares"),
+    [
+        ("watcher", signal.SIGSTOP, 0),
+        ("watcher", signal.SIGKILL, 1),
+        ("template", signal.SIGSTOP, 0),
+        ("template", signal.SIGSTOP, 1),
+        ("template", signal.SIGKILL, 1),
+    ],
+)
+def test_a_hung_or_killed_process_of_ours_costs_no_more_than_a_retry(
+    who: str, number: signal.Signals, spares: int
+) -> None:
+    with Sandbox({}, spares=spares) as sandbox:
+        sandbox.warm()
+        family = dict(zip(("watcher", "template"), root_and_template(), strict=True))
+        os.kill(family[who], number)
+        for _ in range(3):
+            try:
+                answers(sandbox)
+            except SandboxFault:  # it ended between loading and calling: the worker grades again
+                answers(sandbox)
+        if (who, number) != ("watcher", signal.SIGSTOP):  # one that only waits for an end may sleep as well
+            assert eventually(lambda: not running(family[who]))
+    assert eventually(lambda: not templates())
+
+
+def test_a_program_that_runs_on_a_hung_template_is_our_fault_and_ends() -> None:
+    """Its ending cannot be known, nor its processor time, and nobody would stop it."""
+    endless = b"def f(x):\n    while True: pass\n"
+    with Sandbox({}, Policy(cpu_seconds=20.0, wall_seconds=0.2)) as sandbox:
+        for source in (LEAVES.replace(b"os._exit", b"def f(x): os._exit"), endless):
+            with sandbox.open(source) as session:
+                before = templates()
+                os.kill(root_and_template()[1], signal.SIGSTOP)
+                if source is not endless:
+                    with pytest.raises(SandboxFault):
+                        session.call("f", 1)
+            assert eventually(lambda before=before: not any(map(running, before)))
+            answers(sandbox)
+
+
+def test_a_template_that_hangs_while_it_starts_is_given_up() -> None:
+    def starting() -> list[int]:
+        """What has become a program of its own: what stops before that stops its parent too."""
+        mine = Path("/proc/self/cmdline").read_bytes()
+        born = set(children(os.getpid())) - OTHERS
+        return [pid for pid in born if Path(f"/proc/{pid}/cmdline").read_bytes() not in (mine, b"")]
+
+    def stop() -> None:
+        assert eventually(lambda: bool(starting()))
+        for pid in starting():
+            os.kill(pid, signal.SIGSTOP)
+
+    with Sandbox({}) as sandbox, ThreadPoolExecutor(1) as pool:
+        stopping = pool.submit(stop)
+        answers(sandbox)
+        stopping.result()
+
+
+def test_a_spare_child_that_died_waiting_costs_no_template() -> None:
+    with Sandbox({}, spares=2) as sandbox:
+        sandbox.warm()
+        answers(sandbox)
+        family = root_and_template()
+        assert eventually(lambda: len(children(family[1])) == 2)
+        victims = children(family[1])
+        for pid in victims:
+            os.kill(pid, signal.SIGKILL)
+        assert eventually(lambda: not set(victims) & set(children(family[1])))
+        answers(sandbox)
+        assert root_and_template() == family
+
+
+#: A kit, which is ours, that does at a fork what no template should do; it knows its end of the control socket.
+SPOILT = """
+import gc, os, socket, sys
+codec = sys.modules["child.codec"]
+def is_control(number):
+    try:
+        end = socket.socket(fileno=os.dup(number))
+    except OSError:
+        return False
+    return end.type == socket.SOCK_SEQPACKET
+(control,) = (number for number in range(3, 64) if is_control(number))
+def spoil(message):
+    if gc.get_freeze_count():  # it serves
+        say(message)
+def say(message):
+    data = message if isinstance(message, bytes) else codec.encode(message, codec.Limits(1 << 16, 6, 100))
+    os.write(control, data)
+"""
+STRANGE = {
+    "no frame at all": "b'\\xff' * 40",
+    "no dictionary": "[1, 2]",
+    "no number": "{'do': 'exited', 'id': 'un', 'status': 0, 'cpu': 0.0, 'rss': 0, 'memory': 0}",
+    "an unknown child": "{'do': 'exited', 'id': 10**6, 'status': 0, 'cpu': 0.0, 'rss': 0, 'memory': 0}",
+    "half a report": "{'do': 'exited', 'id': 1, 'status': 0, 'cpu': 0.0, 'rss': 0}",
+}
+
+
+@pytest.mark.parametrize("said", STRANGE.values(), ids=STRANGE)
+def test_a_template_that_reports_nonsense_is_ended_and_nobody_waits(
+    said: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    kit = SPOILT + f"os.register_at_fork(after_in_parent=lambda: spoil({said}))"
+    with Sandbox({"gatee": kit}, spares=0) as sandbox, caplog.at_level("ERROR"):
+        with contextlib.suppress(ProgramFault), pytest.raises(SandboxFault), sandbox.open(LEAVES) as session:
+            session.call("f", 1)
+        assert eventually(lambda: not templates())
+    assert "reports nonsense" in caplog.text
+
+
+@pytest.mark.parametrize("said", ["b'\\xff' * 40", "{'do': 'hello'}"])
+def test_a_template_that_greets_with_nonsense_does_not_serve(said: str) -> None:
+    with Sandbox({"gatee": SPOILT + f"say({said})"}) as sandbox:
+        with pytest.raises(SandboxFault, match="did not start"):
+            sandbox.open(SOURCE)
+        assert not templates()
+
+
+def test_a_template_that_dies_at_a_fork_is_our_fault_with_its_last_words() -> None:
+    kit = "import gc, os, sys\ndef last():\n    os.write(2, b'plus de place')\n    os._exit(3)\n"
+    with (
+        Sandbox({"mourante": kit + "os.register_at_fork(before=lambda: gc.get_freeze_count() and last())"}) as sandbox,
+        pytest.raises(SandboxFault, match="plus de place"),
+    ):
+        sandbox.open(SOURCE)
 
 
 def test_threads_share_a_sandbox() -> None:

@@ -136,6 +136,12 @@ def address_space(account: int) -> int:
     return int(os.pread(account, 256, 0).split()[0]) * mmap.PAGESIZE
 
 
+def own_memory(account: int) -> int:
+    """Bytes of memory that this process holds and that no file stands behind."""
+    _, resident, shared, *_ = os.pread(account, 256, 0).split()
+    return (int(resident) - int(shared)) * mmap.PAGESIZE
+
+
 def filters(*, folder: bool) -> dict[bool, bytes]:
     """Seccomp programs by whether threads are allowed; `folder` tells that there is a place to write in."""
     return {threads: seccomp.assemble(threads=threads, folder=folder) for threads in (False, True)}

@@ -43,7 +43,7 @@ class Template:
         for name in modules(self._configuration["imports"]):
             importlib.import_module(name)
         self._kits = {name: _kit(name, source) for name, source in self._configuration["kits"].items()}
-        account = inner.open_account()
+        self._account = inner.open_account()
         processes = os.open("/proc", os.O_PATH | os.O_CLOEXEC)
         rules = self._enclose()
         if "environment" not in self._lifted:
@@ -51,9 +51,8 @@ class Template:
         serve.warm_up(self._kits)
         nest, self._refusal = self._nest(processes)
         filters = inner.filters(folder=nest is not None and nest.folder)
-        memory = inner.address_space(account)
+        memory = inner.address_space(self._account)
         self._prepared = inner.Prepared(rules, filters, memory, os.getpid(), nest, self._lifted)
-        os.close(account)
         prepare_interpreter(__package__)
 
     def _enclose(self) -> int | None:
@@ -90,6 +89,7 @@ class Template:
         gc.disable()
         gc.freeze()
         hello: dict[str, Value] = {"do": "hello", "base_memory": self._prepared.base_memory}
+        hello["memory"] = inner.own_memory(self._account)
         self._tell(hello | {"landlock": landlock.version(), "refusal": self._refusal})
         self._poll.register(self._control.fileno(), select.POLLIN)
         while True:
@@ -141,6 +141,7 @@ class Template:
                 "status": status,
                 "cpu": usage.ru_utime + usage.ru_stime,
                 "rss": usage.ru_maxrss * 1024,
+                "memory": inner.own_memory(self._account),
             }
         )
 

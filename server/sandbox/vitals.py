@@ -1,0 +1,86 @@
+"""Signs of life of a process of ours, as the kernel tells them: what it is at, and that it has ended."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+import select
+import signal
+import struct
+import termios
+from pathlib import Path
+
+#: Seconds between two looks at a silent process.
+LOOK = 0.25
+#: Looks in a row that show a process that does nothing although it should.
+_LOOKS = 5
+_STOPPED = frozenset("Tt")
+_IDLE = frozenset("TtS")
+
+
+def state(pid: int) -> str:
+    """The letter of `proc(5)`; "" for a process that is gone, or that this user may not look at."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace").rpartition(")")[2].split()[0]
+    except OSError:
+        return ""
+
+
+def children(pid: int) -> list[int]:
+    """The processes that this one has started; empty where the kernel does not tell."""
+    try:
+        return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii").split()]
+    except OSError:
+        return []
+
+
+def unread(end: int) -> bool:
+    """Whether something sent on this Unix socket has not been received yet."""
+    (waiting,) = struct.unpack("i", fcntl.ioctl(end, termios.TIOCOUTQ, b"\0" * 4))
+    return bool(waiting > 0)
+
+
+class Watch:
+    """Tells a process that hangs from one that waits for a busy machine.
+
+    A process with work before it is runnable, however long the machine makes it wait, or waits for a disk. One that was
+    stopped, or sleeps on something else, at every look for a whole second, hangs.
+    """
+
+    def __init__(self) -> None:
+        self._looks = 0
+
+    def heard(self) -> None:
+        self._looks = 0
+
+    def starting(self, pid: int) -> bool:
+        """Whether a process that comes up, or what it has started, is stopped."""
+        return self._count(any(state(one) in _STOPPED for one in (pid, *children(pid))))
+
+    def serving(self, pid: int, control: int) -> bool:
+        """Whether a process leaves what was sent to it on this socket unread for nothing."""
+        return self._count(unread(control) and state(pid) in _IDLE)
+
+    def _count(self, idle: bool) -> bool:
+        self._looks = self._looks + 1 if idle else 0
+        return self._looks >= _LOOKS
+
+
+class Life:
+    """One process, which its number may outlive: from here on, it is this one and no other."""
+
+    def __init__(self, pid: int) -> None:
+        self.pid = pid
+        self._handle = os.pidfd_open(pid)
+
+    def end(self, seconds: float) -> bool:
+        """Kills it; True once it is gone, False when it still is not after `seconds`."""
+        with contextlib.suppress(ProcessLookupError):
+            signal.pidfd_send_signal(self._handle, signal.SIGKILL)
+        gone = select.poll()
+        gone.register(self._handle, select.POLLIN)
+        return bool(gone.poll(1000.0 * seconds))
+
+    def close(self) -> None:
+        os.close(self._handle)
