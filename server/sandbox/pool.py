@@ -17,8 +17,9 @@ from server.sandbox.cgroups import Seats, hierarchies
 from server.sandbox.child.walls import WALLS
 from server.sandbox.faults import FaultKind, NamespacesRefused, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.install import import_set
+from server.sandbox.launch import Setting
 from server.sandbox.policy import MIB, Policy
-from server.sandbox.process import Child, Setting, TemplateProcess
+from server.sandbox.process import Child, TemplateProcess
 from server.sandbox.session import Session
 from server.sandbox.values import Kit
 

@@ -15,7 +15,8 @@ from server.sandbox import messages
 from server.sandbox.attempts import ATTEMPTS, POLICY, Attempt
 from server.sandbox.cgroups import Seats, hierarchies
 from server.sandbox.faults import ProgramFault, TemplateFault
-from server.sandbox.process import Setting, TemplateProcess
+from server.sandbox.launch import Setting
+from server.sandbox.process import TemplateProcess
 from server.sandbox.session import Session
 
 

@@ -12,7 +12,7 @@ import struct
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, fields
 from typing import Any
@@ -23,7 +23,7 @@ from server.sandbox.child import codec, inner, outer
 from server.sandbox.child.codec import Value
 from server.sandbox.child.template import CONTROL
 from server.sandbox.faults import NamespacesRefused, TemplateFault
-from server.sandbox.install import installation
+from server.sandbox.launch import Setting, launch
 from server.sandbox.output import Output
 from server.sandbox.policy import Policy
 from server.sandbox.wire import Wire
@@ -36,25 +36,6 @@ _SEND_TIMEOUT = struct.pack("@ll", 5, 0)
 _MESSAGE = 1 << 17
 #: A ``struct ucred``: process, user, group.
 _CREDENTIALS = struct.Struct("3i")
-_BOOT = (
-    "import sys; sys.path.insert(0, sys.argv[1]); from child.boot import main; del sys.path[0]; "
-    "main(*map(int, sys.argv[2:5]), sys.argv[5] == 'namespaces', sys.argv[6].split(), sys.argv[7:])"
-)
-_ENVIRONMENT = {
-    **dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1"),
-    "LC_ALL": "C.UTF-8",
-    "PYTHONHASHSEED": "0",  # a set of strings has the same order for every submission
-}
-
-
-@dataclass(frozen=True)
-class Setting:
-    """What a template is made of; `lifted` names walls left down, for the probe and the tests of the walls alone."""
-
-    kits: Mapping[str, str]
-    imports: str
-    namespaces: bool
-    lifted: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -118,7 +99,7 @@ class TemplateProcess:
         try:
             with theirs:
                 self._control.setsockopt(socket.SOL_SOCKET, socket.SO_PASSCRED, 1)
-                self._process = spawner.submit(self._spawn, theirs.fileno()).result()
+                self._process = spawner.submit(launch, self._setting, theirs.fileno(), self._log).result()
             self._greet()
         except BaseException:
             self._control.close()
@@ -128,49 +109,6 @@ class TemplateProcess:
         self._listener = threading.Thread(target=self._listen, name="sandbox-template", daemon=True)
         self._listener.start()
         return self
-
-    def _spawn(self, control: int) -> subprocess.Popen[bytes]:
-        configuration = self._configuration()
-        try:
-            return subprocess.Popen(
-                self._command(control, configuration),
-                env=self._environment(),
-                cwd="/",
-                stdin=subprocess.DEVNULL,
-                stdout=self._log,
-                stderr=self._log,
-                pass_fds=(control, configuration),
-                start_new_session=True,
-            )
-        finally:
-            os.close(configuration)
-
-    def _environment(self) -> dict[str, str]:
-        whole = "environment" in self._setting.lifted
-        return {k: v for k, v in os.environ.items() if whole or k == "LD_LIBRARY_PATH"} | _ENVIRONMENT
-
-    def _command(self, control: int, configuration: int) -> list[str]:
-        installed = installation()
-        mode = "namespaces" if self._setting.namespaces else "plain"
-        numbers = (str(control), str(configuration), str(os.getpid()))
-        here = os.path.dirname(os.path.abspath(__file__))
-        lifted = " ".join(sorted(self._setting.lifted))
-        return [installed.python, "-P", "-s", "-S", "-c", _BOOT, here, *numbers, mode, lifted, *installed.sites]
-
-    def _configuration(self) -> int:
-        installed = installation()
-        message: dict[str, Value] = {
-            "kits": dict(self._setting.kits),
-            "imports": self._setting.imports,
-            "namespaces": self._setting.namespaces,
-            "lifted": list(self._setting.lifted),
-            "sites": list(installed.sites),
-            "packages": list(installed.packages),
-        }
-        descriptor = os.memfd_create("configuration", os.MFD_CLOEXEC)
-        os.write(descriptor, codec.encode(message, CONTROL))
-        os.lseek(descriptor, 0, os.SEEK_SET)
-        return descriptor
 
     def _greet(self) -> None:
         try:

@@ -1,0 +1,81 @@
+"""How a template is started: its command, its environment, what it is told first."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from server.sandbox.child import codec
+from server.sandbox.child.codec import Value
+from server.sandbox.child.template import CONTROL
+from server.sandbox.install import installation
+
+_BOOT = (
+    "import sys; sys.path.insert(0, sys.argv[1]); from child.boot import main; del sys.path[0]; "
+    "main(*map(int, sys.argv[2:5]), sys.argv[5] == 'namespaces', sys.argv[6].split(), sys.argv[7:])"
+)
+_ENVIRONMENT = {
+    **dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1"),
+    "LC_ALL": "C.UTF-8",
+    "PYTHONHASHSEED": "0",  # a set of strings has the same order for every submission
+}
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a template is made of; `lifted` names walls left down, for the probe and the tests of the walls alone."""
+
+    kits: Mapping[str, str]
+    imports: str
+    namespaces: bool
+    lifted: frozenset[str] = frozenset()
+
+
+def launch(setting: Setting, control: int, log: int) -> subprocess.Popen[bytes]:
+    """Starts the first process of a template; `control` is its end of the socket, `log` is where it complains."""
+    configuration = _configuration(setting)
+    try:
+        return subprocess.Popen(
+            _command(setting, control, configuration),
+            env=_environment(setting),
+            cwd="/",
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=log,
+            pass_fds=(control, configuration),
+            start_new_session=True,
+        )
+    finally:
+        os.close(configuration)
+
+
+def _environment(setting: Setting) -> dict[str, str]:
+    whole = "environment" in setting.lifted
+    return {k: v for k, v in os.environ.items() if whole or k == "LD_LIBRARY_PATH"} | _ENVIRONMENT
+
+
+def _command(setting: Setting, control: int, configuration: int) -> list[str]:
+    installed = installation()
+    mode = "namespaces" if setting.namespaces else "plain"
+    numbers = (str(control), str(configuration), str(os.getpid()))
+    here = os.path.dirname(os.path.abspath(__file__))
+    lifted = " ".join(sorted(setting.lifted))
+    return [installed.python, "-P", "-s", "-S", "-c", _BOOT, here, *numbers, mode, lifted, *installed.sites]
+
+
+def _configuration(setting: Setting) -> int:
+    installed = installation()
+    message: dict[str, Value] = {
+        "kits": dict(setting.kits),
+        "imports": setting.imports,
+        "namespaces": setting.namespaces,
+        "lifted": list(setting.lifted),
+        "sites": list(installed.sites),
+        "packages": list(installed.packages),
+    }
+    descriptor = os.memfd_create("configuration", os.MFD_CLOEXEC)
+    os.write(descriptor, codec.encode(message, CONTROL))
+    os.lseek(descriptor, 0, os.SEEK_SET)
+    return descriptor
