@@ -16,8 +16,8 @@ from server.sandbox.attempts import ATTEMPTS, Attempt
 from server.sandbox.cgroups import Seats
 from server.sandbox.child import landlock, libc, seccomp, syscalls
 from server.sandbox.child.walls import WALLS
-from server.sandbox.probe import crossing
 from server.sandbox.launch import Setting
+from server.sandbox.probe import crossing
 from server.sandbox.process import TemplateProcess
 
 POLICY = Policy(cpu_seconds=0.3, memory_bytes=64 << 20)
