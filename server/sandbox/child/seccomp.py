@@ -22,6 +22,12 @@ X32_BIT = 0x40000000
 _IOCTLS = (0x5401, 0x5413, 0x541B, 0x5421, 0x5450, 0x5451)
 #: PR_SET_NAME, PR_GET_NAME, PR_GET_DUMPABLE, PR_SET_VMA.
 _PRCTLS = (15, 16, 3, 0x53564D41)
+#: Duplicates and flags of descriptors: no lock that another program sees, no signal sent by a descriptor to an
+#: owner of one's choosing, no pipe made larger.
+_FCNTLS = (0, 1, 2, 3, 4, 1030, 1032, 1034)
+_FUTEX_PRIVATE = 128
+#: Calls whose first argument names a process, answered for one's own (0) only.
+_OF_A_PROCESS = ("prlimit64", "getpgid", "getsid", "sched_getaffinity", "sched_getparam", "sched_getscheduler")
 
 Instruction = bytes
 Block = tuple[Instruction, ...]
@@ -56,6 +62,16 @@ def _thread_only(threads: bool) -> Block:
     )
 
 
+def _own_futexes(threads: bool) -> Block:
+    """A futex in the memory of one process; threads wait for each other's end by one that could be shared."""
+    return (
+        _op(_LOAD, _argument(1)),
+        _op(_JUMP_BITS, _FUTEX_PRIVATE, 0, 1),
+        _answer(ALLOW),
+        _answer(ALLOW if threads else ERRNO | EPERM),
+    )
+
+
 def _blocks(column: int, threads: bool, folder: bool) -> dict[int, Block]:
     """What each known call of an architecture comes to, as instructions that always return."""
     blocks: dict[int, Block] = {number: (_answer(KILL),) for number in range(syscalls.LAST_KNOWN + 1)}
@@ -71,7 +87,10 @@ def _blocks(column: int, threads: bool, folder: bool) -> dict[int, Block]:
         "clone": _thread_only(threads),
         "ioctl": _among(1, _IOCTLS),
         "prctl": _among(0, _PRCTLS),
-        "prlimit64": _among(0, (0,)),  # its own limits only
+        "fcntl": _among(1, _FCNTLS),
+        "futex": _own_futexes(threads),
+        "getpriority": _among(1, (0,)),
+        **dict.fromkeys(_OF_A_PROCESS, _among(0, (0,))),
     }
     for name, block in conditional.items():
         number = syscalls.number(name, column)

@@ -9,30 +9,30 @@ from __future__ import annotations
 #: Computing, time, memory, and files (which Landlock and the file view bound).
 ALLOWED = """
 read:0/63 write:1/64 readv:19/65 writev:20/66 pread64:17/67 pwrite64:18/68 preadv:295/69 pwritev:296/70
-preadv2:327/286 pwritev2:328/287 lseek:8/62 close:3/57 close_range:436/436 dup:32/23 dup2:33/ dup3:292/24
-fcntl:72/25 fstat:5/80 stat:4/ lstat:6/ newfstatat:262/79 statx:332/291 open:2/ openat:257/56 access:21/
-faccessat:269/48 faccessat2:439/439 readlink:89/ readlinkat:267/78 getcwd:79/17 chdir:80/49 fchdir:81/50
-getdents:78/ getdents64:217/61 mmap:9/222 munmap:11/215 mprotect:10/226 mremap:25/216 madvise:28/233 brk:12/214
-msync:26/227 rt_sigaction:13/134 rt_sigprocmask:14/135 rt_sigreturn:15/139 rt_sigpending:127/136
-rt_sigsuspend:130/133 rt_sigtimedwait:128/137 sigaltstack:131/132 futex:202/98 set_robust_list:273/99
-get_robust_list:274/100 rseq:334/293 set_tid_address:218/96 nanosleep:35/101 clock_nanosleep:230/115
-clock_gettime:228/113 clock_getres:229/114 gettimeofday:96/169 time:201/ times:100/153 getitimer:36/102
-setitimer:38/103 alarm:37/ pause:34/ getpid:39/172 gettid:186/178 getppid:110/173 getuid:102/174 geteuid:107/175
-getgid:104/176 getegid:108/177 getgroups:115/158 getresuid:118/148 getresgid:120/150 getpgrp:111/ getpgid:121/155
-getsid:124/156 getrandom:318/278 uname:63/160 sysinfo:99/179 getrusage:98/165 getrlimit:97/163 sched_yield:24/124
-sched_getaffinity:204/123 sched_getparam:143/121 sched_getscheduler:145/120 sched_get_priority_max:146/125
-sched_get_priority_min:147/126 getpriority:140/141 getcpu:309/168 poll:7/ ppoll:271/73 select:23/ pselect6:270/72
-epoll_create:213/ epoll_create1:291/20 epoll_ctl:233/21 epoll_wait:232/ epoll_pwait:281/22 eventfd2:290/19 pipe:22/
-pipe2:293/59 exit:60/93 exit_group:231/94 restart_syscall:219/128 arch_prctl:158/ membarrier:324/283 capget:125/90
-flock:73/32 fsync:74/82 fdatasync:75/83 statfs:137/43 fstatfs:138/44 umask:95/166 fadvise64:221/223 mincore:27/232
+preadv2:327/286 pwritev2:328/287 lseek:8/62 close:3/57 close_range:436/436 dup:32/23 dup2:33/ dup3:292/24 fstat:5/80
+stat:4/ lstat:6/ newfstatat:262/79 statx:332/291 open:2/ openat:257/56 access:21/ faccessat:269/48 faccessat2:439/439
+readlink:89/ readlinkat:267/78 getcwd:79/17 chdir:80/49 fchdir:81/50 getdents:78/ getdents64:217/61 mmap:9/222
+munmap:11/215 mprotect:10/226 mremap:25/216 madvise:28/233 brk:12/214 msync:26/227 rt_sigaction:13/134
+rt_sigprocmask:14/135 rt_sigreturn:15/139 rt_sigpending:127/136 rt_sigsuspend:130/133 rt_sigtimedwait:128/137
+sigaltstack:131/132 set_robust_list:273/99 get_robust_list:274/100 rseq:334/293 set_tid_address:218/96
+nanosleep:35/101 clock_nanosleep:230/115 clock_gettime:228/113 clock_getres:229/114 gettimeofday:96/169 time:201/
+times:100/153 getitimer:36/102 setitimer:38/103 alarm:37/ pause:34/ getpid:39/172 gettid:186/178 getppid:110/173
+getuid:102/174 geteuid:107/175 getgid:104/176 getegid:108/177 getgroups:115/158 getresuid:118/148 getresgid:120/150
+getpgrp:111/ getrandom:318/278 uname:63/160 sysinfo:99/179 getrusage:98/165 getrlimit:97/163 sched_yield:24/124
+sched_get_priority_max:146/125 sched_get_priority_min:147/126 getcpu:309/168 poll:7/ ppoll:271/73 select:23/
+pselect6:270/72 epoll_create:213/ epoll_create1:291/20 epoll_ctl:233/21 epoll_wait:232/ epoll_pwait:281/22
+eventfd2:290/19 pipe:22/ pipe2:293/59 exit:60/93 exit_group:231/94 restart_syscall:219/128 arch_prctl:158/
+membarrier:324/283 capget:125/90 fsync:74/82 fdatasync:75/83 statfs:137/43 fstatfs:138/44 umask:95/166
 """
 
 #: Allowed for some arguments only: see `server.sandbox.child.seccomp`.
 CONDITIONAL = """
-prlimit64:302/261 ioctl:16/29 clone:56/220 prctl:157/167
+prlimit64:302/261 ioctl:16/29 clone:56/220 prctl:157/167 fcntl:72/25 futex:202/98 getpgid:121/155 getsid:124/156
+getpriority:140/141 sched_getaffinity:204/123 sched_getparam:143/121 sched_getscheduler:145/120
 """
 
-#: What libraries or beginners try in good faith: refused with EPERM, so that Python raises an exception.
+#: Refused with EPERM, so that Python raises an exception: what libraries or beginners try in good faith, and the locks
+#: and caches of shared files, by which two programs could talk.
 REFUSED = """
 socket:41/198 socketpair:53/199 connect:42/203 bind:49/200 listen:50/201 accept:43/202 accept4:288/242
 getsockname:51/204 getpeername:52/205 setsockopt:54/208 getsockopt:55/209 sendto:44/206 recvfrom:45/207 sendmsg:46/211
@@ -57,7 +57,7 @@ landlock_add_rule:445/445 landlock_restrict_self:446/446 seccomp:317/277 persona
 set_mempolicy:238/237 get_mempolicy:239/236 pkey_mprotect:329/288 pkey_alloc:330/289 pkey_free:331/290
 clock_settime:227/112 clock_adjtime:305/266 adjtimex:159/171 settimeofday:164/170 sethostname:170/161
 setdomainname:171/162 vhangup:153/58 syslog:103/116 ustat:136/ sysfs:139/ epoll_pwait2:441/441 io_setup:206/0
-io_submit:209/2 io_destroy:207/1 io_getevents:208/4 io_cancel:210/3
+io_submit:209/2 io_destroy:207/1 io_getevents:208/4 io_cancel:210/3 flock:73/32 mincore:27/232 fadvise64:221/223
 """
 
 #: What changes folders and files: refused likewise where the program has no private folder to do so.
