@@ -8,7 +8,9 @@ from collections.abc import Callable
 from typing import Any
 
 from server.sandbox import messages
-from server.sandbox.child.report import MAX_FRAMES
+from server.sandbox.child.program import MAX_NAME as MAX_NAME_OF_FUNCTION
+from server.sandbox.child.program import MAX_NAMES
+from server.sandbox.child.report import MAX_FRAMES, MAX_NAME, MAX_SOURCE, MAX_TEXT
 from server.sandbox.faults import FaultKind, Frame, ProgramFault, TemplateFault
 from server.sandbox.policy import Policy
 from server.sandbox.process import Ending
@@ -16,6 +18,7 @@ from server.sandbox.process import Ending
 _KILLED_BY_TIME = (signal.SIGXCPU, signal.SIGALRM, signal.SIGPROF)
 _TOLD_BY_CHILD = frozenset(FaultKind) - {FaultKind.MISSING_FUNCTION}
 _MAX_LINE = 10**6
+_LENGTHS = {"exception": MAX_NAME, "text": MAX_TEXT, "detail": MAX_TEXT}
 #: Below this share of its memory limit, a program is not what the kernel kills for lack of memory.
 _SUSPECT_SHARE = 0.25
 
@@ -60,12 +63,16 @@ def told(fault: Any, policy: Policy) -> ProgramFault | None:
     if not isinstance(fault, dict) or set(fault) != {"kind", "exception", "text", "line", "frames", "detail"}:
         return None
     kind, line, frames = fault["kind"], fault["line"], _frames(fault["frames"])
-    texts = [fault[name] for name in ("exception", "text", "detail")]
-    if kind not in _TOLD_BY_CHILD or frames is None or not all(isinstance(text, str) for text in texts):
+    if (
+        not isinstance(kind, str)
+        or kind not in _TOLD_BY_CHILD
+        or frames is None
+        or not (line is None or _is_line(line))
+    ):
         return None
-    if line is not None and not _is_line(line):
+    if not all(_is_text(fault[name], longest) for name, longest in _LENGTHS.items()):
         return None
-    exception, text, detail = map(messages.clean, texts)
+    exception, text, detail = (messages.clean(fault[name]) for name in _LENGTHS)
     message = _message(FaultKind(kind), exception, text, detail, line, frames, policy)
     return ProgramFault(
         FaultKind(kind),
@@ -77,8 +84,20 @@ def told(fault: Any, policy: Policy) -> ProgramFault | None:
     )
 
 
+def names(given: Any) -> frozenset[str] | None:
+    """The functions that a child says its file defines; None when it is not in the form of that."""
+    if not isinstance(given, tuple) or len(given) > MAX_NAMES:
+        return None
+    return frozenset(given) if all(_is_text(name, MAX_NAME_OF_FUNCTION) for name in given) else None
+
+
 def _is_line(line: object) -> bool:
     return type(line) is int and 0 < line < _MAX_LINE
+
+
+def _is_text(text: object, longest: int) -> bool:
+    """Whether it is a text as a child makes them: a longer one is forged, and could be long to make a sentence of."""
+    return isinstance(text, str) and len(text) <= longest
 
 
 def _frames(given: object) -> tuple[Frame, ...] | None:
@@ -88,7 +107,7 @@ def _frames(given: object) -> tuple[Frame, ...] | None:
     for entry in given:
         if not isinstance(entry, tuple) or [type(field) for field in entry] != [int, str, str]:
             return None
-        if not _is_line(entry[0]):
+        if not (_is_line(entry[0]) and _is_text(entry[1], MAX_NAME) and _is_text(entry[2], MAX_SOURCE)):
             return None
         frames.append(Frame(entry[0], messages.clean(entry[1]), messages.clean(entry[2])))
     return tuple(frames)

@@ -56,6 +56,11 @@ _ADVICE = {
     "FileNotFoundError": "Aucun fichier de données n'est fourni : tout arrive par les arguments.",
     "AssertionError": "Une de vos propres assertions est fausse.",
     "NotImplementedError": "Cette fonction reste à écrire.",
+    "OverflowError": "Un nombre est devenu trop grand : cherchez une division par presque zéro, ou une exponentielle.",
+    "FloatingPointError": "Un calcul sort des nombres que la machine peut écrire.",
+    "StopIteration": "Un itérateur est épuisé : « next » n'a plus rien à donner.",
+    "BrokenPipeError": "Personne ne lit à l'autre bout : tout arrive par les arguments, tout repart par « return ».",
+    "KeyboardInterrupt": "Votre programme a demandé à être interrompu.",
 }  # fmt: skip
 
 _SIGNALS = {
@@ -146,7 +151,7 @@ def _about_module(module: str) -> str:
 
 
 def missing_function(name: str, present: Iterable[str]) -> str:
-    functions = sorted(present)
+    functions = sorted(map(clean, present))
     by_lower_case = {function.casefold(): function for function in functions}
     near = [by_lower_case[close] for close in difflib.get_close_matches(name.casefold(), by_lower_case, 1, 0.6)]
     told = f"La fonction « {name} » est attendue et n'est pas dans votre fichier. "

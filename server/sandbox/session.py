@@ -43,10 +43,10 @@ class Session:
         self._expect(0, frames.READY)
         self._configure(kit)
         question: dict[str, Value] = {"source": np.frombuffer(source, dtype=np.uint8), "filename": filename}
-        names = self._exchange(frames.LOAD, question)
-        if not isinstance(names, tuple) or not all(isinstance(name, str) for name in names):
+        functions = diagnosis.names(self._exchange(frames.LOAD, question))
+        if functions is None:
             self._forged()
-        self.functions = frozenset(str(name) for name in names)
+        self.functions = functions
 
     def _configure(self, kit: Kit | None) -> None:
         question: dict[str, Value] = {

@@ -8,7 +8,9 @@ from types import TracebackType
 
 from .codec import Value
 
-MAX_TEXT, MAX_NAME, MAX_FRAMES = 600, 80, 8
+MAX_TEXT, MAX_NAME, MAX_FRAMES, MAX_SOURCE = 600, 80, 8, 200
+#: Limits of the system that a program meets without trying to get out: descriptors, a full folder, a file too big.
+_LIMITS = (errno.EMFILE, errno.ENFILE, errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
 #: Libraries whose own system errors mean that a wall refused something.
 _REACHING_OUT = ("socket", "subprocess", "multiprocessing", "urllib", "ssl", "asyncio", "http", "ctypes")
 
@@ -56,7 +58,7 @@ def _own_frames(traceback: TracebackType | None, filename: str, lines: list[str]
         code = traceback.tb_frame.f_code
         if code.co_filename == filename:
             line = int(traceback.tb_lineno or 0)
-            source = lines[line - 1].strip()[:200] if 0 < line <= len(lines) else ""
+            source = lines[line - 1].strip()[:MAX_SOURCE] if 0 < line <= len(lines) else ""
             frames.append((line, code.co_name[:MAX_NAME], source))
             if len(frames) > MAX_FRAMES:
                 del frames[2]  # the way in, then the last ones: what a deep recursion needs
@@ -89,7 +91,10 @@ def _refused(error: BaseException) -> bool:
     number = getattr(error, "errno", None)
     if isinstance(error, PermissionError) or number in (errno.EPERM, errno.EACCES, errno.EROFS):
         return True
-    return _escapes(getattr(error, "filename", None)) or _innermost_module(error.__traceback__) in _REACHING_OUT
+    if number in _LIMITS:
+        return False
+    reaching = {_innermost_module(error.__traceback__), type(error).__module__.partition(".")[0]}
+    return _escapes(getattr(error, "filename", None)) or not reaching.isdisjoint(_REACHING_OUT)
 
 
 def _escapes(path: object) -> bool:
