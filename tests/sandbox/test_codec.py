@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import random
 import struct
-import tracemalloc
 from collections import OrderedDict, namedtuple
 from collections.abc import Callable
 from enum import IntEnum
@@ -234,53 +232,53 @@ def test_bytes_beyond_the_bound_are_refused_unread() -> None:
         decode(encode(np.zeros(100), LIMITS), Limits(size=100, depth=4, items=10))
 
 
-SEEDS = [
-    encode(value, LIMITS)
-    for value in (
-        (np.arange(12.0).reshape(3, 4), None),
-        {"kind": "timeout", "line": 3, "frames": ((1, "f", "x = 1"),), "detail": ""},
-        [True, -1, 2.5, 1 + 2j, "été", [(), {}], np.array([True, False]), 1 << 200],
-    )
-]
+class _Traps(np.ndarray):
+    """Lies wherever numpy lets a subclass speak."""
+
+    __array_priority__ = 1e9
+
+    def __array_ufunc__(self, *_: object, **__: object) -> Any:
+        raise AssertionError("asked the subclass")
+
+    __array_function__ = __array_ufunc__
+    tobytes = tolist = astype = item = __len__ = __iter__ = __array_ufunc__
 
 
-def mutated(source: random.Random) -> bytes:
-    """One of the seeds with a few bytes changed, cut, doubled or put elsewhere."""
-    data = bytearray(source.choice(SEEDS))
-    for _ in range(source.randint(1, 4)):
-        at, length = source.randrange(len(data) + 1), source.randint(1, 8)
-        match source.randrange(4):
-            case 0:
-                data[at : at + 1] = bytes([source.choice((0, 1, 255, source.randrange(256)))])
-            case 1:
-                del data[at : at + length]
-            case 2:
-                data[at:at] = data[: length * 4]
-            case _:
-                data[at:at] = struct.pack("<I", source.choice((0, 1, 2**31, 2**32 - 1)))
-    return bytes(data)
+class _Mapping(dict):
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+
+    def items(self) -> Any:
+        raise AssertionError("asked the subclass")
+
+    keys = values = __len__ = __iter__ = __getitem__ = items
 
 
-def is_exact(value: Any) -> bool:
-    if isinstance(value, (tuple, list)):
-        return type(value) in (tuple, list) and all(map(is_exact, value))
-    if isinstance(value, dict):
-        return type(value) is dict and all(type(key) is str for key in value) and all(map(is_exact, value.values()))
-    return type(value) in (type(None), bool, int, float, complex, str, np.ndarray)
+class _List(list):
+    def __iter__(self) -> Any:
+        raise AssertionError("asked the subclass")
+
+    __len__ = __getitem__ = __eq__ = __iter__
+    __hash__ = None
 
 
-def test_mutated_bytes_give_exact_types_or_malformed_and_little_memory() -> None:
-    source = random.Random(20)
-    refused = 0
-    tracemalloc.start()
-    try:
-        for _ in range(8_000):
-            try:
-                assert is_exact(decode(mutated(source), LIMITS))
-            except Malformed:
-                refused += 1
-        _, peak = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
-    assert 0 < refused < 8_000
-    assert peak < LIMITS.size
+class _Integer(int):
+    def __index__(self) -> int:
+        raise AssertionError("asked the subclass")
+
+    __int__ = bit_length = to_bytes = __lt__ = __le__ = __ge__ = __gt__ = __index__
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        (np.arange(3.0).view(_Traps), np.arange(3.0)),
+        (_Mapping({"a": _Integer(3)}), {"a": 3}),
+        (_List([1, _List([2])]), [1, [2]]),
+        (_Integer(7), 7),
+        (_Integer(2**70), 2**70),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_a_subclass_is_not_asked_what_it_is(given: object, expected: object) -> None:
+    assert same(roundtrip(given), expected)
