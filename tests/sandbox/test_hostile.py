@@ -2,7 +2,7 @@
 
 A program defines ``repondre(contexte)`` and is called twice; `contexte` tells it the limits of the live policy, paths
 and processes of the host to aim at. What it is filed under is the outcome; under ``ok``, it must answer "rien": nothing
-was reached.
+was reached. What forgers share is a kit, `outils`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ from server.sandbox.child import template
 
 HERE = Path(__file__).resolve().parent
 PROJECT = HERE.parents[1]
-PROGRAMS = sorted((HERE.parent / "hostile").glob("*/*.py"))
+CORPUS = HERE.parent / "hostile"
+PROGRAMS = sorted(CORPUS.glob("*/*.py"))
+KITS = {"outils": (CORPUS / "outils.py").read_text(encoding="utf-8")}
 POLICY = Policy(wall_seconds=30.0, memory_bytes=96 << 20, frame_bytes=1 << 18, stdout_bytes=1 << 14, items=5000)
 HURRIED = replace(POLICY, cpu_seconds=0.2, wall_seconds=0.4)
 CLEAN = b"import numpy as np\ndef f(x):\n    return np.linalg.solve(np.add(x, x), np.ones(2))\n"
@@ -30,7 +32,7 @@ CLEAN = b"import numpy as np\ndef f(x):\n    return np.linalg.solve(np.add(x, x)
 
 @pytest.fixture(scope="module")
 def walled() -> Iterator[Sandbox]:
-    with Sandbox({}, POLICY) as sandbox:
+    with Sandbox(KITS, POLICY) as sandbox:
         yield sandbox
 
 
@@ -70,5 +72,5 @@ def test_a_hostile_program_gets_its_outcome_and_nothing_else(walled: Sandbox, by
 
 
 def test_the_corpus_is_there() -> None:
-    assert len(PROGRAMS) >= 80
+    assert len(PROGRAMS) >= 140
     assert {path.parent.name for path in PROGRAMS} >= {"ok", "timeout", "memory_limit", "forbidden_operation"}

@@ -1,0 +1,5 @@
+import os
+def repondre(contexte):
+    os.setsid()
+    if os.fork():
+        os._exit(0)

@@ -1,0 +1,4 @@
+import os
+def repondre(contexte):
+    os.symlink("/etc/passwd", "/tmp/lien")
+    return open("/tmp/lien").read()

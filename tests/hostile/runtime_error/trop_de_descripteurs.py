@@ -1,0 +1,4 @@
+def repondre(contexte):
+    ouverts = []
+    while True:
+        ouverts.append(open("/dev/null"))

@@ -1,0 +1,2 @@
+def repondre(contexte):
+    "‮⁦<script>alert(1)</script>{{ 7*7 }}" [2J</pre>

@@ -1,0 +1,5 @@
+class Lent:
+    def __lt__(self, autre):
+        return any(self is autre for _ in iter(int, 1))
+def repondre(contexte):
+    return sorted([Lent(), Lent()])

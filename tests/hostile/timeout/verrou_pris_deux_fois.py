@@ -1,0 +1,5 @@
+import threading
+verrou = threading.Lock()
+def repondre(contexte):
+    while verrou.acquire():
+        pass
