@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 
 import pytest
 
 from server.sandbox import Kit, Policy, ProgramFault, Sandbox
+
+from .family import OTHERS, children
 
 KIT = """
 import numpy as np
@@ -25,6 +28,12 @@ POLICY = Policy(cpu_seconds=1.0, wall_seconds=2.0, memory_bytes=128 << 20, frame
 def sandbox() -> Iterator[Sandbox]:
     with Sandbox({"trousse": KIT}, POLICY) as shared:
         yield shared
+
+
+@pytest.fixture(autouse=True)
+def _know_the_others() -> None:
+    OTHERS.clear()
+    OTHERS.update(children(os.getpid()))
 
 
 @pytest.fixture

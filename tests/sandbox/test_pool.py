@@ -9,7 +9,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -17,51 +16,11 @@ import pytest
 
 from server.sandbox import Kit, Policy, ProgramFault, Sandbox, SandboxFault
 
+from .family import OTHERS, children, descendants, eventually, root_and_template, running, templates
+
 PROJECT = Path(__file__).resolve().parents[2]
 SOURCE = b"def f(x):\n    return x + 1\n"
 LEAVES = b"import os\nos._exit(1)\n"
-
-
-def descendants(root: int) -> set[int]:
-    """The living processes that a process has started, and those that they have started."""
-    parents = {}
-    for name in filter(str.isdigit, os.listdir("/proc")):
-        with contextlib.suppress(OSError):
-            state, parent = Path(f"/proc/{name}/stat").read_text().rpartition(")")[2].split()[:2]
-            if state != "Z":
-                parents[int(name)] = int(parent)
-    found, generation = set(), {root}
-    while generation:
-        generation = {pid for pid, parent in parents.items() if parent in generation} - OTHERS
-        found |= generation
-    return found
-
-
-#: What the sandbox of other tests has left running in this process.
-OTHERS: set[int] = set()
-
-
-@pytest.fixture(autouse=True)
-def _know_the_others() -> None:
-    OTHERS.clear()
-    OTHERS.update(children(os.getpid()))
-
-
-def children(pid: int) -> list[int]:
-    below = Path(f"/proc/{pid}/task").glob("*/children")
-    return [int(child) for thread in below for child in thread.read_text().split()]
-
-
-def templates() -> set[int]:
-    """The processes of the test's own sandboxes."""
-    return descendants(os.getpid())
-
-
-def root_and_template() -> tuple[int, int]:
-    """The process that the test's only sandbox has started, and its child: the template."""
-    (watcher,) = set(children(os.getpid())) - OTHERS
-    (template,) = children(watcher)
-    return watcher, template
 
 
 def kill_templates() -> set[int]:
@@ -70,21 +29,6 @@ def kill_templates() -> set[int]:
         with contextlib.suppress(ProcessLookupError):
             os.kill(pid, signal.SIGKILL)
     return killed
-
-
-def running(pid: int) -> bool:
-    with contextlib.suppress(OSError):
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    return False
-
-
-def eventually(condition: Callable[[], bool], seconds: float = 10.0) -> bool:
-    deadline = time.monotonic() + seconds
-    while not condition():
-        if time.monotonic() > deadline:
-            return False
-        time.sleep(0.01)
-    return True
 
 
 def answers(sandbox: Sandbox) -> None:

@@ -1,0 +1,60 @@
+"""The processes of a test's own sandboxes, seen from outside."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+
+def descendants(root: int) -> set[int]:
+    """The living processes that a process has started, and those that they have started."""
+    parents = {}
+    for name in filter(str.isdigit, os.listdir("/proc")):
+        with contextlib.suppress(OSError):
+            state, parent = Path(f"/proc/{name}/stat").read_text().rpartition(")")[2].split()[:2]
+            if state != "Z":
+                parents[int(name)] = int(parent)
+    found, generation = set(), {root}
+    while generation:
+        generation = {pid for pid, parent in parents.items() if parent in generation} - OTHERS
+        found |= generation
+    return found
+
+
+#: What the sandbox of other tests has left running in this process.
+OTHERS: set[int] = set()
+
+
+def children(pid: int) -> list[int]:
+    below = Path(f"/proc/{pid}/task").glob("*/children")
+    return [int(child) for thread in below for child in thread.read_text().split()]
+
+
+def templates() -> set[int]:
+    """The processes of the test's own sandboxes."""
+    return descendants(os.getpid())
+
+
+def root_and_template() -> tuple[int, int]:
+    """The process that the test's only sandbox has started, and its child: the template."""
+    (watcher,) = set(children(os.getpid())) - OTHERS
+    (template,) = children(watcher)
+    return watcher, template
+
+
+def running(pid: int) -> bool:
+    with contextlib.suppress(OSError):
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    return False
+
+
+def eventually(condition: Callable[[], bool], seconds: float = 10.0) -> bool:
+    deadline = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.01)
+    return True
