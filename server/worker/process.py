@@ -69,7 +69,7 @@ def run(settings: Settings, work: WorkSource, signals: Signals) -> None:
         threading.Thread(target=_warm, args=(sandbox,), name="warm-up", daemon=True).start()
 
         def grade(lease: Lease) -> dict[str, Any]:
-            grading = grader.grade(lease.exercise, lease.source, lease.seed)
+            grading = grader.grade(lease.exercise, lease.source, lease.seed, submission=lease.submission_id)
             return recorded(grading.verdict, grading.figures)
 
         Worker(database, settings, grade).run(work)
