@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from reference.distance_map import distance_to
 from reference.errors import InvalidArgumentError
+from reference.ray_caster import RayCaster
 from reference.se2 import rotation, wrap_angle
 
 Floats = NDArray[np.float64]
@@ -110,6 +111,16 @@ class GridMap:
     def distance_to_wall(self) -> Floats:
         """Metres (H, W) from the centre of each cell to the centre of the nearest occupied one; inf without any."""
         return distance_to(self.occupied) * self.resolution
+
+    @cached_property
+    def caster(self) -> RayCaster:
+        """The map made ready for casting rays, in cells; they stop at whatever is not free."""
+        return RayCaster.of(self.free)
+
+    def cast_scans(self, poses_world: ArrayLike, angles: ArrayLike, max_range: float) -> Floats:
+        """What a perfect lidar at poses (m, 3) of the world reads along `angles` (n,) from its heading, (m, n)."""
+        cells = self.caster.scans(self.poses_to_cells(poses_world), angles, max_range / self.resolution)
+        return np.minimum(cells * self.resolution, max_range)
 
 
 def _checked_points(argument: str, points: ArrayLike) -> Floats:

@@ -63,9 +63,13 @@ class DifferentialDrive:
         half = motion.turn * self.track / 2.0
         return np.array([motion.distance - half, motion.distance + half])
 
+    def deviations(self, wheels: ArrayLike) -> Floats:
+        """The standard deviations (…, 2) of the errors of measured paths (…, 2)."""
+        return np.sqrt(self.sigma**2 + self.sigma_per_root_metre**2 * np.abs(_checked_wheels(wheels)))
+
     def wheel_covariance(self, left: float, right: float) -> Floats:
         """The covariance (2, 2) of the two measured paths (left, right)."""
-        return np.diag(self.sigma**2 + self.sigma_per_root_metre**2 * np.abs(_checked_wheels([left, right])))
+        return np.diag(self.deviations([left, right]) ** 2)
 
     def turn_deviation(self, left: float, right: float) -> float:
         """The standard deviation of dtheta over one step: sqrt(s_left^2 + s_right^2) / track, in radians."""
