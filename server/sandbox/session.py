@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import secrets
+import signal
 import time
 from collections.abc import Callable
 from typing import Any, NoReturn, Self
@@ -164,9 +165,12 @@ class Session:
         """The wire is closed: the process has ended by itself, or it has closed the wire and lives on."""
         try:
             self._child.ending(GRACE)
-        except TimeoutError:
-            self._forged()
+        except TimeoutError:  # it lives on, or the machine is too busy to tell its end: only our own kill shows which
+            self._end(self._killed_or_ended)
         self._end(lambda ending: diagnosis.ended(ending, self._policy))
+
+    def _killed_or_ended(self, ending: Ending) -> ProgramFault:
+        return diagnosis.forged() if ending.status == signal.SIGKILL else diagnosis.ended(ending, self._policy)
 
     def _forged(self) -> NoReturn:
         self._end(lambda _: diagnosis.forged())
