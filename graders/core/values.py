@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Value: TypeAlias = Any
+Arguments: TypeAlias = tuple[Value, ...]
 Floats: TypeAlias = NDArray[np.float64]
 
 NUMERIC_KINDS = "biuf"

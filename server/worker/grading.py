@@ -6,13 +6,14 @@ ends as `internal_error`.
 
 import hashlib
 import logging
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from uuid import UUID
 
 from graders.core.exercise import ExerciseGrader
 from graders.core.grading import Grading, grade
-from graders.core.program import KitSettings, Launcher, Reply, StudentFault
-from graders.core.values import Value
+from graders.core.program import Answer, KitSettings, Launcher, Reply, StudentFault
+from graders.core.values import Arguments, Value
 from graders.core.verdict import Outcome, internal_error_verdict
 from server.catalogue.models import Catalogue, Exercise
 from server.sandbox import Frame, Kit, Policy, ProgramFault, Sandbox, Session
@@ -37,6 +38,13 @@ class SandboxProgram:
         except ProgramFault as fault:
             raise student_fault(fault) from fault
         return Reply(reply.value, reply.arguments)
+
+    def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
+        for answer in self._session.call_many(function, calls, faults=faults):
+            if isinstance(answer, ProgramFault):
+                yield student_fault(answer)
+            else:
+                yield Reply(answer.value)
 
     def stdout(self) -> str:
         return self._session.stdout()
