@@ -127,7 +127,7 @@ class Failure:
 
 @dataclass(frozen=True, kw_only=True)
 class Cases(Check):
-    """Compare one function with its reference on every case; show the simplest failing one, shrunk.
+    """Compare one function with its reference on every case; show the simplest failing one, shrunk (but to a replay).
 
     `cases` yields tuples of arguments, simplest first; `expected` computes the right answer from these;
     `shrinkers`, one for each argument, simplify a failing case as long as `valid` holds of it;
@@ -155,7 +155,7 @@ class Cases(Check):
             else:
                 bench.observe(self.function, answer.value, ok=failure is None)
             first = first or failure
-        if first is not None:
+        if first is not None and not bench.runner.replaying:
             raise self._rejection(self._shrunk(bench, first))
 
     def _judged(self, args: Arguments, answer: Answer) -> Failure | None:
@@ -166,7 +166,7 @@ class Cases(Check):
         return Failure(args, expected, answer.value, mismatch, None) if mismatch else None
 
     def _shrunk(self, bench: Bench, failure: Failure) -> Failure:
-        if bench.runner.replaying or not self.shrinkers or (failure.fault and failure.fault.fatal):
+        if not self.shrinkers or (failure.fault and failure.fault.fatal):
             return failure
         found = [failure]
 

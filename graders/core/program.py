@@ -113,13 +113,19 @@ def _compiled(source: str, name: str) -> types.CodeType:
     return compile(source, name, "exec", dont_inherit=True)
 
 
+@cache
+def _kit(module: str) -> dict[str, Any]:
+    """The names of a module's kit: `configurer` makes new ones for each program."""
+    names: dict[str, Any] = {"__name__": module}
+    exec(_compiled(kit_source(module), f"<kit {module}>"), names)
+    return names
+
+
 class LocalProgram:
     """Run trusted code in this process, with the same kit and the same interface as a student's program."""
 
     def __init__(self, source: str, kit: KitSettings) -> None:
-        kit_names: dict[str, Any] = {"__name__": kit.module}
-        exec(_compiled(kit_source(kit.module), f"<kit {kit.module}>"), kit_names)
-        self._names: dict[str, Any] = {"__name__": "solution", **kit_names["configurer"](**kit.parameters)}
+        self._names: dict[str, Any] = {"__name__": "solution", **_kit(kit.module)["configurer"](**kit.parameters)}
         before = set(self._names)
         exec(_compiled(source, "<trusted>"), self._names)
         self.functions = frozenset(n for n in self._names if n not in before and callable(self._names[n]))
