@@ -29,8 +29,8 @@ def pose(x: float, y: float, theta: float) -> Floats:
 
 def random_pose(rng: np.random.Generator, reach: float = 10.0) -> Floats:
     """A pose (3,) with x, y in [-reach, reach] and theta in [-pi, pi]."""
-    x, y, theta = rng.uniform((-reach, -reach, -math.pi), (reach, reach, math.pi))
-    return pose(x, y, theta)
+    limits = pose(reach, reach, math.pi)
+    return -limits + 2.0 * limits * rng.random(3)
 
 
 def simple_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
