@@ -161,5 +161,11 @@ def observe(
     return runner.observations
 
 
+def rehearse(grader: ExerciseGrader) -> None:
+    """Grade the solution and a mistake in this process: what is imported and compiled at first use then is."""
+    for source in (grader.solution, *(mistake.source for mistake in grader.misconceptions[:1])):
+        grade(grader, local_launcher(source), seed=0, version="")
+
+
 def _ms(seconds: float) -> float:
     return round(1000.0 * seconds, 3)
