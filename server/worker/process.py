@@ -66,12 +66,13 @@ def _warm(sandbox: Sandbox, catalogue: Catalogue) -> None:
             rehearse(exercise.grader)
         except Exception:
             log.exception("the grader of %s does not work", exercise.id)
+    gc.freeze()  # what was loaded stays: no collection needs to look at it again
 
 
 def run(settings: Settings, work: WorkSource, signals: Signals) -> None:
     """Grades with the real catalogue and sandbox until told to stop."""
     catalogue = load(render=False)
-    gc.freeze()  # what is loaded stays: no collection needs to look at it again
+    gc.freeze()
     database = Database(settings.url, {"settings": settings, "signals": signals})
     with closing(database), Sandbox(catalogue.kits) as sandbox:
         grader = Grader(catalogue, sandbox)
