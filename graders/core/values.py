@@ -31,6 +31,8 @@ def read_array(value: Value) -> Floats:
         raise UnreadableError("la fonction n'a rien renvoyé (None) : il manque sans doute un « return »")
     if isinstance(value, str | dict):
         raise UnreadableError(f"la fonction renvoie {_kind(value)} au lieu de nombres")
+    if holds_text(value):
+        raise UnreadableError("la fonction renvoie autre chose que des nombres réels")
     try:
         array = np.asarray(value)
     except ValueError:
@@ -42,6 +44,13 @@ def read_array(value: Value) -> Floats:
     if array.dtype.kind not in NUMERIC_KINDS:
         return _read_objects(array)
     return array.astype(np.float64)
+
+
+def holds_text(value: Value) -> bool:
+    """Whether a text is in there: numpy would make every item as long as the longest one."""
+    if isinstance(value, list | tuple):
+        return any(map(holds_text, value))
+    return isinstance(value, str)
 
 
 def _read_objects(array: NDArray[Any]) -> Floats:
