@@ -102,7 +102,7 @@ class Run:
     @property
     def times(self) -> Floats:
         """When each pose was passed, (n,), in seconds from the start."""
-        return self.period * np.arange(len(self.truth))
+        return self.period * np.arange(len(self.truth), dtype=np.float64)
 
     def scan(self, index: int) -> Scan:
         """The scan taken at pose `index`."""
