@@ -84,9 +84,8 @@ class Field:
         local = self.live.workers()
         match victim:
             case "template" | "watcher":
-                worker = chance.choice(local)
-                until(lambda: len(watchers(worker)) == 2, "it has its templates")
-                chosen = chance.choice(watchers(worker))
+                until(lambda: any(map(watchers, self.live.workers())), "there are templates")
+                chosen = chance.choice([one for worker in self.live.workers() for one in watchers(worker)])
                 end(chosen if victim == "watcher" else children(chosen)[0])
             case "worker":
                 end(self.grading(local))
