@@ -21,6 +21,8 @@ from reference.se2 import rotation, wrap_angle
 Floats = NDArray[np.float64]
 Grid = NDArray[np.bool_]
 
+FREE, OCCUPIED, UNKNOWN = ".#?"
+
 
 class GridMapError(InvalidArgumentError):
     """Something that is no map, or that a map cannot place; `argument` names it."""
@@ -60,6 +62,23 @@ class GridMap:
         """The map without unknown cells whose free cells are given, (H, W): all others are walls."""
         grid = np.asarray(free, dtype=np.bool_)
         return cls(grid, ~grid, resolution, np.asarray(T_world_map, dtype=np.float64))
+
+    @classmethod
+    def from_text(cls, text: str, resolution: float = 1.0, T_world_map: ArrayLike = (0.0, 0.0, 0.0)) -> GridMap:
+        """The map drawn with . (free), # (occupied) and ? (unknown), one line a row, row 0 first. Raises GridMapError.
+
+        Blank lines and spaces around lines do not count. As row 0 comes first, y points down the page.
+        """
+        rows = [line.strip() for line in text.splitlines() if line.strip()]
+        if not rows or len({len(row) for row in rows}) > 1 or not set("".join(rows)) <= {FREE, OCCUPIED, UNKNOWN}:
+            raise GridMapError("text", f"is not lines of one length made of {FREE}, {OCCUPIED} and {UNKNOWN}")
+        cells = np.array([list(row) for row in rows])
+        return cls(cells == FREE, cells == OCCUPIED, resolution, np.asarray(T_world_map, dtype=np.float64))
+
+    def to_text(self) -> str:
+        """The drawing that `from_text` reads."""
+        cells = np.where(self.free, FREE, np.where(self.occupied, OCCUPIED, UNKNOWN))
+        return "".join("".join(row) + "\n" for row in cells.tolist())
 
     @property
     def shape(self) -> tuple[int, int]:
