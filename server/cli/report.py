@@ -39,8 +39,7 @@ def render(verdict: Json) -> str:
 def _lines(verdict: Json) -> Iterator[str]:
     outcome = OUTCOMES.get(verdict["outcome"], verdict["outcome"])
     if verdict["outcome"] == "internal_error":
-        yield f"{verdict['exercise']} : la correction a échoué de notre côté ; rien n’est compté."
-        yield "Vous pouvez renvoyer le fichier tel quel."
+        yield f"{verdict['exercise']} : la correction a échoué de notre côté ; rien n’est compté contre vous."
     else:
         yield f"{verdict['exercise']} : {number(verdict['points'])}/{number(verdict['max_points'])} — {outcome}"
     yield ""

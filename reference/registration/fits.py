@@ -1,0 +1,60 @@
+"""The best motion for given pairs: onto points, or one step towards lines. Points of the plane are numbers x + i y."""
+
+from __future__ import annotations
+
+import cmath
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.registration.nearest import Complexes, as_rows, squared
+from reference.registration.observability import line_jacobians
+from reference.registration.rigid import ROUNDING
+from reference.se2 import Pose, wrap_angle
+
+Floats = NDArray[np.float64]
+
+UNSEEN = 1e-9
+TINY = float(np.finfo(np.float64).tiny)
+
+
+def carry(T_q_p: Pose, points: Complexes) -> Complexes:
+    """The points (n,) of the frame of P, in the frame of Q: z becomes exp(i theta) z + (x + i y)."""
+    x, y, theta = T_q_p.tolist()
+    return points * cmath.rect(1.0, theta) + complex(x, y)
+
+
+def weighted_fit(p: Complexes, q: Complexes, weights: Floats, T_q_p: Pose) -> Pose:
+    """The motion that minimises sum w |R p + t - q|^2 over pairs (n,): Theorem 3 in the plane, in closed form.
+
+    With centred points, sum w conj(p) q = sum w p . q + i sum w p x q, and R is the turn by its argument: a rotation by
+    construction. Where it is null every turn fits as well, and that of `T_q_p` stays.
+    """
+    total = weights.sum()
+    p_mean, q_mean = complex(weights @ p) / total, complex(weights @ q) / total
+    p_weighted, q_centred = weights * (p - p_mean), q - q_mean
+    z = complex(np.vdot(p_weighted, q_centred))
+    size = float(np.vdot(p_weighted, p_weighted).real * np.vdot(q_centred, q_centred).real) ** 0.5
+    theta = cmath.phase(z) if abs(z) > ROUNDING * size else float(T_q_p[2])
+    t = q_mean - cmath.rect(1.0, theta) * p_mean
+    return np.array([t.real, t.imag, theta])
+
+
+def slide(T_q_p: Pose, moved: Complexes, q: Complexes, normals: Complexes, weights: Floats) -> Pose:
+    """One Gauss-Newton step of sum w (n . (R p + t - q))^2, turning about the centre of the points `moved` = R p + t.
+
+    Least norm where the lines leave a motion free.
+    """
+    total = weights.sum()
+    centre = complex(weights @ moved) / total
+    spread = max(float(weights @ squared(moved - centre) / total) ** 0.5, TINY)
+    J = line_jacobians(as_rows(moved), as_rows(normals), np.array([centre.real, centre.imag])) / [1.0, 1.0, spread]
+    gaps = (np.conj(normals) * (moved - q)).real
+    weighted = J * weights[:, None]
+    strengths, directions = np.linalg.eigh(weighted.T @ J)
+    seen = strengths > UNSEEN * total
+    held = directions[:, seen]
+    dx, dy, turn = -held @ ((held.T @ (weighted.T @ gaps)) / strengths[seen]) / [1.0, 1.0, spread]
+    # The turn about the centre and the displacement come after the motion so far.
+    t = cmath.rect(1.0, turn) * (complex(*T_q_p[:2]) - centre) + centre + complex(dx, dy)
+    return np.array([t.real, t.imag, wrap_angle(float(T_q_p[2] + turn))])

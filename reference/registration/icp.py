@@ -1,0 +1,256 @@
+"""Iterative closest point: pair every point with the nearest of the other cloud, move, and pair again.
+
+`T_q_p` (x, y, theta) carries coordinates from the frame of P to that of Q. Point-to-point lowers, at each iteration,
+
+    E = sum of rho(min(|R p + t - q(p)|, D)) over the points kept,    q(p) the nearest of Q                  (1)
+
+and cannot raise it (Theorem 4 of the course): a better motion for the same pairs, then better pairs for the same
+motion. That still holds with a robust kernel rho, a distance D beyond which a pair is dropped (at the cost of D, or
+dropping would pay) and a share of the points kept, the nearest ones: each only caps a cost that falls anyway.
+Point-to-line minimises the gaps across the lines of Q instead, in far fewer iterations but without that guarantee.
+
+Sources: Besl and McKay, "A Method for Registration of 3-D Shapes" (1992); Chen and Medioni, "Object Modelling by
+Registration of Multiple Range Images" (1992); Chetverikov, Stepanov, Krsek, "Robust Euclidean alignment of 3D point
+sets: the trimmed iterative closest point algorithm" (2005).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from reference.errors import InvalidArgumentError
+from reference.registration.acceleration import Extrapolation
+from reference.registration.fits import carry, slide, weighted_fit
+from reference.registration.kernels import Kernel, LeastSquares
+from reference.registration.nearest import Complexes, NearestPoints
+from reference.registration.normals import plane_cloud
+from reference.registration.rigid import InvalidCloudError
+from reference.se2 import Pose, rotation, wrap_angle
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Fit = Callable[[Pose, Complexes, Indices, Floats], Pose]
+
+IDENTITY = (0.0, 0.0, 0.0)
+
+
+class IcpError(InvalidArgumentError):
+    """Arguments with which clouds cannot be registered; `argument` names the one at fault."""
+
+
+@dataclass(frozen=True)
+class Pairing:
+    """Which pairs count, and how much: a robust kernel, a greatest distance, the share of the points that is kept."""
+
+    kernel: Kernel = field(default_factory=LeastSquares)
+    max_distance: float = np.inf
+    keep: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not self.max_distance > 0.0:
+            raise IcpError("max_distance", f"{self.max_distance} is not a positive length")
+        if not 0.0 < self.keep <= 1.0:
+            raise IcpError("keep", f"{self.keep} is not a share in ]0, 1]")
+
+    @property
+    def plain(self) -> bool:
+        return isinstance(self.kernel, LeastSquares) and self.max_distance == np.inf and self.keep == 1.0
+
+    def judge(self, squares: Floats, nearness: Floats) -> tuple[float, Floats]:
+        """The cost (1) of pairs with squared gaps (n,), and the weight (n,) of each in the next fit.
+
+        `nearness` (n,): their squared distances, by which they are rejected; the same as their gaps, but for lines.
+        """
+        if self.plain:
+            return float(squares.sum()), np.ones(len(squares))
+        gaps, distances = np.sqrt(squares), np.sqrt(nearness)
+        far = distances > self.max_distance
+        costs = self.kernel.cost(np.where(far, self.max_distance, gaps))
+        weights = np.where(far, 0.0, self.kernel.weight(gaps))
+        if self.keep < 1.0:
+            kept = max(1, round(self.keep * len(gaps)))
+            order = np.argpartition(distances, kept - 1)
+            weights[order[kept:]] = 0.0
+            costs = costs[order[:kept]]
+        return float(costs.sum()), weights
+
+
+@dataclass(frozen=True)
+class IcpResult:
+    """How a registration went.
+
+    `errors` (k + 1,): the cost at the start and after each of the k iterations, every point paired anew. `pairs` (n,):
+    the row in Q of the nearest to each point of P, at the end; `gaps` (n,): the distances of these pairs, or across
+    lines; `weights` (n,): what each counts, 0 where rejected. `converged`: the last step was below the tolerance.
+    """
+
+    T_q_p: Pose
+    errors: Floats
+    pairs: Indices
+    gaps: Floats
+    weights: Floats
+    converged: bool
+
+    @property
+    def R_q_p(self) -> Floats:
+        return rotation(float(self.T_q_p[2]))
+
+    @property
+    def t_q_p(self) -> Floats:
+        return self.T_q_p[:2]
+
+    @property
+    def iterations(self) -> int:
+        return len(self.errors) - 1
+
+    @property
+    def inliers(self) -> float:
+        """The share of the points of P that count."""
+        return float(np.mean(self.weights > 0.0))
+
+    @property
+    def rmse(self) -> float:
+        """The root of the weighted mean of the squared gaps, in the unit of the clouds."""
+        return float(np.sqrt(self.weights @ self.gaps**2 / self.weights.sum()))
+
+
+def icp(
+    P: ArrayLike,
+    Q: ArrayLike,
+    T_q_p: ArrayLike = IDENTITY,
+    *,
+    pairing: Pairing | None = None,
+    max_iterations: int = 50,
+    tolerance: float = 1e-9,
+    accelerated: bool = False,
+) -> IcpResult:
+    """Point-to-point: register P (n, 2) on Q (m, 2), from the guess `T_q_p`. `errors` never increases (Theorem 4).
+
+    Converged when no component of a step exceeds `tolerance`. `accelerated` guesses where the poses are heading and
+    jumps there when that is lower: as good an end, in fewer iterations when they creep. Raises IcpError or
+    InvalidCloudError, also when every point of P is the same one, or no pair is near enough to count.
+    """
+    p, q = _distinct("P", P), _plane("Q", Q)
+
+    def fit(T: Pose, moved: Complexes, pairs: Indices, weights: Floats) -> Pose:
+        return weighted_fit(p, q[pairs], weights, T)
+
+    def squares(moved: Complexes, nearest: Floats, pairs: Indices) -> Floats:
+        return nearest
+
+    search = _Search(p, NearestPoints(q), fit, squares, pairing or Pairing(), max_iterations, tolerance)
+    return search.run(_pose(T_q_p), Extrapolation(float(np.std(p))) if accelerated else None)
+
+
+def icp_to_lines(
+    P: ArrayLike,
+    Q: ArrayLike,
+    normals: ArrayLike,
+    T_q_p: ArrayLike = IDENTITY,
+    *,
+    pairing: Pairing | None = None,
+    max_iterations: int = 50,
+    tolerance: float = 1e-9,
+) -> IcpResult:
+    """Point-to-line: as `icp`, with gaps measured along the `normals` (m, 2) of Q, null where Q follows no line.
+
+    Along a motion that no line sees, nothing moves. Raises IcpError or InvalidCloudError.
+    """
+    p, q, n = _distinct("P", P), _plane("Q", Q), _plane("normals", normals)
+    if n.shape != q.shape:
+        raise InvalidCloudError("normals", f"{len(n)} of them for {len(q)} points")
+    if not np.any(n):
+        raise InvalidCloudError("normals", "are all null: Q follows no line")
+
+    def fit(T: Pose, moved: Complexes, pairs: Indices, weights: Floats) -> Pose:
+        return slide(T, moved, q[pairs], n[pairs], weights)
+
+    def squares(moved: Complexes, nearest: Floats, pairs: Indices) -> Floats:
+        return np.square((np.conj(n[pairs]) * (moved - q[pairs])).real)
+
+    search = _Search(p, NearestPoints(q), fit, squares, pairing or Pairing(), max_iterations, tolerance)
+    return search.run(_pose(T_q_p))
+
+
+@dataclass(frozen=True)
+class _State:
+    """All points paired at a pose: where they are, their pairs, squared gaps and weights, and what it all costs."""
+
+    T_q_p: Pose
+    moved: Complexes
+    pairs: Indices
+    squares: Floats
+    cost: float
+    weights: Floats
+
+
+def _counting(state: _State) -> _State:
+    """The state, in which some pair counts; or IcpError."""
+    if not state.weights.any():
+        raise IcpError("pairing", "no pair is near enough to count")
+    return state
+
+
+@dataclass(frozen=True)
+class _Search:
+    """Pairing and fitting in turn; `squares_of` tells the squared gaps that `fit` minimises."""
+
+    p: Complexes
+    nearest: NearestPoints
+    fit: Fit
+    squares_of: Callable[[Complexes, Floats, Indices], Floats]
+    pairing: Pairing
+    max_iterations: int
+    tolerance: float
+
+    def run(self, T_q_p: Pose, extrapolate: Extrapolation | None = None) -> IcpResult:
+        state, converged = _counting(self._pair(T_q_p)), False
+        errors = [state.cost]
+        while not converged and len(errors) <= self.max_iterations:
+            T = self.fit(state.T_q_p, state.moved, state.pairs, state.weights)
+            converged = self._is_still(state.T_q_p, T)
+            state = _counting(self._jump(state, T, extrapolate) if extrapolate and not converged else self._pair(T))
+            errors.append(state.cost)
+        return IcpResult(state.T_q_p, np.array(errors), state.pairs, np.sqrt(state.squares), state.weights, converged)
+
+    def _jump(self, state: _State, T_fitted: Pose, extrapolate: Extrapolation) -> _State:
+        """Where the sequence is heading, if that is lower than where it is; its next pose otherwise."""
+        T = extrapolate(state.T_q_p, T_fitted)
+        ahead = self._pair(T)
+        if ahead.cost <= state.cost:
+            return ahead
+        extrapolate.forget()
+        return self._pair(T_fitted)
+
+    def _pair(self, T: Pose) -> _State:
+        moved = carry(T, self.p)
+        nearness, pairs = self.nearest.find(moved)
+        squares = self.squares_of(moved, nearness, pairs)
+        cost, weights = self.pairing.judge(squares, nearness)
+        return _State(T, moved, pairs, squares, cost, weights)
+
+    def _is_still(self, T: Pose, T_next: Pose) -> bool:
+        dx, dy, turn = (T_next - T).tolist()
+        return bool(max(abs(dx), abs(dy), abs(wrap_angle(turn))) <= self.tolerance)
+
+
+def _plane(name: str, points: ArrayLike) -> Complexes:
+    return plane_cloud(name, points).view(np.complex128)[:, 0]
+
+
+def _distinct(name: str, points: ArrayLike) -> Complexes:
+    cloud = _plane(name, points)
+    if np.all(cloud == cloud[0]):
+        raise InvalidCloudError(name, "has no two distinct points: its heading cannot be told")
+    return cloud
+
+
+def _pose(guess: ArrayLike) -> Pose:
+    T = np.array(guess, dtype=np.float64)
+    if T.shape != (3,) or not np.all(np.isfinite(T)):
+        raise IcpError("T_q_p", f"of shape {T.shape} is not a finite pose (x, y, theta)")
+    return T
