@@ -112,6 +112,12 @@ def correct(world: GridWorld, belief: ArrayLike, scan: ArrayLike, sigma: float) 
     Computed with logarithms, so that a scan unlike any other still tells cells apart. Raises GridFilterError, and
     ImpossibleScanError when the belief is zero on every free cell.
     """
+    weights, _ = _likely(world, belief, scan, sigma)
+    return np.asarray(weights / weights.sum())
+
+
+def _likely(world: GridWorld, belief: ArrayLike, scan: ArrayLike, sigma: float) -> tuple[Floats, float]:
+    """The numerator of (2) (H, W), divided by its greatest exponential, and the exponent of that."""
     prior = _checked(world, belief)
     seen = np.asarray(scan, dtype=np.float64)
     if seen.shape != (BEAMS,) or not np.all(np.isfinite(seen)):
@@ -123,8 +129,8 @@ def correct(world: GridWorld, belief: ArrayLike, scan: ArrayLike, sigma: float) 
     if not possible.any():
         raise ImpossibleScanError("belief", "is zero on every free cell")
     exponent = np.where(possible, exponent, -np.inf)
-    weights = prior * np.exp(exponent - exponent.max())
-    return np.asarray(weights / weights.sum())
+    greatest = float(exponent.max())
+    return prior * np.exp(exponent - greatest), greatest
 
 
 def _checked(world: GridWorld, belief: ArrayLike) -> Belief:
@@ -148,3 +154,43 @@ def most_likely(belief: Belief) -> Cell:
     """The cell (y, x) of the greatest probability; the first one in reading order when several share it."""
     y, x = np.unravel_index(int(np.argmax(belief)), belief.shape)
     return int(y), int(x)
+
+
+class GridFilter:
+    """A BayesFilter over the cells of a world: controls are commands (du, dv), measurements scans (4,).
+
+    The belief is uniform at the start. Raises GridFilterError.
+    """
+
+    def __init__(self, world: GridWorld, sigma: float) -> None:
+        self.world, self.sigma, self.belief = world, sigma, world.uniform()
+
+    @property
+    def mean(self) -> Floats:
+        """The mean (x, y) of the centres of the cells."""
+        return np.array([self.belief.sum(axis=0) @ self._columns, self.belief.sum(axis=1) @ self._rows])
+
+    @property
+    def covariance(self) -> Floats:
+        """The covariance (2, 2) of (x, y)."""
+        x, y = self._columns - self.mean[0], self._rows - self.mean[1]
+        mixed = y @ self.belief @ x
+        return np.array([[self.belief.sum(axis=0) @ x**2, mixed], [mixed, self.belief.sum(axis=1) @ y**2]])
+
+    def predict(self, control: tuple[int, int]) -> None:
+        self.belief = predict(self.world, self.belief, *control)
+
+    def correct(self, measurement: ArrayLike) -> float:
+        """Equation (2), and the logarithm of the evidence, its Gaussian densities normalised."""
+        weights, exponent = _likely(self.world, self.belief, measurement, self.sigma)
+        evidence = float(weights.sum())
+        self.belief = np.asarray(weights / evidence)
+        return exponent + float(np.log(evidence)) - BEAMS * float(np.log(self.sigma * np.sqrt(2.0 * np.pi)))
+
+    @property
+    def _columns(self) -> Floats:
+        return np.arange(self.world.free.shape[1], dtype=np.float64) + 0.5
+
+    @property
+    def _rows(self) -> Floats:
+        return np.arange(self.world.free.shape[0], dtype=np.float64) + 0.5

@@ -15,10 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from reference.distance_map import distance_to
 from reference.errors import InvalidArgumentError
+from reference.ray_caster import RayCaster
 from reference.se2 import rotation, wrap_angle
 
 Floats = NDArray[np.float64]
 Grid = NDArray[np.bool_]
+
+FREE, OCCUPIED, UNKNOWN = ".#?"
 
 
 class GridMapError(InvalidArgumentError):
@@ -59,6 +62,23 @@ class GridMap:
         """The map without unknown cells whose free cells are given, (H, W): all others are walls."""
         grid = np.asarray(free, dtype=np.bool_)
         return cls(grid, ~grid, resolution, np.asarray(T_world_map, dtype=np.float64))
+
+    @classmethod
+    def from_text(cls, text: str, resolution: float = 1.0, T_world_map: ArrayLike = (0.0, 0.0, 0.0)) -> GridMap:
+        """The map drawn with . (free), # (occupied) and ? (unknown), one line a row, row 0 first. Raises GridMapError.
+
+        Blank lines and spaces around lines do not count. As row 0 comes first, y points down the page.
+        """
+        rows = [line.strip() for line in text.splitlines() if line.strip()]
+        if not rows or len({len(row) for row in rows}) > 1 or not set("".join(rows)) <= {FREE, OCCUPIED, UNKNOWN}:
+            raise GridMapError("text", f"is not lines of one length made of {FREE}, {OCCUPIED} and {UNKNOWN}")
+        cells = np.array([list(row) for row in rows])
+        return cls(cells == FREE, cells == OCCUPIED, resolution, np.asarray(T_world_map, dtype=np.float64))
+
+    def to_text(self) -> str:
+        """The drawing that `from_text` reads."""
+        cells = np.where(self.free, FREE, np.where(self.occupied, OCCUPIED, UNKNOWN))
+        return "".join("".join(row) + "\n" for row in cells.tolist())
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -110,6 +130,16 @@ class GridMap:
     def distance_to_wall(self) -> Floats:
         """Metres (H, W) from the centre of each cell to the centre of the nearest occupied one; inf without any."""
         return distance_to(self.occupied) * self.resolution
+
+    @cached_property
+    def caster(self) -> RayCaster:
+        """The map made ready for casting rays, in cells; they stop at whatever is not free."""
+        return RayCaster.of(self.free)
+
+    def cast_scans(self, poses_world: ArrayLike, angles: ArrayLike, max_range: float) -> Floats:
+        """What a perfect lidar at poses (m, 3) of the world reads along `angles` (n,) from its heading, (m, n)."""
+        cells = self.caster.scans(self.poses_to_cells(poses_world), angles, max_range / self.resolution)
+        return np.minimum(cells * self.resolution, max_range)
 
 
 def _checked_points(argument: str, points: ArrayLike) -> Floats:

@@ -54,7 +54,7 @@ def cast_rays(free: ArrayLike, origins: ArrayLike, angles: ArrayLike, max_range:
     From inside a wall, or from outside the grid, a ray reads 0. A ray through the very corner of four cells enters the
     neighbour in y before the one in x. Raises RaycastError.
     """
-    grid, starts, headings = _checked(free, origins, angles, max_range)
+    grid, starts, headings = checked_rays(free, origins, angles, max_range)
     blocked = np.pad(~grid, 1, constant_values=True)
     x, y = _Axis.of(starts[:, 0], np.cos(headings)), _Axis.of(starts[:, 1], np.sin(headings))
     inside = (x.cell >= 0) & (x.cell < grid.shape[1]) & (y.cell >= 0) & (y.cell < grid.shape[0])
@@ -92,7 +92,10 @@ def cast_scans(free: ArrayLike, poses: ArrayLike, beams: int, max_range: float) 
     return cast_rays(free, origins, angles.ravel(), max_range).reshape(len(frames), beams)
 
 
-def _checked(free: ArrayLike, origins: ArrayLike, angles: ArrayLike, max_range: float) -> tuple[Grid, Floats, Floats]:
+def checked_rays(
+    free: ArrayLike, origins: ArrayLike, angles: ArrayLike, max_range: float
+) -> tuple[Grid, Floats, Floats]:
+    """The grid (H, W), origins (n, 2) and angles (n,) as arrays. Raises RaycastError for what cannot be cast."""
     grid = np.asarray(free, dtype=np.bool_)
     starts, headings = np.asarray(origins, dtype=np.float64), np.asarray(angles, dtype=np.float64)
     if grid.ndim != 2 or grid.size == 0:

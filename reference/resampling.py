@@ -1,13 +1,17 @@
-"""Particle weights: the effective sample size, and systematic resampling.
+"""Particle weights: the effective sample size, and four ways to resample.
 
-Weights are an array (n,) of finite non-negative numbers, not all zero; they need not sum to one.
+Weights are an array (n,) of finite non-negative numbers, not all zero; they need not sum to one. All four schemes are
+unbiased: particle i has on average count w_i / (sum of w) copies. They differ in the spread about it, least with
+systematic resampling, greatest with multinomial.
 
 Sources: Kong, Liu, Wong, "Sequential Imputations and Bayesian Missing Data Problems" (1994) for N_eff; Kitagawa,
-"Monte Carlo Filter and Smoother for Non-Gaussian Nonlinear State Space Models" (1996), appendix, for the comb.
+"Monte Carlo Filter and Smoother for Non-Gaussian Nonlinear State Space Models" (1996), appendix, for the comb; Douc,
+Cappé, Moulines, "Comparison of Resampling Schemes for Particle Filtering" (2005) for the others.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +21,12 @@ from reference.errors import InvalidArgumentError
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+
+# The comb is laid over this many particles at a time, so that what is computed on the way stays in the processor's
+# cache: at a million particles, memory is what costs.
+_BLOCK = 16384
+# A sum above this may be divided into any number of particles that fits in memory.
+_SMALL = 1e-290
 
 
 class InvalidWeightsError(InvalidArgumentError):
@@ -33,16 +43,20 @@ class InvalidOffsetError(InvalidArgumentError):
         super().__init__("offset", f"{offset} is outside [0, 1[")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Resampling:
-    """Which old particle each new one copies: `ancestors` (n,), increasing."""
+    """Which of the `particles` old ones each new one copies: `ancestors` (count,), increasing."""
 
     ancestors: Integers
+    particles: int
 
     @property
     def copies(self) -> Integers:
-        """How many times each old particle is copied, (n,), summing to n."""
-        return np.bincount(self.ancestors, minlength=self.ancestors.size)
+        """How many times each old particle is copied, (particles,), summing to the count of new ones."""
+        return np.bincount(self.ancestors, minlength=self.particles)
+
+
+Scheme = Callable[[ArrayLike, np.random.Generator, "int | None"], Resampling]
 
 
 def effective_sample_size(weights: ArrayLike) -> float:
@@ -51,43 +65,127 @@ def effective_sample_size(weights: ArrayLike) -> float:
     Raises InvalidWeightsError.
     """
     w = _valid(weights)
-    shares = w / _positive_sum(float(np.sum(w)))
+    shares = w / _positive_sum(w)
     return float(1.0 / (shares @ shares))
 
 
-def systematic_resampling(weights: ArrayLike, rng: np.random.Generator) -> Resampling:
-    """Resample with a single uniform draw: unbiased, and every particle has floor or ceil(n w) copies.
+def systematic_resampling(weights: ArrayLike, rng: np.random.Generator, count: int | None = None) -> Resampling:
+    """Resample with a single uniform draw: every particle has floor or ceil(count w) copies.
 
-    Raises InvalidWeightsError.
+    `count` new particles are drawn, by default as many as there are. Raises InvalidWeightsError.
     """
-    return comb(weights, rng.random())
+    return comb(weights, rng.random(), count)
 
 
-def comb(weights: ArrayLike, offset: float) -> Resampling:
-    """Lay the teeth m + offset, m = 0 … n - 1, over the cumulative weights scaled to n.
+def comb(weights: ArrayLike, offset: float, count: int | None = None) -> Resampling:
+    """Lay the teeth m + offset, m = 0 … count - 1, over the cumulative weights scaled to `count`, by default n.
 
-    Tooth m falls on the first particle i with m + offset < n C_i, where C_i = w_0 + … + w_i. The teeth that lie below
-    the end of particle i are in number
+    Tooth m falls on the first particle i with m + offset < count C_i, where C_i = w_0 + … + w_i. The teeth that lie
+    below the end of particle i are in number
 
-        K_i = ceil(n C_i - offset)                                                                             (1)
+        K_i = ceil(count C_i - offset)                                                                         (1)
 
     so the ancestor of tooth m is the number of particles with K_i <= m: counting replaces searching. Raises
-    InvalidWeightsError, and InvalidOffsetError unless 0 <= offset < 1.
+    InvalidWeightsError, InvalidOffsetError unless 0 <= offset < 1, and InvalidArgumentError unless count >= 1.
     """
     if not 0.0 <= offset < 1.0:
         raise InvalidOffsetError(offset)
-    teeth = np.cumsum(_valid(weights))
-    n, total = teeth.size, _positive_sum(float(teeth[-1]))
-    # Every tooth lies below the end of the last particle of positive weight, whatever rounding says.
-    last = int(np.searchsorted(teeth, total))
-    teeth /= total
-    teeth *= n
-    teeth -= offset
-    # The counts of (1) take the place of the numbers they come from: at a million particles, memory is what costs.
-    passed = teeth.view(np.int64)
-    np.ceil(teeth, out=passed, casting="unsafe")
-    passed[last:] = n
-    return Resampling(np.cumsum(np.bincount(passed, minlength=n)[:n], out=passed))
+    w = _valid(weights)
+    teeth, total = _valid_count(count, w.size), _positive_sum(w)
+    ancestors = np.empty(teeth, dtype=np.int64)
+    end = _last_positive(w) + 1
+    buffer = np.empty(min(_BLOCK, end))
+    placed, behind = 0, offset
+    for first in range(0, end, _BLOCK):
+        ends = _scaled(w[first : min(first + _BLOCK, end)], teeth, total, buffer)
+        np.cumsum(ends, out=ends)
+        ends -= behind
+        reached = float(ends[-1])
+        # The counts of (1), less those already placed, take the place of the numbers they come from.
+        below = ends.view(np.int64)
+        np.ceil(ends, out=below, casting="unsafe")
+        # Every tooth lies below the end of the last particle of positive weight, whatever rounding says.
+        if first + _BLOCK >= end:
+            below[-1] = teeth - placed
+        if below[-1] > teeth - placed or first + _BLOCK >= end:
+            np.minimum(below, teeth - placed, out=below)
+        behind = int(below[-1]) - reached
+        placed = _place(ancestors, placed, below, first)
+    return Resampling(ancestors, w.size)
+
+
+def _place(ancestors: Integers, placed: int, below: Integers, first: int) -> int:
+    """Write the ancestors of the teeth from number `placed` on: `below` (k,) of them lie below the ends of particles
+    `first`, … Returns how many teeth have theirs."""
+    passed = np.bincount(below)
+    more = passed.size - 1
+    passed[0] += first
+    np.cumsum(passed[:more], out=ancestors[placed : placed + more])
+    return placed + more
+
+
+def _scaled(w: Floats, teeth: int, total: float, buffer: Floats) -> Floats:
+    """The shares of `teeth`, in `buffer`, also when the weights are so small that their sum has no inverse."""
+    shares = buffer[: w.size]
+    if total > _SMALL:
+        return np.multiply(w, teeth / total, out=shares)
+    return np.multiply(np.divide(w, total, out=shares), teeth, out=shares)
+
+
+def stratified_resampling(weights: ArrayLike, rng: np.random.Generator, count: int | None = None) -> Resampling:
+    """Resample with one uniform draw for each tooth m + u_m: less regular than the comb, and its teeth independent.
+
+    The teeth below s = count C_i are the floor(s) whole ones, and the next one when its u is less than the rest:
+
+        K_i = floor(s) + [u_floor(s) < s - floor(s)]                                                           (2)
+
+    Raises InvalidWeightsError, and InvalidArgumentError unless count >= 1.
+    """
+    w = _valid(weights)
+    teeth = _valid_count(count, w.size)
+    ends = np.minimum(np.cumsum(w / _positive_sum(w)) * teeth, teeth)
+    ends[_last_positive(w) :] = teeth
+    whole = ends.astype(np.int64)
+    offsets = np.append(rng.random(teeth), 1.0)
+    below = whole + (offsets[whole] < ends - whole)
+    return Resampling(np.cumsum(np.bincount(below, minlength=teeth)[:teeth]), w.size)
+
+
+def multinomial_resampling(weights: ArrayLike, rng: np.random.Generator, count: int | None = None) -> Resampling:
+    """Resample by independent draws: the plainest scheme, and the one with the greatest spread.
+
+    Raises InvalidWeightsError, and InvalidArgumentError unless count >= 1.
+    """
+    w = _valid(weights)
+    drawn = _multinomial(w / _positive_sum(w), _valid_count(count, w.size), rng)
+    return Resampling(np.repeat(np.arange(w.size), drawn), w.size)
+
+
+def residual_resampling(weights: ArrayLike, rng: np.random.Generator, count: int | None = None) -> Resampling:
+    """Keep floor(count w_i) copies of each particle for sure, and draw the rest independently from what is left.
+
+    Raises InvalidWeightsError, and InvalidArgumentError unless count >= 1.
+    """
+    w = _valid(weights)
+    total, teeth = _positive_sum(w), _valid_count(count, w.size)
+    shares = w / total * teeth
+    # A share that rounding has put just below a whole number is that number.
+    copies = np.floor(shares * (1.0 + 4.0 * np.finfo(np.float64).eps)).astype(np.int64)
+    left = np.maximum(shares - copies, 0.0)
+    missing = teeth - int(copies.sum())
+    if missing > 0:
+        copies += _multinomial(left / left.sum(), missing, rng)
+    return Resampling(np.repeat(np.arange(w.size), copies), w.size)
+
+
+def _multinomial(shares: Floats, draws: int, rng: np.random.Generator) -> Integers:
+    """How often each particle is drawn. The generator gives what rounding leaves to its last category: make it one
+    that may be drawn, the greatest."""
+    last = int(np.argmax(shares))
+    order = np.append(np.delete(np.arange(shares.size), last), last)
+    copies = np.empty(shares.size, dtype=np.int64)
+    copies[order] = rng.multinomial(draws, shares[order])
+    return copies
 
 
 def _valid(weights: ArrayLike) -> Floats:
@@ -99,10 +197,24 @@ def _valid(weights: ArrayLike) -> Floats:
     return w
 
 
-def _positive_sum(total: float) -> float:
+def _valid_count(count: int | None, particles: int) -> int:
+    if count is None:
+        return particles
+    if count < 1:
+        raise InvalidArgumentError("count", f"{count} particles cannot carry a belief")
+    return count
+
+
+def _positive_sum(w: Floats) -> float:
     """A sum that can be divided by; zero also stands for likelihoods that all underflowed."""
+    total = float(np.sum(w))
     if total == 0.0:
         raise InvalidWeightsError("are all zero")
     if not np.isfinite(total):
         raise InvalidWeightsError("have no finite sum")
     return total
+
+
+def _last_positive(w: Floats) -> int:
+    """The index of the last particle of positive weight."""
+    return w.size - 1 if w[-1] > 0.0 else w.size - 1 - int(np.argmax(w[::-1] > 0.0))

@@ -9,6 +9,7 @@ from server.cli.check import Case, cases, examine
 from server.sandbox import Sandbox
 from server.worker.grading import Grader
 
+pytestmark = pytest.mark.usefixtures("remembered_replays")
 CATALOGUE = load(render=False)
 KNOWN = [(exercise, case) for exercise in CATALOGUE.exercises.values() for case in cases(exercise)]
 NAMES = [f"{exercise.id}-{case.subject}" for exercise, case in KNOWN]

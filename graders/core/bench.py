@@ -6,17 +6,21 @@ so that two programs can be compared by their outputs alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from graders.core.program import KitSettings, Launcher, Program, Reply, StudentFault
-from graders.core.values import Value
+from graders.core.program import Answer, KitSettings, Launcher, Program, Reply, StudentFault
+from graders.core.values import Arguments, Value
 from graders.core.verdict import Outcome
 
 MAX_LAUNCHES = 12
+
+Key = tuple[str, tuple[tuple[str, tuple[int, ...], bytes], ...]]
 
 
 @dataclass(frozen=True)
@@ -61,18 +65,48 @@ class Runner:
             raise StudentFault(Outcome.RUNTIME_ERROR, "Votre programme s'est arrêté trop souvent.", fatal=True)
         return self._launch(kit)
 
-    def call(self, program: Program | None, function: str, args: tuple[Value, ...], *, keep: bool) -> Reply:
+    def call(self, program: Program | None, function: str, args: Arguments, *, keep: bool) -> Reply:
         """Call a function of a program (None: of the main one)."""
-        if function in self._dead:
-            before = self._dead[function]
-            raise StudentFault(before.outcome, f"{function} n'est pas rappelée : {before.message}", fatal=True)
+        refused = self._refused(function)
+        if refused is not None:
+            raise refused
         try:
             return (program or self.program).call(function, *args, return_arguments=keep)
         except StudentFault as fault:
-            if fault.fatal:
-                self._dead[function] = fault
-                self._drop(program)
+            self._mourn(program, function, fault)
             raise
+
+    def call_many(
+        self, program: Program | None, function: str, calls: Iterable[Arguments], *, faults: int | None
+    ) -> Iterator[Answer]:
+        """As `Program.call_many`, of a program (None: of the main one)."""
+        for answer in self._answers(program, function, calls, faults):
+            if isinstance(answer, StudentFault):
+                self._mourn(program, function, answer)
+            yield answer
+
+    def _answers(
+        self, program: Program | None, function: str, calls: Iterable[Arguments], faults: int | None
+    ) -> Iterator[Answer]:
+        refused = self._refused(function)
+        if refused is not None:
+            return iter((refused,))
+        try:
+            return (program or self.program).call_many(function, calls, faults=faults)
+        except StudentFault as fault:
+            return iter((fault,))
+
+    def _refused(self, function: str) -> StudentFault | None:
+        """The fault that answers for a function that is not called again."""
+        before = self._dead.get(function)
+        if before is None:
+            return None
+        return StudentFault(before.outcome, f"{function} n'est pas rappelée : {before.message}", fatal=True)
+
+    def _mourn(self, program: Program | None, function: str, fault: StudentFault) -> None:
+        if fault.fatal:
+            self._dead[function] = fault
+            self._drop(program)
 
     def _drop(self, program: Program | None) -> None:
         if self._program is not None and program in (None, self._program):
@@ -104,18 +138,54 @@ class Bench:
     rng: np.random.Generator
     kit: KitSettings
     program: Program | None = None
-    last_call: tuple[str, tuple[Value, ...]] | None = None
+    last_call: tuple[str, Arguments] | None = None
     _count: list[int] = field(default_factory=lambda: [0])
+    _known: dict[Key, deque[Answer]] = field(default_factory=dict)
 
     def call(self, function: str, *args: Value) -> Value:
         """Call a function by position and return its value as plain data. Raises StudentFault."""
         self.last_call = (function, args)
-        return self.runner.call(self.program, function, args, keep=False).value
+        known = self._known.get(_key(function, args)) if self._known else None
+        if not known:
+            return self.runner.call(self.program, function, args, keep=False).value
+        answer = known.popleft()
+        if isinstance(answer, StudentFault):
+            raise answer
+        return answer.value
+
+    def ahead(self, function: str, calls: Sequence[Arguments]) -> list[Answer]:
+        """The answers of calls made together before a protocol comes to them, which it then finds with `call`.
+
+        A replay has no time to win: it makes each call in its turn.
+        """
+        if self.runner.replaying:
+            return []
+        answers = [answer for _, answer in self.call_many(function, calls, faults=1)]
+        for args, answer in zip(calls, answers, strict=False):
+            self._known.setdefault(_key(function, args), deque()).append(answer)
+        return answers
 
     def call_keeping(self, function: str, *args: Value) -> Reply:
         """As `call`, with the arguments as they are after the call."""
         self.last_call = (function, args)
         return self.runner.call(self.program, function, args, keep=True)
+
+    def call_many(
+        self, function: str, calls: Iterable[Arguments], *, faults: int | None = None
+    ) -> Iterator[tuple[Arguments, Answer]]:
+        """The arguments and the answer of each call, in order: calls are made ahead, see `Program.call_many`."""
+        ahead, asked = itertools.tee(calls)
+        answers = self.runner.call_many(self.program, function, ahead, faults=faults)
+        for answer, args in zip(answers, asked, strict=False):
+            self.last_call = (function, args)
+            yield args, answer
+
+    def values(self, function: str, calls: Iterable[Arguments]) -> Iterator[Value]:
+        """The values of several calls made ahead, in order. Raises the first StudentFault: no call is made after."""
+        for _, answer in self.call_many(function, calls, faults=1):
+            if isinstance(answer, StudentFault):
+                raise answer
+            yield answer.value
 
     def observe(self, function: str, value: Value, *, ok: bool, fault: StudentFault | None = None) -> None:
         """Write down what a function gave; a fault is known by its exception's or its outcome's name."""
@@ -128,3 +198,9 @@ class Bench:
         """The same bench with the program launched on another map."""
         with self.runner.other(kit) as program:
             yield Bench(self.check, self.runner, self.rng, kit, program, None, self._count)
+
+
+def _key(function: str, args: Arguments) -> Key:
+    """The same for the same call: numbers and arrays are known by their bytes."""
+    arrays = [np.asarray(arg) for arg in args]
+    return function, tuple((array.dtype.str, array.shape, array.tobytes()) for array in arrays)

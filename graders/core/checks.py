@@ -16,9 +16,9 @@ import numpy as np
 from graders.core import render
 from graders.core.bench import Bench
 from graders.core.compare import Comparator, Mismatch
-from graders.core.program import StudentFault
-from graders.core.shrink import Arguments, Shrinker, shrink
-from graders.core.values import Floats, UnreadableError, Value, read_array, same_value
+from graders.core.program import Answer, Reply, StudentFault
+from graders.core.shrink import Shrinker, shrink
+from graders.core.values import Arguments, Floats, UnreadableError, Value, read_array, same_value
 from graders.core.verdict import Outcome
 
 FigureData = dict[str, Any]
@@ -127,7 +127,7 @@ class Failure:
 
 @dataclass(frozen=True, kw_only=True)
 class Cases(Check):
-    """Compare one function with its reference on every case; show the simplest failing one, shrunk.
+    """Compare one function with its reference on every case; show the simplest failing one, shrunk (but to a replay).
 
     `cases` yields tuples of arguments, simplest first; `expected` computes the right answer from these;
     `shrinkers`, one for each argument, simplify a failing case as long as `valid` holds of it;
@@ -148,39 +148,32 @@ class Cases(Check):
 
     def run(self, bench: Bench) -> None:
         first: Failure | None = None
-        faults = 0
-        for args in self.cases(bench.rng):
-            failure = self._try(bench, args, record=True)
+        for args, answer in bench.call_many(self.function, self.cases(bench.rng), faults=MAX_FAULTS):
+            failure = self._judged(args, answer)
+            if isinstance(answer, StudentFault):
+                bench.observe(self.function, None, ok=False, fault=answer)
+            else:
+                bench.observe(self.function, answer.value, ok=failure is None)
             first = first or failure
-            if failure and failure.fault:
-                faults += 1
-                if failure.fault.fatal or failure.fault.outcome is Outcome.MISSING_FUNCTION or faults == MAX_FAULTS:
-                    break
-        if first is not None:
+        if first is not None and not bench.runner.replaying:
             raise self._rejection(self._shrunk(bench, first))
 
-    def _try(self, bench: Bench, args: Arguments, *, record: bool) -> Failure | None:
+    def _judged(self, args: Arguments, answer: Answer) -> Failure | None:
         expected = self.expected(*args)
-        try:
-            got = bench.call(self.function, *args)
-        except StudentFault as fault:
-            if record:
-                bench.observe(self.function, None, ok=False, fault=fault)
-            return Failure(args, expected, None, None, fault)
-        mismatch = self.compare(expected, got)
-        if record:
-            bench.observe(self.function, got, ok=mismatch is None)
-        return Failure(args, expected, got, mismatch, None) if mismatch else None
+        if isinstance(answer, StudentFault):
+            return Failure(args, expected, None, None, answer)
+        mismatch = self.compare(expected, answer.value)
+        return Failure(args, expected, answer.value, mismatch, None) if mismatch else None
 
     def _shrunk(self, bench: Bench, failure: Failure) -> Failure:
-        if bench.runner.replaying or not self.shrinkers or (failure.fault and failure.fault.fatal):
+        if not self.shrinkers or (failure.fault and failure.fault.fatal):
             return failure
         found = [failure]
 
         def still_fails(args: Arguments) -> bool:
             if (found[-1].fault and found[-1].fault.fatal) or not self.valid(args):
                 return False
-            simpler = self._try(bench, args, record=False)
+            simpler = self._judged(args, _answer(bench, self.function, args))
             if simpler is None or not _same_kind(failure, simpler):
                 return False
             found.append(simpler)
@@ -211,6 +204,13 @@ class Cases(Check):
         if self.figure is None:
             return None
         return self.figure(failure.args, failure.expected, drawable(failure.got, np.shape(failure.expected)))
+
+
+def _answer(bench: Bench, function: str, args: Arguments) -> Answer:
+    try:
+        return Reply(bench.call(function, *args))
+    except StudentFault as fault:
+        return fault
 
 
 def drawable(value: Value, shape: tuple[int, ...]) -> Floats | None:

@@ -41,7 +41,7 @@ def unreadable(error: UnreadableError) -> Mismatch:
 def close(expected: Floats, got: Floats, tolerance: float = TOLERANCE) -> bool:
     """The contract's "same": within `tolerance`, relative or absolute, element by element; NaN is never the same."""
     with np.errstate(invalid="ignore", over="ignore"):
-        return bool(np.all(np.abs(got - expected) <= tolerance * np.maximum(1.0, np.abs(expected))))
+        return bool((np.abs(got - expected) <= tolerance * np.maximum(1.0, np.abs(expected))).all())
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class SamePose:
             return unreadable(error)
         if pose.shape != (3,):
             return wrong_shape(wanted, pose)
-        if not np.all(np.isfinite(pose)):
+        if not np.isfinite(pose).all():
             return Mismatch("Une des coordonnées n'est pas un nombre fini.", "nan")
         if not close(wanted[:2], pose[:2], self.tolerance):
             return Mismatch(self._position_message(wanted, pose))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import zlib
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -155,8 +156,15 @@ def observe(
     runner = Runner(local_launcher(misconception.source), kit, replaying=True)
     for check in grader.checks:
         if set(check.functions) & set(misconception.functions) and not enough(runner.observations):
-            run_check(check, Bench(check.id, runner, stream(seed, check.id), kit))
+            with suppress(Rejection, StudentFault):  # what it finds is not told: only what it observes counts
+                check.run(Bench(check.id, runner, stream(seed, check.id), kit))
     return runner.observations
+
+
+def rehearse(grader: ExerciseGrader) -> None:
+    """Grade the solution and a mistake in this process: what is imported and compiled at first use then is."""
+    for source in (grader.solution, *(mistake.source for mistake in grader.misconceptions[:1])):
+        grade(grader, local_launcher(source), seed=0, version="")
 
 
 def _ms(seconds: float) -> float:

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import copy
 import types
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any, Protocol
 
-from graders.core.values import Value
+from graders.core.values import Arguments, Value
 from graders.core.verdict import Outcome
 
 PROJECT = Path(__file__).resolve().parents[2]
@@ -60,6 +60,9 @@ class StudentFault(Exception):
         self.exception = exception
 
 
+Answer = Reply | StudentFault
+
+
 class Program(Protocol):
     """A loaded program; calls are by position."""
 
@@ -68,9 +71,32 @@ class Program(Protocol):
 
     def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply: ...
 
+    def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
+        """The answers of several calls, in order. A fault is the answer of its own call.
+
+        Calls may be drawn and made ahead of the answers. None is made after a fatal fault, after `faults` faults, or
+        where the function is missing: the last answer tells it.
+        """
+        ...
+
     def stdout(self) -> str: ...
 
     def close(self) -> None: ...
+
+
+def one_by_one(
+    program: Program, function: str, calls: Iterable[Arguments], faults: int | None = None
+) -> Iterator[Answer]:
+    """`Program.call_many` where nothing is won by calling ahead: each call is made when its answer is taken."""
+    left = faults
+    for args in calls:
+        try:
+            yield program.call(function, *args)
+        except StudentFault as fault:
+            yield fault
+            left = None if left is None else left - 1
+            if left == 0 or fault.fatal or fault.outcome is Outcome.MISSING_FUNCTION:
+                return
 
 
 Launcher = Callable[[KitSettings], Program]
@@ -87,13 +113,19 @@ def _compiled(source: str, name: str) -> types.CodeType:
     return compile(source, name, "exec", dont_inherit=True)
 
 
+@cache
+def _kit(module: str) -> dict[str, Any]:
+    """The names of a module's kit: `configurer` makes new ones for each program."""
+    names: dict[str, Any] = {"__name__": module}
+    exec(_compiled(kit_source(module), f"<kit {module}>"), names)
+    return names
+
+
 class LocalProgram:
     """Run trusted code in this process, with the same kit and the same interface as a student's program."""
 
     def __init__(self, source: str, kit: KitSettings) -> None:
-        kit_names: dict[str, Any] = {"__name__": kit.module}
-        exec(_compiled(kit_source(kit.module), f"<kit {kit.module}>"), kit_names)
-        self._names: dict[str, Any] = {"__name__": "solution", **kit_names["configurer"](**kit.parameters)}
+        self._names: dict[str, Any] = {"__name__": "solution", **_kit(kit.module)["configurer"](**kit.parameters)}
         before = set(self._names)
         exec(_compiled(source, "<trusted>"), self._names)
         self.functions = frozenset(n for n in self._names if n not in before and callable(self._names[n]))
@@ -109,6 +141,9 @@ class LocalProgram:
             message = f"{type(error).__name__} : {error}"
             raise StudentFault(Outcome.RUNTIME_ERROR, message, exception=type(error).__name__) from error
         return Reply(copy.deepcopy(value), given if return_arguments else None)
+
+    def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
+        return one_by_one(self, function, calls, faults)
 
     def stdout(self) -> str:
         return ""

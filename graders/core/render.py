@@ -13,6 +13,8 @@ MAX_ITEMS = 400
 MAX_TEXT = 400
 MINUS = "\N{MINUS SIGN}"
 NEGLIGIBLE = 1e-13
+#: An integer of more bits may be beyond every float.
+_FLOAT_BITS = 1023
 
 
 def to_jsonable(value: Value, *, limit: int = MAX_ITEMS) -> Any:
@@ -66,13 +68,9 @@ def number(value: complex, digits: int = 6) -> str:
     """
     if isinstance(value, complex):
         return f"{number(value.real, digits)} + {number(value.imag, digits)} i"
-    if math.isnan(value):
-        return "nan"
-    if math.isinf(value):
-        return "∞" if value > 0 else f"{MINUS}∞"
-    turn = _fraction_of_pi(value)
-    if turn is not None:
-        return turn
+    named = _beyond(value) or _fraction_of_pi(value)
+    if named is not None:
+        return named
     if abs(value) < NEGLIGIBLE:
         return "0"
     text = f"{value:.{digits}g}" if not isinstance(value, int) or abs(value) >= 10**15 else str(value)
@@ -80,6 +78,17 @@ def number(value: complex, digits: int = 6) -> str:
         mantissa, exponent = text.split("e")
         text = f"{mantissa} × 10^{int(exponent)}"
     return text.replace(".", ",").replace("-", MINUS)
+
+
+def _beyond(value: float) -> str | None:
+    """What digits cannot say: not a number, an infinity, an integer beyond every float."""
+    if isinstance(value, int) and value.bit_length() > _FLOAT_BITS:
+        return f"environ {MINUS if value < 0 else ''}10^{int(value.bit_length() * math.log10(2))}"
+    if math.isnan(value):
+        return "nan"
+    if math.isinf(value):
+        return "∞" if value > 0 else f"{MINUS}∞"
+    return None
 
 
 def _fraction_of_pi(value: float) -> str | None:

@@ -12,10 +12,9 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from graders.core.values import Value
+from graders.core.values import Arguments, Value
 
 Shrinker = Callable[[Value], Iterator[Value]]
-Arguments = tuple[Value, ...]
 
 MAX_CALLS = 80
 MAX_SECONDS = 0.25

@@ -2,8 +2,9 @@
 
 import math
 from datetime import datetime
+from uuid import UUID
 
-from sqlalchemy import Insert, select
+from sqlalchemy import Insert, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
@@ -22,6 +23,16 @@ def take(db: Session, key: str, bucket: Bucket, refusal: str) -> None:
         wait = max(1, math.ceil((1 - tokens) * bucket.refill_seconds))
         raise TooMany(refusal.format(seconds=wait), retry_after=wait)
     allowance.tokens, allowance.updated_at = tokens - 1, now
+
+
+def give_back(db: Session, key: str) -> None:
+    """Gives back a token that was taken for nothing; `refilled` keeps the bucket within its bounds."""
+    db.execute(update(Allowance).where(Allowance.key == key).values(tokens=Allowance.tokens + 1))
+
+
+def of_submissions(account_id: UUID) -> str:
+    """The key of the bucket from which an account's submissions are taken."""
+    return f"submit:{account_id}"
 
 
 def refilled(tokens: float, elapsed: float, bucket: Bucket) -> float:

@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 
+from server.cli.french import speak_french
+
 CANNOT = 2
 Command = Callable[[argparse.Namespace], int]
 
@@ -31,6 +33,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
+    speak_french()
     parser = argparse.ArgumentParser(prog="balise", description="Plateforme de cours à correction automatique.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMANDE")
     _serve(commands.add_parser("serve", help="lance tout le service", description="Lance tout le service."))

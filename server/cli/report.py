@@ -39,7 +39,8 @@ def render(verdict: Json) -> str:
 def _lines(verdict: Json) -> Iterator[str]:
     outcome = OUTCOMES.get(verdict["outcome"], verdict["outcome"])
     if verdict["outcome"] == "internal_error":
-        yield f"{verdict['exercise']} : la correction a échoué de notre côté ; rien n’est compté contre vous."
+        yield f"{verdict['exercise']} : la correction a échoué de notre côté ; rien n’est compté."
+        yield "Vous pouvez renvoyer le fichier tel quel."
     else:
         yield f"{verdict['exercise']} : {number(verdict['points'])}/{number(verdict['max_points'])} — {outcome}"
     yield ""

@@ -2,6 +2,7 @@
 
 import errno
 import fcntl
+import gc
 import logging
 import os
 import signal
@@ -41,6 +42,7 @@ def run(arguments: Namespace) -> int:
         catalogue = load()
         require_safe_sandbox(probing)
         app = create_app(settings, catalogue=catalogue)
+        gc.freeze()  # what is loaded stays: no collection, while someone waits for an answer, needs to look at it again
         _serve(app, listener, lambda: _announce(settings, catalogue, _address(listener)))
     return 0
 

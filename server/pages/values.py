@@ -39,7 +39,7 @@ class ValueView:
 def view(value: Any, expected: Any = None) -> ValueView:
     """Lay out `value`; numbers that differ from those of `expected`, where it has the same shape, are marked."""
     if isinstance(value, Mapping):
-        return _summary(value) if "forme" in value else _fields(value)
+        return _summary(value) if _is_summary(value) else _fields(value)
     if isinstance(value, list) and value:
         return _sequence(value, expected)
     return ValueView("text", scalar(value))
@@ -56,6 +56,12 @@ def scalar(value: Any) -> str:
     if isinstance(value, str):
         return SPECIAL.get(value, value)
     return "[ ]" if value == [] else str(value)
+
+
+def _is_summary(value: Mapping[str, Any]) -> bool:
+    """Whether it stands for an array too large to be kept; a dictionary that a program returned may look like one."""
+    parts = [value.get("forme"), value.get("premiers", [])]
+    return value.keys() <= {"forme", "premiers"} and all(isinstance(part, list) for part in parts)
 
 
 def _summary(value: Mapping[str, Any]) -> ValueView:

@@ -52,6 +52,10 @@ def finish(db: Session, submission_id: UUID, token: UUID, result: dict[str, Any]
     return db.execute(statement).first() is not None
 
 
+def account_of(db: Session, submission_id: UUID) -> UUID:
+    return db.execute(select(Submission.account_id).where(Submission.id == submission_id)).scalar_one()
+
+
 def give_back(db: Session, submission_id: UUID, token: UUID) -> bool:
     """Puts an unfinished submission back in the queue, as if it had not been tried."""
     values = {**FREED, "state": State.queued, "attempts": Submission.attempts - 1}

@@ -14,11 +14,12 @@ from uuid import UUID, uuid4
 
 from sqlalchemy.orm import Session
 
+from server.accounts import throttle
 from server.database import utc_now
 from server.queue import repository
 from server.queue.owner import Owner, is_dead
 from server.queue.port import signals_of
-from server.submissions.models import State, Submission
+from server.submissions.models import INTERNAL_ERROR, State, Submission
 
 log = logging.getLogger(__name__)
 
@@ -69,9 +70,17 @@ def heartbeat(db: Session, lease: Lease, lease_seconds: float) -> bool:
 
 def finish(db: Session, lease: Lease, result: Result) -> bool:
     """Records a result, once: False when another holder has taken over, and nothing is written then."""
-    recorded = repository.finish(db, lease.submission_id, lease.token, result)
+    recorded = _finish(db, lease.submission_id, lease.token, result)
     if recorded:
         signals_of(db).changed(db, lease.submission_id)
+    return recorded
+
+
+def _finish(db: Session, submission_id: UUID, token: UUID, result: Result) -> bool:
+    """Our own failure costs its author nothing: what it took from their allowance comes back with it."""
+    recorded = repository.finish(db, submission_id, token, result)
+    if recorded and result["outcome"] == INTERNAL_ERROR:
+        throttle.give_back(db, throttle.of_submissions(repository.account_of(db, submission_id)))
     return recorded
 
 
@@ -108,8 +117,11 @@ def _take_back(db: Session, rows: Iterable[Submission], give_up: GiveUp) -> int:
 def _take_one_back(db: Session, row: Submission, give_up: GiveUp) -> bool:
     token = row.lease_token or uuid4()
     if row.attempts >= MAX_ATTEMPTS:
-        log.error("submission %s of %s: given up after %d attempts", row.id, row.exercise, row.attempts)
-        taken = repository.finish(db, row.id, token, give_up(row))
+        log.error(
+            "submission %s of %s: given up, %d attempts ended their workers (seed %d, %d bytes, digest %s)",
+            *(row.id, row.exercise, row.attempts, row.seed, len(row.source), row.digest),
+        )
+        taken = _finish(db, row.id, token, give_up(row))
     else:
         log.warning("submission %s of %s: its worker is gone, queued again", row.id, row.exercise)
         taken = repository.requeue(db, row.id, token)

@@ -128,9 +128,19 @@ def source_too_big(length: int, policy: Policy) -> str:
     )
 
 
+#: What to say of a system's own error, by the words that it comes with (`OSError` alone says little).
+_SYSTEM = {
+    "Too many open files": "Trop de fichiers sont ouverts à la fois : fermez-les, ou ouvrez-les par « with ».",
+    "No space left on device": "Votre dossier est plein : n'y gardez que le nécessaire, ou calculez sans fichier.",
+    "Disk quota exceeded": "Votre dossier est plein : n'y gardez que le nécessaire, ou calculez sans fichier.",
+    "File too large": "Ce fichier est trop gros : calculez sans fichier, ou écrivez moins.",
+}
+
+
 def runtime_error(exception: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
     told = f"{exception} ({text})" if text else exception
-    return located(line, frames, f"{told}. {_ADVICE.get(exception, '')}".strip())
+    system = next((advice for words, advice in _SYSTEM.items() if words in text), None)
+    return located(line, frames, f"{told}. {system or _ADVICE.get(exception, '')}".strip())
 
 
 def import_error(exception: str, module: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import secrets
+import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any, NoReturn, Self
 
 import numpy as np
 
 from server.sandbox import diagnosis, messages
+from server.sandbox.batch import QUESTION, Batch, batches
 from server.sandbox.child import codec, frames
 from server.sandbox.child.codec import Value
 from server.sandbox.faults import FaultKind, ProgramFault, SandboxFault, TemplateFault
@@ -22,9 +25,9 @@ from server.sandbox.wire import Closed, Forged, Late
 GRACE = 0.5
 _READY_SECONDS = 10.0
 _ENDING_SECONDS = 5.0
-_QUESTION = codec.Limits(size=1 << 28, depth=64, items=10_000_000)
+_NO_END = 1 << 31
 _FAULT = codec.Limits(size=1 << 16, depth=8, items=1000)
-_ANSWERS = frozenset({frames.VALUE, frames.FAULT})
+_ANSWERS, _END = frozenset({frames.VALUE, frames.FAULT}), frozenset({frames.DONE})
 
 
 class Session:
@@ -33,6 +36,7 @@ class Session:
     def __init__(self, child: Child, policy: Policy) -> None:
         self._child, self._policy = child, policy
         self._waited = 0.0
+        self._batch: Batch | None = None
         self._fatal: ProgramFault | None = None
         self._closed = False
         self._printed, self._cut = "", False
@@ -43,7 +47,9 @@ class Session:
         self._expect(0, frames.READY)
         self._configure(kit)
         question: dict[str, Value] = {"source": np.frombuffer(source, dtype=np.uint8), "filename": filename}
-        functions = diagnosis.names(self._exchange(frames.LOAD, question))
+        token = secrets.randbits(64)
+        self._say(token, frames.LOAD, codec.encode(question | {"wall": self._left}, QUESTION))
+        functions = diagnosis.names(self._understood(*self._hear(token, _ANSWERS)))
         if functions is None:
             self._forged()
         self.functions = functions
@@ -56,7 +62,7 @@ class Session:
         token = secrets.randbits(64)
         try:
             deadline = time.monotonic() + _READY_SECONDS
-            self._child.wire.ask(token, frames.CONFIGURE, codec.encode(question, _QUESTION), deadline)
+            self._child.wire.ask(token, frames.CONFIGURE, codec.encode(question, QUESTION), deadline)
         except (Late, Closed, Forged) as error:
             raise TemplateFault(f"a fork does not listen: {type(error).__name__}") from error
         self._expect(token, frames.CONFIGURED)
@@ -105,18 +111,81 @@ class Session:
 
     def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
         """Calls a function of the student's file. Raises ProgramFault, or SandboxFault when the fault is ours."""
-        if self._closed:
-            raise SandboxFault("the session is closed")
-        if self._fatal:
-            raise self._fatal
-        if function not in self.functions:
-            message = messages.missing_function(function, self.functions)
-            raise ProgramFault(FaultKind.MISSING_FUNCTION, messages.typeset(message))
-        question: dict[str, Value] = {"function": function, "arguments": args, "return_arguments": return_arguments}
+        answer = next(self.call_many(function, [args], return_arguments=return_arguments))
+        if isinstance(answer, ProgramFault):
+            raise answer
+        return answer
+
+    def call_many(
+        self,
+        function: str,
+        calls: Iterable[tuple[Value, ...]],
+        *,
+        return_arguments: bool = False,
+        faults: int | None = None,
+    ) -> Iterator[Reply | ProgramFault]:
+        """Calls a function with each tuple of arguments in turn, and gives each answer as it comes.
+
+        Questions are sent ahead, in batches. A fault is the answer of its own call. There are fewer answers than calls
+        after one that is fatal, after as many as `faults`, and where the function is missing: the program has then
+        been asked no more, or has stopped by itself. An iterator that is left before its end lets the program finish
+        its batch. Raises SandboxFault when the fault is ours.
+        """
+        self._must_be_open()
+        if function in self.functions or self._fatal:
+            asked = batches(function, calls, return_arguments=return_arguments)
+            return self._answers(asked, _NO_END if faults is None else faults)
+        message = messages.missing_function(function, self.functions)
+        return iter((ProgramFault(FaultKind.MISSING_FUNCTION, messages.typeset(message)),))
+
+    def _answers(self, asked: Iterable[Batch], faults: int) -> Iterator[Reply | ProgramFault]:
         try:
-            return self._reply(self._exchange(frames.CALL, question), len(args) if return_arguments else None)
+            for batch in asked:
+                self._ask(batch, faults)
+                while batch.waits:
+                    answer = self._next(batch)
+                    faults -= isinstance(answer, ProgramFault)
+                    yield answer
+                if batch.dropped:
+                    raise SandboxFault("other questions have been asked since")
+                if not faults:
+                    return
+        except ProgramFault as fatal:
+            yield fatal
         except TemplateFault as error:
             raise SandboxFault(str(error)) from error
+
+    def _ask(self, batch: Batch, faults: int) -> None:
+        """Sends a batch. What is left of one whose iterator was abandoned is read first, and dropped."""
+        if self._fatal:
+            raise self._fatal
+        while self._batch is not None and self._batch.waits:
+            self._batch.dropped = True
+            self._next(self._batch)
+        self._say(batch.token, frames.CALLS, batch.payload(self._left, faults))
+        self._batch = batch
+
+    def _next(self, batch: Batch) -> Reply | ProgramFault:
+        """The next answer of a batch; raises a fault that is fatal. With the last one comes the end of the batch."""
+        self._must_be_open()
+        if self._fatal:
+            raise self._fatal
+        token, arguments = batch.next()
+        answer: Reply | ProgramFault
+        try:
+            answer = self._reply(self._understood(*self._hear(token, _ANSWERS)), arguments)
+        except ProgramFault as fault:
+            if fault.fatal:
+                raise
+            answer = fault
+            batch.fault()
+        if not batch.waits:
+            self._hear(batch.token, _END)
+        return answer
+
+    def _must_be_open(self) -> None:
+        if self._closed:
+            raise SandboxFault("the session is closed")
 
     def _reply(self, answer: Value, expected: int | None) -> Reply:
         if not isinstance(answer, tuple) or len(answer) != 2:
@@ -127,15 +196,24 @@ class Session:
             self._forged()
         return Reply(value, arguments if isinstance(arguments, tuple) else None)
 
-    def _exchange(self, kind: int, question: dict[str, Value]) -> Value:
-        left = max(self._policy.wall_seconds - self._waited, 0.001)
-        payload = codec.encode(question | {"wall": left}, _QUESTION)
-        token = secrets.randbits(64)
+    @property
+    def _left(self) -> float:
+        return max(self._policy.wall_seconds - self._waited, 0.001)
+
+    def _say(self, token: int, kind: int, payload: bytes) -> None:
+        with self._counted() as deadline:
+            self._child.wire.ask(token, kind, payload, deadline)
+
+    def _hear(self, token: int, kinds: frozenset[int]) -> tuple[int, bytes]:
+        with self._counted() as deadline:
+            return self._child.wire.answer(token, kinds, self._policy.frame_bytes, deadline)
+
+    @contextmanager
+    def _counted(self) -> Iterator[float]:
+        """Counts the time spent with the wire, and ends a session that has no more of it or that plays with it."""
         start = time.monotonic()
         try:
-            self._child.wire.ask(token, kind, payload, start + left + GRACE)
-            limit = self._policy.frame_bytes
-            outcome, answer = self._child.wire.answer(token, _ANSWERS, limit, start + left + GRACE)
+            yield start + self._left + GRACE
         except Late:
             self._end(lambda _: diagnosis.late(self._policy))
         except Forged:
@@ -144,7 +222,6 @@ class Session:
             self._died()
         finally:
             self._waited += time.monotonic() - start
-        return self._understood(outcome, answer)
 
     def _understood(self, outcome: int, answer: bytes) -> Value:
         try:
@@ -164,9 +241,12 @@ class Session:
         """The wire is closed: the process has ended by itself, or it has closed the wire and lives on."""
         try:
             self._child.ending(GRACE)
-        except TimeoutError:
-            self._forged()
+        except TimeoutError:  # it lives on, or the machine is too busy to tell its end: only our own kill shows which
+            self._end(self._killed_or_ended)
         self._end(lambda ending: diagnosis.ended(ending, self._policy))
+
+    def _killed_or_ended(self, ending: Ending) -> ProgramFault:
+        return diagnosis.forged() if ending.status == signal.SIGKILL else diagnosis.ended(ending, self._policy)
 
     def _forged(self) -> NoReturn:
         self._end(lambda _: diagnosis.forged())

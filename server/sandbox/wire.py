@@ -6,9 +6,9 @@ import select
 import socket
 import time
 
-from server.sandbox.child.frames import HEADER
+from server.sandbox.child.frames import HEADER, framed
 
-_PIECE = 1 << 18
+_PIECE = 1 << 16
 
 
 class Late(Exception):
@@ -31,15 +31,19 @@ class Wire:
         self._end = end
         self._poll = select.poll()
         self._poll.register(end, select.POLLIN)
+        self._piece = memoryview(bytearray(_PIECE))
+        self._held = bytearray()
 
     def close(self) -> None:
         self._end.close()
 
     def ask(self, token: int, kind: int, payload: bytes, deadline: float) -> None:
         """Sends a question. Raises Forged when something has come that nobody asked for."""
+        if self._held:
+            raise Forged
         if self._poll.poll(0):
             raise Closed if not self._peek() else Forged
-        view = memoryview(HEADER.pack(len(payload), token, kind) + payload)
+        view = memoryview(framed(token, kind, payload))
         while view:
             try:
                 view = view[self._end.send(view) :]
@@ -64,19 +68,21 @@ class Wire:
             return False
 
     def _read(self, length: int, deadline: float) -> bytes:
-        pieces = bytearray()
-        while len(pieces) < length:
+        """The next bytes of those held, of which there is never more than the answer that is read, and a piece."""
+        while len(self._held) < length:
             try:
-                piece = self._end.recv(min(length - len(pieces), _PIECE))
+                count = self._end.recv_into(self._piece)
             except BlockingIOError:
                 self._wait(select.POLLIN, deadline)
                 continue
             except OSError as error:
                 raise Closed from error
-            if not piece:
+            if not count:
                 raise Closed
-            pieces += piece
-        return bytes(pieces)
+            self._held += self._piece[:count]
+        wanted = bytes(memoryview(self._held)[:length])
+        del self._held[:length]
+        return wanted
 
     def _wait(self, event: int, deadline: float) -> None:
         left = deadline - time.monotonic()

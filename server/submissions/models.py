@@ -10,6 +10,9 @@ from sqlalchemy.orm import Mapped, mapped_column
 
 from server.database.base import Base, UtcDateTime, utc_now
 
+#: The outcome of a failure of ours, which never counts.
+INTERNAL_ERROR = "internal_error"
+
 
 class State(StrEnum):
     queued = "queued"

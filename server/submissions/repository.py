@@ -7,9 +7,7 @@ from uuid import UUID
 from sqlalchemy import Row, case, delete, func, select, update
 from sqlalchemy.orm import Session, undefer
 
-from server.submissions.models import SolutionOpening, State, Submission
-
-INTERNAL_ERROR = "internal_error"
+from server.submissions.models import INTERNAL_ERROR, SolutionOpening, State, Submission
 
 
 def by_id(db: Session, submission_id: UUID) -> Submission | None:

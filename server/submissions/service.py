@@ -42,7 +42,7 @@ def submit(db: Session, account: Account, exercise_id: str, code: str) -> Submis
     """Stores the submission and queues it. Raises TooLarge, TooMany or Invalid (each with its sentence in French)."""
     settings = _settings(db)
     source = encoded(code, settings.code_bytes)
-    throttle.take(db, f"submit:{account.id}", settings.submission_bucket, TOO_FAST)
+    throttle.take(db, throttle.of_submissions(account.id), settings.submission_bucket, TOO_FAST)
     submission = Submission(
         account_id=account.id,
         exercise=exercise_id,

@@ -4,13 +4,16 @@ The student's fault becomes a verdict. Ours (the sandbox, a grader, this file) i
 ends as `internal_error`.
 """
 
+import hashlib
 import logging
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from uuid import UUID
 
 from graders.core.exercise import ExerciseGrader
 from graders.core.grading import Grading, grade
-from graders.core.program import KitSettings, Launcher, Reply, StudentFault
-from graders.core.values import Value
+from graders.core.program import Answer, KitSettings, Launcher, Reply, StudentFault
+from graders.core.values import Arguments, Value
 from graders.core.verdict import Outcome, internal_error_verdict
 from server.catalogue.models import Catalogue, Exercise
 from server.sandbox import Frame, Kit, Policy, ProgramFault, Sandbox, Session
@@ -35,6 +38,13 @@ class SandboxProgram:
         except ProgramFault as fault:
             raise student_fault(fault) from fault
         return Reply(reply.value, reply.arguments)
+
+    def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
+        for answer in self._session.call_many(function, calls, faults=faults):
+            if isinstance(answer, ProgramFault):
+                yield student_fault(answer)
+            else:
+                yield Reply(answer.value)
 
     def stdout(self) -> str:
         return self._session.stdout()
@@ -73,14 +83,19 @@ class Grader:
         self._catalogue = catalogue
         self._sandbox = sandbox
 
-    def grade(self, exercise_id: str, source: bytes, seed: int) -> Grading:
+    def grade(self, exercise_id: str, source: bytes, seed: int, *, submission: UUID | None = None) -> Grading:
         """Never raises for a reason of ours: after a second failure the verdict is `internal_error`."""
+        version = version_of(self._catalogue, exercise_id)
         for attempt in range(1, TRIES + 1):
             try:
                 return self._grade(self._catalogue.exercises[exercise_id], source, seed)
             except Exception:
-                log.exception("grading %s with seed %d failed (try %d of %d)", exercise_id, seed, attempt, TRIES)
-        version = version_of(self._catalogue, exercise_id)
+                # All that it takes to grade the same again: the source is in the database, or the caller has it.
+                digest = hashlib.sha256(source).hexdigest()
+                log.exception(
+                    "grading %s (version %s) with seed %d failed, try %d of %d: submission %s, %d bytes, sha256 %s",
+                    *(exercise_id, version, seed, attempt, TRIES, submission or "by hand", len(source), digest),
+                )
         return Grading(internal_error_verdict(exercise_id, version, seed))
 
     def _grade(self, exercise: Exercise, source: bytes, seed: int) -> Grading:

@@ -11,7 +11,8 @@ from contextlib import closing
 from types import FrameType
 from typing import Any
 
-from server.catalogue import load
+from graders.core.grading import rehearse
+from server.catalogue import Catalogue, load
 from server.database import Database
 from server.queue.port import Signals, WorkSource
 from server.queue.service import Lease
@@ -50,26 +51,35 @@ def start_logging(name: str) -> None:
     logging.basicConfig(level=logging.INFO, format=f"%(asctime)s %(levelname)s {name} %(name)s: %(message)s")
 
 
-def _warm(sandbox: Sandbox) -> None:
-    """Starts the templates before the first submission, which meets again one that fails."""
+def _warm(sandbox: Sandbox, catalogue: Catalogue) -> None:
+    """Starts the templates, then has the graders load and compile what they use, before the first submission.
+
+    What fails here fails again, and is told, when a submission meets it.
+    """
     for imports in ("numpy", "scipy"):
         try:
             sandbox.warm(imports)
         except SandboxFault:
             log.warning("the %s template did not start", imports, exc_info=True)
+    for exercise in catalogue.exercises.values():
+        try:
+            rehearse(exercise.grader)
+        except Exception:
+            log.exception("the grader of %s does not work", exercise.id)
+    gc.freeze()  # what was loaded stays: no collection needs to look at it again
 
 
 def run(settings: Settings, work: WorkSource, signals: Signals) -> None:
     """Grades with the real catalogue and sandbox until told to stop."""
     catalogue = load(render=False)
-    gc.freeze()  # what is loaded stays: no collection needs to look at it again
+    gc.freeze()
     database = Database(settings.url, {"settings": settings, "signals": signals})
     with closing(database), Sandbox(catalogue.kits) as sandbox:
         grader = Grader(catalogue, sandbox)
-        threading.Thread(target=_warm, args=(sandbox,), name="warm-up", daemon=True).start()
+        threading.Thread(target=_warm, args=(sandbox, catalogue), name="warm-up", daemon=True).start()
 
         def grade(lease: Lease) -> dict[str, Any]:
-            grading = grader.grade(lease.exercise, lease.source, lease.seed)
+            grading = grader.grade(lease.exercise, lease.source, lease.seed, submission=lease.submission_id)
             return recorded(grading.verdict, grading.figures)
 
         Worker(database, settings, grade).run(work)

@@ -1,6 +1,8 @@
-"""Time from submit to verdict over HTTP, on a freshly started `balise serve`. Run by hand:
+"""Time from submit to verdict over HTTP, on a freshly started `balise serve`, and where it goes. Run by hand:
 
 python tests/benchmarks/bench_http.py l20/poses graders/l20/poses/solution.py --count 200
+
+The steps are told apart by the times that the server itself writes in the submission's row and in its verdict.
 """
 
 from __future__ import annotations
@@ -8,14 +10,18 @@ from __future__ import annotations
 import argparse
 import os
 import re
+import sqlite3
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
+from uuid import UUID
 
 import httpx
 
@@ -48,21 +54,57 @@ def new_token(client: httpx.Client) -> str:
     return found[1]
 
 
-def times(client: httpx.Client, exercise: str, code: str, count: int) -> tuple[list[float], list[float]]:
-    """Milliseconds over HTTP, and those of the grading alone as the verdict tells them."""
-    whole, grading = [], []
+@dataclass(frozen=True)
+class Exchange:
+    """One submission as the client saw it: seconds since the epoch, and the verdict's own timings."""
+
+    id: str
+    began: float
+    ended: float
+    timings: dict[str, float]
+
+
+def exchanges(client: httpx.Client, exercise: str, code: str, count: int) -> list[Exchange]:
+    seen = []
     for _ in range(count):
-        began = time.perf_counter()
+        began = time.time()
         answer = client.post("/api/v1/submissions?wait=30", json={"exercise": exercise, "code": code})
-        whole.append(1000 * (time.perf_counter() - began))
+        ended = time.time()
         assert answer.status_code == 200, answer.text
-        grading.append(answer.json()["verdict"]["timings"]["total_ms"])
-    return whole, grading
+        seen.append(Exchange(answer.json()["id"], began, ended, answer.json()["verdict"]["timings"]))
+    return seen
+
+
+def steps(exchange: Exchange, row: tuple[float, float, float]) -> dict[str, float]:
+    """Milliseconds of each step; `row`: when it was stored, leased to a worker, and its verdict ready."""
+    stored, leased, judged = row
+    grading = exchange.timings["total_ms"]
+    return {
+        "submit to verdict": 1000 * (exchange.ended - exchange.began),
+        "  received, to the row": 1000 * (stored - exchange.began),
+        "  committed, to a lease": 1000 * (leased - stored),
+        "  leased, to a start": max(0.0, 1000 * (judged - leased) - grading),
+        "  checks": exchange.timings["checks_ms"],
+        "  diagnosis": exchange.timings["diagnosis_ms"],
+        "  judged, to an answer": 1000 * (exchange.ended - judged),
+    }
+
+
+def rows(data: Path) -> dict[str, tuple[float, float, float]]:
+    """The three times of each submission, by its id."""
+    query = "SELECT id, created_at, started_at, finished_at FROM submission"
+    with closing(sqlite3.connect(data / "balise.sqlite3")) as database:
+        found = database.execute(query).fetchall()
+    return {str(UUID(identity)): tuple(map(_seconds, times)) for identity, *times in found}  # type: ignore[misc]
+
+
+def _seconds(text: str) -> float:
+    return datetime.fromisoformat(text).replace(tzinfo=UTC).timestamp()
 
 
 def summary(name: str, values: list[float]) -> str:
     cuts = statistics.quantiles(values, n=100)
-    return f"{name:<24} p50 {cuts[49]:7.1f} ms   p95 {cuts[94]:7.1f} ms   max {max(values):7.1f} ms"
+    return f"{name:<26} p50 {cuts[49]:7.1f} ms   p95 {cuts[94]:7.1f} ms   max {max(values):7.1f} ms"
 
 
 def main() -> None:
@@ -78,10 +120,12 @@ def main() -> None:
         httpx.Client(base_url=address, timeout=60) as client,
     ):
         client.headers["Authorization"] = f"Bearer {new_token(client)}"
-        times(client, arguments.exercise, code, WARM_UP)
-        whole, grading = times(client, arguments.exercise, code, arguments.count)
-    print(summary("submit to verdict", whole))
-    print(summary("of which grading", grading))
+        exchanges(client, arguments.exercise, code, WARM_UP)
+        seen = exchanges(client, arguments.exercise, code, arguments.count)
+        known = rows(Path(folder))
+    measured = [steps(exchange, known[exchange.id]) for exchange in seen]
+    for name in measured[0]:
+        print(summary(name, [step[name] for step in measured]))
 
 
 if __name__ == "__main__":

@@ -28,8 +28,8 @@ POLICY = Policy(frame_bytes=1 << 16, items=1000)
 AMPLIFICATION, BASE = 64, 1 << 14
 #: No sentence for a student is longer.
 LONGEST_MESSAGE = 8000
-#: What stands for the token of the question, in a scripted answer.
-TOKEN = b"<token>!"
+#: What stands for the token of the question, and of the batch that it is alone in, in a scripted answer.
+TOKEN, BATCH = b"<token>!", b"<batch>!"
 
 SEEDS = [
     encode(value, LIMITS)
@@ -113,11 +113,16 @@ class _Answering(socket.socket):
         length = super().send(data, flags)
         self._sent += bytes(data[:length])
         while len(self._sent) >= frames.HEADER.size and self._replies:
-            size, token, _ = frames.HEADER.unpack(self._sent[: frames.HEADER.size])
-            if len(self._sent) < frames.HEADER.size + size:
+            size, batch, kind = frames.HEADER.unpack(self._sent[: frames.HEADER.size])
+            whole = frames.HEADER.size + size
+            if len(self._sent) < whole:
                 break
-            del self._sent[: frames.HEADER.size + size]
-            self._peer.send(self._replies.pop(0).replace(TOKEN, struct.pack("<Q", token)), socket.MSG_DONTWAIT)
+            token = batch
+            if kind == frames.CALLS:
+                _, (token, _) = frames.unbatched(bytes(self._sent[frames.HEADER.size : whole]))
+            del self._sent[:whole]
+            reply = self._replies.pop(0).replace(TOKEN, struct.pack("<Q", token))
+            self._peer.send(reply.replace(BATCH, struct.pack("<Q", batch)), socket.MSG_DONTWAIT)
             if not self._replies:
                 self._peer.shutdown(socket.SHUT_WR)
         return length
@@ -148,9 +153,12 @@ class _ScriptedChild:
 def converse_soundly(reply: bytes, *, loading: bool = False, status: int = 0) -> str:
     """Outcome of a session whose child answers a call (or the loading) with these bytes, TOKEN being the right token.
 
+    A call's answer that is whole is followed by the end of its batch.
     Fails when the trusted side does anything but give an exact value or raise one of its own faults.
     """
-    child = _ScriptedChild([reply] if loading else [LOADED, reply], Ending(status, 0.1, 1 << 30))
+    child = _ScriptedChild(
+        [reply] if loading else [LOADED, reply + (DONE if _is_whole(reply) else b"")], Ending(status, 0.1, 1 << 30)
+    )
     session = Session(child, POLICY)  # type: ignore[arg-type]
     try:
         session.load(b"", "solution.py", None)
@@ -171,6 +179,13 @@ def framed(payload: bytes, kind: int = frames.VALUE, length: int | None = None) 
     return struct.pack("<I", len(payload) if length is None else length) + TOKEN + bytes([kind]) + payload
 
 
+def _is_whole(frame: bytes) -> bool:
+    if len(frame) < frames.HEADER.size:
+        return False
+    length, _, _ = frames.HEADER.unpack_from(frame)
+    return len(frame) >= frames.HEADER.size + length
+
+
 def assert_presentable(fault: ProgramFault) -> None:
     """A fault of the contract, whose text may be shown on any page and any terminal."""
     assert type(fault.kind) is FaultKind
@@ -185,6 +200,7 @@ def frame_texts(frame: Any) -> tuple[str, str]:
     return frame.function, frame.source
 
 
+DONE = struct.pack("<I", 0) + BATCH + bytes([frames.DONE])
 LOADED = framed(encode(("f",), LIMITS))
 #: Wait statuses: exits, then deaths by KILL, SEGV, SYS, XCPU, ALRM, ABRT.
 STATUSES = (0, 256, 9, 11, 31, 24, 14, 6)

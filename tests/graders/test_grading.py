@@ -1,18 +1,27 @@
 """Grading and diagnosis as a whole, on a toy exercise whose every failure is known."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from graders.core.bench import Bench, Runner
 from graders.core.checks import Cases, Trial, Untouched
 from graders.core.compare import CloseTo
 from graders.core.exercise import ExerciseGrader, MalformedExerciseError, Misconception, exercise
 from graders.core.grading import grade
-from graders.core.program import KitSettings, LocalProgram, Reply, StudentFault, local_launcher
+from graders.core.program import (
+    Answer,
+    KitSettings,
+    LocalProgram,
+    Reply,
+    StudentFault,
+    local_launcher,
+    one_by_one,
+)
 from graders.core.shrink import shrink_array
 from graders.core.verdict import Outcome, internal_error_verdict
 from graders.l20 import world
@@ -161,6 +170,9 @@ class Dying:
             raise StudentFault(Outcome.TIMEOUT, "trop long", fatal=True)
         return Reply(args[0] ** 2, args)
 
+    def call_many(self, function: str, calls: Iterable[Any], *, faults: int | None = None) -> Iterator[Answer]:
+        return one_by_one(self, function, calls, faults)
+
     def stdout(self) -> str:
         return "imprimé"
 
@@ -176,6 +188,56 @@ def test_a_function_that_killed_its_process_is_called_once() -> None:
     assert log.count("close") == 2
     assert [check.passed for check in result.checks] == [False, True, False]
     assert result.stdout == "imprimé"
+
+
+def bench_of(source: str, *, replaying: bool = False) -> Bench:
+    kit = world.kit(np.random.default_rng(0))
+    return Bench("t", Runner(local_launcher(source), kit, replaying=replaying), np.random.default_rng(0), kit)
+
+
+def test_many_calls_give_their_arguments_with_each_answer_and_stop_after_enough_faults() -> None:
+    bench = bench_of("def inverse(x):\n    return 1 / x\n")
+    pairs = list(bench.call_many("inverse", ((x,) for x in (2, 0, 4, 0, 5)), faults=2))
+    assert [args for args, _ in pairs] == [(2,), (0,), (4,), (0,)]
+    assert [a.value if isinstance(a, Reply) else a.exception for _, a in pairs] == [
+        0.5, "ZeroDivisionError", 0.25, "ZeroDivisionError",
+    ]  # fmt: skip
+    assert bench.last_call == ("inverse", (0,))
+
+
+def test_values_stop_at_the_first_fault() -> None:
+    bench = bench_of("def inverse(x):\n    return 1 / x\n")
+    values = bench.values("inverse", [(2,), (0,), (4,)])
+    assert next(values) == 0.5
+    with pytest.raises(StudentFault):
+        next(values)
+    assert list(values) == []
+
+
+def test_many_calls_to_a_function_that_killed_its_process_get_one_answer() -> None:
+    log: list[str] = []
+    kit = world.kit(np.random.default_rng(0))
+    bench = Bench("t", Runner(lambda kit: Dying(log), kit), np.random.default_rng(0), kit)
+    for _ in range(2):
+        ((args, answer),) = bench.call_many("double", [(1,), (2,)])
+        assert args == (1,)
+        assert isinstance(answer, StudentFault)
+        assert answer.fatal
+    assert log == ["double", "close"]
+    assert [answer for _, answer in bench.call_many("carre", [(2,), (3,)])] == [Reply(4, (2,)), Reply(9, (3,))]
+
+
+def test_calls_made_ahead_are_found_once_each_and_the_others_are_made() -> None:
+    source = "n = 0\ndef f(x):\n    global n\n    n += 1\n    return n / x[0]\n"
+    bench = bench_of(source)
+    ones, zeros = np.ones(1), np.zeros(1, dtype=int).tolist()
+    assert [a.value for a in bench.ahead("f", [(ones,), (ones.copy(),)]) if isinstance(a, Reply)] == [1.0, 2.0]
+    assert [bench.call("f", ones) for _ in range(3)] == [1.0, 2.0, 3.0]
+    assert len(bench.ahead("f", [(zeros,), (ones,)])) == 1
+    with pytest.raises(StudentFault):
+        bench.call("f", zeros)
+    assert bench.call("f", ones) == 5.0
+    assert bench_of(source, replaying=True).ahead("f", [(ones,)]) == []
 
 
 def test_a_file_that_does_not_load_fails_every_check() -> None:

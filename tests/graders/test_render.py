@@ -23,6 +23,7 @@ from graders.core import render
         (1e-6, "1 × 10^−6"),
         (0.1 + 0.2, "0,3"),
         (float("nan"), "nan"),
+        (-(10**400), "environ −10^400"),
         (-math.inf, "−∞"),
         (123456789, "123456789"),
     ],

@@ -54,6 +54,30 @@ def test_distances_are_those_of_brute_force(cells: np.ndarray) -> None:
     assert chessboard_distance_to(cells).ravel().tolist() == gaps.max(axis=2).min(axis=1).tolist()
 
 
+@given(grids, grids)
+def test_drawings_there_and_back(free: np.ndarray, wall: np.ndarray) -> None:
+    drawn = GridMap(free & ~wall, wall, 0.5, np.array([1.0, 2.0, 3.0]))
+    again = GridMap.from_text(drawn.to_text(), 0.5, (1.0, 2.0, 3.0))
+    assert np.array_equal(again.free, drawn.free)
+    assert np.array_equal(again.occupied, drawn.occupied)
+
+
+def test_a_drawing_starts_with_row_0() -> None:
+    drawn = GridMap.from_text("""
+        ##.
+        #?.
+    """)
+    assert drawn.free.tolist() == [[False, False, True], [False, False, True]]
+    assert drawn.unknown.tolist() == [[False, False, False], [False, True, False]]
+    assert drawn.to_text() == "##.\n#?.\n"
+
+
+def test_scans_are_in_metres_wherever_the_map_lies() -> None:
+    room = GridMap.from_free(np.ones((10, 20)), 0.1, (5.0, 5.0, np.pi / 2))
+    ranges = room.cast_scans([[4.5, 6.0, np.pi / 2], [4.5, 6.0, 0.0], [9.0, 9.0, 0.0]], [0.0, np.pi], 0.8)
+    np.testing.assert_allclose(ranges, [[0.8, 0.8], [0.5, 0.5], [0.0, 0.0]], atol=1e-12)
+
+
 ONES = np.ones((2, 2))
 
 
@@ -70,6 +94,9 @@ ONES = np.ones((2, 2))
         ("points_cells", lambda: GridMap.from_free(ONES).to_world([0.0, 1.0, 2.0])),
         ("poses_world", lambda: GridMap.from_free(ONES).poses_to_cells(1.0)),
         ("poses_cells", lambda: GridMap.from_free(ONES).poses_to_world([0.0, 1.0])),
+        ("text", lambda: GridMap.from_text("")),
+        ("text", lambda: GridMap.from_text("..\n.")),
+        ("text", lambda: GridMap.from_text(".x")),
         ("cells", lambda: distance_to(np.ones(3))),
         ("cells", lambda: chessboard_distance_to(np.zeros((2, 2)))),
     ],

@@ -1,4 +1,4 @@
-"""Systematic resampling: against brute force, an independent search, exact expectations, and degenerate weights."""
+"""Resampling: against brute force, an independent search, exact expectations, and degenerate weights."""
 
 import math
 from fractions import Fraction
@@ -9,13 +9,20 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from reference.errors import InvalidArgumentError
 from reference.resampling import (
     InvalidOffsetError,
     InvalidWeightsError,
+    Scheme,
     comb,
     effective_sample_size,
+    multinomial_resampling,
+    residual_resampling,
+    stratified_resampling,
     systematic_resampling,
 )
+
+SCHEMES: list[Scheme] = [systematic_resampling, stratified_resampling, residual_resampling, multinomial_resampling]
 
 weight_lists = st.lists(st.integers(0, 12), min_size=1, max_size=40).filter(any)
 sixteenths = st.integers(0, 15)
@@ -143,3 +150,110 @@ def test_offsets_outside_of_a_tooth_are_refused_by_name(offset: float) -> None:
     with pytest.raises(InvalidOffsetError) as refusal:
         comb([1.0, 1.0], offset)
     assert refusal.value.argument == "offset"
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_lengths_are_right_for_every_size(scheme: Scheme) -> None:
+    rng = np.random.default_rng(17)
+    for n in range(1, 2001):
+        weights = rng.random(n) * (rng.random(n) < 0.7)
+        weights[rng.integers(n)] = 0.5
+        found = scheme(weights, rng, None)
+        assert found.ancestors.size == n
+        assert found.ancestors[0] >= 0
+        assert weights[found.ancestors].min() > 0.0
+        assert np.all(np.diff(found.ancestors) >= 0)
+
+
+@pytest.mark.parametrize("count", [1, 3, 7, 40, 1000])
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_every_scheme_is_unbiased(scheme: Scheme, count: int) -> None:
+    """Over 3000 seeded runs the mean copies stay within 5 standard errors of count w (multinomial, the widest)."""
+    weights, runs = np.array([0.3, 0.0, 1e-3, 0.05, 0.449, 0.2]), 3000
+    rng = np.random.default_rng(count)
+    copies = np.array([scheme(7.0 * weights, rng, count).copies for _ in range(runs)])
+    assert np.all(copies.sum(axis=1) == count)
+    spread = np.sqrt(count * weights * (1.0 - weights) / runs)
+    assert np.all(np.abs(copies.mean(axis=0) - count * weights) <= 5.0 * spread + 1e-12)
+
+
+class _Offsets(np.random.Generator):
+    """A generator whose uniform numbers are given."""
+
+    def __init__(self, values: list[float]) -> None:
+        super().__init__(np.random.PCG64(0))
+        self.values = values
+
+    def random(self, size: int | None = None) -> np.ndarray:  # type: ignore[override]
+        assert size == len(self.values)
+        return np.array(self.values)
+
+
+@given(weight_lists, st.data())
+def test_stratified_copies_are_those_that_a_search_finds(weights: list[int], data: st.DataObject) -> None:
+    n, exponent = len(weights), 10
+    offsets = data.draw(st.lists(st.integers(0, 2**exponent - 1), min_size=n, max_size=n))
+    ends = [Fraction(n * sum(weights[: i + 1]), sum(weights)) for i in range(n)]
+    # Away from the boundaries, where rounding may choose.
+    teeth = [m + Fraction(2 * k + 1, 2 ** (exponent + 1)) for m, k in enumerate(offsets)]
+    expected = [next(i for i, end in enumerate(ends) if tooth < end) for tooth in teeth]
+    if min(abs(tooth - end) for tooth in teeth for end in ends) > Fraction(1, 10**9):
+        rng = _Offsets([float(tooth % 1) for tooth in teeth])
+        assert stratified_resampling(weights, rng).ancestors.tolist() == expected
+
+
+def test_the_expected_copies_of_a_stratified_draw_are_the_shares() -> None:
+    """The mean of (2) over the two offsets that matter, by a midpoint rule that is exact here."""
+    weights = np.array([5.0, 1.0, 2.0])
+    grid = (np.arange(64) + 0.5) / 64
+    copies = np.zeros(3)
+    for first in grid:
+        for second in grid:
+            copies += stratified_resampling(weights, _Offsets([0.5, first, second])).copies / 64**2
+    assert np.allclose(copies, 3 * weights / 8)
+
+
+@given(weight_lists, st.integers(1, 90), st.integers(0, 2**32 - 1))
+def test_residual_copies_are_never_below_the_whole_part(weights: list[int], count: int, seed: int) -> None:
+    found = residual_resampling(weights, np.random.default_rng(seed), count)
+    assert found.copies.sum() == count
+    for copies, weight in zip(found.copies.tolist(), weights, strict=True):
+        assert copies >= count * weight // sum(weights)
+
+
+def test_schemes_spread_as_theory_orders_them() -> None:
+    """The variance of the resampled mean of a smooth function is least for comb and strata."""
+    rng = np.random.default_rng(2)
+    states = np.sort(rng.normal(size=200))
+    weights = np.exp(-0.5 * (states - 0.4) ** 2 / 0.5)
+    spread = {
+        scheme.__name__: np.var([states[scheme(weights, rng, None).ancestors].mean() for _ in range(800)])
+        for scheme in SCHEMES
+    }
+    assert spread["systematic_resampling"] < 0.1 * spread["multinomial_resampling"]
+    assert spread["stratified_resampling"] < 0.1 * spread["multinomial_resampling"]
+    assert spread["residual_resampling"] < spread["multinomial_resampling"]
+
+
+def test_large_sets_are_the_same_as_one_search() -> None:
+    """Over many blocks, in skewed and in even company, no tooth moves but those on a boundary."""
+    rng = np.random.default_rng(8)
+    for weights in (rng.random(200_000), rng.random(200_000) ** 60, np.r_[np.zeros(70_000), 1.0, np.zeros(70_000)]):
+        ends = np.cumsum(weights) / weights.sum() * weights.size
+        teeth = np.arange(weights.size) + 0.37
+        expected = np.searchsorted(ends, teeth)
+        found = comb(weights, 0.37).ancestors
+        moved = np.flatnonzero(found != expected)
+        assert all(np.min(np.abs(ends - teeth[m])) < 1e-6 for m in moved)
+        assert moved.size < 5
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_counts_and_weights_without_meaning_are_refused(scheme: Scheme) -> None:
+    rng = np.random.default_rng(0)
+    with pytest.raises(InvalidArgumentError) as refusal:
+        scheme([1.0, 2.0], rng, 0)
+    assert refusal.value.argument == "count"
+    for weights in ([0.0, 0.0], [math.nan, 1.0], [-1.0, 2.0], []):
+        with pytest.raises(InvalidWeightsError):
+            scheme(weights, rng, None)

@@ -203,3 +203,37 @@ def test_an_array_given_in_is_an_array_of_the_students_own(sandbox: Sandbox) -> 
         given = np.zeros(3)
         assert session.call("f", given).value.tolist() == [1.0, 1.0, 1.0]  # type: ignore[union-attr]
         assert given.tolist() == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("body", "exception", "told"),
+    [
+        ("return [open('/dev/null') for _ in range(10_000)]", "OSError", "fermez-les"),
+        ("raise OSError(28, 'No space left on device', '/home/eleve/a')", "OSError", "dossier est plein"),
+        ("raise OSError(27, 'File too large')", "OSError", "fichier est trop gros"),
+        ("return str(10**10_000)", "ValueError", "4300"),
+        ("return np.exp(1000) / 0.0 if False else 2.0**5000", "OverflowError", "trop grand"),
+        ("return next(iter(()))", "StopIteration", "épuisé"),
+    ],
+)
+def test_a_limit_of_the_system_is_told_as_what_it_is(fault_of: FaultOf, body: str, exception: str, told: str) -> None:
+    fault = fault_of(f"import numpy as np\ndef f(x):\n    {body}\n", 1)
+    assert (fault.kind, fault.exception, fault.line) == (FaultKind.RUNTIME_ERROR, exception, 3)
+    assert told in plain(fault.message), fault.message
+
+
+@pytest.mark.parametrize(
+    "body",
+    ["import socket; socket.gethostbyname('exemple.fr')", "import os; os.setsid()", "open('/etc/passwd')"],
+)
+def test_what_is_out_of_reach_is_forbidden(fault_of: FaultOf, body: str) -> None:
+    fault = fault_of(f"\ndef f(x):\n    {body}\n", 1)
+    assert (fault.kind, fault.line) == (FaultKind.FORBIDDEN_OPERATION, 3)
+    assert "hors d'atteinte" in fault.message
+
+
+def test_names_are_told_without_what_they_hide(sandbox: Sandbox) -> None:
+    source = b"globals()['comp\\x1b[2J\\u202eoser'] = lambda a: a\n"
+    with sandbox.open(source) as session, pytest.raises(ProgramFault) as caught:
+        session.call("composer")
+    assert "comp\ufffd[2J\ufffdoser" in caught.value.message

@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -176,6 +177,19 @@ def test_a_program_that_runs_on_a_hung_template_is_our_fault_and_ends() -> None:
                         session.call("f", 1)
             assert eventually(lambda before=before: not any(map(running, before)))
             answers(sandbox)
+
+
+def test_an_end_that_is_told_late_keeps_its_reason() -> None:
+    leaves = LEAVES.replace(b"os._exit", b"def f(x): os._exit")
+    with Sandbox({}) as sandbox, sandbox.open(leaves) as session:
+        template = root_and_template()[1]
+        os.kill(template, signal.SIGSTOP)
+        resuming = threading.Timer(0.7, os.kill, (template, signal.SIGCONT))
+        resuming.start()
+        with pytest.raises((ProgramFault, SandboxFault)) as caught:  # ours, if the machine is too slow to resume it
+            session.call("f", 1)
+        resuming.join()
+        assert not isinstance(caught.value, ProgramFault) or caught.value.kind == "runtime_error"
 
 
 def test_a_template_that_hangs_while_it_starts_is_given_up() -> None:

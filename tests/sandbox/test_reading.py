@@ -114,3 +114,10 @@ def test_a_half_frame_is_told_by_the_way_the_child_died(status: int, kind: str) 
     whole = reading.framed(encode((1, None), reading.LIMITS))
     for length in range(len(whole)):
         assert reading.converse_soundly(whole[:length], status=status) == kind
+
+
+def test_an_answer_and_the_end_of_its_batch_leave_the_session_whole_until_the_child_leaves() -> None:
+    answer = reading.framed(encode((1, None), reading.LIMITS))
+    assert reading.converse_soundly(answer, status=9) == "memory_limit"
+    assert reading.converse_soundly(answer + answer, status=9) == "invalid_output"
+    assert reading.converse_soundly(reading.DONE, status=9) == "invalid_output"

@@ -5,16 +5,24 @@ from __future__ import annotations
 import os
 import re
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import httpx
 
 PROJECT = Path(__file__).resolve().parents[2]
 PATIENCE = 60.0
+AUDIT = """
+CREATE TABLE audit (id TEXT);
+CREATE TRIGGER audit_done AFTER UPDATE OF state ON submission WHEN NEW.state = 'done'
+BEGIN INSERT INTO audit VALUES (NEW.id); END;
+"""
 
 
 def environment(**values: str) -> dict[str, str]:
@@ -33,6 +41,15 @@ def until(condition: Callable[[], bool], what: str) -> None:
     while not condition():
         assert time.monotonic() < deadline, f"still not: {what}"
         time.sleep(0.02)
+
+
+def rows(data: Path, query: str) -> list[Any]:
+    with closing(sqlite3.connect(data / "balise.sqlite3")) as connection:
+        return connection.execute(query).fetchall()
+
+
+def count(data: Path, condition: str) -> int:
+    return int(rows(data, f"SELECT count(*) FROM submission WHERE {condition}")[0][0])
 
 
 def children(pid: int) -> list[int]:

@@ -12,19 +12,7 @@ from typing import Any
 from uuid import uuid4
 
 import pytest
-import schemathesis
 import uvicorn
-from hypothesis import HealthCheck, given
-from hypothesis import settings as hypothesis_settings
-from hypothesis.errors import Unsatisfiable
-from schemathesis import GenerationMode
-from schemathesis.checks import not_a_server_error
-from schemathesis.specs.openapi.checks import (
-    content_type_conformance,
-    response_headers_conformance,
-    response_schema_conformance,
-    status_code_conformance,
-)
 
 from server.accounts.models import Role
 from server.app import create_app
@@ -35,10 +23,6 @@ from server.settings import Settings
 from .conftest import EXERCISE, Site
 
 BODY = {"exercise": EXERCISE, "code": "pass\n"}
-CONFORMANCE = (
-    not_a_server_error, status_code_conformance, content_type_conformance, response_schema_conformance,
-    response_headers_conformance,
-)  # fmt: skip
 
 
 def problem(answer: Any, status: int) -> dict[str, Any]:
@@ -274,31 +258,18 @@ def address(sqlite: Database, settings: Settings, catalogue: Catalogue) -> Itera
     thread.join()
 
 
-@pytest.mark.parametrize("mode", list(GenerationMode))
+@pytest.mark.parametrize("mode", ["positive", "negative"])
 def test_the_answers_conform_to_the_document(
-    site: Site, address: str, mode: GenerationMode, monkeypatch: pytest.MonkeyPatch
+    site: Site, address: str, mode: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Schemathesis, bounded: whatever is sent, fitting or not, the answer is one that the document announces."""
+    from .conformance import conforms, operations  # slow to import: in the process that runs this test alone
+
     monkeypatch.setattr("server.api.submissions.LONGEST_WAIT", 0.01)  # nobody grades here
     headers = site.token()
     sent = site.submit(headers)
     site.worker.step()
-    schema = schemathesis.openapi.from_url(f"{address}/api/v1/openapi.json")
     known = {"submission_id": sent["id"], "module": "l20", "slug": "poses", "name": "b"}
-    for result in schema.get_all_operations():
+    for operation in operations(f"{address}/api/v1/openapi.json"):
         for path in ({}, known):
-            conforms(result.ok(), mode, path, headers)
-
-
-def conforms(operation: Any, mode: GenerationMode, path: dict[str, str], headers: dict[str, str]) -> None:
-    @given(case=operation.as_strategy(generation_mode=mode))
-    @hypothesis_settings(max_examples=3, deadline=None, database=None, suppress_health_check=list(HealthCheck))
-    def check(case: Any) -> None:
-        for name in case.path_parameters.keys() & path.keys():
-            case.path_parameters[name] = path[name]
-        case.call_and_validate(headers=headers, checks=list(CONFORMANCE), timeout=20)
-
-    try:
-        check()
-    except Unsatisfiable:
-        assert mode is GenerationMode.NEGATIVE, "nothing can be wrong in a request that holds nothing"
+            conforms(operation, mode, path, headers)

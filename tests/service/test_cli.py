@@ -68,13 +68,38 @@ def test_what_cannot_be_graded_has_its_own_status(right: Path, tmp_path: Path, m
     assert "✗ seccomp" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    "arguments", [["grade"], ["zut"], [], ["serve", "--port", "70000"], ["grade", "a", "b", "--seed", "-1"]]
-)
-def test_wrong_usage_is_refused(arguments: list[str], capsys: Any) -> None:
+WRONG_USAGE = {
+    (): "il manque COMMANDE",
+    ("zut",): "COMMANDE : « zut » n’existe pas. Au choix : 'serve', 'grade', 'check', 'doctor', 'submit', 'worker'",
+    ("grade",): "il manque EXERCISE, FILE",
+    ("doctor", "--vite"): "argument inconnu : --vite",
+    ("serve", "--port"): "--port : il manque sa valeur",
+    ("serve", "--port", "70000"): "--port : le port doit être un entier de 0 à 65535",
+    ("grade", "a", "b", "--seed", "-1"): "--seed : la graine doit être un entier de 0 à 9007199254740991",
+    ("grade", "a", "b", "--json=oui"): "--json : ne prend pas de valeur (oui)",
+}
+
+
+@pytest.mark.parametrize(("arguments", "reason"), WRONG_USAGE.items())
+def test_wrong_usage_is_refused_in_french(arguments: tuple[str, ...], reason: str, capsys: Any) -> None:
     with pytest.raises(SystemExit) as stopped:
         main(arguments)
     assert stopped.value.code == 2
+    usage, last = capsys.readouterr().err.replace("\u00a0", " ").replace("\u202f", " ").rstrip("\n").rsplit("\n", 1)
+    assert usage.startswith("utilisation : balise")
+    assert last.startswith("balise")
+    assert last.split(" : ", 1)[1] == reason
+
+
+@pytest.mark.parametrize("command", [(), ("serve",), ("grade",), ("check",), ("submit",)])
+def test_help_is_in_french(command: tuple[str, ...], capsys: Any) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main([*command, "--help"])
+    assert stopped.value.code == 0
+    told = capsys.readouterr().out
+    assert told.startswith("utilisation")
+    assert "affiche cette aide" in told
+    assert not {"usage", "show", "positional", "exit"} & set(told.replace(":", " ").split())
 
 
 def test_a_malformed_setting_is_told_by_its_name(monkeypatch: Any, capsys: Any) -> None:
@@ -128,7 +153,9 @@ class Shifted:
         return self.grader.grade(exercise, self.source, seed)
 
 
-def test_check_passes_the_course_and_notices_what_is_wrong(catalogue: Catalogue) -> None:
+@pytest.mark.usefixtures("remembered_replays")
+def test_check_passes_the_course_and_notices_what_is_wrong(catalogue: Catalogue, monkeypatch: Any) -> None:
+    monkeypatch.setattr("server.cli.check.secrets.randbits", lambda _: 2026)  # one seed: replays are shared
     exercise = catalogue.exercises[EXERCISE]
     with Sandbox(catalogue.kits) as sandbox:
         grader = Grader(catalogue, sandbox)

@@ -9,7 +9,6 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -17,22 +16,7 @@ from server.catalogue import Catalogue, Exercise
 from server.cli import main
 
 from .conftest import EXERCISE
-from .live import Live, alive, balise, children, until
-
-AUDIT = """
-CREATE TABLE audit (id TEXT);
-CREATE TRIGGER audit_done AFTER UPDATE OF state ON submission WHEN NEW.state = 'done'
-BEGIN INSERT INTO audit VALUES (NEW.id); END;
-"""
-
-
-def rows(data: Path, query: str) -> list[Any]:
-    with closing(sqlite3.connect(data / "balise.sqlite3")) as connection:
-        return connection.execute(query).fetchall()
-
-
-def count(data: Path, condition: str) -> int:
-    return int(rows(data, f"SELECT count(*) FROM submission WHERE {condition}")[0][0])
+from .live import AUDIT, Live, alive, balise, children, count, rows, until
 
 
 @pytest.fixture

@@ -152,7 +152,7 @@ def test_a_worker_s_death_frees_its_own_leases_only(database: Database, ada: Acc
 
 
 def test_what_kills_its_worker_again_and_again_ends_as_our_error(
-    database: Database, ada: Account, catalogue: Catalogue
+    database: Database, ada: Account, catalogue: Catalogue, caplog: pytest.LogCaptureFixture
 ) -> None:
     (row,) = enqueue(database, ada)
     for _ in range(MAX_ATTEMPTS):
@@ -163,6 +163,9 @@ def test_what_kills_its_worker_again_and_again_ends_as_our_error(
     assert done.verdict is not None
     assert done.verdict["exercise_version"] == catalogue.exercises[EXERCISE].version
     assert claim(database) is None
+    assert str(row.id) in caplog.text
+    assert f"seed {done.seed}," in caplog.text
+    assert f"digest {done.digest}" in caplog.text
 
 
 def test_what_is_given_back_has_not_been_tried(database: Database, ada: Account) -> None:

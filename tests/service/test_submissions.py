@@ -65,6 +65,18 @@ def test_sending_too_fast_is_refused_and_stores_nothing(database: Database, ada:
     submit(database, new_account(database))
 
 
+def test_our_error_gives_the_allowance_back(database: Database, ada: Account, both: Settings) -> None:
+    for k in range(both.submission_burst):
+        submit(database, ada, f"# {k}, outcome: {'internal_error' if k < 2 else 'ok'}")
+    with pytest.raises(TooMany):
+        submit(database, ada)
+    grade_all(database, both)
+    for _ in range(2):
+        submit(database, ada)
+    with pytest.raises(TooMany):
+        submit(database, ada)
+
+
 def test_a_submission_is_seen_by_its_author_and_by_teachers(database: Database, ada: Account) -> None:
     row = submit(database, ada)
     teacher, other = new_account(database, Role.teacher), new_account(database)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import os
 import signal
@@ -9,6 +10,7 @@ import threading
 import time
 from collections.abc import Iterator
 from typing import Any
+from uuid import uuid4
 
 import pytest
 from sqlalchemy import select
@@ -154,11 +156,13 @@ def test_our_own_fault_is_retried_once_logged_and_never_a_zero(
     failing = Failing(sandbox, failures)
     source = catalogue.exercises[EXERCISE].solution.encode()
     with caplog.at_level(logging.ERROR):
-        result = Grader(catalogue, failing).grade(EXERCISE, source, seed=1)  # type: ignore[arg-type]
+        one = uuid4()
+        result = Grader(catalogue, failing).grade(EXERCISE, source, 123, submission=one)  # type: ignore[arg-type]
     assert result.verdict.outcome is outcome
     assert len(caplog.records) == min(failures, grading.TRIES)
-    assert "the template is dead" in caplog.text
-    assert "Traceback" in caplog.text
+    version, digest = catalogue.exercises[EXERCISE].version, hashlib.sha256(source).hexdigest()
+    for told in ("the template is dead", "Traceback", EXERCISE, version, "seed 123", str(one), digest):
+        assert told in caplog.text
 
 
 def test_sigterm_stops_a_worker_in_its_main_thread() -> None:

@@ -32,7 +32,7 @@ import numpy as np
 
 from graders.core.checks import Trial, Untouched
 from graders.core.exercise import exercise
-from graders.core.shrink import Arguments
+from graders.core.values import Arguments
 from graders.l20 import world
 from graders.l20.boucles import trials
 from graders.l20.boucles.places import BEAMS

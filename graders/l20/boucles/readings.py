@@ -9,7 +9,7 @@ import numpy as np
 from graders.core import render
 from graders.core.bench import Bench
 from graders.core.checks import Rejection
-from graders.core.values import Floats, UnreadableError, Value, read_array
+from graders.core.values import Floats, UnreadableError, Value, holds_text, read_array
 from graders.core.verdict import Outcome
 
 FUNCTION = "signature"
@@ -43,6 +43,8 @@ def read_signature(value: Value) -> Floats | Unsuitable:
 
 
 def _complex_parts(value: Value) -> Floats:
+    if holds_text(value):
+        return read_array(value)
     try:
         array = np.asarray(value)
     except ValueError:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 
 import numpy as np
@@ -13,12 +13,14 @@ from graders.core.bench import Bench
 from graders.core.checks import Cases, FigureData, Rejection, Trial, Untouched
 from graders.core.compare import SamePose
 from graders.core.exercise import exercise
-from graders.core.shrink import Arguments, shrink_pose
-from graders.core.values import Floats, Value
+from graders.core.program import Answer, Reply
+from graders.core.shrink import shrink_pose
+from graders.core.values import Arguments, Floats, Value
 from graders.l20 import world
 from reference.se2 import compose, inverse, relative
 
 QUARTER = math.pi / 2
+IS_POSE = SamePose(tolerance=math.inf)
 
 
 def pose(x: float, y: float, theta: float) -> Floats:
@@ -27,8 +29,8 @@ def pose(x: float, y: float, theta: float) -> Floats:
 
 def random_pose(rng: np.random.Generator, reach: float = 10.0) -> Floats:
     """A pose (3,) with x, y in [-reach, reach] and theta in [-pi, pi]."""
-    x, y, theta = rng.uniform((-reach, -reach, -math.pi), (reach, reach, math.pi))
-    return pose(x, y, theta)
+    limits = pose(reach, reach, math.pi)
+    return -limits + 2.0 * limits * rng.random(3)
 
 
 def simple_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
@@ -106,9 +108,10 @@ def seen_from_a(args: Arguments, expected: Value, got: Floats | None) -> FigureD
 
 def identities(bench: Bench) -> None:
     """The three identities of the statement, on the student's own functions."""
-    for k in range(5):
-        a, b, c = (np.round(random_pose(bench.rng, 5.0), 0 if k < 2 else 6) for _ in range(3))
-        call = partial(_pose_or_reject, bench)
+    triples = [tuple(np.round(random_pose(bench.rng, 5.0), 0 if k < 2 else 6) for _ in range(3)) for k in range(5)]
+    _ask_ahead(bench, triples)
+    call = partial(_pose_or_reject, bench)
+    for a, b, c in triples:
         law = "composer(a, inverse(a)) = (0, 0, 0)"
         _hold(bench, law, {"a": a}, call("composer", a, call("inverse", a)), pose(0, 0, 0))
         law = "composer(a, relatif(a, b)) = b"
@@ -119,9 +122,33 @@ def identities(bench: Bench) -> None:
         _hold(bench, law, {"a": a, "b": b, "c": c}, left, right)
 
 
+def _ask_ahead(bench: Bench, triples: Sequence[tuple[Floats, ...]]) -> None:
+    """The calls of the identities, together: those on what was drawn, then those on the poses that came back."""
+    inverses = bench.ahead("inverse", [(a,) for a, _, _ in triples])
+    relatives = bench.ahead("relatif", [(a, b) for a, b, _ in triples])
+    left = bench.ahead("composer", [(a, b) for a, b, _ in triples])
+    right = bench.ahead("composer", [(b, c) for _, b, c in triples])
+    outer = [
+        *((a, got) for (a, _, _), got in _poses(triples, inverses)),
+        *((a, got) for (a, _, _), got in _poses(triples, relatives)),
+        *((got, c) for (_, _, c), got in _poses(triples, left)),
+        *((a, got) for (a, _, _), got in _poses(triples, right)),
+    ]
+    bench.ahead("composer", outer)
+
+
+def _poses(
+    triples: Sequence[tuple[Floats, ...]], answers: Sequence[Answer]
+) -> Iterator[tuple[tuple[Floats, ...], Floats]]:
+    """The triples whose answer is a pose, with it."""
+    for triple, answer in zip(triples, answers, strict=False):
+        if isinstance(answer, Reply) and IS_POSE(pose(0, 0, 0), answer.value) is None:
+            yield triple, np.asarray(answer.value, dtype=np.float64)
+
+
 def _pose_or_reject(bench: Bench, function: str, *args: Value) -> Floats:
     value = bench.call(function, *args)
-    mismatch = SamePose(tolerance=math.inf)(pose(0, 0, 0), value)
+    mismatch = IS_POSE(pose(0, 0, 0), value)
     if mismatch is not None:
         inputs = dict(zip(NAMES[function], args, strict=True))
         bench.observe(function, value, ok=False)

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from graders.core.program import kit_source
-from graders.core.shrink import Arguments
-from graders.core.values import Floats
+from graders.core.values import Arguments, Floats
 from graders.l20 import world
 from graders.l20.predire2d.beliefs import one_hot, spread, weighted
 from reference.grid_filter import BEAMS, COMMANDS, Cell, Grid, GridWorld

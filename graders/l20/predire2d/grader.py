@@ -6,7 +6,7 @@ import numpy as np
 
 from graders.core.checks import Trial, Untouched
 from graders.core.exercise import exercise
-from graders.core.shrink import Arguments
+from graders.core.values import Arguments
 from graders.l20 import world
 from graders.l20.predire2d import cases
 from graders.l20.predire2d.beliefs import spread

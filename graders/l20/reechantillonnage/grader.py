@@ -9,8 +9,7 @@ import numpy as np
 from graders.core.checks import Cases, Trial, Untouched
 from graders.core.compare import ScalarCloseTo
 from graders.core.exercise import exercise
-from graders.core.shrink import Arguments
-from graders.core.values import Value
+from graders.core.values import Arguments, Value
 from graders.l20 import world
 from graders.l20.reechantillonnage import trials
 from graders.l20.reechantillonnage.harvest import FUNCTION

@@ -6,7 +6,7 @@ import numpy as np
 
 from graders.core.checks import Untouched
 from graders.core.exercise import exercise
-from graders.core.shrink import Arguments
+from graders.core.values import Arguments
 from graders.l20 import world
 from graders.l20.slam_graphe import graphs, residual
 from graders.l20.slam_graphe.optimum import Optimum

@@ -13,8 +13,8 @@ from graders.core.bench import Bench
 from graders.core.checks import Cases, FigureData, Trial
 from graders.core.compare import TOLERANCE, Mismatch, close, unreadable, wrong_shape
 from graders.core.program import StudentFault
-from graders.core.shrink import Arguments, shrink_pose
-from graders.core.values import Floats, UnreadableError, Value, read_array
+from graders.core.shrink import shrink_pose
+from graders.core.values import Arguments, Floats, UnreadableError, Value, read_array
 from reference.pose_graph import group_residuals, residuals
 from reference.se2 import compose
 

@@ -10,12 +10,15 @@ import signal
 import sys
 import traceback
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from functools import partial
 from types import FrameType, ModuleType
 from typing import Any, NoReturn
 
 import numpy as np
 
 from . import codec, frames, inner
+from .frames import framed as _framed
 from .program import Failure, Fault, Program, print_to
 from .report import MAX_TEXT
 from .streams import BoundedBytes, BoundedText
@@ -23,6 +26,8 @@ from .streams import BoundedBytes, BoundedText
 #: Questions come from the trusted side.
 QUESTION = codec.Limits(size=1 << 28, depth=64, items=10_000_000)
 _FAULT = codec.Limits(size=1 << 16, depth=8, items=1000)
+#: A timer of no seconds would never ring.
+_SHORTEST = 0.001
 
 
 def run(
@@ -40,7 +45,9 @@ def run(
         reserve = inner.raise_walls(prepared, limits, wire, output, seats)
         wire = inner.WIRE
         print_to(BoundedText(BoundedBytes(1, order["stdout_bytes"]), order["stdout_bytes"]))
-        np.random.seed(int.from_bytes(os.urandom(4), "little"))  # `random` reseeds itself in a fork
+        rehearse(kits)
+        random.seed()
+        np.random.seed(int.from_bytes(os.urandom(4), "little"))
         program = Program(kits, codec.Limits(order["frame_bytes"], order["depth"], order["items"]), reserve.close)
         child = Child(program, limits.cpu_seconds)
         gc.enable()
@@ -68,13 +75,15 @@ class Child:
     def serve(self) -> None:
         while header := self._read(frames.HEADER.size):
             length, self._token, kind = frames.HEADER.unpack(header)
-            question: Any = codec.decode(self._read(length), QUESTION)
-            if kind == frames.CONFIGURE:
-                self._configure(question)
+            payload = self._read(length)
+            if kind == frames.CALLS:
+                self._calls(payload)
+            elif kind == frames.LOAD:
+                self._load(codec.decode(payload, QUESTION))
             else:
-                self._answer(kind, question)
+                self._configure(codec.decode(payload, QUESTION))
 
-    def _configure(self, question: dict[str, Any]) -> None:
+    def _configure(self, question: Any) -> None:
         try:
             self._program.configure(question["kit"], question["parameters"])
         except Exception:
@@ -82,21 +91,40 @@ class Child:
             os._exit(70)
         self.send(self._token, frames.CONFIGURED, b"")
 
-    def _answer(self, kind: int, question: dict[str, Any]) -> None:
-        self._busy = True
-        signal.setitimer(signal.ITIMER_REAL, question["wall"])
-        outcome, payload = self._outcome(lambda: self._run(kind, question))
-        self._busy = False
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        self.send(self._token, outcome, payload)
-
-    def _run(self, kind: int, question: dict[str, Any]) -> bytes:
-        if kind == frames.CALL:
-            return self._program.call(
-                question["function"], question["arguments"], return_arguments=question["return_arguments"]
-            )
+    def _load(self, question: Any) -> None:
         signal.setitimer(signal.ITIMER_PROF, self._cpu_seconds)
-        return self._program.load(question["source"].tobytes(), question["filename"])
+        outcome, names, _ = self._timed(
+            question["wall"], lambda: self._program.load(question["source"].tobytes(), question["filename"])
+        )
+        self.send(self._token, outcome, names)
+
+    def _calls(self, batch: bytes) -> None:
+        """Answers the calls of a batch in order, each answer on its way before the next call begins."""
+        end = self._token
+        questions = frames.unbatched(batch)
+        shared: Any = codec.decode(next(questions)[1], QUESTION)
+        left, faults, wall = shared["calls"], shared["faults"], shared["wall"]
+        for self._token, arguments in questions:
+            outcome, answer, wall = self._timed(wall, partial(self._call, shared, arguments))
+            left -= 1
+            faults -= outcome == frames.FAULT
+            over = not left or not faults
+            self.send(self._token, outcome, answer, _framed(end, frames.DONE, b"") if over else b"")
+            if over:
+                return
+
+    def _call(self, shared: Any, arguments: bytes) -> bytes:
+        given: Any = codec.decode(arguments, QUESTION)
+        return self._program.call(shared["function"], given, return_arguments=shared["return_arguments"])
+
+    def _timed(self, wall: float, action: Callable[[], bytes]) -> tuple[int, bytes, float]:
+        """What an action comes to, and the seconds left of `wall`: those between two actions do not count."""
+        self._busy = True
+        signal.setitimer(signal.ITIMER_REAL, max(wall, _SHORTEST))
+        outcome, payload = self._outcome(action)
+        self._busy = False
+        left, _ = signal.setitimer(signal.ITIMER_REAL, 0)
+        return outcome, payload, left
 
     def _outcome(self, action: Callable[[], bytes]) -> tuple[int, bytes]:
         try:
@@ -122,8 +150,8 @@ class Child:
             self.send(self._token, frames.FAULT, codec.encode(fault, _FAULT))
             os._exit(0)
 
-    def send(self, token: int, kind: int, payload: bytes) -> None:
-        _write(inner.WIRE, _framed(token, kind, payload))
+    def send(self, token: int, kind: int, payload: bytes, then: bytes = b"") -> None:
+        _write(inner.WIRE, _framed(token, kind, payload) + then)
 
     def _read(self, length: int) -> bytes:
         pieces = bytearray()
@@ -139,16 +167,17 @@ def _fault(kind: str, text: str = "") -> Fault:
     return {"kind": kind, "exception": "", "text": text[:MAX_TEXT], "line": None, "frames": (), "detail": ""}
 
 
-def _framed(token: int, kind: int, payload: bytes) -> bytes:
-    return frames.HEADER.pack(len(payload), token, kind) + payload
-
-
 def _write(descriptor: int, data: bytes) -> None:
     view = memoryview(data)
     while view:
         view = view[os.write(descriptor, view) :]
 
 
+_SMALL = b"""
+import numpy as np
+def composer(a, b):
+    return np.array([np.cos(a[2]), b[2]])
+"""
 _SAMPLE = b"""
 from __future__ import annotations
 import numpy as np
@@ -161,21 +190,34 @@ def erreur(a):
 """
 
 
-def warm_up(kits: Mapping[str, ModuleType]) -> None:
-    """Goes once through what a submission uses, in the template, so that its forks find it warm."""
-    state, numpy_state = random.getstate(), np.random.get_state()
+def rehearse(kits: Mapping[str, ModuleType]) -> None:
+    """Goes once through what a submission uses.
+
+    A fork does it before it says that it is ready: the pages of memory that a submission writes are then its own
+    already, and copying them, which takes longer than most submissions, is not waited for where a spare stands ready.
+    """
     program = Program(kits, _FAULT, lambda: None)
-    program.configure(None, {})
-    program.load(_SAMPLE, "solution.py")
+    for kit in kits:
+        with suppress(Exception):  # a kit that fails does so again, and is told, when a submission asks for it
+            program.configure(kit, {"seed": 0})
+    program.load(_SMALL, "solution.py")
     pose = np.array([1.0, 2.0, 0.5])
     reply = program.call("composer", (pose, pose), return_arguments=True)
     codec.decode(reply, _FAULT)
+    linecache.clearcache()
+    sys.modules.pop("solution", None)
+
+
+def warm_up(kits: Mapping[str, ModuleType]) -> None:
+    """What only the template does, so that its forks find it done."""
+    state, numpy_state = random.getstate(), np.random.get_state()
+    rehearse(kits)
+    program = Program(kits, _FAULT, lambda: None)
+    program.load(_SAMPLE, "solution.py")
     try:
-        program.call("erreur", (pose,), return_arguments=False)
+        program.call("erreur", (np.zeros(3),), return_arguments=False)
     except Failure as failure:
         codec.encode(failure.fault, _FAULT)
-    for kit in kits.values():
-        getattr(kit, "prechauffer", lambda: None)()
     np.random.default_rng(0).normal(size=3)
     _warm_linear_algebra()
     random.setstate(state)

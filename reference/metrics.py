@@ -1,0 +1,223 @@
+"""How far an estimated trajectory is from the true one: absolute and relative errors.
+
+Trajectories are arrays of poses: (n, 3) = (x, y, theta) in the plane, or homogeneous matrices (n, d + 1, d + 1) in
+dimension d; pose k of the estimate is compared with pose k of the truth. Lengths are in metres, angles in radians.
+
+Sources: Sturm, Engelhard, Endres, Burgard, Cremers, "A Benchmark for the Evaluation of RGB-D SLAM Systems" (2012), for
+the two errors; Umeyama, "Least-squares estimation of transformation parameters between two point patterns" (1991), for
+the alignment; Kümmerle et al., "On measuring the accuracy of SLAM algorithms" (2009), for what the relative one tells.
+The numbers are those of evo, the tool of Michael Grupp that most papers quote.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+from reference.errors import InvalidArgumentError
+from reference.registration import kabsch
+from reference.se2 import to_matrix
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Alignment = Literal["none", "first", "rigid", "similarity"]
+
+
+class MetricError(InvalidArgumentError):
+    """Trajectories that cannot be compared; `argument` names the one at fault."""
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """Errors (n,), none negative, and what is usually said of them."""
+
+    values: Floats
+
+    @property
+    def rmse(self) -> float:
+        """The root of the mean square."""
+        return float(np.sqrt(np.mean(self.values**2)))
+
+    @property
+    def mean(self) -> float:
+        return float(np.mean(self.values))
+
+    @property
+    def median(self) -> float:
+        return float(np.median(self.values))
+
+    @property
+    def std(self) -> float:
+        """The standard deviation of the errors about their mean, over n."""
+        return float(np.std(self.values))
+
+    @property
+    def min(self) -> float:
+        return float(np.min(self.values))
+
+    @property
+    def max(self) -> float:
+        return float(np.max(self.values))
+
+    @property
+    def sse(self) -> float:
+        """The sum of squares."""
+        return float(np.sum(self.values**2))
+
+
+@dataclass(frozen=True, eq=False)
+class AbsoluteError(Errors):
+    """Distances (n,) between true positions and aligned ones: p_truth ~ scale R p_estimate + t.
+
+    `R_truth_estimate` (d, d), `t_truth_estimate` (d,), `scale`; `aligned` (n, d) are the estimated positions there.
+    """
+
+    R_truth_estimate: Floats
+    t_truth_estimate: Floats
+    scale: float
+    aligned: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class RelativeError:
+    """Errors of the motions between `pairs` (m, 2) of poses: `translation` in metres and `rotation` in radians."""
+
+    pairs: Integers
+    translation: Errors
+    rotation: Errors
+
+
+def absolute_trajectory_error(truth: ArrayLike, estimate: ArrayLike, align: Alignment = "rigid") -> AbsoluteError:
+    """The ATE: distances between true positions and those of the estimate, once it is laid over the truth.
+
+    `align` is by which transformation: "rigid" or "similarity" (with a scale), those of least squares over all poses;
+    "first", which makes the first poses coincide; "none". Raises MetricError.
+    """
+    true, estimated = _matrices("truth", truth), _matrices("estimate", estimate)
+    _check_pair(true, estimated)
+    R, t, scale = _alignment(true, estimated, align)
+    aligned = scale * _positions(estimated) @ R.T + t
+    return AbsoluteError(np.linalg.norm(_positions(true) - aligned, axis=1), R, t, scale, aligned)
+
+
+def relative_pose_error(
+    truth: ArrayLike,
+    estimate: ArrayLike,
+    delta: float = 1,
+    unit: Literal["poses", "metres"] = "poses",
+    overlapping: bool = False,
+) -> RelativeError:
+    """The RPE: how the motions of the estimate differ from the true ones, over `delta` poses or metres.
+
+    For a pair (i, j), with Q the truth and P the estimate,
+
+        E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j),  errors |trans E| and |angle E|                    (Sturm et al., eq. 1)
+
+    Pairs follow one another, each beginning where the last one ends, counted along the estimate; with `overlapping`, of
+    poses only, one begins at every pose. Raises MetricError, also when there is no pair.
+    """
+    true, estimated = _matrices("truth", truth), _matrices("estimate", estimate)
+    _check_pair(true, estimated)
+    pairs = _pairs(estimated, delta, unit, overlapping)
+    if not len(pairs):
+        raise MetricError("delta", f"of {delta} {unit} fits in no two of the {len(true)} poses")
+    E = _between(_motions(true, pairs), _motions(estimated, pairs))
+    lengths = np.linalg.norm(_positions(E), axis=1)
+    return RelativeError(pairs, Errors(lengths), Errors(_angles(E[:, :-1, :-1])))
+
+
+def _alignment(true: Floats, estimated: Floats, align: Alignment) -> tuple[Floats, Floats, float]:
+    d = true.shape[1] - 1
+    if align == "none":
+        return np.eye(d), np.zeros(d), 1.0
+    if align == "first":
+        T = true[0] @ _inverses(estimated[:1])[0]
+        return T[:d, :d], T[:d, d], 1.0
+    p, q = _positions(estimated), _positions(true)
+    found = kabsch(p, q)
+    if not found.unique:
+        raise MetricError("estimate", "can be laid over the truth in several ways: too few poses, or all in line")
+    if align == "rigid":
+        return found.R_q_p, found.t_q_p, 1.0
+    # The best scale, once the rotation is known: sum q.(R p) / sum p.p, centred (Umeyama, eq. 43).
+    p_centred, q_centred = p - p.mean(axis=0), q - q.mean(axis=0)
+    scale = float(np.sum(q_centred * (p_centred @ found.R_q_p.T)) / np.sum(p_centred**2))
+    return found.R_q_p, q.mean(axis=0) - scale * found.R_q_p @ p.mean(axis=0), scale
+
+
+def _pairs(poses: Floats, delta: float, unit: str, overlapping: bool) -> Integers:
+    n = len(poses)
+    if unit == "metres":
+        if overlapping or not delta > 0.0:
+            raise MetricError("delta", f"of {delta} metres must be positive, and pairs over metres do not overlap")
+        return _chained(_stops(poses, delta))
+    if delta != int(delta) or delta < 1:
+        raise MetricError("delta", f"{delta} is not a number of poses, one or more")
+    step = int(delta)
+    if overlapping:
+        return np.column_stack([np.arange(n - step), np.arange(step, n)]) if n > step else np.empty((0, 2), np.int64)
+    return _chained(np.arange(0, n, step))
+
+
+def _stops(poses: Floats, delta: float) -> Integers:
+    """Poses, the first one included, each of them the first to lie `delta` metres of path or more after the last."""
+    steps = np.linalg.norm(np.diff(_positions(poses), axis=0), axis=1).tolist()
+    stops, run = [0], 0.0
+    for index, step in enumerate(steps, start=1):
+        run += step
+        if run >= delta:
+            stops.append(index)
+            run = 0.0
+    return np.array(stops)
+
+
+def _chained(stops: Integers) -> Integers:
+    return np.column_stack([stops[:-1], stops[1:]])
+
+
+def _motions(poses: Floats, pairs: Integers) -> Floats:
+    return _between(poses[pairs[:, 0]], poses[pairs[:, 1]])
+
+
+def _between(first: Floats, second: Floats) -> Floats:
+    return np.asarray(_inverses(first) @ second)
+
+
+def _inverses(poses: Floats) -> Floats:
+    """The inverses of rigid homogeneous matrices (n, d + 1, d + 1): [R^T | -R^T t]."""
+    d = poses.shape[1] - 1
+    turned = poses[:, :d, :d].transpose(0, 2, 1)
+    found = np.tile(np.eye(d + 1), (len(poses), 1, 1))
+    found[:, :d, :d] = turned
+    found[:, :d, d:] = -turned @ poses[:, :d, d:]
+    return found
+
+
+def _angles(R: Floats) -> Floats:
+    """The angles (n,) of rotations (n, d, d), d = 2 or 3, in [0, pi]; rounded ones count as the nearest rotation."""
+    if R.shape[1] == 2:
+        return np.asarray(np.abs(np.arctan2(R[:, 1, 0] - R[:, 0, 1], R[:, 0, 0] + R[:, 1, 1])))
+    return np.asarray(Rotation.from_matrix(R).magnitude(), dtype=np.float64)
+
+
+def _positions(poses: Floats) -> Floats:
+    return np.asarray(poses[:, :-1, -1])
+
+
+def _matrices(argument: str, trajectory: ArrayLike) -> Floats:
+    poses = np.asarray(trajectory, dtype=np.float64)
+    planar = poses.ndim == 2 and poses.shape[1] == 3
+    if not planar and (poses.ndim != 3 or poses.shape[1:] not in ((3, 3), (4, 4))):
+        raise MetricError(argument, f"of shape {poses.shape} is no trajectory: (n, 3), (n, 3, 3) or (n, 4, 4)")
+    if not len(poses) or not np.all(np.isfinite(poses)):
+        raise MetricError(argument, "is empty, or holds a number that is not finite")
+    return to_matrix(poses) if planar else poses
+
+
+def _check_pair(true: Floats, estimated: Floats) -> None:
+    if true.shape != estimated.shape:
+        raise MetricError("estimate", f"has {estimated.shape} as matrices, the truth {true.shape}")
