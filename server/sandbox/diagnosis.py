@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from server.sandbox import messages
@@ -21,22 +22,47 @@ _MAX_LINE = 10**6
 _LENGTHS = {"exception": MAX_NAME, "text": MAX_TEXT, "detail": MAX_TEXT}
 #: Below this share of its memory limit, a program is not what the kernel kills for lack of memory.
 _SUSPECT_SHARE = 0.25
+_LEVEL = re.compile(rf'^  File "(.+)", line (\d{{1,7}}) in (.{{1,{MAX_NAME}}})$', re.MULTILINE)
 
 
 def forged() -> ProgramFault:
     return _fatal(FaultKind.INVALID_OUTPUT, messages.forged())
 
 
-def late(policy: Policy) -> ProgramFault:
-    return _fatal(FaultKind.TIMEOUT, messages.timeout("wall", policy, None, ()))
+def late(policy: Policy, frames: tuple[Frame, ...] = ()) -> ProgramFault:
+    return _out_of_time("wall", policy, frames)
 
 
 def _fatal(kind: FaultKind, message: str) -> ProgramFault:
     return ProgramFault(kind, messages.typeset(message), fatal=True)
 
 
-def ended(ending: Ending, policy: Policy) -> ProgramFault:
-    """The fault of a program that died without an answer and that we did not kill.
+def _out_of_time(what: str, policy: Policy, frames: tuple[Frame, ...]) -> ProgramFault:
+    line = frames[-1].line if frames else None
+    message = messages.typeset(messages.timeout(what, policy, line, frames))
+    return ProgramFault(FaultKind.TIMEOUT, message, line=line, frames=frames, fatal=True)
+
+
+def last_frames(words: str, filename: str, lines: Sequence[str]) -> tuple[Frame, ...]:
+    """The levels of the student's file in what the interpreter wrote down (innermost first); none if it did not.
+
+    It is the student's process that wrote it: what is taken from it is numbers of lines, and bounded names.
+    """
+    found = []
+    for entry in _LEVEL.finditer(words):
+        line = int(entry[2])
+        if entry[1] == filename and 0 < line <= len(lines):
+            found.append(Frame(line, messages.clean(_unescaped(entry[3])), messages.clean(lines[line - 1].strip())))
+    return tuple(reversed(found[:MAX_FRAMES]))
+
+
+def _unescaped(name: str) -> str:
+    """The interpreter writes the letters beyond ASCII of a name as escapes."""
+    return re.sub(r"\\x([0-9a-f]{2})|\\u([0-9a-f]{4})", lambda found: chr(int(found[1] or found[2], 16)), name)
+
+
+def ended(ending: Ending, policy: Policy, frames: tuple[Frame, ...] = ()) -> ProgramFault:
+    """The fault of a program that died without an answer and that we did not kill; `frames`: where it last was.
 
     Raises TemplateFault for a program killed from outside: it cannot send itself SIGKILL, and had not taken the
     memory for which the kernel would have sent it.
@@ -50,7 +76,7 @@ def ended(ending: Ending, policy: Policy) -> ProgramFault:
         return _fatal(FaultKind.MEMORY_LIMIT, messages.memory_limit(policy, None, ()))
     exhausted = number == signal.SIGKILL and ending.cpu_seconds >= policy.cpu_seconds
     if number in _KILLED_BY_TIME or exhausted:
-        return _fatal(FaultKind.TIMEOUT, messages.timeout("cpu", policy, None, ()))
+        return _out_of_time("cpu", policy, frames)
     if number == signal.SIGKILL and ending.max_rss_bytes < policy.memory_bytes * _SUSPECT_SHARE:
         raise TemplateFault("a child was killed from outside")
     if number == signal.SIGKILL:  # the kernel's own answer to a lack of memory

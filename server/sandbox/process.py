@@ -173,7 +173,7 @@ class TemplateProcess:
             self._taken[number] = seat
         try:
             with theirs:
-                descriptors = [theirs.fileno(), output.fileno(), *(seat.descriptors if seat else ())]
+                descriptors = [theirs.fileno(), output.fileno(), output.words, *(seat.descriptors if seat else ())]
                 self._order(_fork_order(number, policy), descriptors)
         except TemplateFault:
             child.close()

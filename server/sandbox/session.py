@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import secrets
 import signal
 import time
@@ -15,7 +16,7 @@ from server.sandbox import diagnosis, messages
 from server.sandbox.batch import QUESTION, Batch, batches
 from server.sandbox.child import codec, frames
 from server.sandbox.child.codec import Value
-from server.sandbox.faults import FaultKind, ProgramFault, SandboxFault, TemplateFault
+from server.sandbox.faults import FaultKind, Frame, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.policy import Policy
 from server.sandbox.process import Child, Ending
 from server.sandbox.values import Kit, Reply, Usage
@@ -36,6 +37,7 @@ class Session:
     def __init__(self, child: Child, policy: Policy) -> None:
         self._child, self._policy = child, policy
         self._waited = 0.0
+        self._filename, self._lines = "", [""]
         self._batch: Batch | None = None
         self._fatal: ProgramFault | None = None
         self._closed = False
@@ -46,6 +48,7 @@ class Session:
         """Runs the file's top level. Raises TemplateFault when the child was not sound to begin with."""
         self._expect(0, frames.READY)
         self._configure(kit)
+        self._filename, self._lines = filename, re.split("\r\n|\r|\n", source.decode("utf-8-sig", "replace"))
         question: dict[str, Value] = {"source": np.frombuffer(source, dtype=np.uint8), "filename": filename}
         token = secrets.randbits(64)
         self._say(token, frames.LOAD, codec.encode(question | {"wall": self._left}, QUESTION))
@@ -215,7 +218,7 @@ class Session:
         try:
             yield start + self._left + GRACE
         except Late:
-            self._end(lambda _: diagnosis.late(self._policy))
+            self._end(lambda _: diagnosis.late(self._policy, self._last_frames()))
         except Forged:
             self._forged()
         except Closed:
@@ -243,10 +246,16 @@ class Session:
             self._child.ending(GRACE)
         except TimeoutError:  # it lives on, or the machine is too busy to tell its end: only our own kill shows which
             self._end(self._killed_or_ended)
-        self._end(lambda ending: diagnosis.ended(ending, self._policy))
+        self._end(self._ended)
 
     def _killed_or_ended(self, ending: Ending) -> ProgramFault:
-        return diagnosis.forged() if ending.status == signal.SIGKILL else diagnosis.ended(ending, self._policy)
+        return diagnosis.forged() if ending.status == signal.SIGKILL else self._ended(ending)
+
+    def _ended(self, ending: Ending) -> ProgramFault:
+        return diagnosis.ended(ending, self._policy, self._last_frames())
+
+    def _last_frames(self) -> tuple[Frame, ...]:
+        return diagnosis.last_frames(self._child.output.last_words(), self._filename, self._lines)
 
     def _forged(self) -> NoReturn:
         self._end(lambda _: diagnosis.forged())

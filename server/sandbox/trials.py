@@ -221,7 +221,7 @@ def essai(_):
         except OSError:
             continue
         ouverts.append(numero)
-    if len(ouverts) == 4 and ouverts[:3] == [0, 1, 2]:
+    if len(ouverts) == 5 and ouverts[:3] == [0, 1, 2]:
         return ""
     return "des descripteurs restent ouverts : " + str(ouverts)
 """

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from server.sandbox import FaultKind, Policy, ProgramFault, Sandbox
+from server.sandbox.diagnosis import last_frames
 
 FaultOf = Callable[..., ProgramFault]
 
@@ -139,6 +140,36 @@ def test_the_limits_are_told(fault_of: FaultOf) -> None:
         assert fault.kind == kind
         assert limit in plain(fault.message)
         assert fault.line in (3, None)
+
+
+def test_a_program_stuck_in_one_call_is_told_where_too(fault_of: FaultOf) -> None:
+    source = "def f():\n    return réfléchir()\n\ndef réfléchir():\n    return sum(range(10**14))\n"
+    fault = fault_of(source, policy=Policy(cpu_seconds=0.2))
+    assert fault.kind == "timeout"
+    assert [(frame.line, frame.function) for frame in fault.frames] == [(2, "f"), (5, "réfléchir")]
+    assert "Ligne 5, dans « réfléchir » (return sum(range(10**14)))" in plain(fault.message)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "",
+        "n'importe quoi",
+        '  File "solution.py", line 3 in f\n',
+        '  File "solution.py", line 0 in f\n  File "autre.py", line 1 in f\n',
+        '  File "solution.py", line 9999999999999999999 in f\n',
+        f'  File "solution.py", line 1 in {"f" * 5000}\n',
+    ],
+)
+def test_last_words_that_tell_nothing_are_not_believed(words: str) -> None:
+    assert last_frames(words, "solution.py", ["def f():", "    pass"]) == ()
+
+
+def test_last_words_are_cleaned_and_bounded() -> None:
+    words = '  File "solution.py", line 1 in <b>\\x1b\\u202e\n' * 100
+    frames = last_frames(words, "solution.py", ["x = 1"])
+    assert 0 < len(frames) < 20
+    assert {frame.function for frame in frames} == {"<b>\ufffd\ufffd"}
 
 
 def test_a_program_that_is_too_long_is_told_where_it_was(fault_of: FaultOf) -> None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from . import landlock, libc, seccomp
 from .namespaces import Nest
 
-WIRE = 230
+WIRE, WORDS = 230, 229
 #: Address space that only the report of a lack of memory may use.
 RESERVE = 16 << 20
 STACK = 64 << 20
@@ -31,6 +31,16 @@ class Prepared:
 
 
 @dataclass(frozen=True)
+class Ends:
+    """The descriptors that a fork is handed; `seats` are the lists of processes of control groups, which it joins."""
+
+    wire: int
+    output: int
+    words: int
+    seats: Sequence[int]
+
+
+@dataclass(frozen=True)
 class Limits:
     """The part of the policy that the kernel enforces."""
 
@@ -42,18 +52,15 @@ class Limits:
     threads: int
 
 
-def raise_walls(prepared: Prepared, limits: Limits, wire: int, output: int, seats: Sequence[int]) -> mmap.mmap:
-    """Leaves fds 0 (null), 1 and 2 (output) and WIRE, and all walls up; returns the reserve of memory.
-
-    `seats` are the lists of processes of control groups, which this process joins.
-    """
+def raise_walls(prepared: Prepared, limits: Limits, ends: Ends) -> mmap.mmap:
+    """Leaves fds 0 (null), 1 and 2 (output), WIRE and WORDS, and all walls up; returns the reserve of memory."""
     lifted = prepared.lifted
-    for seat in seats:
+    for seat in ends.seats:
         os.write(seat, b"0")
     _tie_to_parent(prepared)
     if prepared.nest:
         prepared.nest.settle(limits.folder_bytes)
-    _keep_descriptors(wire, output, prepared.rules, others="descriptors" in lifted)
+    _keep_descriptors(ends, prepared.rules, others="descriptors" in lifted)
     reserve = mmap.mmap(-1, RESERVE, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
     if "capabilities" not in lifted:
         libc.drop_capabilities()
@@ -80,11 +87,12 @@ def _tie_to_parent(prepared: Prepared) -> None:
         os._exit(70)
 
 
-def _keep_descriptors(wire: int, output: int, rules: int | None, *, others: bool) -> None:
-    kept = sorted({WIRE} | ({rules} if rules is not None else set()))
-    os.dup2(output, 1)
-    os.dup2(output, 2)
-    os.dup2(wire, WIRE, inheritable=False)
+def _keep_descriptors(ends: Ends, rules: int | None, *, others: bool) -> None:
+    kept = sorted({WIRE, WORDS} | ({rules} if rules is not None else set()))
+    os.dup2(ends.output, 1)
+    os.dup2(ends.output, 2)
+    os.dup2(ends.wire, WIRE, inheritable=False)
+    os.dup2(ends.words, WORDS, inheritable=False)
     if others:
         return
     low = 3

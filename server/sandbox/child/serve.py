@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import faulthandler
 import gc
 import linecache
 import os
@@ -9,7 +10,7 @@ import random
 import signal
 import sys
 import traceback
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
 from types import FrameType, ModuleType
@@ -34,15 +35,13 @@ def run(
     prepared: inner.Prepared,
     kits: Mapping[str, ModuleType],
     order: Mapping[str, Any],
-    wire: int,
-    output: int,
-    seats: Sequence[int],
+    ends: inner.Ends,
 ) -> NoReturn:
     """Runs in a fresh fork, and ends the process."""
-    ready = False
+    ready, wire = False, ends.wire
     try:
         limits = inner.Limits(*(order[name] for name in inner.Limits.__dataclass_fields__))
-        reserve = inner.raise_walls(prepared, limits, wire, output, seats)
+        reserve = inner.raise_walls(prepared, limits, ends)
         wire = inner.WIRE
         print_to(BoundedText(BoundedBytes(1, order["stdout_bytes"]), order["stdout_bytes"]))
         rehearse(kits)
@@ -62,7 +61,11 @@ def run(
 
 
 class Child:
-    """Both timers end in `_late`, which tells where the program was; limits of the kernel stand behind them."""
+    """Both timers end in `_late`, which tells where the program was; limits of the kernel stand behind them.
+
+    A program stuck in one call of C does not come to `_late`. The kernel's first warning then has the interpreter write
+    down where it is, from the signal handler itself: its last words.
+    """
 
     def __init__(self, program: Program, cpu_seconds: float) -> None:
         self._program, self._cpu_seconds = program, cpu_seconds
@@ -71,6 +74,7 @@ class Child:
         self._exhausted = codec.encode(_fault("memory_limit"), _FAULT)
         signal.signal(signal.SIGALRM, self._late)
         signal.signal(signal.SIGPROF, self._late)
+        faulthandler.register(signal.SIGXCPU, inner.WORDS, all_threads=False)
 
     def serve(self) -> None:
         while header := self._read(frames.HEADER.size):

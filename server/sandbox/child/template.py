@@ -23,8 +23,8 @@ from .program import prepare_interpreter
 
 CONTROL = Limits(size=1 << 26, depth=6, items=10_000)
 _MESSAGE = 1 << 17
-#: A wire, an output, and the seats of three control groups.
-MAX_DESCRIPTORS = 5
+#: A wire, an output, last words, and the seats of three control groups.
+MAX_DESCRIPTORS = 6
 
 
 class Template:
@@ -113,12 +113,12 @@ class Template:
             self._kill(order["id"])
         return True
 
-    def _fork(self, order: dict[str, Any], wire: int, output: int, *seats: int) -> None:
+    def _fork(self, order: dict[str, Any], wire: int, output: int, words: int, *seats: int) -> None:
         nest = self._prepared.nest
         pid = nest.fork() if nest else os.fork()
         if pid == 0:
-            serve.run(self._prepared, self._kits, order, wire, output, seats)
-        for descriptor in (wire, output, *seats):
+            serve.run(self._prepared, self._kits, order, inner.Ends(wire, output, words, seats))
+        for descriptor in (wire, output, words, *seats):
             os.close(descriptor)
         pidfd = os.pidfd_open(pid)
         self._children[pidfd] = (pid, order["id"])
