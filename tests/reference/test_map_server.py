@@ -3,6 +3,7 @@
 import io
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -152,9 +153,10 @@ def test_another_reader_understands_the_same(description: MapDescription) -> Non
     seen = yaml.safe_load(write_description(description))
     seen["origin"], seen["negate"] = tuple(seen["origin"]), bool(seen["negate"])
     assert MapDescription(**seen) == description
-    for flow in (None, True, False):
-        theirs = yaml.safe_dump({**seen, "origin": list(seen["origin"])}, default_flow_style=flow and None)
-        assert read_description(theirs).origin == description.origin
+    seen |= {"image": "maps/my map-2.pgm", "origin": list(seen["origin"])}
+    for lists_in_brackets in (None, False):
+        theirs = yaml.safe_dump(seen, default_flow_style=lists_in_brackets)
+        assert read_description(theirs) == replace(description, image="maps/my map-2.pgm")
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,6 @@
 import os, sys
+
+
 def repondre(contexte):
     fuites = [dict(os.environ)] if os.environ else []
     ouverts = []
@@ -10,5 +12,7 @@ def repondre(contexte):
         ouverts.append(numero)
     if len(ouverts) != 5:
         fuites.append(ouverts)
-    fuites += [nom for nom in sys.modules if nom.partition(".")[0] in ("server", "graders", "reference", "child", "pytest")]
+    fuites += [
+        nom for nom in sys.modules if nom.partition(".")[0] in ("server", "graders", "reference", "child", "pytest")
+    ]
     return str(fuites) if fuites else "rien"
