@@ -1,6 +1,4 @@
 import os, sys
-
-
 def repondre(contexte):
     fuites = [dict(os.environ)] if os.environ else []
     ouverts = []
@@ -12,7 +10,5 @@ def repondre(contexte):
         ouverts.append(numero)
     if len(ouverts) != 5:
         fuites.append(ouverts)
-    fuites += [
-        nom for nom in sys.modules if nom.partition(".")[0] in ("server", "graders", "reference", "child", "pytest")
-    ]
+    fuites += [nom for nom in sys.modules if nom.partition(".")[0] in ("server", "graders", "reference", "child", "pytest")]
     return str(fuites) if fuites else "rien"
