@@ -29,6 +29,7 @@ QUESTION = codec.Limits(size=1 << 28, depth=64, items=10_000_000)
 _FAULT = codec.Limits(size=1 << 16, depth=8, items=1000)
 #: A timer of no seconds would never ring.
 _SHORTEST = 0.001
+_AGAIN = 0.01
 
 
 def run(
@@ -153,6 +154,8 @@ class Child:
             fault["detail"] = "cpu" if number == signal.SIGPROF else "wall"
             self.send(self._token, frames.FAULT, codec.encode(fault, _FAULT))
             os._exit(0)
+        elif number == signal.SIGPROF:  # between two calls: the next one will be told
+            signal.setitimer(signal.ITIMER_PROF, _AGAIN)
 
     def send(self, token: int, kind: int, payload: bytes, then: bytes = b"") -> None:
         _write(inner.WIRE, _framed(token, kind, payload) + then)
