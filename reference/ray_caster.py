@@ -132,7 +132,8 @@ class RayCaster:
         if beams.ndim != 1:
             raise RaycastError("angles", f"has shape {beams.shape}, not (n,)")
         headings = (frames[:, 2:] + beams).ravel()
-        return self.cast(np.repeat(frames[:, :2], beams.size, axis=0), headings, max_range).reshape(-1, beams.size)
+        origins = np.repeat(frames[:, :2], beams.size, axis=0)
+        return self.cast(origins, headings, max_range).reshape(len(frames), beams.size)
 
     def _standing(self, starts: Floats) -> NDArray[np.int64]:
         """Which origins lie on a free cell: their indices (k,)."""

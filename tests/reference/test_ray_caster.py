@@ -120,6 +120,7 @@ def test_no_ray_and_no_pose() -> None:
     caster = RayCaster.of(np.ones((2, 3)))
     assert caster.cast(np.zeros((0, 2)), np.zeros(0), 5.0).shape == (0,)
     assert caster.scans(np.zeros((0, 3)), np.zeros(4), 5.0).shape == (0, 4)
+    assert caster.scans(np.zeros((2, 3)), np.zeros(0), 5.0).shape == (2, 0)
     assert caster.cast([[-1.0, 0.5], [9.0, 9.0]], [0.0, 1.0], 5.0).tolist() == [0.0, 0.0]
 
 

@@ -1,0 +1,211 @@
+"""A simulated run as a rosbag2, in memory: what a robot with ROS 2 would have recorded of it.
+
+Topics: /scan (sensor_msgs/LaserScan), /odom and /ground_truth (nav_msgs/Odometry), /tf (tf2_msgs/TFMessage). Frames, by
+REP 105: map -> odom -> base_link -> laser. /tf carries odom -> base_link, by odometry; map -> odom, which is what a
+perfect localisation would publish, T_map_odom = T_map_base (T_odom_base)^-1; and base_link -> laser, the identity.
+
+Writing needs the package mcap-ros2-support (the extra `rosbag` of this project); nothing else in the numerics does.
+
+Sources: the interface definitions of ROS 2 (sensor_msgs, nav_msgs, tf2_msgs); REP 103 (units), 105 (frames), 117
+(distances beyond the range are infinite); "Rosbag2 storage plugin mcap" and the bag metadata of rosbag2, version 5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from reference import se2
+from reference.errors import InvalidArgumentError
+from reference.odometry import dead_reckoning
+from reference.ros_definitions import DEFINITIONS
+from reference.simulation import Run
+
+Floats = NDArray[np.float64]
+Message = dict[str, Any]
+
+NANOSECONDS = 1_000_000_000
+FILE_NAME = "run.mcap"
+TOPICS = {
+    "/scan": "sensor_msgs/msg/LaserScan",
+    "/odom": "nav_msgs/msg/Odometry",
+    "/ground_truth": "nav_msgs/msg/Odometry",
+    "/tf": "tf2_msgs/msg/TFMessage",
+}
+# Of (x, y, z, roll, pitch, yaw), those that move in the plane.
+PLANAR = [0, 1, 5]
+
+
+class RosbagError(InvalidArgumentError):
+    """A run that the messages of ROS cannot tell; `argument` names what is at fault."""
+
+
+class MissingPackageError(ImportError):
+    """The package that writes MCAP files is not installed."""
+
+
+@dataclass(frozen=True)
+class Rosbag:
+    """The files of a bag's folder: `mcap`, to be named `run.mcap`, and `metadata`, to be named `metadata.yaml`.
+
+    `messages` counts those of each topic.
+    """
+
+    mcap: bytes
+    metadata: str
+    messages: dict[str, int]
+
+
+def export_rosbag(run: Run, start_ns: int = NANOSECONDS) -> Rosbag:
+    """The bag of a run whose first pose was passed `start_ns` nanoseconds after the epoch.
+
+    Raises RosbagError for a run without poses or a lidar whose beams are not evenly spaced, and MissingPackageError.
+    """
+    try:
+        from mcap_ros2.writer import Writer
+    except ImportError as error:
+        raise MissingPackageError("writing a rosbag needs mcap-ros2-support: pip install balise[rosbag]") from error
+    if not len(run):
+        raise RosbagError("run", "holds no pose")
+    if not 0 < start_ns < 2**31 * NANOSECONDS:
+        raise RosbagError("start_ns", f"{start_ns} is not a time after the epoch that ROS can write")
+    stamps = [start_ns + round(time * NANOSECONDS) for time in run.times.tolist()]
+    output = BytesIO()
+    writer: Any = Writer(output)
+    schemas = {name: writer.register_msgdef(name, DEFINITIONS[name]) for name in sorted(set(TOPICS.values()))}
+    counts = dict.fromkeys(TOPICS, 0)
+    for stamp, topic, message in _messages(run, stamps):
+        writer.write_message(topic, schemas[TOPICS[topic]], message, stamp, stamp, counts[topic])
+        counts[topic] += 1
+    writer.finish()
+    return Rosbag(output.getvalue(), _metadata(stamps, counts), counts)
+
+
+def _messages(run: Run, stamps: list[int]) -> Iterator[tuple[int, str, Message]]:
+    """What is said at each time, in the order of time."""
+    spacing = _spacing(run.lidar.angles)
+    believed = dead_reckoning(run.drive, run.wheels, run.truth[0])
+    corrections = se2.compose(run.truth, se2.inverse(believed.poses))
+    sure = np.zeros((3, 3))
+    for k, stamp in enumerate(stamps):
+        yield (
+            stamp,
+            "/tf",
+            {
+                "transforms": [
+                    _transform(stamp, "map", "odom", corrections[k]),
+                    _transform(stamp, "odom", "base_link", believed.poses[k]),
+                    _transform(stamp, "base_link", "laser", np.zeros(3)),
+                ]
+            },
+        )
+        for topic, frame, poses, covariance in (
+            ("/odom", "odom", believed.poses, believed.covariances[k]),
+            ("/ground_truth", "map", run.truth, sure),
+        ):
+            yield stamp, topic, _odometry(stamp, frame, poses[k], covariance, _velocity(poses, k, run.period))
+        yield stamp, "/scan", _laser_scan(stamp, run, k, spacing)
+
+
+def _laser_scan(stamp: int, run: Run, index: int, spacing: float) -> Message:
+    angles, ranges = run.lidar.angles, run.ranges[index]
+    return {
+        "header": _header(stamp, "laser"),
+        "angle_min": float(angles[0]),
+        "angle_max": float(angles[-1]),
+        "angle_increment": spacing,
+        "time_increment": 0.0,
+        "scan_time": run.period,
+        "range_min": 0.0,
+        "range_max": run.lidar.max_range,
+        "ranges": np.where(ranges < run.lidar.max_range, ranges, np.inf).tolist(),
+        "intensities": [],
+    }
+
+
+def _odometry(stamp: int, frame: str, pose: Floats, covariance: Floats, velocity: Floats) -> Message:
+    position, orientation = _place(pose)
+    wide = np.zeros((6, 6))
+    wide[np.ix_(PLANAR, PLANAR)] = covariance
+    return {
+        "header": _header(stamp, frame),
+        "child_frame_id": "base_link",
+        "pose": {
+            "pose": {"position": position, "orientation": orientation},
+            "covariance": wide.ravel().tolist(),
+        },
+        "twist": {
+            "twist": {
+                "linear": _vector(velocity[0], velocity[1]),
+                "angular": {"x": 0.0, "y": 0.0, "z": float(velocity[2])},
+            },
+            "covariance": [0.0] * 36,
+        },
+    }
+
+
+def _velocity(poses: Floats, index: int, period: float) -> Floats:
+    """The twist (3,), in the robot's frame, that leads from the pose before to this one; zero at the first."""
+    return se2.log(se2.relative(poses[index - 1], poses[index])) / period if index else np.zeros(3)
+
+
+def _transform(stamp: int, parent: str, child: str, pose: Floats) -> Message:
+    translation, rotation = _place(pose)
+    return {
+        "header": _header(stamp, parent),
+        "child_frame_id": child,
+        "transform": {"translation": translation, "rotation": rotation},
+    }
+
+
+def _place(pose: Floats) -> tuple[Message, Message]:
+    """A pose (3,) of the plane as a position and a quaternion."""
+    half = float(pose[2]) / 2.0
+    return _vector(pose[0], pose[1]), {"x": 0.0, "y": 0.0, "z": float(np.sin(half)), "w": float(np.cos(half))}
+
+
+def _vector(x: float, y: float) -> Message:
+    return {"x": float(x), "y": float(y), "z": 0.0}
+
+
+def _header(stamp: int, frame: str) -> Message:
+    seconds, nanoseconds = divmod(stamp, NANOSECONDS)
+    return {"stamp": {"sec": seconds, "nanosec": nanoseconds}, "frame_id": frame}
+
+
+def _spacing(angles: ArrayLike) -> float:
+    """The angle between neighbouring beams, which a LaserScan says only once."""
+    steps = np.diff(np.asarray(angles, dtype=np.float64))
+    if not np.size(angles):
+        raise RosbagError("run", "has a lidar without beams")
+    if not steps.size:
+        return 0.0
+    if np.ptp(steps) > 1e-9:
+        raise RosbagError("run", "has a lidar whose beams are not evenly spaced, which a LaserScan cannot say")
+    return float(steps.mean())
+
+
+def _metadata(stamps: list[int], counts: dict[str, int]) -> str:
+    duration, total = stamps[-1] - stamps[0], sum(counts.values())
+    topics = "".join(
+        f"    - topic_metadata:\n        name: {topic}\n        type: {TOPICS[topic]}\n"
+        f'        serialization_format: cdr\n        offered_qos_profiles: ""\n      message_count: {count}\n'
+        for topic, count in counts.items()
+    )
+    span = (
+        f"duration:\n{{0}}  nanoseconds: {duration}\n"
+        f"{{0}}starting_time:\n{{0}}  nanoseconds_since_epoch: {stamps[0]}\n{{0}}message_count: {total}\n"
+    )
+    return (
+        "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n"
+        f"  {span.format('  ')}"
+        f"  topics_with_message_count:\n{topics}"
+        '  compression_format: ""\n  compression_mode: ""\n'
+        f"  relative_file_paths:\n    - {FILE_NAME}\n"
+        f"  files:\n    - path: {FILE_NAME}\n      {span.format('      ')}"
+    )
