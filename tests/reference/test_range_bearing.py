@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from scipy.stats import chi2, multivariate_normal
 
 from reference.errors import InvalidArgumentError
+from reference.filters.bayes import BayesFilter
 from reference.filters.extended import ExtendedKalmanFilter
-from reference.filters.gaussian import GaussianBelief, gain, joseph
+from reference.filters.gaussian import gain, joseph
 from reference.filters.models import log_normal
 from reference.filters.moments import difference, weighted_covariance, weighted_mean
 from reference.filters.particles import ParticleFilter
@@ -36,7 +37,7 @@ def drive(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return controls, states, MODEL.observe(states) + noise
 
 
-def run(robot: GaussianBelief | ParticleFilter[np.ndarray], seed: int) -> np.ndarray:
+def run(robot: BayesFilter[np.ndarray, np.ndarray], seed: int) -> np.ndarray:
     """The means after each step (n, 3)."""
     controls, _, measurements = drive(seed)
     means = []
@@ -143,7 +144,7 @@ def test_the_form_of_joseph_is_the_short_form_for_the_best_gain_and_positive_for
 
 
 def test_the_form_of_joseph_survives_rounding_where_the_short_one_does_not() -> None:
-    """A very sure measurement of a very unsure sum x + y leaves it the variance r, and (x + y) / sqrt 2 half of that."""
+    """A very sure measurement of a very unsure x + y leaves it the variance r, and (x + y) / sqrt 2 half of that."""
     c, r = np.array([1.0, 0.9, 0.3]), 1e-10
     P, H, R = 1e6 * np.outer(c, c) + 1e-2 * np.eye(3), np.array([[1.0, 1.0, 0.0]]), np.array([[r]])
     K = gain(P @ H.T, H @ P @ H.T + R)

@@ -1,0 +1,68 @@
+"""The likelihood field: how far from a wall each beam would end, looked up in a table; no ray is cast.
+
+    p(z_k | pose) = hit N(d; 0, sigma^2) + random / max_range                                                  (1)
+
+d is the distance from the cell in which the beam ends to the nearest occupied one, between centres. Beams that read
+`max_range` say nothing. Walls are transparent to this model: it sees where beams end, not what they cross.
+
+Source: Thrun, Burgard, Fox, "Probabilistic Robotics" (2005), table 6.3.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.errors import InvalidArgumentError
+from reference.grid_map import GridMap
+from reference.scan import Scan
+from reference.sensors.rays import checked_poses, checked_power
+
+Floats = NDArray[np.float64]
+
+
+class LikelihoodField:
+    """A ScanSensor: `hit` + `random` = 1 at most, `sigma` and `max_range` in metres, `power` tempers the product.
+
+    Beams that end off the map have the likelihood of noise. Raises InvalidArgumentError.
+    """
+
+    def __init__(
+        self,
+        grid_map: GridMap,
+        *,
+        sigma: float = 0.2,
+        hit: float = 0.9,
+        random: float = 0.1,
+        max_range: float = 10.0,
+        power: float = 1.0,
+    ) -> None:
+        for argument, value in (("sigma", sigma), ("max_range", max_range)):
+            if not 0.0 < value < np.inf:
+                raise InvalidArgumentError(argument, f"{value} is not a positive length")
+        if not (hit >= 0.0 and random > 0.0 and hit + random <= 1.0 + 1e-9):
+            raise InvalidArgumentError("hit, random", "are not shares, the second one positive, of at most one")
+        self.grid_map = grid_map
+        noise = random / max_range
+        density = np.exp(-0.5 * (grid_map.distance_to_wall / sigma) ** 2) / (sigma * np.sqrt(2.0 * np.pi))
+        self.log_field = checked_power(power) * np.log(hit * density + noise)
+        self.log_field.flags.writeable = False
+        # With one cell of noise all around, whatever lies off the map falls on the margin once clipped to it.
+        self._table = np.pad(self.log_field, 1, constant_values=power * np.log(noise))
+
+    def log_likelihood(self, poses_world: Floats, scan: Scan) -> Floats:
+        """The sum over the beams that hit something of log (1), times the power, (n,). Raises InvalidArgumentError."""
+        poses = checked_poses(poses_world, scan)
+        points = scan.points()
+        # Cells are reckoned in the table, whose corner is one cell before that of the map.
+        T_map_robot = self.grid_map.poses_to_cells(poses)
+        c, s = np.cos(T_map_robot[:, 2]), np.sin(T_map_robot[:, 2])
+        ends = np.vstack([points.T / self.grid_map.resolution, np.ones(len(points))])
+        x = np.column_stack([c, -s, T_map_robot[:, 0] + 1.0]) @ ends
+        y = np.column_stack([s, c, T_map_robot[:, 1] + 1.0]) @ ends
+        height, width = self._table.shape
+        columns = np.clip(x, 0.0, width - 1.0, out=x).astype(np.int64)
+        rows = np.clip(y, 0.0, height - 1.0, out=y).astype(np.int64)
+        rows *= width
+        rows += columns
+        return np.asarray(self._table.ravel().take(rows).sum(axis=1))
