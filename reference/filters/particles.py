@@ -73,12 +73,22 @@ class ParticleFilter(Generic[Measurement_contra]):
         """Draw each particle's next state from p(x' | x, u)."""
         self.states = self.model.sample_motion(self.states, checked_vector("control", control), self.rng)
 
+    @property
+    def degenerate(self) -> bool:
+        """Is N_eff below the threshold?"""
+        return self.effective_sample_size < self.threshold * len(self.states)
+
     def correct(self, measurement: Measurement_contra) -> float:
-        """w_i <- p(z | x_i) w_i / evidence, then resample if need be. Raises ImpossibleMeasurementError."""
+        """Weigh, then resample if need be. Raises ImpossibleMeasurementError."""
+        evidence = self.weigh(measurement)
+        if self.degenerate:
+            self.resample()
+        return evidence
+
+    def weigh(self, measurement: Measurement_contra) -> float:
+        """w_i <- p(z | x_i) w_i / evidence; returns the log evidence. Raises ImpossibleMeasurementError."""
         posterior = reweighted(self.weights, self.model.log_likelihood(self.states, measurement))
         self.weights = posterior.weights
-        if self.effective_sample_size < self.threshold * len(self.states):
-            self.resample()
         return posterior.log_sum
 
     def resample(self) -> None:

@@ -20,7 +20,6 @@ from scipy.special import log_ndtr, ndtr, ndtri
 
 from reference.errors import InvalidArgumentError
 from reference.grid_map import GridMap
-from reference.raycast import cast_rays
 from reference.scan import Scan
 from reference.sensors.rays import checked_poses, checked_power
 
@@ -115,15 +114,7 @@ class BeamSensor:
     def log_likelihood(self, poses_world: Floats, scan: Scan) -> Floats:
         """power x sum over the beams k of log p(z_k | z*_k), (n,). Raises InvalidArgumentError."""
         poses = checked_poses(poses_world, scan)
-        ranges = np.minimum(scan.ranges, self.model.max_range)
-        expected = self._expected(poses, scan.angles)
-        return np.asarray(self.power * np.sum(self.model.log_density(ranges[None, :], expected), axis=1))
-
-    def _expected(self, poses: Floats, angles: Floats) -> Floats:
-        """The ranges (n, beams) that the map predicts, in metres."""
-        cells = self.grid_map.poses_to_cells(poses)
-        headings = cells[:, 2:] + angles[None, :]
-        reach = self.model.max_range / self.grid_map.resolution
-        origins = np.repeat(cells[:, :2], angles.size, axis=0)
-        distances = cast_rays(self.grid_map.free, origins, headings.ravel(), reach).reshape(headings.shape)
-        return np.minimum(distances * self.grid_map.resolution, self.model.max_range)
+        longest = self.model.max_range
+        expected = np.minimum(self.grid_map.cast_scans(poses, scan.angles, longest), longest)
+        beams = self.model.log_density(np.minimum(scan.ranges, longest)[None, :], expected)
+        return np.asarray(self.power * beams.sum(axis=1))
