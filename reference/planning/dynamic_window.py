@@ -1,0 +1,205 @@
+"""Driving to a goal with the dynamic window: try the speeds within reach, keep the safe ones, take the best.
+
+A speed (v, w), in m/s and rad/s, is kept for one period. It is safe if the robot, having driven it for one period, can
+then brake to a stand without touching anything. Braking is always among the choices, and follows the very way that was
+found safe a period earlier: so a robot that starts at rest never collides, whatever the map.
+
+The best speed leads down the cost of the way that remains (Dijkstra from the goal over inflated walls), measured at the
+robot and a little ahead of it, so that turning towards the way counts too: there is no local minimum to be caught in
+but what the robot's own size makes.
+
+Sources: Fox, Burgard, Thrun, "The Dynamic Window Approach to Collision Avoidance" (1997); Brock and Khatib, "High-speed
+Navigation Using the Global Dynamic Window Approach" (1999).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import distance_transform_edt, map_coordinates
+
+from reference.grid_map import GridMap
+from reference.planning.grid_search import PlanningError, SearchGrid
+from reference.planning.inflation import inflate
+from reference.se2 import wrap_angle
+
+Floats = NDArray[np.float64]
+
+PARTS = 4
+SQRT2 = float(np.sqrt(2.0))
+
+
+@dataclass(frozen=True)
+class Limits:
+    """A round differential robot: `radius` (m), speeds (m/s, rad/s), accelerations (m/s^2, rad/s^2); never backwards.
+
+    It decides once a `period` (s), looks `horizon` (s) ahead, and tries `samples` values of v and of w.
+    """
+
+    radius: float = 0.2
+    max_v: float = 0.6
+    max_w: float = 1.8
+    max_dv: float = 0.8
+    max_dw: float = 4.0
+    period: float = 0.1
+    horizon: float = 1.0
+    samples: int = 11
+
+    def __post_init__(self) -> None:
+        for name in ("radius", "max_v", "max_w", "max_dv", "max_dw", "period", "horizon"):
+            if not 0.0 < getattr(self, name) < np.inf:
+                raise PlanningError(name, f"{getattr(self, name)} is not a positive number")
+        if self.samples < 2:
+            raise PlanningError("samples", "fewer than 2 leave no choice")
+
+
+@dataclass(frozen=True, eq=False)
+class Journey:
+    """`poses` (k + 1, 3), one a period, the `speeds` (k, 2) = (v, w) between them, and whether the goal was reached.
+
+    `clearance`: how near, in metres, the robot's rim came to a wall at least, counted safely.
+    """
+
+    poses: Floats
+    speeds: Floats
+    reached: bool
+    clearance: float
+
+
+@dataclass(frozen=True, eq=False)
+class DynamicWindow:
+    """A robot with a map and a goal: `clear` (H, W), metres to walls, at least; `remaining` (H, W), costs to go."""
+
+    world: GridMap
+    goal: Floats
+    limits: Limits
+    clear: Floats = field(repr=False)
+    remaining: Floats = field(repr=False)
+
+    @classmethod
+    def towards(cls, world: GridMap, goal: ArrayLike, limits: Limits) -> DynamicWindow:
+        """For a goal (2,) in the world. What is not known free is taken for wall. Raises PlanningError."""
+        point = np.asarray(goal, dtype=np.float64)
+        if point.shape != (2,) or not np.all(np.isfinite(point)):
+            raise PlanningError("goal", "is not a point (2,) of finite numbers")
+        # From any point of a cell to any point of a wall's: half a diagonal less at both ends.
+        cells = distance_transform_edt(np.pad(world.free, 1))[1:-1, 1:-1]
+        clear = world.resolution * np.maximum(np.asarray(cells) - SQRT2, 0.0)
+        inflated = inflate(world.free, limits.radius / world.resolution + SQRT2)
+        x, y = np.floor(world.to_cells(point)).astype(np.int64).tolist()
+        height, width = world.shape
+        if not (0 <= y < height and 0 <= x < width and inflated.free[y, x]):
+            raise PlanningError("goal", "is not a place where the robot can stand")
+        remaining = SearchGrid(inflated.free, inflated.costs).costs_from((y, x)) * world.resolution
+        return cls(world, point, limits, clear, _extended(remaining, world.resolution))
+
+    def choose(self, pose: Floats, speed: Floats) -> Floats:
+        """The speed (2,) = (v, w) for the next period, from the pose (3,) and speed so far."""
+        limits = self.limits
+        choices = self._window(speed)
+        stops = drive(pose, choices, limits, brake=True, duration=limits.period)
+        safe = self.clearance(stops).min(axis=1) > limits.radius
+        safe[0] = True  # braking: found safe a period ago, as a part of that choice
+        choices = choices[safe]
+        ahead = drive(pose, choices, limits, brake=False, duration=limits.horizon)
+        ends = ahead[:, -1]
+        reach = np.minimum(2.0 * limits.radius, np.linalg.norm(ends[:, :2] - self.goal, axis=1))
+        nose = ends[:, :2] + reach[:, None] * np.column_stack([np.cos(ends[:, 2]), np.sin(ends[:, 2])])
+        room = np.minimum(self.clearance(ahead).min(axis=1), 2.0 * limits.radius)
+        cost = self._to_go(ends[:, :2]) + self._to_go(nose) - room
+        return np.asarray(choices[int(np.argmin(cost))])
+
+    def clearance(self, poses: Floats) -> Floats:
+        """Metres to the nearest wall, counted safely, for poses (…, 3); 0 off the map."""
+        cells = np.floor(self.world.to_cells(poses[..., :2])).astype(np.int64)
+        x, y = cells[..., 0], cells[..., 1]
+        inside = (x >= 0) & (x < self.clear.shape[1]) & (y >= 0) & (y < self.clear.shape[0])
+        return np.where(inside, self.clear[np.where(inside, y, 0), np.where(inside, x, 0)], 0.0)
+
+    def _window(self, speed: Floats) -> Floats:
+        """The speeds (k, 2) within reach in one period; braking as hard as can be comes first."""
+        limits = self.limits
+        dv, dw = limits.max_dv * limits.period, limits.max_dw * limits.period
+        v = np.linspace(max(0.0, speed[0] - dv), min(limits.max_v, speed[0] + dv), limits.samples)
+        w = np.linspace(max(-limits.max_w, speed[1] - dw), min(limits.max_w, speed[1] + dw), limits.samples)
+        grid = np.stack(np.meshgrid(v, np.append(w, 0.0) if abs(speed[1]) <= dw else w), axis=-1).reshape(-1, 2)
+        return np.vstack([braked(speed[None], limits), grid])
+
+    def _to_go(self, points: Floats) -> Floats:
+        x, y = (self.world.to_cells(points) - 0.5).T
+        return np.asarray(map_coordinates(self.remaining, [y, x], order=1, mode="nearest"))
+
+
+def braked(speeds: Floats, limits: Limits) -> Floats:
+    """Speeds (k, 2) after one period of braking."""
+    less = np.array([limits.max_dv, limits.max_dw]) * limits.period
+    return np.asarray(np.sign(speeds) * np.maximum(np.abs(speeds) - less, 0.0))
+
+
+def drive(pose: Floats, speeds: Floats, limits: Limits, *, brake: bool, duration: float) -> Floats:
+    """Poses (k, m, 3) passed from `pose` (3,) at the speeds (k, 2), each kept for `duration`, then braked if asked."""
+    periods = max(1, round(duration / limits.period))
+    if brake:
+        stop = max(np.abs(speeds[:, 0]).max() / limits.max_dv, np.abs(speeds[:, 1]).max() / limits.max_dw)
+        periods += int(np.ceil(stop / limits.period)) + 1
+    current = np.tile(pose, (len(speeds), 1))
+    passed = [current]
+    for number in range(periods):
+        if number and brake:
+            speeds = braked(speeds, limits)
+        for _ in range(PARTS):
+            current = arc(current, speeds, limits.period / PARTS)
+            passed.append(current)
+    return np.stack(passed, axis=1)
+
+
+def arc(poses: Floats, speeds: Floats, duration: float) -> Floats:
+    """Poses (k, 3) after `duration` at the speeds (k, 2): exact along the arc of a circle.
+
+    The chord of an arc of length s and turn a is s sin(a/2) / (a/2), at half the turn.
+    """
+    way, turn = speeds[:, 0] * duration, speeds[:, 1] * duration
+    chord, middle = way * np.sinc(turn / (2.0 * np.pi)), poses[:, 2] + turn / 2.0
+    steps = np.column_stack([chord * np.cos(middle), chord * np.sin(middle), turn])
+    moved = poses + steps
+    moved[:, 2] = wrap_angle(moved[:, 2])
+    return moved
+
+
+def _extended(costs: Floats, resolution: float) -> Floats:
+    """Costs with their infinities replaced: by that of the nearest finite cell, and more the farther it is."""
+    closed = ~np.isfinite(costs)
+    away, (y, x) = distance_transform_edt(closed, return_indices=True)
+    return np.asarray(costs[y, x] + 20.0 * resolution * away)
+
+
+def navigate(
+    world: GridMap,
+    start: ArrayLike,
+    goal: ArrayLike,
+    limits: Limits | None = None,
+    *,
+    tolerance: float = 0.15,
+    max_time: float = 120.0,
+) -> Journey:
+    """Drive from rest at the pose `start` (3,) to within `tolerance` (m) of `goal` (2,), or for `max_time` seconds.
+
+    A goal to which no way leads is not reached. Raises PlanningError when the robot cannot stand at either end.
+    """
+    bounds = limits or Limits()
+    window = DynamicWindow.towards(world, goal, bounds)
+    pose, speed = np.array(start, dtype=np.float64), np.zeros(2)
+    if pose.shape != (3,) or not np.all(np.isfinite(pose)) or window.clearance(pose) <= bounds.radius:
+        raise PlanningError("start", "is not a pose (3,) at which the robot can stand")
+    poses, nearest, reached = [pose], float(window.clearance(pose)), False
+    speeds: list[Floats] = []
+    while not reached and len(speeds) * bounds.period < max_time:
+        speed = window.choose(pose, speed)
+        passed = drive(pose, speed[None], bounds, brake=False, duration=bounds.period)[0]
+        pose, nearest = passed[-1], min(nearest, float(window.clearance(passed).min()))
+        poses.append(pose)
+        speeds.append(speed)
+        reached = bool(np.hypot(*(pose[:2] - np.asarray(goal))) <= tolerance)
+    return Journey(np.array(poses), np.array(speeds).reshape(-1, 2), reached, nearest - bounds.radius)
