@@ -145,7 +145,7 @@ class MonteCarloLocalization(ParticleFilter[Scan]):
         return self.averages.share(float(np.exp(evidence / hits)), self.injection)
 
     def _drawn(self) -> Floats:
-        return np.asarray(self.states[self.scheme(self.weights, self.rng, None).ancestors])
+        return self.states.take(self.scheme(self.weights, self.rng, None).ancestors, axis=0)
 
     def _as_needed(self, kld: KldSampling) -> Floats:
         """Independent draws, as many as KLD-sampling asks for."""

@@ -6,6 +6,7 @@ is no half-turn, so that the noise of a first turn beyond 90 degrees is that of 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,12 +42,12 @@ class OdometryNoise:
         sigma_turn^2    = (turn_by_turn turn)^2 + (turn_by_advance advance)^2
         sigma_advance^2 = (advance_by_advance advance)^2 + advance_by_turn^2 (first^2 + second^2)              (1)
         """
-        turns = np.minimum(np.abs([first, second]), np.pi - np.abs([first, second]))
+        before, after = (min(abs(turn), math.pi - abs(turn)) for turn in (first, second))
         return np.array(
             [
-                np.hypot(self.turn_by_turn * turns[0], self.turn_by_advance * advance),
-                np.hypot(self.advance_by_advance * advance, self.advance_by_turn * np.hypot(turns[0], turns[1])),
-                np.hypot(self.turn_by_turn * turns[1], self.turn_by_advance * advance),
+                math.hypot(self.turn_by_turn * before, self.turn_by_advance * advance),
+                math.hypot(self.advance_by_advance * advance, self.advance_by_turn * math.hypot(before, after)),
+                math.hypot(self.turn_by_turn * after, self.turn_by_advance * advance),
             ]
         )
 
@@ -59,9 +60,10 @@ def turn_advance_turn(T_before_after: ArrayLike) -> Floats:
     move = np.asarray(T_before_after, dtype=np.float64)
     if move.shape != (3,) or not np.all(np.isfinite(move)):
         raise InvalidArgumentError("T_before_after", f"of shape {move.shape} is not a pose (3,) of finite numbers")
-    advance = float(np.hypot(move[0], move[1]))
-    first = float(np.arctan2(move[1], move[0])) if advance > _STILL else 0.0
-    return np.array([first, advance, wrap_angle(float(move[2]) - first)])
+    x, y, turn = (float(part) for part in move)
+    advance = math.hypot(x, y)
+    first = math.atan2(y, x) if advance > _STILL else 0.0
+    return np.array([first, advance, wrap_angle(turn - first)])
 
 
 def sample_odometry(

@@ -93,7 +93,7 @@ class ParticleFilter(Generic[Measurement_contra]):
 
     def resample(self) -> None:
         """Draw as many particles as there are, each in proportion to its weight; weights are equal afterwards."""
-        self.states = self.states[self.scheme(self.weights, self.rng, None).ancestors]
+        self.states = self.states.take(self.scheme(self.weights, self.rng, None).ancestors, axis=0)
         self.weights = np.full(len(self.states), 1.0 / len(self.states))
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from reference.errors import InvalidArgumentError
 from reference.grid_map import GridMap
 from reference.scan import Scan
+from reference.se2 import rotation
 from reference.sensors.rays import checked_poses, checked_power
 
 Floats = NDArray[np.float64]
@@ -49,20 +50,27 @@ class LikelihoodField:
         self.log_field.flags.writeable = False
         # With one cell of noise all around, whatever lies off the map falls on the margin once clipped to it.
         self._table = np.pad(self.log_field, 1, constant_values=power * np.log(noise))
+        self._to_table = rotation(grid_map.T_world_map[2]) / grid_map.resolution
+        self._corner = 1.0 - grid_map.T_world_map[:2] @ self._to_table
 
     def log_likelihood(self, poses_world: Floats, scan: Scan) -> Floats:
-        """The sum over the beams that hit something of log (1), times the power, (n,). Raises InvalidArgumentError."""
+        """The sum over the beams that hit something of log (1), times the power, (n,). Raises InvalidArgumentError.
+
+        Lengths are in cells of the table, whose corner is one cell before that of the map. The ends of the k beams from
+        the n poses are two products of matrices, (k, 3) by (3, n).
+        """
         poses = checked_poses(poses_world, scan)
         points = scan.points()
-        # Cells are reckoned in the table, whose corner is one cell before that of the map.
-        T_map_robot = self.grid_map.poses_to_cells(poses)
-        c, s = np.cos(T_map_robot[:, 2]), np.sin(T_map_robot[:, 2])
-        ends = np.vstack([points.T / self.grid_map.resolution, np.ones(len(points))])
-        x = np.column_stack([c, -s, T_map_robot[:, 0] + 1.0]) @ ends
-        y = np.column_stack([s, c, T_map_robot[:, 1] + 1.0]) @ ends
+        x, y = (poses[:, :2] @ self._to_table + self._corner).T
+        headings = poses[:, 2] - self.grid_map.T_world_map[2]
+        c, s, ends = np.cos(headings), np.sin(headings), np.ones((len(points), 3))
+        np.divide(points, self.grid_map.resolution, out=ends[:, :2])
         height, width = self._table.shape
-        columns = np.clip(x, 0.0, width - 1.0, out=x).astype(np.int64)
-        rows = np.clip(y, 0.0, height - 1.0, out=y).astype(np.int64)
-        rows *= width
-        rows += columns
-        return np.asarray(self._table.ravel().take(rows).sum(axis=1))
+        columns = ends @ np.stack([c, -s, x])
+        rows = ends @ np.stack([s, c, y])
+        np.clip(columns, 0.0, width - 1.0, out=columns)
+        np.clip(rows, 0.0, height - 1.0, out=rows)
+        cells = np.floor(rows, out=rows)
+        cells *= width
+        cells += columns
+        return np.asarray(self._table.ravel().take(cells.astype(np.int64)).sum(axis=0))
