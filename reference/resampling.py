@@ -24,7 +24,7 @@ Integers = NDArray[np.int64]
 
 # The comb is laid over this many particles at a time, so that what is computed on the way stays in the processor's
 # cache: at a million particles, memory is what costs.
-_BLOCK = 16384
+_BLOCK = 32768
 # A sum above this may be divided into any number of particles that fits in memory.
 _SMALL = 1e-290
 
@@ -90,10 +90,12 @@ def comb(weights: ArrayLike, offset: float, count: int | None = None) -> Resampl
     """
     if not 0.0 <= offset < 1.0:
         raise InvalidOffsetError(offset)
-    w = _valid(weights)
+    w = _shaped(weights)
     teeth, total = _valid_count(count, w.size), _positive_sum(w)
     ancestors = np.empty(teeth, dtype=np.int64)
     end = _last_positive(w) + 1
+    if end < w.size:
+        _not_negative(w[end:])
     buffer = np.empty(min(_BLOCK, end))
     placed, behind = 0, offset
     for first in range(0, end, _BLOCK):
@@ -125,11 +127,16 @@ def _place(ancestors: Integers, placed: int, below: Integers, first: int) -> int
 
 
 def _scaled(w: Floats, teeth: int, total: float, buffer: Floats) -> Floats:
-    """The shares of `teeth`, in `buffer`, also when the weights are so small that their sum has no inverse."""
+    """The shares of `teeth`, in `buffer`, also when the weights are so small that their sum has no inverse.
+
+    They are checked here, where they are at hand.
+    """
     shares = buffer[: w.size]
     if total > _SMALL:
-        return np.multiply(w, teeth / total, out=shares)
-    return np.multiply(np.divide(w, total, out=shares), teeth, out=shares)
+        np.multiply(w, teeth / total, out=shares)
+    else:
+        np.multiply(np.divide(w, total, out=shares), teeth, out=shares)
+    return _not_negative(shares)
 
 
 def stratified_resampling(weights: ArrayLike, rng: np.random.Generator, count: int | None = None) -> Resampling:
@@ -189,9 +196,17 @@ def _multinomial(shares: Floats, draws: int, rng: np.random.Generator) -> Intege
 
 
 def _valid(weights: ArrayLike) -> Floats:
+    return _not_negative(_shaped(weights))
+
+
+def _shaped(weights: ArrayLike) -> Floats:
     w = np.asarray(weights, dtype=np.float64)
     if w.ndim != 1 or w.size == 0:
         raise InvalidWeightsError(f"must have shape (n,) with n >= 1, not {w.shape}")
+    return w
+
+
+def _not_negative(w: Floats) -> Floats:
     if not w.min() >= 0.0:
         raise InvalidWeightsError("hold a negative number or NaN")
     return w
@@ -210,8 +225,8 @@ def _positive_sum(w: Floats) -> float:
     total = float(np.sum(w))
     if total == 0.0:
         raise InvalidWeightsError("are all zero")
-    if not np.isfinite(total):
-        raise InvalidWeightsError("have no finite sum")
+    if not 0.0 < total < np.inf:
+        raise InvalidWeightsError("have no finite sum, or a negative one")
     return total
 
 
