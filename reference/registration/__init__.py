@@ -5,26 +5,34 @@ its parts: `nearest`, `kernels`, `normals`, `observability`, `acceleration`. `co
 window, without a guess. `scan_matching`: two scans of a robot, by the two together.
 """
 
+from reference.registration.correlation import Correlation, Window, correlate
 from reference.registration.icp import IcpError, IcpResult, Pairing, icp, icp_to_lines
 from reference.registration.kernels import Cauchy, Huber, Kernel, LeastSquares, Tukey
 from reference.registration.normals import normals_by_beams, normals_by_neighbours
 from reference.registration.rigid import ROUNDING, InvalidCloudError, RigidAlignment, kabsch, squared_residual
+from reference.registration.scan_matching import Matching, ScanMatch, match_scans
 
 __all__ = [
     "ROUNDING",
     "Cauchy",
+    "Correlation",
     "Huber",
     "IcpError",
     "IcpResult",
     "InvalidCloudError",
     "Kernel",
     "LeastSquares",
+    "Matching",
     "Pairing",
     "RigidAlignment",
+    "ScanMatch",
     "Tukey",
+    "Window",
+    "correlate",
     "icp",
     "icp_to_lines",
     "kabsch",
+    "match_scans",
     "normals_by_beams",
     "normals_by_neighbours",
     "squared_residual",

@@ -1,0 +1,147 @@
+"""The best place of one cloud on another in a whole window of poses, without a guess: exact, by branch and bound.
+
+The score of a pose is the mean over the points of P of a field that is 1 on the points of Q and falls off around them.
+On a lattice of poses the best one is found without trying them all: the largest field within a square of 2^h cells
+bounds every shift within it from above, and a square whose bound is below a score already reached is dropped.
+
+Sources: Olson, "Real-Time Correlative Scan Matching" (2009); Hess, Kohler, Rapp, Andor, "Real-Time Loop Closure in 2D
+LIDAR SLAM" (2016), for the branch and bound.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from reference.distance_map import distance_to
+from reference.registration.icp import IcpError
+from reference.registration.normals import plane_cloud
+from reference.se2 import Pose, wrap_angle
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+BRANCHES = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
+
+
+@dataclass(frozen=True)
+class Window:
+    """Where to look: up to `reach` (m) along x and y and `turn` (rad) either way, by cells of `resolution` (m)."""
+
+    reach: float = 1.0
+    turn: float = np.pi
+    resolution: float = 0.1
+
+    def __post_init__(self) -> None:
+        for name in ("reach", "turn", "resolution"):
+            if not 0.0 < getattr(self, name) < np.inf:
+                raise IcpError(name, f"{getattr(self, name)} is not a positive number")
+
+
+@dataclass(frozen=True, eq=False)
+class Correlation:
+    """The best pose of the lattice, its score in [0, 1], and how many scores and bounds were computed."""
+
+    T_q_p: Pose
+    score: float
+    evaluations: int
+
+
+@dataclass(frozen=True, eq=False)
+class Lattice:
+    """The scores of shifts: `cells` (turns, n, 2) of the points of P, and `bounds`, the fields by h, from h = 0."""
+
+    cells: Indices
+    bounds: tuple[Floats, ...]
+
+    def scores(self, height: int, nodes: Indices) -> Floats:
+        """For nodes (k, 3) = (turn, shift in y, shift in x), the scores (k,), or their bounds over 2^height cells."""
+        field = self.bounds[height]
+        y, x = np.moveaxis(self.cells[nodes[:, 0]] + nodes[:, None, 1:], -1, 0)
+        seen = field[np.clip(y, 0, field.shape[0] - 1), np.clip(x, 0, field.shape[1] - 1)]
+        return np.asarray(seen.mean(axis=1))
+
+
+def correlate(P: ArrayLike, Q: ArrayLike, T_q_p: ArrayLike, window: Window) -> Correlation:
+    """The pose of best score for P (n, 2) on Q (m, 2) in a window around `T_q_p` (3,).
+
+    Raises IcpError or InvalidCloudError.
+    """
+    p, q, guess = plane_cloud("P", P), plane_cloud("Q", Q), np.asarray(T_q_p, dtype=np.float64)
+    if guess.shape != (3,) or not np.all(np.isfinite(guess)):
+        raise IcpError("T_q_p", f"of shape {guess.shape} is not a finite pose (x, y, theta)")
+    far = max(float(np.linalg.norm(p, axis=1).max()), window.resolution)
+    count = int(np.ceil(window.turn * far / window.resolution))
+    turns = window.turn * np.arange(-count, count + 1) / count
+    shift = int(np.ceil(window.reach / window.resolution))
+    height = int(np.floor(np.log2(2 * shift + 1)))
+    lattice = build_lattice(p, q, guess, turns, window.resolution, height)
+    (turn, dy, dx), score, evaluations = _search(lattice, len(turns), shift, height)
+    moved = guess + np.array([dx * window.resolution, dy * window.resolution, turns[turn]])
+    return Correlation(np.array([*moved[:2], wrap_angle(float(moved[2]))]), score, evaluations)
+
+
+def build_lattice(p: Floats, q: Floats, guess: Floats, turns: Floats, resolution: float, height: int) -> Lattice:
+    """The field of Q on a grid with margins wide enough for every bound, and P at every turn of the guess on it."""
+    margin = 2**height + 4
+    low = np.floor(q.min(axis=0) / resolution) - margin
+    marked = np.floor(q / resolution - low).astype(np.int64)
+    occupied = np.zeros(marked.max(axis=0)[::-1] + margin + 1, dtype=np.bool_)
+    occupied[marked[:, 1], marked[:, 0]] = True
+    distance = distance_to(occupied)
+    bounds = [np.where(distance <= 3.0, np.exp(-(distance**2) / 2.0), 0.0)]
+    for h in range(height):
+        bounds.append(_pooled(bounds[-1], 2**h))
+    c, s = np.cos(guess[2] + turns)[:, None], np.sin(guess[2] + turns)[:, None]
+    x = c * p[:, 0] - s * p[:, 1] + guess[0]
+    y = s * p[:, 0] + c * p[:, 1] + guess[1]
+    cells = np.floor(np.stack([y, x], axis=-1) / resolution - low[::-1]).astype(np.int64)
+    return Lattice(cells, tuple(bounds))
+
+
+def _pooled(field: Floats, side: int) -> Floats:
+    """From the largest value over squares of `side` cells on, that over squares twice as large."""
+    padded = np.pad(field, ((0, side), (0, side)))
+    tall = np.maximum(padded[:-side], padded[side:])
+    return np.maximum(tall[:, :-side], tall[:, side:])
+
+
+def _search(lattice: Lattice, turns: int, shift: int, height: int) -> tuple[tuple[int, int, int], float, int]:
+    """The best (turn, dy, dx) with |dy|, |dx| <= shift, from squares of 2^height cells down to single ones."""
+    roots = np.arange(-shift, shift + 1, 2**height)
+    nodes = np.stack(np.meshgrid(np.arange(turns), roots, roots, indexing="ij"), axis=-1).reshape(-1, 3)
+    bounds, evaluations = lattice.scores(height, nodes), len(nodes)
+    best, best_score = nodes[0], -1.0
+    for h in range(height - 1, -2, -1):
+        if h >= 0:
+            leaf, score = _dive(lattice, nodes[int(np.argmax(bounds))], h, shift)
+        else:
+            leaf, score = nodes[int(np.argmax(bounds))], float(bounds.max())
+        if score > best_score:
+            best, best_score = leaf, score
+        nodes = _branches(nodes[bounds > best_score], h, shift)
+        if h < 0 or not len(nodes):
+            break
+        bounds, evaluations = lattice.scores(h, nodes), evaluations + len(nodes)
+    return (int(best[0]), int(best[1]), int(best[2])), best_score, evaluations
+
+
+def _dive(lattice: Lattice, node: Indices, height: int, shift: int) -> tuple[Indices, float]:
+    """A leaf below a node, by the best branch each time, and its score: a score that others must beat."""
+    score = 0.0
+    for h in range(height, -1, -1):
+        branches = _branches(node[None], h, shift)
+        scores = lattice.scores(h, branches)
+        node, score = branches[int(np.argmax(scores))], float(scores.max())
+    return node, score
+
+
+def _branches(nodes: Indices, height: int, shift: int) -> Indices:
+    """The quarters (k, 3) of nodes, of 2^height cells a side, that start within the window."""
+    if height < 0:
+        return nodes[:0]
+    children = np.repeat(nodes, len(BRANCHES), axis=0)
+    children[:, 1:] += np.tile(BRANCHES, (len(nodes), 1)) * 2**height
+    return children[np.all(children[:, 1:] <= shift, axis=1)]

@@ -1,0 +1,137 @@
+"""Scan matching: the window searched as exhaustively as by brute force, motions as they were, doubt where there is."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from reference.errors import InvalidArgumentError
+from reference.grid_map import GridMap
+from reference.registration import Matching, Window, correlate, match_scans
+from reference.registration.correlation import build_lattice
+from reference.scan import Scan, turn_angles
+from reference.scenes import building
+from reference.se2 import relative, wrap_angle
+
+Floats = NDArray[np.float64]
+seeds = st.integers(0, 2**32 - 1)
+WORLD = building(np.random.default_rng(3), (2, 2), room=50)
+ANGLES = turn_angles(180)
+
+
+def look(world: GridMap, pose: Any, rng: np.random.Generator, reach: float = 8.0) -> Scan:
+    ranges = world.cast_scans([pose], ANGLES, reach)[0]
+    noisy = np.clip(ranges + np.where(ranges < reach, rng.normal(0, 0.01, len(ranges)), 0.0), 0, reach)
+    return Scan(noisy, ANGLES, reach)
+
+
+def open_poses(world: GridMap, rng: np.random.Generator, apart: float) -> tuple[Floats, Floats]:
+    """Two poses in one room, the second `apart` metres away at most, any heading."""
+    clear = np.argwhere(world.distance_to_wall > 0.5)
+    while True:
+        y, x = clear[rng.integers(len(clear))]
+        first = np.append(world.to_world([x + 0.5, y + 0.5]), rng.uniform(-3, 3))
+        second = np.append(first[:2] + rng.uniform(-apart, apart, 2) / np.sqrt(2), rng.uniform(-3, 3))
+        across = first[:2] + np.linspace(0, 1, 20)[:, None] * (second - first)[:2]
+        if world.is_free(across).all() and world.is_free(second[:2]):
+            return first, second
+
+
+@settings(deadline=None, max_examples=25)
+@given(seed=seeds)
+def test_the_best_pose_of_the_lattice_is_that_of_brute_force(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    P, Q = rng.uniform(-1, 1, (9, 2)), rng.uniform(-1, 1, (12, 2))
+    guess, window = rng.uniform(-0.3, 0.3, 3), Window(rng.uniform(0.1, 0.7), 0.4, 0.1)
+    found = correlate(P, Q, guess, window)
+    shift = int(np.ceil(window.reach / 0.1))
+    count = int(np.ceil(0.4 * np.linalg.norm(P, axis=1).max() / 0.1))
+    turns = 0.4 * np.arange(-count, count + 1) / count
+    lattice = build_lattice(P, Q, guess, turns, 0.1, int(np.floor(np.log2(2 * shift + 1))))
+    shifts = np.arange(-shift, shift + 1)
+    every = np.stack(np.meshgrid(np.arange(len(turns)), shifts, shifts, indexing="ij"), axis=-1).reshape(-1, 3)
+    scores = lattice.scores(0, every)
+    assert found.score == pytest.approx(scores.max(), abs=1e-12)
+    offset = found.T_q_p - guess
+    best = every[np.isclose(scores, scores.max(), atol=1e-12)]
+    wanted = np.column_stack([best[:, 2] * 0.1, best[:, 1] * 0.1, turns[best[:, 0]]])
+    assert np.abs(wanted - offset).max(axis=1).min() < 1e-9
+
+
+def test_bounds_bound() -> None:
+    rng = np.random.default_rng(2)
+    lattice = build_lattice(rng.uniform(-2, 2, (7, 2)), rng.uniform(-2, 2, (7, 2)), np.zeros(3), np.zeros(1), 0.1, 3)
+    for h in (1, 2, 3):
+        for dy, dx in rng.integers(-30, 30, (20, 2)):
+            inside = [(0, dy + v, dx + u) for v in range(2**h) for u in range(2**h)]
+            assert lattice.scores(h, np.array([(0, dy, dx)]))[0] >= lattice.scores(0, np.array(inside)).max() - 1e-12
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_motion_between_two_scans_is_found_from_a_guess(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    first, second = open_poses(WORLD, rng, 0.5)
+    truth = relative(first, second)
+    guess = truth + rng.uniform(-1, 1, 3) * [0.15, 0.15, 0.1]
+    found = match_scans(look(WORLD, first, rng), look(WORLD, second, rng), guess)
+    error = found.T_a_b - truth
+    assert np.abs(error[:2]).max() < 0.03
+    assert abs(wrap_angle(float(error[2]))) < 0.015
+    assert found.overlap > 0.6
+    assert not found.degenerate
+    assert np.linalg.eigvalsh(found.information)[0] > 0
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_and_with_no_guess_of_the_heading(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    first, second = open_poses(WORLD, rng, 0.6)
+    truth = relative(first, second)
+    found = match_scans(look(WORLD, first, rng), look(WORLD, second, rng), np.zeros(3), window=Window(0.8))
+    error = found.T_a_b - truth
+    assert np.abs(error[:2]).max() < 0.04
+    assert abs(wrap_angle(float(error[2]))) < 0.02
+
+
+def test_a_corridor_is_reported() -> None:
+    free = np.zeros((30, 600), bool)
+    free[5:25] = True
+    corridor = GridMap.from_free(free, 0.1)
+    rng = np.random.default_rng(1)
+    scans = [look(corridor, [x, 1.5, 0.0], rng, 5.0) for x in (30.0, 30.3)]
+    assert match_scans(*scans, [0.0, 0.0, 0.0]).degenerate
+
+
+def test_two_places_that_differ_do_not_overlap() -> None:
+    rng = np.random.default_rng(7)
+    scans = []
+    for seed in (11, 12):
+        world = building(np.random.default_rng(seed), (2, 2), room=50)
+        scans.append(look(world, open_poses(world, np.random.default_rng(seed), 0.1)[0], rng))
+    assert match_scans(*scans, np.zeros(3), window=Window(1.0)).overlap < 0.6
+
+
+SCAN = Scan(np.ones(20), turn_angles(20), 5.0)
+
+
+@pytest.mark.parametrize(
+    ("argument", "call"),
+    [
+        ("a", lambda: match_scans(Scan([], [], 5.0), SCAN, np.zeros(3))),
+        ("b", lambda: match_scans(SCAN, Scan([1.0] * 9, range(9), 5.0), np.zeros(3))),
+        ("pairing", lambda: match_scans(SCAN, SCAN, [50.0, 0, 0])),
+        ("T_q_p", lambda: correlate([(0, 0)], [(0, 0)], [0, 0], Window())),
+        ("P", lambda: correlate([], [(0, 0)], [0, 0, 0], Window())),
+        ("reach", lambda: Window(0.0)),
+        ("sigma", lambda: Matching(sigma=0.0)),
+    ],
+)
+def test_what_cannot_be_matched_is_refused_by_name(argument: str, call: Any) -> None:
+    with pytest.raises(InvalidArgumentError) as caught:
+        call()
+    assert caught.value.argument == argument
