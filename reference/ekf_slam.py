@@ -151,7 +151,7 @@ class EkfSlam:
         return self._correct(self.slots[identity], z)
 
     def _add(self, identity: int, z: Floats) -> None:
-        """l = (x + r cos(t + b), y + r sin(t + b)): its covariances follow from those of the robot, O(n).     (3)"""
+        """l = (x + r cos(t + b), y + r sin(t + b)): its covariances follow from those of the robot.           (3)"""
         size, heading = self.mean.size, self.mean[2] + z[1]
         ray = np.array([np.cos(heading), np.sin(heading)])
         by_pose = np.array([[1.0, 0.0, -z[0] * ray[1]], [0.0, 1.0, z[0] * ray[0]]])

@@ -90,9 +90,12 @@ class LidarModel:
 class MonteCarloLocalization(ParticleFilter[Scan]):
     """A BayesFilter over poses (n, 3) of the world: controls are moves T_before_after (3,), measurements scans.
 
-    `threshold` as for ParticleFilter; `kld`, when given, chooses the number of particles at each resampling. Raises
-    InvalidArgumentError; corrections raise ImpossibleMeasurementError when no particle can have seen the scan, which
-    cannot happen with a sensor model that allows for noise.
+    The particles at the start come from `uniform_poses`, from `likely_poses`, or from around a known pose. `threshold`
+    as for ParticleFilter; `kld`, when given, chooses the number of particles at each resampling; `injected` tells how
+    many the last correction drew anew.
+
+    Raises InvalidArgumentError; corrections raise ImpossibleMeasurementError when no particle can have seen the scan,
+    which cannot happen with a sensor model that allows for noise.
     """
 
     def __init__(
@@ -113,7 +116,7 @@ class MonteCarloLocalization(ParticleFilter[Scan]):
 
     def correct(self, measurement: Scan) -> float:
         """Weigh the particles by the scan; resample if N_eff is low or if poses are to be injected."""
-        evidence = self.weigh(measurement)
+        evidence, self.injected = self.weigh(measurement), 0
         share = self._share(evidence, measurement)
         if share > 0.0 or self.degenerate:
             self.resample()
