@@ -42,14 +42,14 @@ def stretched_widths(wall: Grid, sides: Integers) -> Integers:
     made from those over 2^(p - 1); two of them, overlapping, cover any number of rows.
     """
     runs = _free_runs(wall)
-    found, flat, stride = np.zeros_like(runs), sides.ravel(), wall.shape[2]
+    found, flat, stride = np.zeros(runs.size, dtype=np.int32), sides.ravel(), wall.shape[2]
     rows = 1
     while True:
         chosen = np.flatnonzero((flat >= rows) & (flat < 2 * rows))
         level = runs.ravel()
-        found.ravel()[chosen] = np.minimum(level[chosen], level[chosen + (flat[chosen] - rows) * stride])
+        found[chosen] = np.minimum(level[chosen], level[chosen + (flat[chosen] - rows) * stride])
         if not np.any(flat >= 2 * rows):
-            return found
+            return found.reshape(runs.shape)
         runs = runs.copy()
         runs[:, :-rows] = np.minimum(runs[:, :-rows], runs[:, rows:])
         rows *= 2

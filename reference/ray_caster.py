@@ -27,6 +27,7 @@ MAX_SIDE = 2**15 - 3
 HALF, MASK = 16, 2**16 - 1
 # A direction along an axis crosses no line of the other: its first crossing is put off, but stays a number.
 LEAST_SLOPE = 1e-300
+# Rays that have landed are carried along until so many have: moving the others has a price too.
 COMPACTION = 0.8
 
 
@@ -34,9 +35,9 @@ COMPACTION = 0.8
 class _Rays:
     """Rays in flight, each seen in the mirror where it goes towards +x and +y.
 
-    In that mirror, lines 0, 1, 2… of x are those still to cross, the first at a distance `first_x` in [0, 1] along x;
-    `x` counts those that were crossed. `cell` is the place of the starting cell in the caster's table, `time` the
-    length run, `number` whose ray it is. All have shape (n,).
+    In that mirror, lines 0, 1, 2… of x are those ahead of the start, the first at a distance `first_x` in [0, 1] along
+    x; `line_x` is the last that was crossed, -1 before any. `cell` is the place in the caster's table of the cell
+    behind line 0 of both axes, `time` the length run, `number` whose ray it is. All have shape (n,).
     """
 
     first_x: Floats
@@ -45,8 +46,8 @@ class _Rays:
     slope_y: Floats
     inverse_x: Floats
     inverse_y: Floats
-    x: Floats
-    y: Floats
+    line_x: Floats
+    line_y: Floats
     time: Floats
     cell: NDArray[np.int64]
     number: NDArray[np.int64]
@@ -54,24 +55,42 @@ class _Rays:
     def only(self, kept: NDArray[np.int64]) -> _Rays:
         return _Rays(*(getattr(self, field.name).take(kept) for field in fields(self)))
 
+    def places(self, stride: int) -> NDArray[np.int64]:
+        """Where the table tells of the cells (n,) that the rays are in."""
+        offsets = (self.line_y * stride + self.line_x).astype(np.int64)
+        offsets += self.cell
+        return offsets
+
     def leap(self, widths: NDArray[np.int32], heights: NDArray[np.int32]) -> None:
         """Run to the first line beyond the empty rectangle of `widths` x `heights` (n,) that starts in the ray's cell.
 
-        Line j of x is crossed at time (first_x + j) / slope_x. On the axis whose line is met, the count follows from
-        the rectangle; on the other, it is the number of lines crossed by then, decided by comparing those very times
-        and so exact. A tie enters the neighbour in y first. A ray in a wall, where sides are 0, stays as it is.
+        Line j of x is crossed at time (first_x + j) / slope_x. On the axis whose line is met, that line follows from
+        the rectangle; on the other, it is the last one crossed by then, decided by comparing those very times: a ray
+        cannot slip between two walls that touch at a corner. A tie enters the neighbour in y first. A ray in a wall,
+        where sides are 0, stays as it is.
         """
-        exit_x, exit_y = self.x + (widths - 1.0), self.y + (heights - 1.0)
-        time_x = (self.first_x + exit_x) * self.inverse_x
-        time_y = (self.first_y + exit_y) * self.inverse_y
+        exit_x, exit_y = self.line_x + widths, self.line_y + heights
+        time_x, time_y = self.first_x + exit_x, self.first_y + exit_y
+        time_x *= self.inverse_x
+        time_y *= self.inverse_y
         through_x = time_x < time_y
-        np.maximum(self.time, np.minimum(time_x, time_y), out=self.time)
-        nearest_x = np.rint(self.time * self.slope_x - self.first_x)
-        nearest_y = np.rint(self.time * self.slope_y - self.first_y)
-        nearest_x += (self.first_x + nearest_x) * self.inverse_x < self.time
-        nearest_y += (self.first_y + nearest_y) * self.inverse_y <= self.time
-        self.x = np.where(through_x, exit_x + 1.0, np.maximum(self.x, nearest_x))
-        self.y = np.where(through_x, np.maximum(self.y, nearest_y), exit_y + 1.0)
+        time = np.maximum(self.time, np.minimum(time_x, time_y, out=time_x), out=self.time)
+        passed_x, at_x = _nearest_lines(time, self.first_x, self.slope_x, self.inverse_x)
+        passed_x -= at_x >= time
+        passed_y, at_y = _nearest_lines(time, self.first_y, self.slope_y, self.inverse_y)
+        passed_y -= at_y > time
+        self.line_x = np.where(through_x, exit_x, np.maximum(self.line_x, passed_x, out=passed_x))
+        self.line_y = np.where(through_x, np.maximum(self.line_y, passed_y, out=passed_y), exit_y)
+
+
+def _nearest_lines(time: Floats, first: Floats, slope: Floats, inverse: Floats) -> tuple[Floats, Floats]:
+    """The lines of one axis that rays are nearest to at `time` (n,), and the times at which they cross them."""
+    lines = time * slope
+    lines -= first
+    np.rint(lines, out=lines)
+    crossed_at = first + lines
+    crossed_at *= inverse
+    return lines, crossed_at
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +130,7 @@ class RayCaster:
         standing = self._standing(starts)
         rays = self._launch(starts[standing], headings[standing], standing)
         while rays.number.size:
-            sides = self.table.take(rays.cell + (rays.y * (self.free.shape[1] + 2) + rays.x).astype(np.int64))
+            sides = self.table.take(rays.places(self.free.shape[1] + 2))
             flying = (sides > 0) & (rays.time < max_range)
             left = np.count_nonzero(flying)
             if left <= COMPACTION * flying.size:
@@ -147,10 +166,13 @@ class RayCaster:
         first_x, slope_x, column, left = _mirrored(starts[:, 0], np.cos(headings), width)
         first_y, slope_y, row, down = _mirrored(starts[:, 1], np.sin(headings), height)
         direction = 4 * down + 2 * left + (slope_y > slope_x)
-        cell = (direction * (height + 2) + row + 1) * (width + 2) + column + 1
-        x, y, time = np.zeros((3, len(numbers)))
-        inverses = 1.0 / slope_x, 1.0 / slope_y
-        return _Rays(first_x, first_y, slope_x, slope_y, *inverses, x, y, time, cell, numbers)
+        # One more row and column: the map is framed by walls, and the start lies before line 0 of both axes.
+        cell = (direction * (height + 2) + row + 2) * (width + 2) + column + 2
+        inverse_x, inverse_y, time = 1.0 / slope_x, 1.0 / slope_y, np.zeros(len(numbers))
+        line_x, line_y = time - 1.0, time - 1.0
+        return _Rays(
+            first_x, first_y, slope_x, slope_y, inverse_x, inverse_y, line_x, line_y, time, cell, numbers
+        )  # fmt: skip
 
 
 def _turned(maps: NDArray[T]) -> NDArray[T]:

@@ -81,6 +81,22 @@ def test_through_the_corners_of_cells_a_ray_enters_one_of_the_neighbours() -> No
         assert min(abs(found - distance) for distance in possible) < 1e-12
 
 
+@pytest.mark.parametrize("quarter", range(4))
+def test_no_ray_slips_between_two_walls_that_touch_at_a_corner(quarter: int) -> None:
+    """A wall drawn along a diagonal holds rays from the centres of cells, which aim at its very corners."""
+    free = np.ones((30, 30), dtype=bool)
+    free[np.arange(30), np.arange(29, -1, -1)] = False
+    inside = np.argwhere(free & (np.add.outer(np.arange(30), np.arange(30)) < 29))
+    caster, origins = RayCaster.of(np.rot90(free, quarter)), inside[:, ::-1] + 0.5
+    angle = math.pi / 4
+    for _ in range(quarter):
+        origins, angle = np.column_stack([origins[:, 1], 30.0 - origins[:, 0]]), angle - math.pi / 2
+    found = caster.cast(origins, np.full(len(origins), angle), 100.0)
+    to_the_wall = (29.0 - inside.sum(axis=1)) / math.sqrt(2.0)
+    assert np.all(found <= to_the_wall + 1e-9)
+    assert np.all(found >= to_the_wall - math.sqrt(2.0) / 2 - 1e-9)
+
+
 def test_rays_nearly_along_an_axis_lose_no_digit() -> None:
     free = np.ones((3, 3000), dtype=bool)
     angles = np.array([1e-3, 3e-4, 1e-9, -1e-9, math.pi - 1e-9, math.pi + 5e-4])
@@ -122,6 +138,15 @@ def test_no_ray_and_no_pose() -> None:
     assert caster.scans(np.zeros((0, 3)), np.zeros(4), 5.0).shape == (0, 4)
     assert caster.scans(np.zeros((2, 3)), np.zeros(0), 5.0).shape == (2, 0)
     assert caster.cast([[-1.0, 0.5], [9.0, 9.0]], [0.0, 1.0], 5.0).tolist() == [0.0, 0.0]
+
+
+def test_a_map_may_lie_in_memory_by_columns_or_backwards() -> None:
+    rng = np.random.default_rng(4)
+    free = rng.random((20, 30)) > 0.1
+    origins, angles = rng.uniform(0, 20, (200, 2)), rng.uniform(-4, 4, 200)
+    for layout in (np.asfortranarray(free), free[::-1].copy()[::-1], np.rot90(np.rot90(free, 3).copy())):
+        expected = cast_rays(free, origins, angles, 50.0)
+        np.testing.assert_allclose(RayCaster.of(layout).cast(origins, angles, 50.0), expected, atol=1e-9)
 
 
 def test_the_map_is_a_copy() -> None:
