@@ -40,11 +40,11 @@ def test_the_drift_of_the_course() -> None:
 
 
 def test_robots_that_drive_straight_drift_as_predicted() -> None:
-    """20,000 journeys; a deviation estimated from N samples errs by a share 1 / sqrt(2 N): six of these are allowed.
+    """8,000 journeys; a deviation estimated from N samples errs by a share 1 / sqrt(2 N): six of these are allowed.
 
     The turns are small enough here for (5), which is of first order, to be exact to 1e-4.
     """
-    rng, steps, journeys = np.random.default_rng(8), 100, 20_000
+    rng, steps, journeys = np.random.default_rng(8), 100, 8_000
     robot = DifferentialDrive(track=0.3, sigma=1e-4)
     wheels = 0.1 + robot.sigma * rng.normal(size=(journeys, steps, 2))
     ends = integrate(robot, wheels)[:, -1]
@@ -76,7 +76,7 @@ def test_the_linear_covariance_is_the_formula_of_the_drift() -> None:
 
 def test_covariances_along_a_curve_are_those_of_simulated_robots() -> None:
     """The wheels of the course turn on a circle of radius 1.15 m. Six standard deviations of each estimate, and 2 %."""
-    rng, steps, journeys = np.random.default_rng(21), 100, 20_000
+    rng, steps, journeys = np.random.default_rng(21), 100, 8_000
     truth = np.tile([LEFT, RIGHT], (steps, 1))
     predicted = dead_reckoning(ROBOT, truth).covariances[-1]
     ends = integrate(ROBOT, truth + ROBOT.sigma * rng.normal(size=(journeys, steps, 2)))[:, -1]

@@ -152,6 +152,7 @@ def test_points_follow_their_frame(a: np.ndarray, point: tuple[float, float]) ->
     np.testing.assert_allclose(transform(a, [point])[0], (matrix(a) @ [*point, 1.0])[:2], atol=1e-9)
 
 
+@settings(max_examples=30, deadline=None)
 @given(twists)
 def test_the_exponential_is_that_of_matrices(twist: np.ndarray) -> None:
     np.testing.assert_allclose(to_matrix(exp(twist)), expm(generator(twist)), atol=1e-12)
