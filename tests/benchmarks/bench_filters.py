@@ -186,7 +186,8 @@ def slam(rounds: int) -> None:
     rest = [contender for contender in contenders.values() if contender not in shared]
     compare("EKF-SLAM: one correction of the covariance", [*shared, *rest], rounds, "ms", 1.0)
     for update, counts in sizes.items():
-        times = [median(contenders[update, n].own) for n in counts]
+        # The least disturbed times: what the slope is about is the computing, not its company.
+        times = [min(contenders[update, n].own) for n in counts]
         slope = np.polyfit(np.log(counts), np.log(times), 1)[0]
         print(f"{names[update]}: time grows as n to the power {slope:.2f}")
 
