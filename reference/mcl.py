@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.filters.particles import ParticleFilter, reweighted
+from reference.filters.bayes import reweighted
+from reference.filters.particles import ParticleFilter
 from reference.grid_map import GridMap
 from reference.kld_sampling import KldSampling
 from reference.odometry_motion import OdometryNoise, sample_odometry

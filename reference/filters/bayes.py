@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.errors import InvalidArgumentError
+from reference.log_weights import NormalisedWeights, normalise
 
 Floats = NDArray[np.float64]
 Control_contra = TypeVar("Control_contra", contravariant=True)
@@ -51,3 +52,19 @@ class BayesFilter(Protocol[Control_contra, Measurement_contra]):
 
         Raises InvalidArgumentError.
         """
+
+
+def reweighted(weights: Floats, log_likelihoods: Floats) -> NormalisedWeights:
+    """Equation (2) for a belief held by n weights of sum one: times likelihoods (n,), normalised.
+
+    `log_sum` is the log evidence. Raises ImpossibleMeasurementError when every product is zero, and
+    InvalidArgumentError when a likelihood is no number.
+    """
+    with np.errstate(divide="ignore"):
+        logs = np.log(weights) + log_likelihoods
+    greatest = float(logs.max())
+    if greatest == -np.inf:
+        raise ImpossibleMeasurementError
+    if not np.isfinite(greatest):
+        raise InvalidArgumentError("measurement", "has a likelihood that is infinite or not a number")
+    return normalise(logs)

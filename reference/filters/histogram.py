@@ -12,10 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.filters.bayes import ImpossibleMeasurementError, Measurement_contra
+from reference.filters.bayes import Measurement_contra, reweighted
 from reference.filters.gaussian import checked_vector
-from reference.log_weights import normalise
-from reference.resampling import InvalidWeightsError
 
 Floats = NDArray[np.float64]
 
@@ -59,12 +57,7 @@ class HistogramFilter(Generic[Measurement_contra]):
 
     def correct(self, measurement: Measurement_contra) -> float:
         """bel(j) = p(z | centre of j) bel-(j) / evidence. Raises ImpossibleMeasurementError."""
-        with np.errstate(divide="ignore"):
-            log_prior = np.log(self.belief)
-        try:
-            posterior = normalise(log_prior + self.model.log_likelihood(self.centres[:, None], measurement))
-        except InvalidWeightsError:
-            raise ImpossibleMeasurementError from None
+        posterior = reweighted(self.belief, self.model.log_likelihood(self.centres[:, None], measurement))
         self.belief = posterior.weights
         return posterior.log_sum
 

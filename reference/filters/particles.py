@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.filters.bayes import ImpossibleMeasurementError, Measurement_contra
+from reference.filters.bayes import Measurement_contra, reweighted
 from reference.filters.gaussian import checked_vector
 from reference.filters.moments import Flags, weighted_covariance, weighted_mean
-from reference.log_weights import NormalisedWeights, normalise
-from reference.resampling import InvalidWeightsError, Scheme, effective_sample_size, systematic_resampling
+from reference.resampling import Scheme, effective_sample_size, systematic_resampling
 
 Floats = NDArray[np.float64]
 
@@ -95,16 +94,3 @@ class ParticleFilter(Generic[Measurement_contra]):
         """Draw as many particles as there are, each in proportion to its weight; weights are equal afterwards."""
         self.states = self.states.take(self.scheme(self.weights, self.rng, None).ancestors, axis=0)
         self.weights = np.full(len(self.states), 1.0 / len(self.states))
-
-
-def reweighted(weights: Floats, log_likelihoods: Floats) -> NormalisedWeights:
-    """Weights (n,) times likelihoods (n,), normalised; `log_sum` is the evidence if the weights summed to one.
-
-    Raises ImpossibleMeasurementError when every product is zero.
-    """
-    with np.errstate(divide="ignore"):
-        logs = np.log(weights) + log_likelihoods
-    try:
-        return normalise(logs)
-    except InvalidWeightsError:
-        raise ImpossibleMeasurementError from None

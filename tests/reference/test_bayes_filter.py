@@ -236,6 +236,16 @@ def test_an_impossible_measurement_is_refused_and_the_belief_kept() -> None:
         assert robot.mean == before
 
 
+def test_a_measurement_that_is_no_number_is_refused_and_the_belief_kept() -> None:
+    for robot in (kalman(), histogram(0.5), particles(20, 0)):
+        before = robot.mean
+        with pytest.raises(InvalidArgumentError) as refusal:
+            robot.correct(np.array([math.nan]))
+        assert refusal.value.argument == "measurement"
+        assert not isinstance(refusal.value, ImpossibleMeasurementError)
+        assert robot.mean == before
+
+
 def test_a_measurement_too_unlikely_for_any_float_still_corrects() -> None:
     """The density at 500 standard deviations underflows; the belief goes where it is least unlikely."""
     robot = particles(100, 0)
