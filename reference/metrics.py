@@ -130,6 +130,38 @@ def relative_pose_error(
     return RelativeError(pairs, Errors(lengths), Errors(_angles(E[:, :-1, :-1])))
 
 
+def matching_times(truth: ArrayLike, estimate: ArrayLike, max_difference: float = 0.01) -> Integers:
+    """Which poses to compare when two trajectories have times of their own: pairs (m, 2) of indices, increasing.
+
+    `truth` (n,) and `estimate` (k,) are increasing times in seconds. Two are paired when each is the other's nearest,
+    no more than `max_difference` apart. Raises MetricError.
+    """
+    true, estimated = _times("truth", truth), _times("estimate", estimate)
+    if not max_difference >= 0.0:
+        raise MetricError("max_difference", f"{max_difference} is not a duration")
+    if not true.size or not estimated.size:
+        return np.empty((0, 2), dtype=np.int64)
+    there = _nearest(true, estimated)
+    mutual = np.flatnonzero(_nearest(estimated, true)[there] == np.arange(true.size))
+    close = np.abs(true[mutual] - estimated[there[mutual]]) <= max_difference
+    return np.column_stack([mutual, there[mutual]])[close]
+
+
+def _nearest(times: Floats, others: Floats) -> Integers:
+    """The index (n,) of the nearest of the increasing `others` to each of `times`; the earlier of two equally near."""
+    after = np.clip(np.searchsorted(others, times), 1, max(others.size - 1, 1))
+    before = after - 1
+    after = np.minimum(after, others.size - 1)
+    return np.where(times - others[before] <= others[after] - times, before, after).astype(np.int64)
+
+
+def _times(argument: str, times: ArrayLike) -> Floats:
+    values = np.asarray(times, dtype=np.float64)
+    if values.ndim != 1 or not np.all(np.isfinite(values)) or np.any(np.diff(values) <= 0.0):
+        raise MetricError(argument, f"of shape {values.shape} are not increasing times (n,)")
+    return values
+
+
 def _alignment(true: Floats, estimated: Floats, align: Alignment) -> tuple[Floats, Floats, float]:
     d = true.shape[1] - 1
     if align == "none":

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
-from reference.metrics import MetricError, absolute_trajectory_error, relative_pose_error
+from reference.metrics import MetricError, absolute_trajectory_error, matching_times, relative_pose_error
 from reference.se2 import compose, relative, to_matrix
 from reference.trajectory_files import read_kitti
 
@@ -158,6 +158,21 @@ def test_statistics_by_hand() -> None:
     assert found.std == pytest.approx(math.sqrt(26 / 3 - 4))
 
 
+@given(st.sets(st.integers(0, 60)), st.sets(st.integers(0, 60)), st.integers(0, 5))
+def test_matching_times_are_those_of_brute_force(ones: set[int], others: set[int], apart: int) -> None:
+    """Whole numbers, so that halves of the gap are exact; among equals the earlier one is the nearest."""
+    a, b = sorted(ones), sorted(others)
+    expected = []
+    for i, time in enumerate(a):
+        if not b:
+            break
+        j = min(range(len(b)), key=lambda k, t=time: (abs(b[k] - t), k))
+        back = min(range(len(a)), key=lambda k, t=b[j]: (abs(a[k] - t), k))
+        if back == i and abs(b[j] - time) <= apart:
+            expected.append([i, j])
+    assert matching_times(a, b, apart).tolist() == expected
+
+
 PATH = path(np.random.default_rng(1))
 LINE = np.column_stack([np.arange(5.0), np.zeros(5), np.zeros(5)])
 
@@ -171,6 +186,9 @@ LINE = np.column_stack([np.arange(5.0), np.zeros(5), np.zeros(5)])
         ("estimate", lambda: absolute_trajectory_error(PATH, PATH[:5])),
         ("estimate", lambda: absolute_trajectory_error(PATH, np.tile(PATH[0], (12, 1)))),
         ("estimate", lambda: absolute_trajectory_error(np.tile(np.eye(4), (5, 1, 1)), np.tile(np.eye(4), (5, 1, 1)))),
+        ("truth", lambda: matching_times([1.0, 1.0], [1.0])),
+        ("estimate", lambda: matching_times([1.0], [[1.0]])),
+        ("max_difference", lambda: matching_times([1.0], [1.0], math.nan)),
         ("delta", lambda: relative_pose_error(PATH, PATH, 0)),
         ("delta", lambda: relative_pose_error(PATH, PATH, 1.5)),
         ("delta", lambda: relative_pose_error(PATH, PATH, 12)),
