@@ -1,0 +1,208 @@
+"""Pose graphs as text in the format of g2o: VERTEX_SE2, VERTEX_XY, EDGE_SE2, EDGE_SE2_XY and FIX.
+
+    VERTEX_SE2 id x y theta                    EDGE_SE2 id_i id_j x y theta  I11 I12 I13 I22 I23 I33
+    VERTEX_XY id x y                           EDGE_SE2_XY id_i id_l x y  I11 I12 I22
+    FIX id...
+
+An information matrix is written as its upper triangle, by rows. Empty lines and lines that begin with # are skipped.
+Numbers are written with as many digits as bring them back bit for bit. Source: the g2o wiki, "File format SLAM 2D".
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from reference.pose_graph.errors import G2oFormatError
+from reference.pose_graph.graph import (
+    BLOCK,
+    POINT,
+    Convention,
+    Floats,
+    Indices,
+    PoseGraph,
+    Sightings,
+    information_fault,
+)
+
+POSE, LANDMARK, EDGE, SIGHTING, FIX = "VERTEX_SE2", "VERTEX_XY", "EDGE_SE2", "EDGE_SE2_XY", "FIX"
+IDS = {POSE: 1, LANDMARK: 1, EDGE: 2, SIGHTING: 2}
+NUMBERS = {POSE: 3, LANDMARK: 2, EDGE: 9, SIGHTING: 5}
+
+
+@dataclass(frozen=True)
+class G2oGraph:
+    """What a file says: the graph, a start `poses` (n, 3) and `landmarks` (l, 2), and the file's own numbers of nodes.
+
+    Poses and landmarks are numbered from 0 in the order in which the file lists them; node k of the graph is
+    `pose_ids[k]` (n,) or `landmark_ids[k]` (l,) in the file. Angles are as they were written.
+    """
+
+    graph: PoseGraph
+    poses: Floats
+    landmarks: Floats
+    pose_ids: Indices
+    landmark_ids: Indices
+
+
+@dataclass
+class _Rows:
+    """The lines of one tag: their numbers, the nodes that they name, and what they say."""
+
+    lines: list[int] = field(default_factory=list)
+    ids: list[list[int]] = field(default_factory=list)
+    numbers: list[list[float]] = field(default_factory=list)
+
+
+def loads_g2o(text: str, *, convention: Convention = "g2o") -> G2oGraph:
+    """The graph of a text; without FIX the first pose is fixed. Raises G2oFormatError with the number of the line.
+
+    `convention`: the residual that the information weighs; the format means "g2o". A graph in pieces is a
+    DisconnectedGraphError.
+    """
+    rows, fixes = _parsed(text)
+    pose_at = _numbering(rows[POSE], {})
+    landmark_at = _numbering(rows[LANDMARK], pose_at)
+    if not pose_at:
+        raise G2oFormatError(max(1, text.count("\n")), "the text ends without a VERTEX_SE2")
+    i, j = (_resolved(rows[EDGE], end, pose_at, "pose") for end in (0, 1))
+    seen_from = _resolved(rows[SIGHTING], 0, pose_at, "pose")
+    seen = _resolved(rows[SIGHTING], 1, landmark_at, "landmark")
+    for line, a, b in zip(rows[EDGE].lines, i, j, strict=True):
+        if a == b:
+            raise G2oFormatError(line, "the edge joins a pose to itself")
+    z, omega = _measured(rows[EDGE], BLOCK)
+    p, seen_omega = _measured(rows[SIGHTING], POINT)
+    graph = PoseGraph(
+        n_poses=len(pose_at),
+        i=i,
+        j=j,
+        z_i_j=z,
+        information=omega,
+        sightings=Sightings(len(landmark_at), seen_from, seen, p, seen_omega),
+        fixed=_fixed(fixes, pose_at),
+        convention=convention,
+    )
+    poses, landmarks = (
+        np.array(rows[tag].numbers, dtype=np.float64).reshape(-1, NUMBERS[tag]) for tag in (POSE, LANDMARK)
+    )
+    ids = (np.array(list(at), dtype=np.int64) for at in (pose_at, landmark_at))
+    return G2oGraph(graph, poses, landmarks, *ids)
+
+
+def _parsed(text: str) -> tuple[dict[str, _Rows], list[tuple[int, int]]]:
+    """The lines of each tag, and the (line, id) of what is fixed."""
+    rows = {tag: _Rows() for tag in IDS}
+    fixes: list[tuple[int, int]] = []
+    for line, content in enumerate(text.splitlines(), start=1):
+        tag, *words = content.split() or ["#"]
+        if tag.startswith("#"):
+            continue
+        if tag == FIX:
+            fixes += [(line, _id(line, word)) for word in words]
+        elif tag in rows:
+            _expect(line, tag, len(words))
+            rows[tag].lines.append(line)
+            rows[tag].ids.append([_id(line, word) for word in words[: IDS[tag]]])
+            rows[tag].numbers.append([_number(line, word) for word in words[IDS[tag] :]])
+        else:
+            raise G2oFormatError(line, f"{tag!r} is not one of {', '.join(IDS)}, {FIX}")
+    return rows, fixes
+
+
+def _expect(line: int, tag: str, count: int) -> None:
+    if count != IDS[tag] + NUMBERS[tag]:
+        raise G2oFormatError(line, f"{tag} is followed by {count} words, not {IDS[tag] + NUMBERS[tag]}")
+
+
+def _id(line: int, word: str) -> int:
+    try:
+        return int(word)
+    except ValueError:
+        raise G2oFormatError(line, f"{word!r} is not the number of a node") from None
+
+
+def _number(line: int, word: str) -> float:
+    try:
+        number = float(word)
+    except ValueError:
+        raise G2oFormatError(line, f"{word!r} is not a number") from None
+    if not math.isfinite(number):
+        raise G2oFormatError(line, f"{word!r} is not finite")
+    return number
+
+
+def _numbering(rows: _Rows, taken: dict[int, int]) -> dict[int, int]:
+    """The place of each id among the nodes of its kind."""
+    at: dict[int, int] = {}
+    for line, (name,) in zip(rows.lines, rows.ids, strict=True):
+        if name in at or name in taken:
+            raise G2oFormatError(line, f"node {name} is there twice")
+        at[name] = len(at)
+    return at
+
+
+def _resolved(rows: _Rows, end: int, at: dict[int, int], kind: str) -> Indices:
+    for line, ids in zip(rows.lines, rows.ids, strict=True):
+        if ids[end] not in at:
+            raise G2oFormatError(line, f"there is no {kind} {ids[end]}")
+    return np.array([at[ids[end]] for ids in rows.ids], dtype=np.int64)
+
+
+def _fixed(fixes: list[tuple[int, int]], pose_at: dict[int, int]) -> tuple[int, ...]:
+    for line, name in fixes:
+        if name not in pose_at:
+            raise G2oFormatError(line, f"there is no pose {name} to fix")
+    return tuple(dict.fromkeys(pose_at[name] for _, name in fixes)) or (0,)
+
+
+def _measured(rows: _Rows, size: int) -> tuple[Floats, Floats]:
+    """What was measured (m, size), and its information (m, size, size)."""
+    table = np.array(rows.numbers, dtype=np.float64).reshape(-1, size + size * (size + 1) // 2)
+    omega = np.zeros((len(table), size, size))
+    upper, right = np.triu_indices(size)
+    omega[:, upper, right] = omega[:, right, upper] = table[:, size:]
+    fault = information_fault(omega)
+    if fault is not None:
+        raise G2oFormatError(rows.lines[fault[0]], f"the information matrix is not {fault[1]}")
+    return table[:, :size], omega
+
+
+def dumps_g2o(content: G2oGraph) -> str:
+    """The text of a graph, which `loads_g2o` reads back bit for bit."""
+    return "".join(f"{line}\n" for line in _lines(content))
+
+
+def as_g2o(graph: PoseGraph, poses: Floats, landmarks: Floats | None = None) -> G2oGraph:
+    """A graph with its poses (n, 3) and landmarks (l, 2), numbered 0, 1, 2... for a file: landmarks after poses."""
+    points = np.zeros((0, POINT)) if landmarks is None else landmarks
+    ids = np.arange(graph.n_poses + graph.n_landmarks, dtype=np.int64)
+    return G2oGraph(graph, poses, points, ids[: graph.n_poses], ids[graph.n_poses :])
+
+
+def _lines(content: G2oGraph) -> Iterator[str]:
+    graph, seen, poses, landmarks = content.graph, content.graph.sightings, content.pose_ids, content.landmark_ids
+    yield from _vertices(POSE, poses, content.poses)
+    yield from _vertices(LANDMARK, landmarks, content.landmarks)
+    yield f"{FIX} {' '.join(str(poses[k]) for k in graph.fixed)}"
+    yield from _edges(EDGE, poses[graph.i], poses[graph.j], graph.z_i_j, graph.information)
+    yield from _edges(SIGHTING, poses[seen.i], landmarks[seen.landmark], seen.p_i_l, seen.information)
+
+
+def _vertices(tag: str, ids: Indices, values: Floats) -> Iterator[str]:
+    for name, row in zip(ids.tolist(), values.tolist(), strict=True):
+        yield f"{tag} {name} {_written(row)}"
+
+
+def _edges(tag: str, first: Indices, second: Indices, z: Floats, omega: Floats) -> Iterator[str]:
+    upper, right = np.triu_indices(z.shape[1])
+    table = np.concatenate([z, omega[:, upper, right]], axis=1)
+    for a, b, row in zip(first.tolist(), second.tolist(), table.tolist(), strict=True):
+        yield f"{tag} {a} {b} {_written(row)}"
+
+
+def _written(numbers: Iterable[float]) -> str:
+    return " ".join(map(repr, numbers))

@@ -1,0 +1,210 @@
+"""Least squares on a pose graph: Gauss-Newton, and Levenberg-Marquardt with the gain ratio.
+
+Sources: Grisetti, Kümmerle, Stachniss, Burgard, "A Tutorial on Graph-Based SLAM" (2010), algorithm 1; Madsen, Nielsen,
+Tingleff, "Methods for Non-Linear Least Squares Problems" (2004), algorithm 3.16 and equations 3.13 to 3.15.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from reference.pose_graph.errors import ParameterError, SingularSystemError
+from reference.pose_graph.factor import Factor, factorise, positive_definite
+from reference.pose_graph.graph import POINT, Floats, PoseGraph, checked_landmarks, checked_poses
+from reference.pose_graph.normal_equations import NormalEquations, System, Weights
+from reference.se2 import wrap_angle
+
+STEP_TOLERANCE = 1e-9
+FIRST_DAMPING = 1e-5
+MOST_DAMPING = 1e16
+ROUNDING = 1e-14
+
+
+class Reason(StrEnum):
+    """Why an optimisation ended."""
+
+    SMALL_STEP = "the last step was below the tolerance"
+    SMALL_DECREASE = "chi2 has no more to lose than its tolerance, or than rounding"
+    ITERATIONS = "the iterations were used up"
+    NOT_FINITE = "the numbers left the finite ones"
+    NO_DECREASE = "no damping gives a decrease"
+    NOTHING_FREE = "every node is fixed"
+
+
+@dataclass(frozen=True)
+class Gauge:
+    """What held the frame, and what was left to find: `rank` < `unknowns` never comes back, it is an error."""
+
+    fixed: tuple[int, ...]
+    unknowns: int
+    rank: int
+
+
+@dataclass(frozen=True)
+class Solution:
+    """How an optimisation ended. `chi2` holds its value at the start and after each of the `iterations` steps.
+
+    `poses` (n, 3), angles in ]-pi, pi]; `landmarks` (l, 2). `converged`: a tolerance was met, as `reason` says.
+    `damping`: that of each step of Levenberg-Marquardt. `weights` (m,): what each edge counted for at the end.
+    """
+
+    poses: Floats
+    chi2: tuple[float, ...]
+    converged: bool
+    reason: Reason
+    gauge: Gauge
+    landmarks: Floats = field(default_factory=lambda: np.zeros((0, POINT)))
+    damping: tuple[float, ...] = ()
+    weights: Floats | None = None
+
+    @property
+    def iterations(self) -> int:
+        return len(self.chi2) - 1
+
+
+@dataclass(frozen=True)
+class Limits:
+    """When to stop: `step` bounds the largest component of a step, `chi2` the relative decrease of chi2."""
+
+    iterations: int
+    step: float
+    chi2: float
+
+    def __post_init__(self) -> None:
+        if self.iterations < 0:
+            raise ParameterError("max_iterations", "is negative")
+        if not (self.step >= 0.0 and self.chi2 >= 0.0):
+            raise ParameterError("tolerance", "is not a positive number")
+
+    def reached(self, step: Floats, before: System, after: float) -> Reason | None:
+        """The reason to stop after a step that brought chi2 to `after`; -b' step is the decrease that it promised."""
+        if not (np.isfinite(after) and np.all(np.isfinite(step))):
+            return Reason.NOT_FINITE
+        if np.max(np.abs(step)) < self.step:
+            return Reason.SMALL_STEP
+        if abs(before.chi2 - after) < self.chi2 * after or abs(before.b @ step) < ROUNDING * before.chi2:
+            return Reason.SMALL_DECREASE
+        return None
+
+
+class Problem:
+    """A graph under optimisation: its normal equations, and a factor that keeps what the pattern decides."""
+
+    def __init__(self, graph: PoseGraph, weights: Weights | None = None) -> None:
+        self.graph, self.weights = graph, weights
+        self.equations = NormalEquations(graph)
+        self._factor: Factor | None = None
+
+    def at(self, state: Floats) -> System:
+        return self.equations.assemble(state, self.weights)
+
+    def step(self, system: System, damping: float = 0.0) -> Floats:
+        """The step (s,): (H + damping I) step = -b. Raises SingularSystemError."""
+        data = system.data
+        if damping:
+            data = data.copy()
+            data[self.equations.pattern.starts[1:] - 1] += damping
+        if self._factor is None:
+            self._factor = factorise(self.equations.pattern.upper(data))
+            if not self.surely_regular and not positive_definite(self._factor.lower().pivots):
+                raise SingularSystemError("the normal equations are singular: some unknown is free")
+        else:
+            self._factor.update(data)
+        return -self._factor.solve(system.b)
+
+    @property
+    def surely_regular(self) -> bool:
+        """Connected poses and full information make H positive definite; sightings and weights need a look."""
+        return not self.graph.n_landmarks and self.weights is None
+
+    def solution(self, state: Floats, history: list[float], reason: Reason, **more: object) -> Solution:
+        poses, landmarks = self.equations.nodes(state)
+        poses[:, 2] = wrap_angle(poses[:, 2])
+        size = self.equations.pattern.size
+        gauge = Gauge(self.graph.fixed, size, size)
+        met = reason in (Reason.SMALL_STEP, Reason.SMALL_DECREASE, Reason.NOTHING_FREE)
+        return Solution(poses, tuple(history), met, reason, gauge, landmarks, **more)  # type: ignore[arg-type]
+
+
+def gauss_newton(
+    graph: PoseGraph,
+    poses: ArrayLike,
+    landmarks: ArrayLike | None = None,
+    *,
+    max_iterations: int = 50,
+    tolerance: float = STEP_TOLERANCE,
+    chi2_tolerance: float = 0.0,
+) -> Solution:
+    """Minimise chi2 from `poses` (n, 3) and `landmarks` (l, 2), the graph's fixed poses held.
+
+    Converged: the largest component of the last step was below `tolerance`, or chi2 changed by less than
+    `chi2_tolerance`, relatively, or the step promised a decrease below rounding. An
+    iteration that leaves the finite numbers ends the search, not converged. Raises a
+    PoseGraphError for a start that does not fit the graph, SingularSystemError when something is not determined.
+    """
+    limits = Limits(max_iterations, tolerance, chi2_tolerance)
+    problem = Problem(graph)
+    state = problem.equations.state(checked_poses(graph, poses), checked_landmarks(graph, landmarks))
+    system = problem.at(state)
+    history = [system.chi2]
+    if not problem.equations.pattern.size:
+        return problem.solution(state, history, Reason.NOTHING_FREE)
+    for _ in range(max_iterations):
+        before, step = system, problem.step(system)
+        state = problem.equations.moved(state, step)
+        system = problem.at(state)
+        history.append(system.chi2)
+        reason = limits.reached(step, before, system.chi2)
+        if reason is not None:
+            return problem.solution(state, history, reason)
+    return problem.solution(state, history, Reason.ITERATIONS)
+
+
+def levenberg_marquardt(
+    graph: PoseGraph,
+    poses: ArrayLike,
+    landmarks: ArrayLike | None = None,
+    *,
+    max_iterations: int = 100,
+    tolerance: float = STEP_TOLERANCE,
+    chi2_tolerance: float = 0.0,
+    first_damping: float = FIRST_DAMPING,
+) -> Solution:
+    """Minimise chi2 by damped steps, (H + mu I) step = -b, each of which decreases it.
+
+    The gain ratio compares the decrease with the one that the linear model promised,
+        rho = (chi2(x) - chi2(x + h)) / (h' (mu h - b)),                                                  (9)
+    and rules the damping: a step is taken when rho > 0, with mu <- mu max(1/3, 1 - (2 rho - 1)^3); otherwise mu grows
+    by 2, then 4, 8... `first_damping` is relative to the largest diagonal entry of H. Arguments, results and errors are
+    those of `gauss_newton`; chi2 lists accepted steps.
+    """
+    limits = Limits(max_iterations, tolerance, chi2_tolerance)
+    problem = Problem(graph)
+    state = problem.equations.state(checked_poses(graph, poses), checked_landmarks(graph, landmarks))
+    system = problem.at(state)
+    history, dampings = [system.chi2], []
+    if not problem.equations.pattern.size:
+        return problem.solution(state, history, Reason.NOTHING_FREE)
+    damping, growth = first_damping * float(system.data[problem.equations.pattern.starts[1:] - 1].max()), 2.0
+    reason = None
+    while reason is None and len(history) <= max_iterations:
+        step = problem.step(system, damping)
+        there = problem.equations.moved(state, step)
+        trial = problem.at(there)
+        gain = (system.chi2 - trial.chi2) / float(step @ (damping * step - system.b))
+        if gain > 0.0:
+            reason = limits.reached(step, system, trial.chi2)
+            state, system = there, trial
+            history.append(system.chi2)
+            dampings.append(damping)
+            damping, growth = damping * max(1.0 / 3.0, 1.0 - (2.0 * gain - 1.0) ** 3), 2.0
+        elif np.max(np.abs(step)) < tolerance:
+            reason = Reason.SMALL_STEP
+        else:
+            damping, growth = damping * growth, 2.0 * growth
+            reason = Reason.NO_DECREASE if damping > MOST_DAMPING else None
+    return problem.solution(state, history, reason or Reason.ITERATIONS, damping=tuple(dampings))
