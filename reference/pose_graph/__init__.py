@@ -1,6 +1,8 @@
 """Pose graphs of the plane: relative measurements between poses, brought to agree by sparse least squares."""
 
+from reference.pose_graph.certificate import Certificate, certify
 from reference.pose_graph.chordal import chordal_start
+from reference.pose_graph.covariance import joint_covariance, marginal_covariances, relative_covariance
 from reference.pose_graph.errors import (
     DisconnectedGraphError,
     EdgeIndexError,
@@ -15,6 +17,7 @@ from reference.pose_graph.errors import (
 from reference.pose_graph.g2o import G2oGraph, as_g2o, dumps_g2o, loads_g2o
 from reference.pose_graph.gauge import gauge_vectors
 from reference.pose_graph.graph import PoseGraph, Sightings
+from reference.pose_graph.kernels import DCS, Huber, Kernel, Switchable
 from reference.pose_graph.normal_equations import NormalEquations
 from reference.pose_graph.optimise import Gauge, Reason, Solution, gauss_newton, levenberg_marquardt
 from reference.pose_graph.residuals import (
@@ -28,25 +31,38 @@ from reference.pose_graph.residuals import (
     residuals,
     sighting_chi2,
 )
+from reference.pose_graph.robust import (
+    RobustSolution,
+    graduated_non_convexity,
+    robust_gauss_newton,
+    with_false_closures,
+)
 
 __all__ = [
+    "DCS",
+    "Certificate",
     "DisconnectedGraphError",
     "EdgeIndexError",
     "G2oFormatError",
     "G2oGraph",
     "Gauge",
+    "Huber",
     "InformationError",
+    "Kernel",
     "NonFiniteError",
     "NormalEquations",
     "ParameterError",
     "PoseGraph",
     "PoseGraphError",
     "Reason",
+    "RobustSolution",
     "ShapeError",
     "Sightings",
     "SingularSystemError",
     "Solution",
+    "Switchable",
     "as_g2o",
+    "certify",
     "chi2",
     "chordal_start",
     "dumps_g2o",
@@ -54,12 +70,18 @@ __all__ = [
     "edge_residuals",
     "gauge_vectors",
     "gauss_newton",
+    "graduated_non_convexity",
     "group_residuals",
     "jacobians",
+    "joint_covariance",
     "landmark_jacobians",
     "landmark_residuals",
     "levenberg_marquardt",
     "loads_g2o",
+    "marginal_covariances",
+    "relative_covariance",
     "residuals",
+    "robust_gauss_newton",
     "sighting_chi2",
+    "with_false_closures",
 ]

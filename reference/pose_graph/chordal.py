@@ -103,4 +103,5 @@ def positions(graph: PoseGraph, poses: Floats) -> tuple[Floats, Floats]:
     if is_position.any():
         kept = equations.pattern.upper(system.data)[is_position][:, is_position]
         step[is_position] = -factorise(sparse.csc_array(kept)).solve(system.b[is_position])
-    return equations.nodes(equations.moved(state, step))
+    found, landmarks = equations.nodes(equations.moved(state, step))
+    return np.column_stack([found[:, :2], wrap_angle(found[:, 2])]), landmarks

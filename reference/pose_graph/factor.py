@@ -213,6 +213,6 @@ def factorise(upper: sparse.csc_array) -> Factor:
     return SuperLuFactor(upper) if qdldl is None else QdldlFactor(upper)
 
 
-def positive_definite(pivots: Floats) -> bool:
-    """Are all pivots positive, and none of them lost in the rounding of the largest?"""
-    return bool(np.all(pivots > RELATIVE_PIVOT * np.abs(pivots).max(initial=0.0)))
+def positive_definite(upper: sparse.csc_array, lower: Lower) -> bool:
+    """Is every pivot positive, and more than what rounding leaves of the diagonal entry that it comes from?"""
+    return bool(np.all(lower.pivots > RELATIVE_PIVOT * upper.diagonal()[lower.p]))

@@ -8,7 +8,7 @@ measured at `p_i_l` from pose i, each with an information matrix (inverse covari
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -110,6 +110,12 @@ class PoseGraph:
     def n_landmarks(self) -> int:
         return self.sightings.n_landmarks
 
+    def keep(self, kept: NDArray[np.bool_]) -> PoseGraph:
+        """The graph of the edges of a mask (m,), with all sightings. Raises a PoseGraphError when it falls apart."""
+        _check_shape("kept", kept, self.i.shape)
+        i, j, z_i_j, information = self.i[kept], self.j[kept], self.z_i_j[kept], self.information[kept]
+        return replace(self, i=i, j=j, z_i_j=z_i_j, information=information)
+
     @property
     def closures(self) -> NDArray[np.bool_]:
         """Which edges (m,) do not join one pose to the next: loop closures, by the usual numbering of poses."""
@@ -151,7 +157,7 @@ def _check_shapes(graph: PoseGraph) -> None:
     _check_shape("sightings.information", seen.information, (k, POINT, POINT))
 
 
-def _check_shape(name: str, array: Floats | Indices, shape: tuple[int, ...]) -> None:
+def _check_shape(name: str, array: NDArray[np.generic], shape: tuple[int, ...]) -> None:
     if array.shape != shape:
         raise ShapeError(name, f"has shape {array.shape}, not {shape}")
 
@@ -185,7 +191,7 @@ def _check_information(name: str, information: Floats) -> None:
 
 
 def information_fault(information: Floats) -> tuple[int, str] | None:
-    """The first matrix of (m, s, s) that is not symmetric or not positive definite, up to rounding; and which of both."""
+    """The first matrix of (m, s, s) that is not symmetric, or not positive definite; and which of the two."""
     size = np.abs(information).max(axis=(1, 2), initial=0.0)
     skew = np.abs(information - information.transpose(0, 2, 1)).max(axis=(1, 2), initial=0.0)
     for wrong, what in (

@@ -80,13 +80,16 @@ class Limits:
         if not (self.step >= 0.0 and self.chi2 >= 0.0):
             raise ParameterError("tolerance", "is not a positive number")
 
-    def reached(self, step: Floats, before: System, after: float) -> Reason | None:
-        """The reason to stop after a step that brought chi2 to `after`; -b' step is the decrease that it promised."""
+    def reached(self, step: Floats, system: System, before: float, after: float) -> Reason | None:
+        """The reason to stop after a step that brought chi2 from `before`, where `system` was solved, to `after`.
+
+        The decrease that the step promised is -b' step.
+        """
         if not (np.isfinite(after) and np.all(np.isfinite(step))):
             return Reason.NOT_FINITE
         if np.max(np.abs(step)) < self.step:
             return Reason.SMALL_STEP
-        if abs(before.chi2 - after) < self.chi2 * after or abs(before.b @ step) < ROUNDING * before.chi2:
+        if abs(before - after) < self.chi2 * after or abs(system.b @ step) < ROUNDING * before:
             return Reason.SMALL_DECREASE
         return None
 
@@ -102,6 +105,10 @@ class Problem:
     def at(self, state: Floats) -> System:
         return self.equations.assemble(state, self.weights)
 
+    def cost(self, system: System) -> float:
+        """What the search reports: chi2, every edge in full."""
+        return system.chi2
+
     def step(self, system: System, damping: float = 0.0) -> Floats:
         """The step (s,): (H + damping I) step = -b. Raises SingularSystemError."""
         data = system.data
@@ -109,8 +116,9 @@ class Problem:
             data = data.copy()
             data[self.equations.pattern.starts[1:] - 1] += damping
         if self._factor is None:
-            self._factor = factorise(self.equations.pattern.upper(data))
-            if not self.surely_regular and not positive_definite(self._factor.lower().pivots):
+            upper = self.equations.pattern.upper(data)
+            self._factor = factorise(upper)
+            if not self.surely_regular and not positive_definite(upper, self._factor.lower()):
                 raise SingularSystemError("the normal equations are singular: some unknown is free")
         else:
             self._factor.update(data)
@@ -149,16 +157,21 @@ def gauss_newton(
     limits = Limits(max_iterations, tolerance, chi2_tolerance)
     problem = Problem(graph)
     state = problem.equations.state(checked_poses(graph, poses), checked_landmarks(graph, landmarks))
+    return descend(problem, state, limits)
+
+
+def descend(problem: Problem, state: Floats, limits: Limits) -> Solution:
+    """Steps of Gauss-Newton from a state, until a limit is reached."""
     system = problem.at(state)
-    history = [system.chi2]
+    history = [problem.cost(system)]
     if not problem.equations.pattern.size:
         return problem.solution(state, history, Reason.NOTHING_FREE)
-    for _ in range(max_iterations):
+    for _ in range(limits.iterations):
         before, step = system, problem.step(system)
         state = problem.equations.moved(state, step)
         system = problem.at(state)
-        history.append(system.chi2)
-        reason = limits.reached(step, before, system.chi2)
+        history.append(problem.cost(system))
+        reason = limits.reached(step, before, *history[-2:])
         if reason is not None:
             return problem.solution(state, history, reason)
     return problem.solution(state, history, Reason.ITERATIONS)
@@ -197,7 +210,7 @@ def levenberg_marquardt(
         trial = problem.at(there)
         gain = (system.chi2 - trial.chi2) / float(step @ (damping * step - system.b))
         if gain > 0.0:
-            reason = limits.reached(step, system, trial.chi2)
+            reason = limits.reached(step, system, system.chi2, trial.chi2)
             state, system = there, trial
             history.append(system.chi2)
             dampings.append(damping)

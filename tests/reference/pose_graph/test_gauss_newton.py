@@ -1,10 +1,8 @@
-"""Pose graphs against finite differences, a dense solver, SciPy's least squares and a published optimum."""
+"""Pose graphs against finite differences, a dense solver and SciPy's least squares."""
 
 from __future__ import annotations
 
 import math
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
-from reference import pose_graph
 from reference.pose_graph import (
     DisconnectedGraphError,
     EdgeIndexError,
@@ -32,7 +29,8 @@ from reference.pose_graph import (
 )
 from reference.se2 import compose, relative, wrap_angle
 
-DATA = Path(os.environ.get("BALISE_DATA") or Path(__file__).resolve().parents[2].parent / "shared" / "data")
+from .loops import loop
+
 EYE = np.eye(3)
 
 coordinate = st.floats(-20, 20)
@@ -40,20 +38,9 @@ angles = st.floats(-math.pi, math.pi)
 poses_of = st.tuples(coordinate, coordinate, angles).map(np.array)
 
 
-def noisy_loop(seed: int, n: int = 8, noise: float = 0.08) -> tuple[PoseGraph, np.ndarray]:
-    """A ring with two chords, measured with noise and unlike full information matrices; started from odometry."""
-    rng = np.random.default_rng(seed)
-    turn = 2 * np.pi * np.arange(n) / n
-    truth = np.column_stack([3 * np.cos(turn), 3 * np.sin(turn), wrap_angle(turn + np.pi / 2)])
-    ends = [*((k, k + 1) for k in range(n - 1)), (n - 1, 0), (0, n // 2), (n // 2 + 1, 1)]
-    edges = []
-    for i, j in ends:
-        root = rng.normal(size=(3, 3)) + 3 * EYE
-        edges.append((i, j, relative(truth[i], truth[j]) + rng.normal(0, noise, 3), root @ root.T))
-    start = [truth[0]]
-    for k in range(n - 1):
-        start.append(compose(start[-1], edges[k][2]))
-    return PoseGraph.from_edges(n, edges), np.array(start)
+def noisy_loop(seed: int) -> tuple[PoseGraph, np.ndarray]:
+    content = loop(seed)
+    return content.graph, content.poses
 
 
 @given(poses_of, poses_of, poses_of)
@@ -215,28 +202,3 @@ def test_poses_that_do_not_fit_are_refused(poses, error) -> None:
     with pytest.raises(error) as caught:
         gauss_newton(PoseGraph.from_edges(2, [edge()]), poses)
     assert caught.value.argument == "poses"
-
-
-def read_g2o(path: Path) -> tuple[PoseGraph, np.ndarray]:
-    """The poses and edges of a 2D g2o file; the information is written as its upper triangle."""
-    poses, edges = [], []
-    for line in path.read_text().splitlines():
-        tag, *rest = line.split()
-        if tag == "VERTEX_SE2":
-            poses.append([float(x) for x in rest[1:4]])
-        elif tag == "EDGE_SE2":
-            omega = np.zeros((3, 3))
-            omega[np.triu_indices(3)] = [float(x) for x in rest[5:11]]
-            edges.append((int(rest[0]), int(rest[1]), [float(x) for x in rest[2:5]], omega + np.triu(omega, 1).T))
-    return pose_graph.PoseGraph.from_edges(len(poses), edges), np.array(poses)
-
-
-def test_the_known_optimum_of_the_intel_log() -> None:
-    """chi2 = 214.17086 in the difference convention: two independent solvers, certified global."""
-    path = DATA / "pg2d" / "INTEL.g2o"
-    if not path.is_file():
-        pytest.skip("the benchmark set INTEL.g2o is not on this machine (BALISE_DATA)")
-    graph, start = read_g2o(path)
-    found = gauss_newton(graph, start)
-    assert found.converged
-    assert found.chi2[-1] == pytest.approx(214.17086, rel=1e-6)

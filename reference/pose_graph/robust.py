@@ -1,0 +1,160 @@
+"""Optimisation among false loop closures: reweighted least squares, and graduated non-convexity.
+
+Only the `suspects` are doubted; by default those are the loop closures, as odometry is not mistaken about places.
+
+Sources: kernels.py; Yang, Antonante, Tzoumas, Carlone, "Graduated Non-Convexity for Robust Spatial Perception" (RA-L
+2020), truncated least squares.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.stats import chi2 as chi2_law
+
+from reference.pose_graph.errors import ParameterError, ShapeError
+from reference.pose_graph.graph import BLOCK, Floats, PoseGraph, checked_landmarks, checked_poses
+from reference.pose_graph.kernels import Kernel
+from reference.pose_graph.normal_equations import System
+from reference.pose_graph.optimise import Limits, Problem, Solution, descend
+
+Mask = NDArray[np.bool_]
+
+GROWTH = 1.4
+INNER = Limits(iterations=10, step=1e-4, chi2=1e-5)
+
+
+@dataclass(frozen=True)
+class RobustSolution:
+    """`solution`, whose chi2 is the robust cost; `weights` (m,): what each edge counted for; `rejected` (m,): which
+    edges counted for less than a half."""
+
+    solution: Solution
+    weights: Floats
+
+    @property
+    def poses(self) -> Floats:
+        return self.solution.poses
+
+    @property
+    def rejected(self) -> Mask:
+        return np.asarray(self.weights < 0.5)
+
+
+class _Reweighted(Problem):
+    """A problem whose suspects go through a kernel."""
+
+    def __init__(self, graph: PoseGraph, kernel: Kernel, suspects: Mask) -> None:
+        super().__init__(graph, lambda u: np.where(suspects, kernel.weight(u), 1.0))
+        self.kernel, self.suspects = kernel, suspects
+
+    def cost(self, system: System) -> float:
+        u = system.edge_chi2
+        return float(np.where(self.suspects, self.kernel.rho(u), u).sum() + system.sighting_chi2.sum())
+
+
+def robust_gauss_newton(
+    graph: PoseGraph,
+    poses: ArrayLike,
+    kernel: Kernel,
+    landmarks: ArrayLike | None = None,
+    *,
+    suspects: Mask | None = None,
+    max_iterations: int = 200,
+    tolerance: float = 1e-6,
+    chi2_tolerance: float = 1e-9,
+) -> RobustSolution:
+    """Minimise sum rho(chi2 of suspects) + chi2 of the others, by weights rho' renewed at each step of Gauss-Newton.
+
+    `suspects` (m,): the edges that may be false, the loop closures unless given. Errors are those of `gauss_newton`.
+    """
+    problem = _Reweighted(graph, kernel, _checked_suspects(graph, suspects))
+    start = problem.equations.state(checked_poses(graph, poses), checked_landmarks(graph, landmarks))
+    solution = descend(problem, start, Limits(max_iterations, tolerance, chi2_tolerance))
+    return _judged(problem, solution)
+
+
+def graduated_non_convexity(
+    graph: PoseGraph,
+    poses: ArrayLike,
+    landmarks: ArrayLike | None = None,
+    *,
+    suspects: Mask | None = None,
+    bound: float | None = None,
+    max_rounds: int = 200,
+) -> RobustSolution:
+    """Minimise sum min(chi2, bound) over suspects + chi2 of the others, the truncation coming in slowly.
+
+    With a control mu that starts near 0, where the cost is convex, and grows by 1.4 a round, an edge of chi2 u weighs
+        w = 0 above (mu + 1)/mu bound, 1 below mu/(mu + 1) bound, sqrt(bound mu (mu + 1)/u) - mu between.   (15)
+    It ends when every weight is 0 or 1. `bound`: the largest chi2 of a true edge, by default the quantile 0.99 of the
+    chi2 law with 3 degrees of freedom; where the information understates how good the edges are, it must be smaller,
+    or throwing out true edges costs less than believing them. `poses` and the rest are those of `robust_gauss_newton`;
+    SingularSystemError when the edges that remain leave a node free.
+    """
+    doubted = _checked_suspects(graph, suspects)
+    limit = float(chi2_law.ppf(0.99, BLOCK)) if bound is None else bound
+    if not 0.0 < limit < np.inf:
+        raise ParameterError("bound", f"{limit} is not a positive number")
+    weights = np.ones(len(graph.i))
+    problem = Problem(graph, lambda _: weights)
+    state = problem.equations.state(checked_poses(graph, poses), checked_landmarks(graph, landmarks))
+    found = descend(problem, state, INNER)
+    mu = 0.0
+    for _ in range(max_rounds):
+        state = problem.equations.state(found.poses, found.landmarks)
+        u = problem.at(state).edge_chi2
+        largest = float(u[doubted].max(initial=0.0))
+        if mu == 0.0:
+            if 2.0 * largest <= limit:
+                break
+            mu = limit / (2.0 * largest - limit)
+        weights = np.where(doubted, _truncated_weights(u, mu, limit), 1.0)
+        found = descend(problem, state, INNER)
+        if np.all((weights == 1.0) | (weights == 0.0)):
+            break
+        mu *= GROWTH
+    last = descend(problem, problem.equations.state(found.poses, found.landmarks), Limits(50, 1e-9, 0.0))
+    return RobustSolution(replace(last, weights=weights), weights)
+
+
+def _truncated_weights(u: Floats, mu: float, bound: float) -> Floats:
+    """(15), for weights (m,) in [0, 1]."""
+    between = np.sqrt(bound * mu * (mu + 1.0) / np.maximum(u, np.finfo(float).tiny)) - mu
+    return np.where(u <= mu / (mu + 1.0) * bound, 1.0, np.where(u >= (mu + 1.0) / mu * bound, 0.0, between))
+
+
+def _checked_suspects(graph: PoseGraph, suspects: Mask | None) -> Mask:
+    mask = graph.closures if suspects is None else np.asarray(suspects, dtype=np.bool_)
+    if mask.shape != graph.i.shape:
+        raise ShapeError("suspects", f"have shape {mask.shape}, not {graph.i.shape}")
+    return mask
+
+
+def _judged(problem: _Reweighted, solution: Solution) -> RobustSolution:
+    system = problem.at(problem.equations.state(solution.poses, solution.landmarks))
+    weights = np.where(problem.suspects, problem.kernel.weight(system.edge_chi2), 1.0)
+    return RobustSolution(replace(solution, weights=weights), weights)
+
+
+def with_false_closures(graph: PoseGraph, count: int, rng: np.random.Generator) -> tuple[PoseGraph, Mask]:
+    """The graph with `count` loop closures added that claim two random poses to be one, and which edges (m,) they are.
+
+    They carry the information of an edge of the graph, drawn at random: nothing but the others gives them away.
+    """
+    if graph.n_poses < 3 or count < 0:
+        raise ParameterError("count", "false closures need three poses, and a number of at least 0")
+    i = rng.integers(0, graph.n_poses - 2, count)
+    j = i + 2 + np.floor(rng.random(count) * (graph.n_poses - 2 - i)).astype(np.int64)
+    noise = rng.normal(0.0, [0.3, 0.3, 0.1], (count, BLOCK))
+    models = graph.information[rng.integers(0, len(graph.i), count)]
+    added = replace(
+        graph,
+        i=np.concatenate([graph.i, i]),
+        j=np.concatenate([graph.j, j]),
+        z_i_j=np.concatenate([graph.z_i_j, noise]),
+        information=np.concatenate([graph.information, models]),
+    )
+    return added, np.arange(len(added.i)) >= len(graph.i)
