@@ -1,7 +1,7 @@
 """Pose graphs side by side: this project's Gauss-Newton, with qdldl and without, against g2opy, gtsam and graphslam.
 
     pip install '.[fast,benchmarks]'
-    python tests/benchmarks/bench_pose_graph.py FOLDER [--rounds 9] [--slow]
+    OPENBLAS_NUM_THREADS=1 PYTHONPATH=. python tests/benchmarks/bench_pose_graph.py FOLDER [--rounds 9] [--slow]
 
 FOLDER holds INTEL.g2o, M3500.g2o and city10000.g2o. The time is that of the optimisation from the file's start, in the
 process' own memory, all that each library sets up for it included (ordering, sparsity), reading and building left out.
@@ -13,16 +13,10 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import os
 import statistics
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-
-for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "TBB_NUM_THREADS"):
-    os.environ.setdefault(name, "1")
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 import numpy as np
 

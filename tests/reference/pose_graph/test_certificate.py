@@ -15,7 +15,7 @@ from .loops import EYE, loop
 @pytest.mark.parametrize("seed", range(5))
 def test_the_quadratic_form_bounds_chi2_from_below(seed: int, convention: str) -> None:
     """(18) to (20), with information that couples everything: chi2(x) - chi2(x^) >= v' M v - v^' M v^, everywhere."""
-    content = loop(seed, noise=0.1, n_landmarks=2, convention=convention)
+    content = loop(seed, noise=0.03, n_landmarks=2, convention=convention)
     graph = content.graph
     found = gauss_newton(graph, content.poses, content.landmarks)
     terms = [*_edge_terms(graph, found.poses), *_sighting_terms(graph, found.poses, found.landmarks)]
