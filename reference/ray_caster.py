@@ -27,6 +27,8 @@ MAX_SIDE = 2**15 - 3
 HALF, MASK = 16, 2**16 - 1
 # A direction along an axis crosses no line of the other: its first crossing is put off, but stays a number.
 LEAST_SLOPE = 1e-300
+# As many rays as the nearest memory holds well, however many there are to cast.
+BLOCK = 7500
 # Rays that have landed are carried along until so many have: moving the others has a price too.
 COMPACTION = 0.8
 
@@ -128,7 +130,13 @@ class RayCaster:
         _, starts, headings = checked_rays(self.free, origins, angles, max_range)
         distances = np.zeros(len(headings))
         standing = self._standing(starts)
-        rays = self._launch(starts[standing], headings[standing], standing)
+        for first in range(0, len(standing), BLOCK):
+            block = standing[first : first + BLOCK]
+            self._fly(self._launch(starts[block], headings[block], block), max_range, distances)
+        return distances
+
+    def _fly(self, rays: _Rays, max_range: float, distances: Floats) -> None:
+        """Let rays leap until all have landed, and write down the distances that they reached."""
         while rays.number.size:
             sides = self.table.take(rays.places(self.free.shape[1] + 2))
             flying = (sides > 0) & (rays.time < max_range)
@@ -138,7 +146,6 @@ class RayCaster:
                 distances[rays.number[landed]] = np.minimum(rays.time[landed], max_range)
                 rays, sides = rays.only(kept := np.flatnonzero(flying)), sides.take(kept)
             rays.leap(sides >> HALF, sides & MASK)
-        return distances
 
     def scans(self, poses: ArrayLike, angles: ArrayLike, max_range: float) -> Floats:
         """What a lidar at poses (m, 3), in cells, reads along `angles` (n,) from its heading: (m, n).
