@@ -180,13 +180,6 @@ class Bench:
             self.last_call = (function, args)
             yield args, answer
 
-    def values(self, function: str, calls: Iterable[Arguments]) -> Iterator[Value]:
-        """The values of several calls made ahead, in order. Raises the first StudentFault: no call is made after."""
-        for _, answer in self.call_many(function, calls, faults=1):
-            if isinstance(answer, StudentFault):
-                raise answer
-            yield answer.value
-
     def observe(self, function: str, value: Value, *, ok: bool, fault: StudentFault | None = None) -> None:
         """Write down what a function gave; a fault is known by its exception's or its outcome's name."""
         name = (fault.exception or fault.outcome.value) if fault else None

@@ -205,15 +205,6 @@ def test_many_calls_give_their_arguments_with_each_answer_and_stop_after_enough_
     assert bench.last_call == ("inverse", (0,))
 
 
-def test_values_stop_at_the_first_fault() -> None:
-    bench = bench_of("def inverse(x):\n    return 1 / x\n")
-    values = bench.values("inverse", [(2,), (0,), (4,)])
-    assert next(values) == 0.5
-    with pytest.raises(StudentFault):
-        next(values)
-    assert list(values) == []
-
-
 def test_many_calls_to_a_function_that_killed_its_process_get_one_answer() -> None:
     log: list[str] = []
     kit = world.kit(np.random.default_rng(0))

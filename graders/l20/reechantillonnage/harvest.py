@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,8 @@ FUNCTION = "reechantillonner_systematique"
 Counts = NDArray[np.int64]
 
 STEP, REACH = 0.125, 64.0
+#: A function that raised that often in one scenario has shown enough.
+ENOUGH_FAULTS = 24
 
 
 @dataclass(frozen=True)
@@ -84,26 +87,18 @@ def harvest(bench: Bench, scenario: Scenario) -> Harvest:
     """Call the function as often as the scenario says; stop at the first value that does not hold particles."""
     values: list[Floats] = []
     faults: list[StudentFault] = []
-    for _ in range(scenario.calls):
-        try:
-            value = bench.call(FUNCTION, scenario.particles, scenario.weights)
-        except StudentFault as fault:
-            faults.append(fault)
-            if _hopeless(faults):
-                break
-        else:
-            array = _read(scenario, value)
-            if isinstance(array, Finding):
-                return Harvest(scenario, _no_copies(scenario), array)
-            values.append(array)
+    calls = itertools.repeat((scenario.particles, scenario.weights), scenario.calls)
+    for _, answer in bench.call_many(FUNCTION, calls, faults=ENOUGH_FAULTS):
+        if isinstance(answer, StudentFault):
+            faults.append(answer)
+            continue
+        array = _read(scenario, answer.value)
+        if isinstance(array, Finding):
+            return Harvest(scenario, _no_copies(scenario), array)
+        values.append(array)
     if faults:
         return Harvest(scenario, _no_copies(scenario), _faulty(scenario, faults, always=not values))
     return _count(scenario, np.array(values))
-
-
-def _hopeless(faults: list[StudentFault]) -> bool:
-    last = faults[-1]
-    return last.fatal or last.outcome is Outcome.MISSING_FUNCTION or len(faults) >= 24
 
 
 def _no_copies(scenario: Scenario) -> Counts:
