@@ -1,7 +1,8 @@
 """The graphs that `gauss_newton` is given: from two poses on a line to a loop of twenty, each with its optimum.
 
 All are small and well conditioned. Plain Gauss-Newton settles on each of them to 1e-9 within `MAX_STEPS` iterations, to
-1e-5 within five, whereas the functions have ten or more. Information matrices are diag(a, a, b).
+1e-5 within five, whereas the functions have ten or more. One graph takes it a little longer, and fifteen are allowed:
+there, three iterations are never enough. Information matrices are diag(a, a, b).
 """
 
 from __future__ import annotations
@@ -21,6 +22,13 @@ from reference.se2 import compose, relative, wrap_angle
 QUARTER = math.pi / 2
 EIGHTH = math.pi / 4
 MAX_STEPS = 9
+
+# The slow graph: three iterations leave a pose this far, and chi2 this much above the least: ten times what passes.
+SLOW_STEPS = 11
+FEW = 3
+FAR_POSE = 1e-3
+FAR_CHI2 = 2e-5
+SLOW_DRAWS = 60
 
 Edge = tuple[int, int, Floats, Floats]
 Ends = Sequence[tuple[int, int]]
@@ -95,6 +103,33 @@ def draw_settling(draw: Callable[[], Graph]) -> Graph:
     return next(graph for graph in iter(draw, None) if settles(graph))
 
 
+def slowness(graph: Graph) -> float:
+    """How far from the optimum the first iterations leave the poses: at 1, farther than FAR_POSE and FAR_CHI2."""
+    history = graph.solution.chi2
+    if not graph.solution.converged or not FEW < graph.solution.iterations <= SLOW_STEPS:
+        return 0.0
+    excess = (history[FEW] / history[-1] - 1.0) / FAR_CHI2
+    if excess < 1.0:
+        return float(excess)
+    poses = pose_graph.gauss_newton(graph.model, graph.poses, max_iterations=FEW).poses
+    gap = poses - graph.optimum
+    away = max(np.abs(gap[:, :2]).max(), np.abs(wrap_angle(gap[:, 2])).max())
+    return float(min(excess, away / FAR_POSE))
+
+
+def draw_slow(draw: Callable[[], Graph]) -> Graph:
+    """The first graph drawn that is slow enough, about one in six; failing that, the slowest of many."""
+    slowest, most = None, 0.0
+    for _ in range(SLOW_DRAWS):
+        graph = draw()
+        found = slowness(graph)
+        if found >= 1.0:
+            return graph
+        if found > most:
+            slowest, most = graph, found
+    return slowest or draw_settling(draw)
+
+
 def along(n: int) -> list[tuple[int, int]]:
     """The ends of the edges of odometry."""
     return [(k, k + 1) for k in range(n - 1)]
@@ -132,6 +167,7 @@ def noisy(
     noise: Pair = (0.2, 0.12),
     weights: Weights = lambda k: (1.0, 1.0),
     n_iter: int | None = 10,
+    choose: Callable[[Callable[[], Graph]], Graph] = draw_settling,
 ) -> Graph:
     """A trajectory measured with noise and closed by `closures`, started from its odometry; edges in any order."""
 
@@ -141,7 +177,7 @@ def noisy(
         order = rng.permutation(len(edges))
         return Graph(odometry(truth[0], edges, len(truth)), tuple(edges[k] for k in order), n_iter)
 
-    return draw_settling(draw)
+    return choose(draw)
 
 
 def facing_one_way(rng: np.random.Generator, n: int) -> Floats:
@@ -233,8 +269,9 @@ def turning(rng: np.random.Generator) -> Iterable[Graph]:
 
 @cached
 def large(rng: np.random.Generator) -> Iterable[Graph]:
-    """A loop of 8 poses, and one of 20 left to the default number of iterations."""
-    yield noisy(rng, going_round(rng, 8), [(7, 0), (2, 6)], weights=various(rng), n_iter=15)
+    """A loop of 8 poses that takes more than a few iterations, and one of 20 left to the default number of them."""
+    rough = going_round(rng, 8)
+    yield noisy(rng, rough, [(7, 0), (2, 6)], noise=(0.2, 0.25), weights=various(rng), n_iter=15, choose=draw_slow)
     strong: Weights = lambda k: (100.0, 400.0) if k >= 19 else (25.0, 100.0)  # noqa: E731
     closures = [(19, 0), (0, 10), (15, 5), (18, 1)]
     yield noisy(rng, going_round(rng, 20), closures, noise=(0.15, 0.06), weights=strong, n_iter=None)
