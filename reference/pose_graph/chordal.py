@@ -76,7 +76,7 @@ def chordal_angles(graph: PoseGraph, held: Floats) -> Floats:
         data, b = np.zeros(pattern.nnz + 1), np.zeros(pattern.size + 1)
         for row in range(POINT):
             for ends in (graph.i, graph.j):
-                np.add.at(data, pattern.diagonal(ends, row, row), weight)
+                np.add.at(data, pattern.diagonal(row, row)[ends], weight)
         for row, column, term in ((0, 0, -c), (0, 1, -s), (1, 0, s), (1, 1, -c)):
             np.add.at(data, pattern.off_diagonal(row, column), term)
             np.add.at(b, pattern.unknowns(graph.i, row), -term * r[graph.j, column])

@@ -73,38 +73,38 @@ def marginal_covariances(
     place[lower.p] = np.arange(pattern.size)
     node = np.repeat(np.arange(len(pattern.sizes)), pattern.sizes)[lower.p]
     component = lower.p - pattern.offsets[node]
-    for column, rows, values in _selected_inverse(lower):
+    for column, rows, values in _selected_inverse(lower, node):
         same = node[rows] == node[column]
         a, b = component[rows[same]], component[column]
         blocks[node[column], a, b] = blocks[node[column], b, a] = values[same]
     return blocks[:n], blocks[n:, :POINT, :POINT]
 
 
-def _selected_inverse(lower: Lower) -> list[tuple[int, Indices, Floats]]:
-    """(17): for each column of Z, its rows (the column itself first) and their values.
+def _selected_inverse(lower: Lower, node: Indices) -> list[tuple[int, Indices, Floats]]:
+    """(17): for each column of Z, its rows (the column itself first) and their values; `node` (s,) owns each column.
 
     A column keeps Z over its rows, the front, until the columns whose first row below is this one have taken theirs.
     """
-    indptr, indices, data = lower.L.indptr, lower.L.indices, lower.L.data
     columns: list[tuple[int, Indices, Floats]] = []
     fronts: dict[int, tuple[Indices, Floats]] = {}
-    waiting = _children(lower)
-    for j in range(len(lower.pivots) - 1, -1, -1):
-        span = slice(indptr[j], indptr[j + 1])
-        below = indices[span] > j
-        order = np.argsort(indices[span][below])
-        rows, lj = indices[span][below][order].astype(np.int64), data[span][below][order]
+    structure = _structure(lower, node)
+    waiting = np.bincount([rows[0] for rows in structure if len(rows)], minlength=len(structure)).tolist()
+    for j in range(len(structure) - 1, -1, -1):
+        rows = structure[j]
         front = np.empty((len(rows) + 1, len(rows) + 1))
+        below, values = _below(lower, j)
+        column = np.zeros(len(rows))
+        column[np.searchsorted(rows, below)] = values
         if len(rows):
             parent = int(rows[0])
             parent_rows, parent_front = fronts[parent]
             at = np.searchsorted(parent_rows, rows)
             front[1:, 1:] = parent_front[np.ix_(at, at)]
-            front[0, 1:] = front[1:, 0] = -front[1:, 1:] @ lj
+            front[0, 1:] = front[1:, 0] = -front[1:, 1:] @ column
             waiting[parent] -= 1
             if not waiting[parent]:
                 del fronts[parent]
-        front[0, 0] = 1.0 / lower.pivots[j] - lj @ front[1:, 0]
+        front[0, 0] = 1.0 / lower.pivots[j] - column @ front[1:, 0]
         own = np.concatenate([[j], rows])
         columns.append((j, own, front[:, 0].copy()))
         if waiting[j]:
@@ -112,15 +112,29 @@ def _selected_inverse(lower: Lower) -> list[tuple[int, Indices, Floats]]:
     return columns
 
 
-def _children(lower: Lower) -> list[int]:
-    """For each column, how many others have it as the first row below their diagonal."""
-    count = [0] * len(lower.pivots)
-    for j in range(len(lower.pivots)):
-        rows = lower.L.indices[lower.L.indptr[j] : lower.L.indptr[j + 1]]
-        below = rows[rows > j]
-        if len(below):
-            count[int(below.min())] += 1
-    return count
+def _below(lower: Lower, j: int) -> tuple[Indices, Floats]:
+    """The rows and values of column j of L below its diagonal."""
+    span = slice(lower.L.indptr[j], lower.L.indptr[j + 1])
+    rows, values = lower.L.indices[span], lower.L.data[span]
+    return rows[rows > j].astype(np.int64), values[rows > j]
+
+
+def _structure(lower: Lower, node: Indices) -> list[Indices]:
+    """The rows P of each column: those of L and of the column's own node, and those that the recursion asks for.
+
+    An entry of L that happens to be zero may have been left out of it: its place is needed all the same.
+    """
+    owned: dict[int, list[int]] = {}
+    for position, owner in enumerate(node.tolist()):
+        owned.setdefault(owner, []).append(position)
+    structure = []
+    for j, owner in enumerate(node.tolist()):
+        mates = np.array([position for position in owned[owner] if position > j], dtype=np.int64)
+        structure.append(np.union1d(_below(lower, j)[0], mates))
+    for rows in structure:
+        if len(rows) > 1:
+            structure[rows[0]] = np.union1d(structure[rows[0]], rows[1:])
+    return structure
 
 
 def _factor(graph: PoseGraph, poses: ArrayLike, landmarks: ArrayLike | None) -> tuple[NormalEquations, Factor]:

@@ -91,23 +91,20 @@ class Pattern:
         """`rows` (nnz,) of the entries."""
         self.rows: NDArray[np.int32 | np.int64] = np.empty(self.nnz + 1, dtype=np.int64)
         deepest = int(self.sizes.max(initial=0))
-        every = np.arange(len(self.sizes))
         for column in range(deepest):
             for row in range(deepest):
                 inside = (self.sizes[self._lo] > row) & (self.sizes[self._hi] > column)
                 slots = self.starts[self.offsets[self._hi] + column * inside] + self._rank + row
                 self.rows[slots[inside]] = (self.offsets[self._lo] + row)[inside]
             for row in range(column + 1):
-                self.rows[self.diagonal(every[self.sizes > column], row, column)] = (
-                    self.offsets[every[self.sizes > column]] + row
-                )
+                self.rows[self.diagonal(row, column)] = self.offsets[:-1] + row
         self.rows = self.rows[:-1].astype(np.int32)
         self.starts = self.starts.astype(np.int32)
 
-    def diagonal(self, nodes: Indices, row: int, column: int) -> Indices:
-        """The slots of the entry (row, column), row <= column, of the diagonal blocks of nodes."""
-        free = self.sizes[nodes] > column
-        slots = self.starts[self.offsets[nodes] + column * free] + self._above[nodes] + row
+    def diagonal(self, row: int, column: int) -> Indices:
+        """The slots (N,) of the entry (row, column), row <= column, of the diagonal block of each node."""
+        free = self.sizes > column
+        slots = self.starts[self.offsets[:-1] + column * free] + self._above + row
         return np.where(free, slots, self.nnz)
 
     def off_diagonal(self, row: int, column: int) -> Indices:

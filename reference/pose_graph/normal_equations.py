@@ -87,15 +87,15 @@ class NormalEquations:
         graph, pattern, n = self.graph, self.pattern, self.graph.n_poses
         i, j, pose, landmark = graph.i, graph.j, graph.sightings.i, graph.sightings.landmark + n
         off = [[pattern.off_diagonal(a, b) for b in range(BLOCK)] for a in range(BLOCK)]
-        slots = [pattern.diagonal(j, a, b) for a, b in UPPER] + [pattern.diagonal(i, a, b) for a, b in UPPER]
+        on = {(a, b): pattern.diagonal(a, b) for a, b in UPPER}
+        slots = [on[at][j] for at in UPPER] + [on[at][i] for at in UPPER]
         slots += [off[a][b][:m] for a in range(BLOCK) for b in range(BLOCK)]
-        slots += [pattern.diagonal(landmark, a, b) for a, b in ((0, 0), (0, 1), (1, 1))]
-        slots += [pattern.diagonal(pose, a, b) for a, b in UPPER]
-        slots += [off[a][b][m:] for a in range(BLOCK) for b in range(POINT)]
         rows = [pattern.unknowns(i, a) for a in range(BLOCK)] + [pattern.unknowns(j, a) for a in range(BLOCK)]
-        rows += [pattern.unknowns(pose, a) for a in range(BLOCK)] + [
-            pattern.unknowns(landmark, a) for a in range(POINT)
-        ]
+        if len(pose):
+            slots += [on[at][landmark] for at in ((0, 0), (0, 1), (1, 1))] + [on[at][pose] for at in UPPER]
+            slots += [off[a][b][m:] for a in range(BLOCK) for b in range(POINT)]
+            rows += [pattern.unknowns(pose, a) for a in range(BLOCK)]
+            rows += [pattern.unknowns(landmark, a) for a in range(POINT)]
         return np.concatenate(slots), np.concatenate(rows)
 
     def state(self, poses: Floats, landmarks: Floats | None = None) -> Floats:

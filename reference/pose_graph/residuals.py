@@ -79,11 +79,14 @@ def turned_information(graph: PoseGraph) -> Floats:
     if graph.convention == "difference":
         return graph.information
     c, s = np.cos(graph.z_i_j[:, 2]), np.sin(graph.z_i_j[:, 2])
-    Q = np.zeros_like(graph.information)
-    Q[:, 0, 0] = Q[:, 1, 1] = c
-    Q[:, 1, 0], Q[:, 0, 1] = s, -s
-    Q[:, 2, 2] = 1.0
-    return Q @ graph.information @ Q.transpose(0, 2, 1)
+    (w00, w01, w02), (_, w11, w12), _ = np.moveaxis(graph.information, 0, -1)
+    turned = graph.information.copy()
+    turned[:, 0, 0] = c * c * w00 - 2.0 * c * s * w01 + s * s * w11
+    turned[:, 1, 1] = s * s * w00 + 2.0 * c * s * w01 + c * c * w11
+    turned[:, 0, 1] = turned[:, 1, 0] = c * s * (w00 - w11) + (c * c - s * s) * w01
+    turned[:, 0, 2] = turned[:, 2, 0] = c * w02 - s * w12
+    turned[:, 1, 2] = turned[:, 2, 1] = s * w02 + c * w12
+    return turned
 
 
 def edge_residuals(graph: PoseGraph, poses: Floats) -> Floats:
