@@ -28,7 +28,7 @@ HALF, MASK = 16, 2**16 - 1
 # A direction along an axis crosses no line of the other: its first crossing is put off, but stays a number.
 LEAST_SLOPE = 1e-300
 # As many rays as the nearest memory holds well, however many there are to cast.
-BLOCK = 7500
+BLOCK = 5000
 # Rays that have landed are carried along until so many have: moving the others has a price too.
 COMPACTION = 0.8
 
@@ -75,14 +75,16 @@ class _Rays:
         time_x, time_y = self.first_x + exit_x, self.first_y + exit_y
         time_x *= self.inverse_x
         time_y *= self.inverse_y
-        through_x = time_x < time_y
+        through_x = (time_x < time_y) & (widths > 0)
         time = np.maximum(self.time, np.minimum(time_x, time_y, out=time_x), out=self.time)
+        # Sums of truth values stand for choices: a processor cannot foresee these, and would stumble at every second.
         passed_x, at_x = _nearest_lines(time, self.first_x, self.slope_x, self.inverse_x)
         passed_x -= at_x >= time
+        np.maximum(self.line_x, passed_x, out=self.line_x)
+        self.line_x += through_x
         passed_y, at_y = _nearest_lines(time, self.first_y, self.slope_y, self.inverse_y)
         passed_y -= at_y > time
-        self.line_x = np.where(through_x, exit_x, np.maximum(self.line_x, passed_x, out=passed_x))
-        self.line_y = np.where(through_x, np.maximum(self.line_y, passed_y, out=passed_y), exit_y)
+        np.maximum(self.line_y, passed_y, out=self.line_y)
 
 
 def _nearest_lines(time: Floats, first: Floats, slope: Floats, inverse: Floats) -> tuple[Floats, Floats]:
@@ -132,7 +134,8 @@ class RayCaster:
         standing = self._standing(starts)
         for first in range(0, len(standing), BLOCK):
             block = standing[first : first + BLOCK]
-            self._fly(self._launch(starts[block], headings[block], block), max_range, distances)
+            x, y = starts[:, 0].take(block), starts[:, 1].take(block)
+            self._fly(self._launch(x, y, headings.take(block), block), max_range, distances)
         return distances
 
     def _fly(self, rays: _Rays, max_range: float, distances: Floats) -> None:
@@ -168,13 +171,15 @@ class RayCaster:
         inside = np.flatnonzero((x >= 0) & (x < width) & (y >= 0) & (y < height))
         return inside[self.free[y[inside], x[inside]]]
 
-    def _launch(self, starts: Floats, headings: Floats, numbers: NDArray[np.int64]) -> _Rays:
+    def _launch(self, x: Floats, y: Floats, headings: Floats, numbers: NDArray[np.int64]) -> _Rays:
         height, width = self.free.shape
-        first_x, slope_x, column, left = _mirrored(starts[:, 0], np.cos(headings), width)
-        first_y, slope_y, row, down = _mirrored(starts[:, 1], np.sin(headings), height)
-        direction = 4 * down + 2 * left + (slope_y > slope_x)
+        first_x, slope_x, column, left = _mirrored(x, np.cos(headings), width)
+        first_y, slope_y, row, down = _mirrored(y, np.sin(headings), height)
+        row += (4 * (height + 2)) * down
+        row += (2 * (height + 2)) * left
+        row += (height + 2) * (slope_y > slope_x)
         # One more row and column: the map is framed by walls, and the start lies before line 0 of both axes.
-        cell = (direction * (height + 2) + row + 2) * (width + 2) + column + 2
+        cell = ((row + 2.0) * (width + 2) + column + 2.0).astype(np.int64)
         inverse_x, inverse_y, time = 1.0 / slope_x, 1.0 / slope_y, np.zeros(len(numbers))
         line_x, line_y = time - 1.0, time - 1.0
         return _Rays(
@@ -187,10 +192,10 @@ def _turned(maps: NDArray[T]) -> NDArray[T]:
     return np.ascontiguousarray(maps.swapaxes(1, 2))
 
 
-def _mirrored(start: Floats, slope: Floats, size: int) -> tuple[Floats, Floats, NDArray[np.int64], NDArray[np.bool_]]:
+def _mirrored(start: Floats, slope: Floats, size: int) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
     """Along one axis: distance to the first line, slope, cell in the mirror, and whether the axis is turned around."""
     cell = np.floor(start)
     backward = slope < 0
-    first = np.where(backward, start - cell, cell + 1.0 - start)
-    mirrored = np.where(backward, size - 1 - cell, cell).astype(np.int64)
+    first = np.abs(cell + (slope >= 0) - start)
+    mirrored = np.abs(cell - (size - 1.0) * backward)
     return first, np.maximum(np.abs(slope), LEAST_SLOPE), mirrored, backward
