@@ -37,7 +37,11 @@ class Reason(StrEnum):
 
 @dataclass(frozen=True)
 class Gauge:
-    """What held the frame, and what was left to find: `rank` < `unknowns` never comes back, it is an error."""
+    """What held the frame, and what was left to find.
+
+    `rank` is that of H: all of the `unknowns`, as connected poses with full information always have it; with landmarks
+    or robust weights the pivots of the first factor are looked at, and less is a SingularSystemError.
+    """
 
     fixed: tuple[int, ...]
     unknowns: int
