@@ -56,23 +56,27 @@ def crossed_cells(starts: ArrayLike, ends: ArrayLike) -> CrossedCells:
 def _entered(u0: Floats, v0: Floats, u1: Floats, v1: Floats, *, other_first: bool) -> tuple[Indices, Indices, Indices]:
     """The cells (u, v) entered across the lines of axis u, and by which segment.
 
-    On a line of axis v at that very moment, v is the cell behind that line if `other_first`, before it otherwise.
+    On a line of axis v at that very moment, v is the cell behind that line if `other_first`, before it otherwise. How
+    many lines of v were crossed is guessed from the place, then settled by comparing moments: so that rounding cannot
+    make the two axes disagree about which line comes first.
     """
-    c0, c1 = np.floor(u0).astype(np.int64), np.floor(u1).astype(np.int64)
-    counts = np.abs(c1 - c0)
+    c0, d0 = np.floor(u0).astype(np.int64), np.floor(v0).astype(np.int64)
+    counts, across = (np.abs(np.floor(end).astype(np.int64) - start) for end, start in ((u1, c0), (v1, d0)))
     segment = np.repeat(np.arange(len(u0)), counts)
     k = np.arange(len(segment)) - np.repeat(np.cumsum(counts) - counts, counts) + 1
-    forward = u1 > u0
-    step = np.where(forward, 1, -1)
+    u0, v0, u1, v1 = (values[segment] for values in (u0, v0, u1, v1))
+    c0, d0, across = (values[segment] for values in (c0, d0, across))
+    moment = _moment(u0, u1, c0, k)
+    guess = np.floor(v0 + moment * (v1 - v0)).astype(np.int64)
+    crossed = np.clip(np.abs(guess - d0), 0, across)
+    one_more, one_less = (_moment(v0, v1, d0, crossed + extra) for extra in (1, 0))
+    before = np.less_equal if other_first else np.less
+    crossed = crossed + ((crossed < across) & before(one_more, moment)) - ((crossed > 0) & ~before(one_less, moment))
+    return segment, c0 + np.where(u1 > u0, k, -k), d0 + np.where(v1 > v0, crossed, -crossed)
+
+
+def _moment(start: Floats, end: Floats, cell: Indices, k: Indices) -> Floats:
+    """When, from 0 at the start to 1 at the end, the k-th grid line is crossed; without meaning where none is."""
+    line = np.where(end > start, cell + k, cell + 1 - k)
     with np.errstate(divide="ignore", invalid="ignore"):
-        slope = (v1 - v0) / (u1 - u0)
-    line = (c0 + np.where(forward, 0, 1))[segment] + step[segment] * k
-    v = v0[segment] + (line - u0[segment]) * slope[segment]
-    rising = (v1 > v0)[segment]
-    cell = np.where(rising == other_first, np.floor(v), np.ceil(v) - 1.0).astype(np.int64)
-    d0, d1 = np.floor(v0).astype(np.int64), np.floor(v1).astype(np.int64)
-    return (
-        segment,
-        c0[segment] + step[segment] * k,
-        np.clip(cell, np.minimum(d0, d1)[segment], np.maximum(d0, d1)[segment]),
-    )
+        return np.asarray((line - start) / (end - start))

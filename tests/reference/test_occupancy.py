@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from reference.carmen import LogError, beam_angles, parse_flaser
@@ -100,16 +100,18 @@ point = st.tuples(st.floats(-6, 6), st.floats(-6, 6))
 
 @settings(deadline=None, max_examples=40)
 @given(point, point)
+@example((1.0, 7.5e-164), (0.0, -1.0))
 def test_crossed_cells_are_those_under_the_segment(start: Any, end: Any) -> None:
     cells = crossed_cells([start], [end])
     found = list(zip(cells.x.tolist(), cells.y.tolist(), strict=True))
     assert len(found) == len(set(found))
+    assert {tuple(np.floor(start).astype(int)), tuple(np.floor(end).astype(int))} <= set(found)
     for x, y in set(found) ^ marched(start, end):
         assert grazes(np.array([x, y]), np.array(start), np.array(end))
 
 
 def grazes(cell: Any, start: Any, end: Any) -> bool:
-    """Is the segment inside the cell over a length of next to nothing only?"""
+    """Is the segment inside the cell over a length below a few steps of the march only?"""
     low, high = 0.0, 1.0
     for axis in range(2):
         d = end[axis] - start[axis]
@@ -117,7 +119,7 @@ def grazes(cell: Any, start: Any, end: Any) -> bool:
             continue
         near, far = sorted(((cell[axis] - start[axis]) / d, (cell[axis] + 1 - start[axis]) / d))
         low, high = max(low, near), min(high, far)
-    return bool((high - low) * np.hypot(*(end - start)) < 1e-3)
+    return bool((high - low) * np.hypot(*(end - start)) < 5e-3)
 
 
 def test_many_segments_are_as_each_alone_and_corners_are_crossed_once() -> None:
