@@ -26,8 +26,8 @@ from reference.occupancy import InverseSensorModel, OccupancyGrid, build_map
 from reference.odometry import DifferentialDrive, integrate
 from reference.pose_graph import PoseGraph, edge_chi2, gauss_newton
 from reference.registration import IcpError, Matching, ScanMatch, Window, match_scans
-from reference.scan import Scan
 from reference.se2 import compose, compose_covariance, relative, wrap_angle
+from reference.world.scan import Scan
 
 Floats = NDArray[np.float64]
 Edge = tuple[int, int, Floats, Floats]

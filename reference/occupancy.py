@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.grid_map import GridMap
-from reference.ray_cells import crossed_cells
-from reference.scan import Scan
 from reference.se2 import rotation, transform
+from reference.world.grid_map import GridMap
+from reference.world.ray_cells import crossed_cells
+from reference.world.scan import Scan
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]

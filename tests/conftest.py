@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
+from hypothesis import settings
 
 from tests.graders.replays import Replays
 
 REPLAYS = Replays()
+
+settings.register_profile("balise", deadline=None)  # a busy machine is no failure
+settings.load_profile("balise")
 
 
 @pytest.fixture(scope="module")

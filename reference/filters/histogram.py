@@ -1,7 +1,7 @@
 """The histogram filter: a belief over the cells of a line, exact in the limit of small cells.
 
-In two dimensions, with walls, see `reference.grid_filter`. Source: Thrun, Burgard, Fox, "Probabilistic Robotics"
-(2005), table 4.1.
+In two dimensions, with walls, see `reference.localisation.grid_filter`. Source: Thrun, Burgard, Fox, "Probabilistic
+Robotics" (2005), table 4.1.
 """
 
 from __future__ import annotations

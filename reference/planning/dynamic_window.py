@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import distance_transform_edt, map_coordinates
 
-from reference.grid_map import GridMap
 from reference.planning.grid_search import PlanningError, SearchGrid
 from reference.planning.inflation import inflate
 from reference.se2 import wrap_angle
+from reference.world.grid_map import GridMap
 
 Floats = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference.distance_map import distance_to
 from reference.planning.grid_search import PlanningError
+from reference.world.distance_map import distance_to
 
 Floats = NDArray[np.float64]
 

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference.distance_map import distance_to
 from reference.registration.icp import IcpError
 from reference.registration.normals import plane_cloud
 from reference.se2 import Pose, wrap_angle
+from reference.world.distance_map import distance_to
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]

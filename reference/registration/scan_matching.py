@@ -20,8 +20,8 @@ from reference.registration.icp import IcpError, IcpResult, Pairing, icp_to_line
 from reference.registration.kernels import Cauchy
 from reference.registration.normals import normals_by_neighbours, plane_cloud
 from reference.registration.observability import Observability, observability
-from reference.scan import Scan
 from reference.se2 import Pose, transform
+from reference.world.scan import Scan
 
 Floats = NDArray[np.float64]
 

@@ -19,9 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import log_ndtr, ndtr, ndtri
 
 from reference.errors import InvalidArgumentError
-from reference.grid_map import GridMap
-from reference.scan import Scan
 from reference.sensors.rays import checked_poses, checked_power
+from reference.world.grid_map import GridMap
+from reference.world.scan import Scan
 
 Floats = NDArray[np.float64]
 

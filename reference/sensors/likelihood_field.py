@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.grid_map import GridMap
-from reference.scan import Scan
 from reference.se2 import rotation
 from reference.sensors.rays import checked_poses, checked_power
+from reference.world.grid_map import GridMap
+from reference.world.scan import Scan
 
 Floats = NDArray[np.float64]
 

@@ -19,17 +19,17 @@ import numpy as np
 from measure import Contender, figure, interleave, median, table
 
 from reference.ekf_slam import EkfSlam, SlamNoise, Update, rank_two_update, textbook_update
-from reference.mcl import MonteCarloLocalization, uniform_poses
-from reference.resampling import (
+from reference.localisation.mcl import MonteCarloLocalization, uniform_poses
+from reference.localisation.resampling import (
     comb,
     multinomial_resampling,
     residual_resampling,
     stratified_resampling,
 )
-from reference.scan import Scan
-from reference.scenes import building
 from reference.sensors.beam import BeamModel, BeamSensor
 from reference.sensors.likelihood_field import LikelihoodField
+from reference.world.scan import Scan
+from reference.world.scenes import building
 
 PARTICLES, BEAMS, MILLION = 500, 30, 1_000_000
 OFFSET = 0.37

@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 import numpy as np
 from scipy.spatial import cKDTree
 
-from reference.carmen import parse_flaser
+from reference.formats.carmen import parse_flaser
 from reference.occupancy import build_map
 from reference.planning import SearchGrid, parse_map, parse_scenarios
 from reference.registration import icp, icp_to_lines, normals_by_neighbours

@@ -20,8 +20,8 @@ from evo.core.metrics import APE, RPE, PoseRelation, Unit
 from evo.core.trajectory import PosePath3D
 from measure import Contender, figure, interleave, median, table
 
+from reference.formats.trajectory_files import read_kitti
 from reference.metrics import absolute_trajectory_error, relative_pose_error
-from reference.trajectory_files import read_kitti
 
 
 def read(path: str) -> np.ndarray:

@@ -18,11 +18,11 @@ from functools import partial
 import numpy as np
 from measure import Contender, figure, interleave, median, table
 
-from reference.distance_map import distance_to
-from reference.grid_map import GridMap
-from reference.ray_caster import RayCaster
-from reference.raycast import cast_rays
-from reference.scenes import building, clutter
+from reference.world.distance_map import distance_to
+from reference.world.grid_map import GridMap
+from reference.world.ray_caster import RayCaster
+from reference.world.raycast import cast_rays
+from reference.world.scenes import building, clutter
 
 POSES, BEAMS = 500, 30
 

@@ -14,7 +14,7 @@ from graders.l20.predire2d import cases, trials
 from graders.l20.predire2d.beliefs import SameBelief, in_words, instead, one_hot
 from graders.l20.predire2d.checks import tells_something
 from graders.l20.predire2d.grader import GRADER
-from reference.grid_filter import most_likely
+from reference.localisation.grid_filter import most_likely
 
 SEEDS = range(5)
 

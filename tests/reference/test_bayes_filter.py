@@ -14,7 +14,7 @@ from reference.filters.histogram import HistogramFilter
 from reference.filters.kalman import KalmanFilter
 from reference.filters.particles import ParticleFilter
 from reference.filters.unscented import Spread, UnscentedKalmanFilter
-from reference.grid_filter import COMMANDS, GridFilter, GridWorld, landings
+from reference.localisation.grid_filter import COMMANDS, GridFilter, GridWorld, landings
 
 CORRIDOR = Corridor()
 STEPS = 12

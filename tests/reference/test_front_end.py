@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from reference.distance_map import distance_to
 from reference.front_end import FrontEndError, Settings, Slam, key_poses, slam
-from reference.grid_map import GridMap
 from reference.metrics import absolute_trajectory_error
 from reference.occupancy import InverseSensorModel, build_map
 from reference.odometry import DifferentialDrive
-from reference.scan import Scan
-from reference.scenes import ring
 from reference.se2 import relative, wrap_angle
-from reference.simulation import Lidar, Run, motions_through, simulate
+from reference.world.distance_map import distance_to
+from reference.world.grid_map import GridMap
+from reference.world.scan import Scan
+from reference.world.scenes import ring
+from reference.world.simulation import Lidar, Run, motions_through, simulate
 
 Floats = NDArray[np.float64]
 SEEDS = (0, 1, 2)

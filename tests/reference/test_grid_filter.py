@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
-from reference.grid_filter import (
+from reference.localisation.grid_filter import (
     COMMANDS,
     GridFilterError,
     GridWorld,

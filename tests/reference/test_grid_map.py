@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reference.distance_map import DistanceMapError, chessboard_distance_to, distance_to
-from reference.grid_map import GridMap, GridMapError
 from reference.se2 import compose, rotation
+from reference.world.distance_map import DistanceMapError, chessboard_distance_to, distance_to
+from reference.world.grid_map import GridMap, GridMapError
 
 coordinate = st.floats(-50, 50)
 corners = st.tuples(coordinate, coordinate, st.floats(-math.pi, math.pi))

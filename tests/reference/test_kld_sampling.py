@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.stats import chi2
 
 from reference.errors import InvalidArgumentError
-from reference.kld_sampling import KldSampling
+from reference.localisation.kld_sampling import KldSampling
 
 
 @pytest.mark.parametrize("epsilon", [0.01, 0.05, 0.15])

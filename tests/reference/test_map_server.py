@@ -12,8 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from reference.grid_map import GridMap, GridMapError
-from reference.map_server import (
+from reference.formats.map_server import (
     MapDescription,
     MapFileError,
     OccupancyGrid,
@@ -22,7 +21,8 @@ from reference.map_server import (
     write_description,
     write_map,
 )
-from reference.pgm import GreyImage, PgmError, read_pgm, write_pgm
+from reference.formats.pgm import GreyImage, PgmError, read_pgm, write_pgm
+from reference.world.grid_map import GridMap, GridMapError
 
 shapes = st.tuples(st.integers(1, 7), st.integers(1, 7))
 trinary = arrays(np.int8, shapes, elements=st.sampled_from([-1, 0, 100]))

@@ -11,19 +11,19 @@ from hypothesis import strategies as st
 
 from reference.errors import InvalidArgumentError
 from reference.filters.bayes import BayesFilter, ImpossibleMeasurementError
-from reference.grid_map import GridMap
-from reference.kld_sampling import KldSampling
-from reference.map_server import read_map
-from reference.mcl import Averages, Injection, MonteCarloLocalization, likely_poses, uniform_poses
+from reference.formats.map_server import read_map
+from reference.localisation.kld_sampling import KldSampling
+from reference.localisation.mcl import Averages, Injection, MonteCarloLocalization, likely_poses, uniform_poses
+from reference.localisation.odometry_motion import OdometryNoise
+from reference.localisation.pose_clusters import clusters
 from reference.odometry import DifferentialDrive
-from reference.odometry_motion import OdometryNoise
-from reference.pose_clusters import clusters
-from reference.scan import Scan, turn_angles
-from reference.scenes import building
 from reference.se2 import relative, wrap_angle
 from reference.sensors.beam import BeamModel, BeamSensor
 from reference.sensors.likelihood_field import LikelihoodField
-from reference.simulation import Lidar, Run, SimulationError, simulate, wander
+from reference.world.grid_map import GridMap
+from reference.world.scan import Scan, turn_angles
+from reference.world.scenes import building
+from reference.world.simulation import Lidar, Run, SimulationError, simulate, wander
 
 DRIVE = DifferentialDrive(0.3, 0.002, 0.02)
 LIDAR = Lidar(Lidar.full_turn(30, 8.0).angles, 8.0, sigma=0.05, short=0.03, miss=0.03, stray=0.03)

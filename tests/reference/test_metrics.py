@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
+from reference.formats.trajectory_files import read_kitti
 from reference.metrics import MetricError, absolute_trajectory_error, matching_times, relative_pose_error
 from reference.se2 import compose, relative, to_matrix
-from reference.trajectory_files import read_kitti
 
 seeds = st.integers(0, 2**32 - 1)
 

@@ -13,10 +13,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from reference.carmen import LogError, beam_angles, parse_flaser
-from reference.distance_map import distance_to
 from reference.errors import InvalidArgumentError
-from reference.grid_map import GridMap
+from reference.formats.carmen import LogError, beam_angles, parse_flaser
 from reference.occupancy import (
     InverseSensorModel,
     OccupancyError,
@@ -25,9 +23,11 @@ from reference.occupancy import (
     log_odds,
     probability,
 )
-from reference.ray_cells import crossed_cells
-from reference.raycast import cast_rays
-from reference.scan import Scan, turn_angles
+from reference.world.distance_map import distance_to
+from reference.world.grid_map import GridMap
+from reference.world.ray_cells import crossed_cells
+from reference.world.raycast import cast_rays
+from reference.world.scan import Scan, turn_angles
 
 SEVENTY = math.log(7 / 3)
 seeds = st.integers(0, 2**32 - 1)

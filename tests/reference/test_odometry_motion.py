@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reference.errors import InvalidArgumentError
-from reference.odometry_motion import OdometryNoise, sample_odometry, turn_advance_turn
+from reference.localisation.odometry_motion import OdometryNoise, sample_odometry, turn_advance_turn
 from reference.se2 import compose, wrap_angle
 
 NONE = OdometryNoise(0.0, 0.0, 0.0, 0.0)

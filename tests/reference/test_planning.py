@@ -17,7 +17,6 @@ from scipy.integrate import solve_ivp
 from scipy.sparse import csgraph
 
 from reference.errors import InvalidArgumentError
-from reference.grid_map import GridMap
 from reference.planning import (
     DynamicWindow,
     Limits,
@@ -30,6 +29,7 @@ from reference.planning import (
     parse_scenarios,
 )
 from reference.planning.dynamic_window import arc, drive
+from reference.world.grid_map import GridMap
 
 Floats = NDArray[np.float64]
 seeds = st.integers(0, 2**32 - 1)

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reference.empty_rectangles import empty_squares, stretched_widths
-from reference.ray_caster import RayCaster
-from reference.raycast import RaycastError, cast_rays, cast_scans
+from reference.world.empty_rectangles import empty_squares, stretched_widths
+from reference.world.ray_caster import RayCaster
+from reference.world.raycast import RaycastError, cast_rays, cast_scans
 
 seeds = st.integers(0, 2**32 - 1)
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from graders.core.program import kit_source
-from reference.raycast import RaycastError, cast_rays, cast_scans
+from reference.world.raycast import RaycastError, cast_rays, cast_scans
 
 RANGE = 9.0
 

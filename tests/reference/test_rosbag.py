@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from reference.grid_map import GridMap
+from reference.formats.rosbag import MissingPackageError, RosbagError, export_rosbag
 from reference.odometry import DifferentialDrive, Motion, dead_reckoning
-from reference.rosbag import MissingPackageError, RosbagError, export_rosbag
 from reference.se2 import compose
-from reference.simulation import Lidar, Run, simulate
+from reference.world.grid_map import GridMap
+from reference.world.simulation import Lidar, Run, simulate
 
 START = 1_700_000_000_000_000_000
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from reference.scan import Scan, ScanError, turn_angles
+from reference.world.scan import Scan, ScanError, turn_angles
 
 
 def test_points_are_those_of_the_beams_that_hit() -> None:

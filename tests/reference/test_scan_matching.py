@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.grid_map import GridMap
 from reference.registration import Matching, Window, correlate, match_scans
 from reference.registration.correlation import build_lattice
-from reference.scan import Scan, turn_angles
-from reference.scenes import building
 from reference.se2 import relative, wrap_angle
+from reference.world.grid_map import GridMap
+from reference.world.scan import Scan, turn_angles
+from reference.world.scenes import building
 
 Floats = NDArray[np.float64]
 seeds = st.integers(0, 2**32 - 1)

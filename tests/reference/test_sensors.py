@@ -11,14 +11,14 @@ from scipy.integrate import quad
 from scipy.stats import kstest, truncexpon, truncnorm
 
 from reference.errors import InvalidArgumentError
-from reference.grid_map import GridMap
-from reference.raycast import cast_scans
-from reference.scan import Scan
 from reference.se2 import compose
 from reference.sensors.beam import BeamModel, BeamSensor
 from reference.sensors.beam_learning import learn, responsibilities
 from reference.sensors.likelihood_field import LikelihoodField
 from reference.sensors.rays import thinned
+from reference.world.grid_map import GridMap
+from reference.world.raycast import cast_scans
+from reference.world.scan import Scan
 
 MODEL = BeamModel(max_range=8.0, hit=0.6, short=0.2, beyond=0.05, random=0.15, sigma=0.3, rate=0.7)
 

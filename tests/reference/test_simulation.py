@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import label
 
-from reference.grid_map import GridMap
 from reference.odometry import DifferentialDrive, Motion
-from reference.raycast import cast_scans
-from reference.scan import turn_angles
-from reference.scenes import SceneError, building, clutter, ring
-from reference.simulation import Lidar, SimulationError, motions_through, simulate, wander
+from reference.world.grid_map import GridMap
+from reference.world.raycast import cast_scans
+from reference.world.scan import turn_angles
+from reference.world.scenes import SceneError, building, clutter, ring
+from reference.world.simulation import Lidar, SimulationError, motions_through, simulate, wander
 
 PERFECT = DifferentialDrive(0.3)
 ROBOT = DifferentialDrive(0.3, sigma=0.002)

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from reference.trajectory_files import (
+from reference.formats.trajectory_files import (
     Trajectory,
     TrajectoryFileError,
     read_kitti,

@@ -12,7 +12,7 @@ from graders.core.program import kit_source
 from graders.core.values import Floats
 from graders.l20 import world
 from graders.l20.boucles.family import DESCRIPTORS, DISTANCES
-from reference.raycast import cast_scans
+from reference.world.raycast import cast_scans
 
 BEAMS = 36
 NOISE = 0.005

@@ -10,7 +10,7 @@ import numpy as np
 from graders.core import render
 from graders.core.compare import TOLERANCE, Mismatch, close, unreadable, wrong_shape
 from graders.core.values import Floats, UnreadableError, Value, read_array
-from reference.grid_filter import Cell, Grid
+from reference.localisation.grid_filter import Cell, Grid
 
 FEW = 6
 LIKELIEST = 10

@@ -12,7 +12,7 @@ from graders.core.program import kit_source
 from graders.core.values import Arguments, Floats
 from graders.l20 import world
 from graders.l20.predire2d.beliefs import one_hot, spread, weighted
-from reference.grid_filter import BEAMS, COMMANDS, Cell, Grid, GridWorld
+from reference.localisation.grid_filter import BEAMS, COMMANDS, Cell, Grid, GridWorld
 
 MOVES = COMMANDS[1:]
 Rng = np.random.Generator

@@ -17,7 +17,7 @@ from graders.core.values import Arguments, Floats, Value
 from graders.l20 import world
 from graders.l20.predire2d.beliefs import SameBelief, at, in_words, shrink_belief, shrink_scan, support
 from graders.l20.predire2d.cases import module_world
-from reference.grid_filter import GridWorld, correct, predict
+from reference.localisation.grid_filter import GridWorld, correct, predict
 
 DEFAULT_SIGMA = 0.5
 LEAST_EVIDENCE = 1e-2

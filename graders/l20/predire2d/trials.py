@@ -14,7 +14,7 @@ from graders.core.values import Floats, UnreadableError, Value, read_array
 from graders.core.verdict import Outcome
 from graders.l20.predire2d.beliefs import at
 from graders.l20.predire2d.cases import MOVES, module_world, pick
-from reference.grid_filter import Belief, Cell, GridWorld, correct, most_likely, predict, sample_move
+from reference.localisation.grid_filter import Belief, Cell, GridWorld, correct, most_likely, predict, sample_move
 
 STEPS = 8
 SIGMA = 0.5

@@ -20,7 +20,7 @@ from graders.core import render
 from graders.core.checks import FigureData, Rejection
 from graders.core.values import Floats
 from graders.l20.reechantillonnage.harvest import FUNCTION, Counts, Finding, Harvest, Scenario
-from reference.resampling import comb
+from reference.localisation.resampling import comb
 
 TAIL = 1e-10
 SHOWN = 24

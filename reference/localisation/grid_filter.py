@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.raycast import cast_scans
+from reference.world.raycast import cast_scans
 
 Belief = NDArray[np.float64]
 Floats = NDArray[np.float64]

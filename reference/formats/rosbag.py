@@ -22,9 +22,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from reference import se2
 from reference.errors import InvalidArgumentError
+from reference.formats.ros_definitions import DEFINITIONS
 from reference.odometry import dead_reckoning
-from reference.ros_definitions import DEFINITIONS
-from reference.simulation import Run
+from reference.world.simulation import Run
 
 Floats = NDArray[np.float64]
 Message = dict[str, Any]

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.scan import Scan
+from reference.world.scan import Scan
 
 Floats = NDArray[np.float64]
 

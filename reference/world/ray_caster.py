@@ -17,8 +17,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference.empty_rectangles import empty_squares, stretched_widths
-from reference.raycast import Floats, Grid, RaycastError, checked_rays
+from reference.world.empty_rectangles import empty_squares, stretched_widths
+from reference.world.raycast import Floats, Grid, RaycastError, checked_rays
 
 T = TypeVar("T", bound=np.generic)
 

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.grid_map import GridMap
 from reference.odometry import DifferentialDrive, Motion, integrate
-from reference.scan import Scan, turn_angles
 from reference.se2 import wrap_angle
+from reference.world.grid_map import GridMap
+from reference.world.scan import Scan, turn_angles
 
 Floats = NDArray[np.float64]
 

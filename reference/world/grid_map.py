@@ -13,10 +13,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference.distance_map import distance_to
 from reference.errors import InvalidArgumentError
-from reference.ray_caster import RayCaster
 from reference.se2 import rotation, wrap_angle
+from reference.world.distance_map import distance_to
+from reference.world.ray_caster import RayCaster
 
 Floats = NDArray[np.float64]
 Grid = NDArray[np.bool_]

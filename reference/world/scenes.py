@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import label
 
 from reference.errors import InvalidArgumentError
-from reference.grid_map import Grid, GridMap
+from reference.world.grid_map import Grid, GridMap
 
 Integers = NDArray[np.int64]
 

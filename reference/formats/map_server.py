@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.grid_map import GridMap
-from reference.pgm import GreyImage, read_pgm, write_pgm
+from reference.formats.pgm import GreyImage, read_pgm, write_pgm
+from reference.world.grid_map import GridMap
 
 Floats = NDArray[np.float64]
 Mode = Literal["trinary", "scale", "raw"]

@@ -1,0 +1,1 @@
+"""Where robots move: grid maps and distances in them, exact ray casting, seeded places, simulated runs."""
