@@ -101,6 +101,7 @@ point = st.tuples(st.floats(-6, 6), st.floats(-6, 6))
 @settings(deadline=None, max_examples=40)
 @given(point, point)
 @example((1.0, 7.5e-164), (0.0, -1.0))
+@example((0.0, -5e-136), (1.0, 0.0))
 def test_crossed_cells_are_those_under_the_segment(start: Any, end: Any) -> None:
     cells = crossed_cells([start], [end])
     found = list(zip(cells.x.tolist(), cells.y.tolist(), strict=True))
@@ -115,7 +116,7 @@ def grazes(cell: Any, start: Any, end: Any) -> bool:
     low, high = 0.0, 1.0
     for axis in range(2):
         d = end[axis] - start[axis]
-        if abs(d) < 1e-12:
+        if d == 0.0:
             continue
         near, far = sorted(((cell[axis] - start[axis]) / d, (cell[axis] + 1 - start[axis]) / d))
         low, high = max(low, near), min(high, far)
