@@ -4,13 +4,14 @@ from collections.abc import Iterator
 
 import pytest
 
-from server.catalogue import Exercise, load
+from server.catalogue import Exercise
 from server.cli.check import Case, cases, examine
 from server.sandbox import Sandbox
 from server.worker.grading import Grader
+from tests.quick import the_course
 
 pytestmark = pytest.mark.usefixtures("remembered_replays")
-CATALOGUE = load(render=False)
+CATALOGUE = the_course()
 KNOWN = [(exercise, case) for exercise in CATALOGUE.exercises.values() for case in cases(exercise)]
 NAMES = [f"{exercise.id}-{case.subject}" for exercise, case in KNOWN]
 

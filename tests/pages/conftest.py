@@ -14,10 +14,9 @@ from graders.core.exercise import ExerciseGrader
 from graders.core.program import KitSettings
 from server.app import create_app
 from server.catalogue import Catalogue, load
-from server.database import Database
-from server.database.migrate import upgrade
 from server.settings import Settings
 from tests.pages.site import Site
+from tests.quick import migrated, weak_hasher
 
 MODULE = 'title = "Un module"\nnumber = "M9"\nsummary = "De quoi essayer."\n'
 EXERCISE = """title = "Doubler"
@@ -94,10 +93,10 @@ def course(tmp_path: Path) -> Course:
 
 
 @pytest.fixture
-def site(course: Course, tmp_path: Path) -> Iterator[Site]:
+def site(course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Site]:
+    monkeypatch.setattr("server.accounts.secrets._hasher", weak_hasher)
     settings = Settings(data_dir=tmp_path / "data", workers=0, submission_burst=8, submission_refill_seconds=1000)
-    database = Database(settings.url, {"settings": settings})
-    upgrade(database.engine)
+    database = migrated(settings)
     app = create_app(settings, catalogue=course.load())
     with TestClient(app) as client:
         yield Site(client, database)

@@ -11,14 +11,14 @@ from xml.etree import ElementTree
 import pytest
 
 from graders.core.grading import Grading
-from server.catalogue import load
 from server.pages import verdicts
 from server.pages.rendering import environment
 from server.sandbox import Sandbox
 from server.worker.grading import Grader
 from tests.pages.site import Site
+from tests.quick import the_course
 
-CATALOGUE = load(render=False)
+CATALOGUE = the_course()
 SHOW = '{% from "verdict.html" import show_verdict %}{{ show_verdict(verdict, 1) }}'
 TEXT = (
     "'<script>alert(1)</script></pre><img src=x onerror=alert(2)>`<b>`{{ 7*7 }}{% raw %}&#60;i&#62;"

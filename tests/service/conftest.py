@@ -20,14 +20,14 @@ from graders.core.verdict import CheckResult, Outcome, Verdict
 from server.accounts import service as accounts
 from server.accounts.models import Account, Role
 from server.app import create_app
-from server.catalogue import Catalogue, load
+from server.catalogue import Catalogue
 from server.database import Database
-from server.database.migrate import upgrade
 from server.database.tables import metadata
 from server.queue.service import Lease
 from server.settings import Settings
 from server.worker.results import recorded
 from server.worker.service import Worker
+from tests.quick import migrated, the_course, weak_hasher
 
 EXERCISE = "l20/poses"
 
@@ -45,6 +45,11 @@ def fake_verdict(code: str, seed: int) -> Verdict:
 
 def fake_grade(lease: Lease) -> dict[str, Any]:
     return recorded(fake_verdict(lease.source.decode(), lease.seed), {"b": {"kind": "fake"}})
+
+
+@pytest.fixture(autouse=True)
+def _passwords_are_hashed_quickly(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("server.accounts.secrets._hasher", weak_hasher)
 
 
 @pytest.fixture(scope="session")
@@ -97,12 +102,12 @@ def both(settings: Settings, database_url: str | None) -> Settings:
 
 
 def opened(settings: Settings) -> Iterator[Database]:
-    database = Database(settings.url, {"settings": settings})
-    upgrade(database.engine)
+    database = migrated(settings)
     yield database
-    with database.write() as db:
-        for table in reversed(metadata.sorted_tables):
-            db.execute(table.delete())
+    if settings.database_url:  # the next test uses it too
+        with database.write() as db:
+            for table in reversed(metadata.sorted_tables):
+                db.execute(table.delete())
     database.close()
 
 
@@ -118,7 +123,7 @@ def sqlite(settings: Settings) -> Iterator[Database]:
 
 @pytest.fixture(scope="session")
 def catalogue() -> Catalogue:
-    return load(render=False)
+    return the_course()
 
 
 def new_account(database: Database, role: Role = Role.student, name: str = "Ada") -> Account:

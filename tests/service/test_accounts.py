@@ -10,7 +10,7 @@ import pytest
 from sqlalchemy import select, update
 from starlette.testclient import TestClient
 
-from server.accounts import service
+from server.accounts import secrets, service
 from server.accounts.models import Account, ApiToken, BrowserSession, Invitation, Role
 from server.accounts.schemas import RefusedForm, new_account
 from server.database import utc_now
@@ -21,6 +21,7 @@ from .conftest import Site
 
 FORM = {"name": "Ada L.", "login": "Ada@Example.org", "password": "notes sur la machine"}
 POST = "/l20/exercices/poses/soumissions"
+FULL_STRENGTH = secrets._hasher  # before a fixture puts a weaker one there
 
 
 def send(site: Site, code: str = "pass") -> None:
@@ -187,6 +188,14 @@ def test_what_is_stored_opens_nothing(site: Site) -> None:
         assert service.account_of_session(db, cookie) is not None
     assert hashed is not None
     assert hashed.startswith("$argon2id$")
+
+
+def test_passwords_are_stored_at_full_strength(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(secrets, "_hasher", FULL_STRENGTH)
+    stored = secrets.hash_password(FORM["password"])
+    assert stored.startswith("$argon2id$v=19$m=65536,t=3,p=4$")
+    assert secrets.verify_password(FORM["password"], stored)
+    assert not secrets.verify_password("au hasard", stored)
 
 
 @pytest.mark.parametrize(("scheme", "secure"), [("http", ""), ("https", True)])

@@ -22,6 +22,8 @@ from server.catalogue import Catalogue
 from .conftest import EXERCISE
 from .live import AUDIT, Live, alive, children, count, environment, rows, until
 
+pytestmark = pytest.mark.slow
+
 #: Worker and server are killed by the story of `test_processes` too: here they are when there are more rounds.
 ALWAYS = ["template", "watcher", "stopped worker", "remote"]
 VICTIMS = [*ALWAYS, "worker", "server"]

@@ -1,0 +1,55 @@
+"""What many tests need and one process makes once: the course, an SQLite file at the current schema, a quick hasher."""
+
+from __future__ import annotations
+
+import tempfile
+from functools import cache
+from pathlib import Path
+
+from pwdlib import PasswordHash
+from pwdlib.hashers.argon2 import Argon2Hasher
+
+from server.catalogue import Catalogue, load
+from server.database import Database
+from server.database.migrate import upgrade
+from server.settings import Settings
+
+
+@cache
+def the_course() -> Catalogue:
+    """The real course, its texts left as they are."""
+    return load(render=False)
+
+
+def migrated(settings: Settings) -> Database:
+    """A database at the current schema; a new one in an SQLite file is a copy of one that was migrated."""
+    if settings.database_url is None:
+        path = Path(settings.url.removeprefix("sqlite:///"))
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(_sqlite_file())
+    else:
+        _upgrade_once(settings.url)
+    return Database(settings.url, {"settings": settings})
+
+
+@cache
+def _sqlite_file() -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        settings = Settings(data_dir=Path(folder), workers=0)
+        _upgrade_once(settings.url)
+        left = [path.read_bytes() for path in Path(folder).iterdir()]
+    assert len(left) == 1, "closing a database leaves one file"
+    return left[0]
+
+
+@cache
+def _upgrade_once(url: str) -> None:
+    database = Database(url, {})
+    upgrade(database.engine)
+    database.close()
+
+
+@cache
+def weak_hasher() -> PasswordHash:
+    """Argon2id at its weakest, where a test is about something else than hashing."""
+    return PasswordHash((Argon2Hasher(time_cost=1, memory_cost=8, parallelism=1),))
