@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import pytest
 
-from server.sandbox import Policy, ProgramFault, Sandbox, WallStatus, probe
+from server.sandbox import Policy, ProgramFault, Sandbox, WallStatus
+
+from .family import probed
 
 POLICY = Policy(folder_bytes=1 << 20, file_bytes=1 << 18)
 
-pytestmark = pytest.mark.skipif(
-    next(report.status for report in probe(slow=False) if report.name == "dossier-privé") != WallStatus.STANDING,
-    reason="this machine gives a program no namespaces of its own",
-)
+
+@pytest.fixture(autouse=True)
+def _where_programs_have_a_folder() -> None:
+    if probed()["dossier-privé"].status != WallStatus.STANDING:
+        pytest.skip("this machine gives a program no namespaces of its own")
 
 
 def run(body: str, sandbox: Sandbox) -> object:

@@ -6,7 +6,6 @@ import os
 import struct
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache
 from pathlib import Path
 
 import pytest
@@ -20,6 +19,8 @@ from server.sandbox.launch import Setting
 from server.sandbox.probe import crossing
 from server.sandbox.process import TemplateProcess
 
+from .family import probed
+
 POLICY = Policy(cpu_seconds=0.3, memory_bytes=64 << 20)
 
 
@@ -28,7 +29,7 @@ def test_every_wall_that_must_stand_stands_here() -> None:
     assert len(reports) == len(ATTEMPTS)
     assert [report for report in reports if report.required and report.status != WallStatus.STANDING] == []
     assert safe_to_serve(reports)
-    assert {report.name for report in reports} - {report.name for report in probe(slow=False)} == {"limite-temps"}
+    assert {report.name for report in reports} - probed().keys() == {"limite-temps"}
 
 
 @pytest.mark.parametrize("status", [WallStatus.MISSING, WallStatus.UNAVAILABLE])
@@ -39,15 +40,31 @@ def test_it_is_unsafe_to_serve_without_a_required_wall(status: WallStatus) -> No
     assert not safe_to_serve([])
 
 
+class Templates:
+    """One for each set of lifted walls, while it lives: an attempt that crosses a wall may have ended it."""
+
+    def __init__(self, spawner: ThreadPoolExecutor) -> None:
+        self._spawner = spawner
+        self._known: dict[frozenset[str], TemplateProcess] = {}
+
+    def get(self, lifted: frozenset[str]) -> TemplateProcess:
+        known = self._known.get(lifted)
+        if known is None or not known.alive():
+            known = TemplateProcess(Setting({}, "numpy", True, lifted), Seats(()), lambda _: None)
+            self._known[lifted] = known.start(self._spawner)
+        return known
+
+    def close(self) -> None:
+        for template in self._known.values():
+            template.close()
+
+
 @pytest.fixture(scope="module")
-def spawner() -> Iterator[ThreadPoolExecutor]:
-    with ThreadPoolExecutor(1) as pool:
-        yield pool
-
-
-@cache
-def probed() -> dict[str, WallReport]:
-    return {report.name: report for report in probe(slow=False)}
+def open_templates() -> Iterator[Templates]:
+    with ThreadPoolExecutor(1) as spawner:
+        made = Templates(spawner)
+        yield made
+        made.close()
 
 
 def unavailable(attempt: Attempt) -> str:
@@ -58,18 +75,19 @@ def unavailable(attempt: Attempt) -> str:
     return report.detail if report and report.status == WallStatus.UNAVAILABLE else ""
 
 
-@pytest.mark.parametrize("attempt", ATTEMPTS, ids=lambda attempt: attempt.name)
-def test_an_attempt_succeeds_when_its_wall_is_lifted(attempt: Attempt, spawner: ThreadPoolExecutor) -> None:
+@pytest.mark.parametrize(
+    "attempt",
+    [pytest.param(one, id=one.name, marks=[pytest.mark.slow] if one.slow else []) for one in ATTEMPTS],
+)
+def test_an_attempt_succeeds_when_its_wall_is_lifted(attempt: Attempt, open_templates: Templates) -> None:
     """So what stops it with the wall up is that wall, and nothing else."""
     assert attempt.wall not in attempt.hiders
     if reason := unavailable(attempt):
         pytest.skip(reason)
     lifted = attempt.hiders | {attempt.wall}
-    template = TemplateProcess(Setting({}, "numpy", True, lifted), Seats(()), lambda _: None).start(spawner)
     try:
-        assert crossing(attempt, template)
+        assert crossing(attempt, open_templates.get(lifted))
     finally:
-        template.close()
         remove_traces()
 
 
