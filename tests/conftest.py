@@ -15,6 +15,11 @@ settings.register_profile("balise", deadline=None)  # a busy machine is no failu
 settings.load_profile("balise")
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What is long begins first: begun last, it would keep one processor busy while the other has nothing to do."""
+    items.sort(key=lambda item: item.get_closest_marker("long") is None)
+
+
 @pytest.fixture(scope="module")
 def remembered_replays() -> Iterator[None]:
     """Gradings of this process share the replays of known mistakes (test_replays.py shows that it changes nothing)."""

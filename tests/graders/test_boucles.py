@@ -39,7 +39,7 @@ def mistake(name: str) -> Any:
     return next(m for m in GRADER.misconceptions if m.id == name)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_the_solution_gets_full_marks(seed: int) -> None:
     assert verdict(GRADER.solution, seed).outcome is Outcome.OK
 

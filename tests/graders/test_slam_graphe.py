@@ -41,7 +41,7 @@ def misconception(name: str) -> str:
     return next(m.source for m in GRADER.misconceptions if m.id == name)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_solution_gets_full_marks(seed: int) -> None:
     assert verdict(GRADER.solution, seed).outcome is Outcome.OK
 

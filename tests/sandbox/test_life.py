@@ -158,6 +158,7 @@ def belongings() -> dict[str, object]:
     }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("count", [FEWER, pytest.param(SUBMISSIONS, marks=pytest.mark.slow)])
 def test_a_long_life_among_hostile_programs_leaves_nothing_behind(
     count: int, capsys: pytest.CaptureFixture[str]

@@ -29,6 +29,7 @@ def data(tmp_path: Path) -> Iterator[Path]:
         os.kill(pid, signal.SIGKILL)
 
 
+@pytest.mark.long
 def test_a_service_in_real_processes(
     data: Path, tmp_path: Path, catalogue: Catalogue, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -47,7 +48,7 @@ def test_a_service_in_real_processes(
     sent = send_slow_ones(live, headers, exercise)
     kill_a_worker(live, data)
     kill_the_server(live, data)
-    live = Live(data, BALISE_WORKERS="2")
+    live = Live(data, BALISE_WORKERS="1")
     assert "/bienvenue/" not in live.output
     until(lambda: count(data, "state != 'done'") == 0, "everything is graded")
     graded = Counter(one for (one,) in rows(data, "SELECT id FROM audit"))
