@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 PROJECT = Path(__file__).resolve().parents[2]
 #: Runs the command line under a filter that answers ENOSYS to one system call, as an older kernel would.
 WITHOUT = """
@@ -28,6 +30,7 @@ def balise(call: int, *arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=120)
 
 
+@pytest.mark.slow
 def test_without_landlock_the_doctor_says_so_and_what_to_mend() -> None:
     told = balise(LANDLOCK_CREATE_RULESET, "doctor")
     assert told.returncode == 1
