@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import replace
 
 import numpy as np
@@ -27,7 +26,6 @@ from reference.pose_graph import (
 
 from .loops import loop, odometry
 
-SLOW = bool(os.environ.get("BALISE_SLOW"))
 KERNELS = [Huber(1.3), DCS(2.0), Switchable(1.7)]
 
 
@@ -121,9 +119,7 @@ def test_one_false_closure_bends_the_map_and_robust_costs_undo_it(seed: int) -> 
     assert switched.rejected[false].all()
 
 
-@pytest.mark.parametrize(
-    "count", [10, pytest.param(100, marks=pytest.mark.skipif(not SLOW, reason="takes seconds: set BALISE_SLOW"))]
-)
+@pytest.mark.parametrize("count", [10, pytest.param(100, marks=pytest.mark.slow)])
 def test_manhattan_among_false_closures(published, count: int) -> None:
     """From odometry DCS (phi = 1) and GNC find exactly the false ones, hence the published optimum; Huber does not."""
     content = published("M3500")
