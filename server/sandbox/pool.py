@@ -30,6 +30,10 @@ _POLICIES = 3
 _PAUSE = 30.0
 
 
+#: Seconds between the end of a session and the fork of the next spare.
+_REST = 0.012
+
+
 class _Slot:
     """The current template of one import set, and its spare children by policy."""
 
@@ -78,6 +82,8 @@ class Sandbox:
         self._refiller = ThreadPoolExecutor(1, thread_name_prefix="sandbox-refiller")
         self._renewer = ThreadPoolExecutor(1, thread_name_prefix="sandbox-renewer")
         self._closed = False
+        self._closing = threading.Event()
+        self._due: set[tuple[TemplateProcess, Policy]] = set()
 
     def __enter__(self) -> Self:
         return self
@@ -112,6 +118,7 @@ class Sandbox:
     def close(self) -> None:
         """Ends every template and every session; returns when their processes are gone."""
         self._closed = True
+        self._closing.set()
         self._refiller.shutdown(cancel_futures=True)
         self._renewer.shutdown(cancel_futures=True)
         for slot in self._slots.values():
@@ -149,7 +156,7 @@ class Sandbox:
                 raise
             renew = self._worn(template) and slot.may_renew()
         # What is not needed for this answer waits for its end: the machine has few processors.
-        child.when_closed = partial(self._later, self._refiller, self._restock, slot, template, policy)
+        child.when_closed = partial(self._restock_soon, slot, template, policy)
         if renew:
             self._later(self._renewer, self._succeed, slot, template, imports)
         return template, child
@@ -179,7 +186,16 @@ class Sandbox:
     def _worn(self, template: TemplateProcess) -> bool:
         return template.forks >= self._forks or template.growth > self._growth
 
+    def _restock_soon(self, slot: _Slot, template: TemplateProcess, policy: Policy) -> None:
+        due = (template, policy)
+        if due not in self._due:
+            self._due.add(due)
+            self._later(self._refiller, self._restock, slot, template, policy)
+
     def _restock(self, slot: _Slot, template: TemplateProcess, policy: Policy) -> None:
+        """After a rest: a verdict that has just been reached is on its way, and a fork would compete with it."""
+        self._closing.wait(_REST)
+        self._due.discard((template, policy))
         with slot.lock:
             if slot.template is not template:
                 return
