@@ -15,8 +15,6 @@ from server.sandbox.child.codec import Value
 
 #: A batch is closed by the call that brings it to so many bytes, or calls.
 _BYTES, _CALLS = 1 << 18, 128
-#: Questions are ours: these bounds are for our own mistakes.
-QUESTION = codec.Limits(size=1 << 28, depth=64, items=10_000_000)
 
 
 class Batch:
@@ -36,7 +34,7 @@ class Batch:
     def add(self, arguments: tuple[Value, ...]) -> bool:
         """Adds a call; True when the batch should hold no more."""
         token = secrets.randbits(64)
-        self._asked += frames.framed(token, frames.ARGUMENTS, codec.encode(arguments, QUESTION))
+        self._asked += frames.framed(token, frames.ARGUMENTS, codec.encode(arguments, frames.QUESTION_LIMITS))
         self._waiting.append((token, len(arguments) if self._return_arguments else None))
         return len(self._asked) >= _BYTES or len(self._waiting) >= _CALLS
 
@@ -50,7 +48,7 @@ class Batch:
             "faults": faults,
             "wall": wall,
         }
-        return frames.framed(self.token, frames.CALLS, codec.encode(shared, QUESTION)) + self._asked
+        return frames.framed(self.token, frames.CALLS, codec.encode(shared, frames.QUESTION_LIMITS)) + self._asked
 
     @property
     def waits(self) -> bool:

@@ -212,7 +212,6 @@ def hierarchies() -> tuple[tuple[Hierarchy, ...], str]:
 
 def _problem(hierarchy: Hierarchy) -> str:
     """Why no seat can be made there; "" when one can."""
-    seats = Seats([hierarchy])
     try:
         if hierarchy.version == 2:
             _delegate(hierarchy)
@@ -220,7 +219,7 @@ def _problem(hierarchy: Hierarchy) -> str:
         try:
             seat.bind(Policy())
         finally:
-            seats.drop(seat)
+            seat.remove()
     except OSError as error:
         return f"{error.strerror}: {hierarchy.folder}"
     return ""

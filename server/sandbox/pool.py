@@ -28,8 +28,6 @@ _log = logging.getLogger(__name__)
 _POLICIES = 3
 #: Seconds before another try at a worn template's successor, which could not be started.
 _PAUSE = 30.0
-
-
 #: Seconds between the end of a session and the fork of the next spare.
 _REST = 0.012
 
@@ -81,7 +79,6 @@ class Sandbox:
         self._spawner = ThreadPoolExecutor(1, thread_name_prefix="sandbox-spawner")
         self._refiller = ThreadPoolExecutor(1, thread_name_prefix="sandbox-refiller")
         self._renewer = ThreadPoolExecutor(1, thread_name_prefix="sandbox-renewer")
-        self._closed = False
         self._closing = threading.Event()
         self._due: set[tuple[TemplateProcess, Policy]] = set()
 
@@ -117,7 +114,6 @@ class Sandbox:
 
     def close(self) -> None:
         """Ends every template and every session; returns when their processes are gone."""
-        self._closed = True
         self._closing.set()
         self._refiller.shutdown(cancel_futures=True)
         self._renewer.shutdown(cancel_futures=True)
@@ -216,7 +212,7 @@ class Sandbox:
                 child.close()
 
     def _template(self, slot: _Slot, imports: str) -> TemplateProcess:
-        if self._closed:
+        if self._closing.is_set():
             raise SandboxFault("the sandbox is closed")
         template = slot.template
         if template is not None and template.alive():

@@ -13,7 +13,7 @@ from typing import Any, NoReturn, Self
 import numpy as np
 
 from server.sandbox import diagnosis, messages
-from server.sandbox.batch import QUESTION, Batch, batches
+from server.sandbox.batch import Batch, batches
 from server.sandbox.child import codec, frames
 from server.sandbox.child.codec import Value
 from server.sandbox.faults import FaultKind, Frame, ProgramFault, SandboxFault, TemplateFault
@@ -27,7 +27,6 @@ GRACE = 0.5
 _READY_SECONDS = 10.0
 _ENDING_SECONDS = 5.0
 _NO_END = 1 << 31
-_FAULT = codec.Limits(size=1 << 16, depth=8, items=1000)
 _ANSWERS, _END = frozenset({frames.VALUE, frames.FAULT}), frozenset({frames.DONE})
 
 
@@ -51,7 +50,7 @@ class Session:
         self._filename, self._lines = filename, re.split("\r\n|\r|\n", source.decode("utf-8-sig", "replace"))
         question: dict[str, Value] = {"source": np.frombuffer(source, dtype=np.uint8), "filename": filename}
         token = secrets.randbits(64)
-        self._say(token, frames.LOAD, codec.encode(question | {"wall": self._left}, QUESTION))
+        self._say(token, frames.LOAD, codec.encode(question | {"wall": self._left}, frames.QUESTION_LIMITS))
         functions = diagnosis.names(self._understood(*self._hear(token, _ANSWERS)))
         if functions is None:
             self._forged()
@@ -65,7 +64,7 @@ class Session:
         token = secrets.randbits(64)
         try:
             deadline = time.monotonic() + _READY_SECONDS
-            self._child.wire.ask(token, frames.CONFIGURE, codec.encode(question, QUESTION), deadline)
+            self._child.wire.ask(token, frames.CONFIGURE, codec.encode(question, frames.QUESTION_LIMITS), deadline)
         except (Late, Closed, Forged) as error:
             raise TemplateFault(f"a fork does not listen: {type(error).__name__}") from error
         self._expect(token, frames.CONFIGURED)
@@ -230,7 +229,7 @@ class Session:
         try:
             if outcome == frames.VALUE:
                 return codec.decode(answer, self._policy.answer)
-            fault: Any = codec.decode(answer, _FAULT)
+            fault: Any = codec.decode(answer, frames.FAULT_LIMITS)
         except codec.Malformed:
             self._forged()
         told = diagnosis.told(fault, self._policy)

@@ -22,7 +22,6 @@ from server.sandbox.session import Session
 from server.sandbox.wire import Wire
 
 LIMITS = Limits(size=1 << 20, depth=16, items=10_000)
-FAULT_LIMITS = Limits(size=1 << 16, depth=8, items=1000)
 POLICY = Policy(frame_bytes=1 << 16, items=1000)
 #: Bytes that the value of one byte may take: what a list of the smallest arrays comes to, and some room.
 AMPLIFICATION, BASE = 64, 1 << 14
@@ -93,7 +92,7 @@ def decode_soundly(data: bytes, limits: Limits = LIMITS) -> bool:
 def tell_soundly(data: bytes) -> str:
     """Kind of the fault that a child reports with these bytes; "" when they are refused."""
     try:
-        fault = codec.decode(data, FAULT_LIMITS)
+        fault = codec.decode(data, frames.FAULT_LIMITS)
     except Malformed:
         return ""
     told = diagnosis.told(fault, POLICY)

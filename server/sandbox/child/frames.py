@@ -11,12 +11,18 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator
 
+from .plain import Limits
+
 HEADER = struct.Struct("<IQB")
 
 #: From the trusted side. CALLS is a batch, ARGUMENTS one of its calls.
 CONFIGURE, LOAD, CALLS, ARGUMENTS = 1, 2, 3, 4
 #: From the child. READY, CONFIGURED and ANOMALY come before any line of the student runs, and are refused afterwards.
 READY, CONFIGURED, ANOMALY, VALUE, FAULT, DONE = 16, 17, 18, 19, 20, 21
+
+#: Questions are ours: these bounds are for our own mistakes.
+QUESTION_LIMITS = Limits(size=1 << 28, depth=64, items=10_000_000)
+FAULT_LIMITS = Limits(size=1 << 16, depth=8, items=1000)
 
 
 def framed(token: int, kind: int, payload: bytes) -> bytes:

@@ -19,14 +19,12 @@ from typing import Any, NoReturn
 import numpy as np
 
 from . import codec, frames, inner
+from .frames import FAULT_LIMITS, QUESTION_LIMITS
 from .frames import framed as _framed
 from .program import Failure, Fault, Program, print_to
 from .report import MAX_TEXT
 from .streams import BoundedBytes, BoundedText
 
-#: Questions come from the trusted side.
-QUESTION = codec.Limits(size=1 << 28, depth=64, items=10_000_000)
-_FAULT = codec.Limits(size=1 << 16, depth=8, items=1000)
 #: A timer of no seconds would never ring.
 _SHORTEST = 0.001
 _AGAIN = 0.01
@@ -72,7 +70,7 @@ class Child:
         self._program, self._cpu_seconds = program, cpu_seconds
         self._token = 0
         self._busy = False
-        self._exhausted = codec.encode(_fault("memory_limit"), _FAULT)
+        self._exhausted = codec.encode(_fault("memory_limit"), FAULT_LIMITS)
         signal.signal(signal.SIGALRM, self._late)
         signal.signal(signal.SIGPROF, self._late)
         faulthandler.register(signal.SIGXCPU, inner.WORDS, all_threads=False)
@@ -84,9 +82,9 @@ class Child:
             if kind == frames.CALLS:
                 self._calls(payload)
             elif kind == frames.LOAD:
-                self._load(codec.decode(payload, QUESTION))
+                self._load(codec.decode(payload, QUESTION_LIMITS))
             else:
-                self._configure(codec.decode(payload, QUESTION))
+                self._configure(codec.decode(payload, QUESTION_LIMITS))
 
     def _configure(self, question: Any) -> None:
         try:
@@ -107,7 +105,7 @@ class Child:
         """Answers the calls of a batch in order, each answer on its way before the next call begins."""
         end = self._token
         questions = frames.unbatched(batch)
-        shared: Any = codec.decode(next(questions)[1], QUESTION)
+        shared: Any = codec.decode(next(questions)[1], QUESTION_LIMITS)
         left, faults, wall = shared["calls"], shared["faults"], shared["wall"]
         for self._token, arguments in questions:
             outcome, answer, wall = self._timed(wall, partial(self._call, shared, arguments))
@@ -119,7 +117,7 @@ class Child:
                 return
 
     def _call(self, shared: Any, arguments: bytes) -> bytes:
-        given: Any = codec.decode(arguments, QUESTION)
+        given: Any = codec.decode(arguments, QUESTION_LIMITS)
         return self._program.call(shared["function"], given, return_arguments=shared["return_arguments"])
 
     def _timed(self, wall: float, action: Callable[[], bytes]) -> tuple[int, bytes, float]:
@@ -143,7 +141,7 @@ class Child:
 
     def _encoded(self, fault: Fault) -> bytes:
         try:
-            return codec.encode(fault, _FAULT)
+            return codec.encode(fault, FAULT_LIMITS)
         except MemoryError:
             return self._exhausted
 
@@ -152,7 +150,7 @@ class Child:
             self._busy = False
             fault = self._program.interrupted(frame)
             fault["detail"] = "cpu" if number == signal.SIGPROF else "wall"
-            self.send(self._token, frames.FAULT, codec.encode(fault, _FAULT))
+            self.send(self._token, frames.FAULT, codec.encode(fault, FAULT_LIMITS))
             os._exit(0)
         elif number == signal.SIGPROF:  # between two calls: the next one will be told
             signal.setitimer(signal.ITIMER_PROF, _AGAIN)
@@ -203,14 +201,14 @@ def rehearse(kits: Mapping[str, ModuleType]) -> None:
     A fork does it before it says that it is ready: the pages of memory that a submission writes are then its own
     already, and copying them, which takes longer than most submissions, is not waited for where a spare stands ready.
     """
-    program = Program(kits, _FAULT, lambda: None)
+    program = Program(kits, FAULT_LIMITS, lambda: None)
     for kit in kits:
         with suppress(Exception):  # a kit that fails does so again, and is told, when a submission asks for it
             program.configure(kit, {"seed": 0})
     program.load(_SMALL, "solution.py")
     pose = np.array([1.0, 2.0, 0.5])
     reply = program.call("composer", (pose, pose), return_arguments=True)
-    codec.decode(reply, _FAULT)
+    codec.decode(reply, FAULT_LIMITS)
     linecache.clearcache()
     sys.modules.pop("solution", None)
 
@@ -219,12 +217,12 @@ def warm_up(kits: Mapping[str, ModuleType]) -> None:
     """What only the template does, so that its forks find it done."""
     state, numpy_state = random.getstate(), np.random.get_state()
     rehearse(kits)
-    program = Program(kits, _FAULT, lambda: None)
+    program = Program(kits, FAULT_LIMITS, lambda: None)
     program.load(_SAMPLE, "solution.py")
     try:
         program.call("erreur", (np.zeros(3),), return_arguments=False)
     except Failure as failure:
-        codec.encode(failure.fault, _FAULT)
+        codec.encode(failure.fault, FAULT_LIMITS)
     np.random.default_rng(0).normal(size=3)
     _warm_linear_algebra()
     random.setstate(state)

