@@ -6,10 +6,13 @@ import io
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
@@ -17,10 +20,60 @@ EXPECTED = "#2a78c8"
 OBTAINED = "#d9622b"
 THIRD = "#3d9a5f"
 
+
+@dataclass(frozen=True)
+class Palette:
+    """The colours of a drawing on one theme's paper, each but `faint` readable there as text (contrast above 4.5).
+
+    By convention the truth is blue, an estimate orange, a measurement green; walls are ink, what is unknown is faint.
+    """
+
+    ink: str
+    faint: str
+    paper: str
+    truth: str
+    estimate: str
+    measure: str
+    alert: str
+    second: str
+    _shades: tuple[str, ...]
+
+    @cached_property
+    def ramp(self) -> Colormap:
+        """For densities: from the paper (nothing) through the colour of the truth to the strongest contrast."""
+        return LinearSegmentedColormap.from_list("balise", self._shades)
+
+
 _THEMES = {
-    "light": {"ink": "#1d2733", "faint": "#c9d1da", "paper": "#ffffff"},
-    "dark": {"ink": "#e4e9ef", "faint": "#4a5563", "paper": "#171c23"},
+    "light": Palette(
+        ink="#1d2733",
+        faint="#c9d1da",
+        paper="#ffffff",
+        truth="#1f6dbd",
+        estimate="#c4521a",
+        measure="#2a7f4b",
+        alert="#b3202c",
+        second="#7747c2",
+        _shades=("#ffffff", "#a9cdf0", "#3f8ad6", "#14528f", "#0b2d52"),
+    ),
+    "dark": Palette(
+        ink="#e4e9ef",
+        faint="#4a5563",
+        paper="#171c23",
+        truth="#6fb1f2",
+        estimate="#f2945e",
+        measure="#6cc48d",
+        alert="#ff7b86",
+        second="#bda0f5",
+        _shades=("#171c23", "#17456f", "#2f82cc", "#86c1f7", "#eaf4ff"),
+    ),
 }
+THEMES = tuple(_THEMES)
+
+
+def palette(theme: str) -> Palette:
+    """The colours of a theme, "light" or "dark"."""
+    return _THEMES[theme]
 
 
 # matplotlib is not thread-safe: one drawing at a time.
@@ -28,8 +81,8 @@ _LOCK = threading.RLock()
 
 
 def _style(theme: str) -> Any:
-    colours = _THEMES[theme]
-    ink, faint, paper = colours["ink"], colours["faint"], colours["paper"]
+    colours = palette(theme)
+    ink, faint, paper = colours.ink, colours.faint, colours.paper
     return {
         "figure.facecolor": paper,
         "axes.facecolor": paper,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from server.catalogue import markdown
 
@@ -50,6 +50,7 @@ class FunctionSpec:
 class Exercise:
     """One exercise, ready to serve. `id` is "module/slug"; `stars` counts the ★ of a challenge (0 to 3).
 
+    `seance` is the slug of the page that it follows.
     `version` is the first 12 hexadecimal digits of a sha256 over everything that can change a verdict.
     `policy_overrides` replaces fields of `server.sandbox.Policy` by name.
     """
@@ -68,6 +69,7 @@ class Exercise:
     hint_sources: tuple[markdown.Source, markdown.Source, markdown.Source]
     grader: ExerciseGrader
     version: str
+    seance: str = ""
     policy_overrides: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -86,9 +88,124 @@ class Exercise:
         return markdown.render(first), markdown.render(second), markdown.render(third)
 
 
+Kind = Literal["seance", "fiche", "cours", "tp", "defi", "annexe"]
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A heading of a page (`level` 2 to 4), for its table of contents. `html` may hold formulas."""
+
+    level: int
+    id: str
+    html: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Section:
+    """What stands under one heading, as plain text for the search. `id` and `title` are empty above the first one."""
+
+    id: str
+    title: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A runnable piece of Python, named uniquely in its page."""
+
+    name: str
+    code: str
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """What the Markdown of a page becomes."""
+
+    html: str
+    headings: tuple[Heading, ...] = ()
+    sections: tuple[Section, ...] = ()
+    figures: tuple[str, ...] = ()
+    replays: tuple[str, ...] = ()
+    cells: tuple[Cell, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Document:
+    """A page to read. What its front matter says is here at once; its text is rendered at the first need."""
+
+    module: str
+    slug: str
+    kind: Kind
+    title: str
+    label: str
+    order: int
+    minutes: int
+    summary: str
+    objectives: tuple[str, ...]
+    render: Callable[[], Rendered]
+
+    @cached_property
+    def rendered(self) -> Rendered:
+        return self.render()
+
+    @property
+    def html(self) -> str:
+        return self.rendered.html
+
+    @property
+    def headings(self) -> tuple[Heading, ...]:
+        return self.rendered.headings
+
+    @property
+    def sections(self) -> tuple[Section, ...]:
+        return self.rendered.sections
+
+    @property
+    def figures(self) -> tuple[str, ...]:
+        """The names of its drawings."""
+        return self.rendered.figures
+
+    @property
+    def replays(self) -> tuple[str, ...]:
+        return self.rendered.replays
+
+    @property
+    def cells(self) -> tuple[Cell, ...]:
+        return self.rendered.cells
+
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """A word of the glossary. `page` is the slug of the page that explains it."""
+
+    id: str
+    word: str
+    text: str
+    page: str
+    render: Callable[[], str]
+
+    @cached_property
+    def html(self) -> str:
+        """The definition, as HTML that fits in a paragraph."""
+        return self.render()
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A figure of the texts: `function`, in the module at `path`, draws it. `size` is in inches."""
+
+    name: str
+    alt: str
+    size: tuple[float, float]
+    path: Path
+    line: int
+    function: str
+
+
 @dataclass(frozen=True, eq=False)
 class Module:
-    """A module of the course, with its exercises in order.
+    """A module of the course, with its exercises in order, and its pages in the order of reading.
 
     `number` is its name in the course ("L20"), `sessions` its length; `previous` and `next` are numbers of modules.
     `kit` is the source text of `kit/<slug>.py`.
@@ -108,6 +225,9 @@ class Module:
     order: int
     kit: str
     exercises: tuple[Exercise, ...]
+    documents: tuple[Document, ...] = ()
+    glossary: Mapping[str, Term] = field(default_factory=dict)
+    drawings: Mapping[str, Drawing] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

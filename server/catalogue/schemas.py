@@ -66,5 +66,6 @@ class ExerciseFile(Strict):
     order: int
     stars: Annotated[int, Field(ge=0, le=3)] = 0
     course: str = ""
+    seance: str = ""
     functions: Annotated[list[FunctionEntry], Field(min_length=1)]
     limits: Limits = Limits()

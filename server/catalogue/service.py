@@ -10,7 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeVar
 
-from server.catalogue import markdown, toml_file
+from server.catalogue import drawings, markdown, toml_file
 from server.catalogue.models import Catalogue, CatalogueFault, Exercise, FunctionSpec, Module, Problem
 from server.catalogue.schemas import ExerciseFile, ModuleFile
 from server.catalogue.version import digest
@@ -100,6 +100,7 @@ def _module(sources: Sources, path: Path, problems: list[Problem], render: bool)
         order=card.order,
         kit=kit,
         exercises=tuple(exercises),
+        drawings=MappingProxyType(drawings.read(path / "figures", problems)),
     )
 
 
@@ -127,6 +128,7 @@ def _exercise(sources: Sources, module: Path, path: Path, render: bool) -> Exerc
         hint_sources=_hints(path / "indices.md"),
         grader=grader,
         version=_version(sources, module, path),
+        seance=card.seance,
         policy_overrides=MappingProxyType(card.limits.overrides()),
     )
     if render:

@@ -1,0 +1,98 @@
+"""The drawings of the texts, made when they are looked at. The latest ones are kept."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from collections import OrderedDict
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Lock
+from types import ModuleType
+from typing import Literal
+
+from server.catalogue import Catalogue
+from server.catalogue.models import Drawing
+from server.errors import NotFound
+
+Theme = Literal["light", "dark"]
+Key = tuple[str, str, Theme]
+NO_FIGURE = "Cette figure n’existe pas."
+KEPT_BYTES = 32 << 20
+
+
+class Drawings:
+    """Draws in SVG and remembers, up to `kept` bytes. Slow at first (tens to hundreds of ms): call it in a thread."""
+
+    def __init__(self, catalogue: Catalogue, kept: int = KEPT_BYTES) -> None:
+        self._catalogue = catalogue
+        self._kept = kept
+        self._drawn: OrderedDict[Key, bytes] = OrderedDict()
+        self._lock = Lock()
+
+    def svg(self, module: str, name: str, theme: Theme) -> bytes:
+        """The picture. Raises NotFound."""
+        key = (module, name, theme)
+        with self._lock:
+            if key in self._drawn:
+                self._drawn.move_to_end(key)
+                return self._drawn[key]
+        found = self._catalogue.modules.get(module)
+        if found is None or name not in found.drawings:
+            raise NotFound(NO_FIGURE)
+        return self._remember(key, draw(module, found.drawings[name], theme, "svg").picture)
+
+    def _remember(self, key: Key, picture: bytes) -> bytes:
+        with self._lock:
+            self._drawn[key] = picture
+            while len(self._drawn) > 1 and sum(map(len, self._drawn.values())) > self._kept:
+                self._drawn.popitem(last=False)
+        return picture
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A drawing as a file, and its true size in inches."""
+
+    picture: bytes
+    size: tuple[float, float]
+
+
+def draw(module: str, drawing: Drawing, theme: str, extension: str) -> Drawn:
+    """Draw as "svg" or "png". Loads matplotlib. What the drawing function raises goes through."""
+    from graders.core.plotting import drawing as new_figure
+    from graders.core.plotting import palette, to_bytes
+
+    function = getattr(load_module(module, drawing.path), drawing.function)
+    with new_figure(theme) as figure:
+        figure.set_size_inches(drawing.size)
+        function(figure, palette(theme))
+        width, height = map(float, figure.get_size_inches())
+        return Drawn(to_bytes(figure, extension), (width, height))
+
+
+def size_fault(drawing: Drawing, drawn: Drawn) -> str:
+    """What to change where the size is not the announced one: a page makes room for a figure before it is drawn."""
+    if drawn.size == drawing.size:
+        return ""
+    width, height = drawn.size
+    announced = f'"{drawing.name}": ({drawing.function}, "…", ({width:g}, {height:g}))'
+    return f"la figure « {drawing.name} » change de taille ; annoncez-la dans FIGURES : {announced}"
+
+
+def load_module(module: str, path: Path) -> ModuleType:
+    """Import one file of a module's `figures` folder; its neighbours import it by the same name."""
+    name = f"curriculum.{module}.figures.{path.stem}"
+    known = sys.modules.get(name)
+    if known is not None and known.__file__ == str(path):
+        return known
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None, "a .py file has a loader"
+    assert spec.loader is not None
+    made = sys.modules[name] = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(made)
+    except BaseException:
+        del sys.modules[name]
+        raise
+    return made

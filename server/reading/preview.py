@@ -1,0 +1,43 @@
+"""`python -m server.reading.preview NAME out.png`: see a drawing of the texts while one writes it."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from server.catalogue import drawings
+from server.catalogue.models import Problem
+from server.paths import ROOT
+from server.reading.figures import draw, size_fault
+
+
+def main() -> int:
+    """Without a name, the names there are."""
+    arguments = _parser().parse_args()
+    problems: list[Problem] = []
+    found = drawings.read(ROOT / "curriculum" / arguments.module / "figures", problems)
+    for problem in problems:
+        print(f"✗ {problem}", file=sys.stderr)
+    if arguments.name not in found or arguments.out is None:
+        print("\n".join(found))
+        return 0 if arguments.name is None else 2
+    drawing = found[arguments.name]
+    drawn = draw(arguments.module, drawing, arguments.theme, arguments.out.suffix.removeprefix(".") or "png")
+    arguments.out.write_bytes(drawn.picture)
+    if fault := size_fault(drawing, drawn):
+        print(f"✗ {drawing.path}:{drawing.line}: {fault}", file=sys.stderr)
+    return 1 if fault or problems else 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m server.reading.preview", description=__doc__)
+    parser.add_argument("name", nargs="?", help="nom de la figure ; sans lui, la liste des noms")
+    parser.add_argument("out", nargs="?", type=Path, help="fichier .png ou .svg à écrire")
+    parser.add_argument("--theme", choices=["light", "dark"], default="light")
+    parser.add_argument("--module", default="l20")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())
