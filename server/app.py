@@ -25,6 +25,8 @@ from server.queue.owner import Owner, owner_of
 from server.queue.port import Signals
 from server.queue.postgres import AllSignals, Listener, PostgresSignals
 from server.queue.switchboard import Switchboard
+from server.reading.figures import Drawings
+from server.reading.routes import router as reading_router
 from server.settings import Settings
 from server.submissions.events import Events
 from server.submissions.figures import Figures
@@ -133,7 +135,7 @@ def create_app(
     )
     _share(app, services)
     _protect(app, settings)
-    for router in (api_router, accounts_router, pages_router):
+    for router in (api_router, accounts_router, pages_router, reading_router):
         app.include_router(router)
     problems.install(app)
     _document(app)
@@ -146,6 +148,7 @@ def _share(app: FastAPI, services: Services) -> None:
     app.state.database = services.database
     app.state.events = services.events
     app.state.figures = Figures(services.catalogue)
+    app.state.drawings = Drawings(services.catalogue)
 
 
 def _protect(app: FastAPI, settings: Settings) -> None:

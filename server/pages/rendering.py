@@ -12,10 +12,11 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from server.accounts.models import Account
+from server.catalogue import Module
 from server.catalogue.highlight import highlight
 from server.catalogue.typography import french
 from server.pages import assets, text
-from server.pages.schemas import AccountView
+from server.pages.schemas import AccountView, HereView
 from server.paths import TEMPLATES
 
 
@@ -59,6 +60,14 @@ def account_view(account: Account | None) -> AccountView:
     return AccountView(account.role, account.name, str(account.id))  # type: ignore[arg-type]
 
 
+def _here(request: Request, modules: Mapping[str, Module]) -> HereView | None:
+    """The module that the address is in, when there is something to search there."""
+    found = modules.get(request.path_params.get("module", ""))
+    if found is None or not found.documents:
+        return None
+    return HereView(found.slug, found.number, request.url.path.endswith("/recherche"))
+
+
 def page(
     request: Request,
     template: str,
@@ -69,12 +78,13 @@ def page(
     **context: Any,
 ) -> HTMLResponse:
     """A whole page: `template` extends `base.html`, which shows `account` and the modules of the catalogue."""
-    modules = [(one.slug, one.number, one.title) for one in request.app.state.catalogue.modules.values()]
-    body = (
-        environment()
-        .get_template(template)
-        .render(account=account_view(account), modules=modules, path=request.url.path, **context)
-    )
+    modules = request.app.state.catalogue.modules
+    surroundings = {
+        "modules": [(one.slug, one.number, one.title) for one in modules.values()],
+        "here": _here(request, modules),
+        "path": request.url.path,
+    }
+    body = environment().get_template(template).render(account=account_view(account), **surroundings, **context)
     # A page shows one person's own work: nobody else's cache may keep it.
     return HTMLResponse(body, status, headers={"Cache-Control": "private, no-cache", **(headers or {})})
 

@@ -7,18 +7,17 @@ from collections.abc import AsyncIterator
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Depends, Form, Query, Request, Response
+from fastapi import APIRouter, Form, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, StreamingResponse
 from starlette.concurrency import run_in_threadpool
-from starlette.convertors import Convertor, register_url_convertor
 
 from server.accounts.dependencies import BrowserAccount, OptionalAccount, TeacherAccount
 from server.database import Database
 from server.database.dependencies import Db
 from server.errors import NotFound
 from server.pages import assets, service
+from server.pages.dependencies import Reading
 from server.pages.rendering import fragment, page
-from server.pages.service import Reader
 from server.queue import service as queue
 from server.submissions import service as submissions
 from server.submissions.events import as_sse
@@ -30,27 +29,7 @@ STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 MOVES_ON = 303
 
 
-class ModuleConvertor(Convertor[str]):
-    """A module's slug, so that `/l20` never stands in the way of `/connexion`."""
-
-    regex = "[a-z]+[0-9]+"
-
-    def convert(self, value: str) -> str:
-        return value
-
-    def to_string(self, value: str) -> str:
-        return value
-
-
-register_url_convertor("module", ModuleConvertor())
 router = APIRouter(include_in_schema=False)
-
-
-def _reader(request: Request, db: Db, account: OptionalAccount) -> Reader:
-    return Reader(db, request.app.state.catalogue, account)
-
-
-Reading = Annotated[Reader, Depends(_reader)]
 
 
 @router.get("/static/{version}/{name:path}")
@@ -61,12 +40,6 @@ async def static(request: Request, version: str, name: str) -> Response:
 @router.get("/")
 def home(request: Request, reader: Reading) -> HTMLResponse:
     return page(request, "home.html", reader.account, page=service.home_page(reader))
-
-
-@router.get("/{module:module}")
-def module_home(request: Request, module: str, reader: Reading) -> HTMLResponse:
-    found = service.find_module(reader.catalogue, module)
-    return page(request, "module.html", reader.account, page=service.module_page(reader, found))
 
 
 @router.get("/{module:module}/kit/{name}.py")

@@ -24,6 +24,15 @@ class AccountView:
 
 
 @dataclass(frozen=True)
+class HereView:
+    """The module that one is in; `searching` where the page has a search field of its own."""
+
+    slug: str
+    number: str
+    searching: bool
+
+
+@dataclass(frozen=True)
 class ModuleLink:
     slug: str
     number: str
@@ -59,23 +68,6 @@ class ExerciseRow:
     stars: int
     course: str
     own: OwnState
-
-
-@dataclass(frozen=True)
-class ModulePage:
-    slug: str
-    number: str
-    title: str
-    track: str
-    summary: str
-    facts: tuple[tuple[str, str], ...]
-    objectives: tuple[str, ...]
-    references: tuple[str, ...]
-    exercises: tuple[ExerciseRow, ...]
-    challenges: tuple[ExerciseRow, ...]
-    kit_href: str
-    done: int
-    total: int
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,6 @@ from server.pages.schemas import (
     HintView,
     HomePage,
     ModuleLink,
-    ModulePage,
     OwnState,
     Results,
     SolutionView,
@@ -70,37 +69,15 @@ def exercise_href(exercise: Exercise) -> str:
 
 def home_page(reader: Reader) -> HomePage:
     progress = submissions.progress(reader.db, reader.account)
-    return HomePage(tuple(_module_link(module, progress) for module in reader.catalogue.modules.values()))
+    return HomePage(tuple(module_link(module, progress) for module in reader.catalogue.modules.values()))
 
 
-def _module_link(module: Module, progress: dict[str, Progress] | None = None) -> ModuleLink:
+def module_link(module: Module, progress: dict[str, Progress] | None = None) -> ModuleLink:
     done = sum((progress or {}).get(one.id, NOTHING_YET).succeeded for one in module.exercises)
     return ModuleLink(module.slug, module.number, module.title, module.summary, len(module.exercises), done)
 
 
-def module_page(reader: Reader, module: Module) -> ModulePage:
-    progress = submissions.progress(reader.db, reader.account)
-    rows = [_exercise_row(one, progress.get(one.id, NOTHING_YET)) for one in module.exercises]
-    sessions = plural(module.sessions, "séance") if module.sessions else ""
-    facts = (("Durée", sessions), ("Prérequis", ", ".join(module.prerequisites)))
-    return ModulePage(
-        slug=module.slug,
-        number=module.number,
-        title=module.title,
-        track=module.track,
-        summary=module.summary,
-        facts=tuple((name, value) for name, value in facts if value),
-        objectives=module.objectives,
-        references=module.references,
-        exercises=tuple(row for row in rows if not row.stars),
-        challenges=tuple(row for row in rows if row.stars),
-        kit_href=f"/{module.slug}/kit/{module.slug}.py",
-        done=sum(row.own.done for row in rows),
-        total=len(rows),
-    )
-
-
-def _exercise_row(exercise: Exercise, progress: Progress) -> ExerciseRow:
+def exercise_row(exercise: Exercise, progress: Progress) -> ExerciseRow:
     own = own_state(progress)
     return ExerciseRow(exercise_href(exercise), exercise.title, exercise.summary, exercise.stars, exercise.course, own)
 
@@ -121,7 +98,7 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
         summary=exercise.summary,
         stars=exercise.stars,
         course=exercise.course,
-        module=_module_link(module),
+        module=module_link(module),
         functions=tuple(FunctionView(one.signature, one.returns, one.doc) for one in exercise.functions),
         statement=exercise.statement_html,
         starter=exercise.starter,
@@ -149,7 +126,7 @@ def attempt_page(reader: Reader, exercise: Exercise, submission: Submission) -> 
     attempts = submissions.attempts(reader.db, reader.account, exercise.id) if owner else [submission]
     href = exercise_href(exercise)
     return AttemptPage(
-        module=_module_link(reader.catalogue.modules[exercise.module]),
+        module=module_link(reader.catalogue.modules[exercise.module]),
         exercise_title=exercise.title,
         exercise_href=href,
         take_href=f"{href}?reprendre={submission.id}",
@@ -163,7 +140,7 @@ def attempt_page(reader: Reader, exercise: Exercise, submission: Submission) -> 
 def attempts_page(reader: Reader, exercise: Exercise) -> AttemptsPage:
     attempts = submissions.attempts(reader.db, reader.account, exercise.id)
     return AttemptsPage(
-        module=_module_link(reader.catalogue.modules[exercise.module]),
+        module=module_link(reader.catalogue.modules[exercise.module]),
         exercise_title=exercise.title,
         exercise_href=exercise_href(exercise),
         attempts=_rows(attempts, len(attempts)),

@@ -1,6 +1,7 @@
 // On every page: the theme switch, confirmations, submissions that are still waiting.
 
 import { followToVerdict } from "./follow.js";
+import { setUpSearchKey } from "./search.js";
 import { keep } from "./storage.js";
 
 const root = document.documentElement;
@@ -45,6 +46,7 @@ function dress() {
 
 document.addEventListener("balise:refreshed", dress);
 dress();
+setUpSearchKey();
 
 document.addEventListener("submit", (event) => {
   const question = event.target.dataset?.confirm;

@@ -1,0 +1,21 @@
+// The pages to read. Without this script they can be read just as well.
+
+import { setUpContents } from "./reading/contents.js";
+import { setUpCopying } from "./reading/copy.js";
+import { setUpDrawings } from "./reading/drawings.js";
+import { setUpPrinting } from "./reading/print.js";
+import { setUpReadMarks, showCourseMarks } from "./reading/marks.js";
+import { setUpTerms } from "./reading/terms.js";
+
+const reading = document.querySelector("[data-reading]");
+const course = document.querySelector("[data-course]");
+
+if (reading) {
+  setUpCopying(reading);
+  setUpDrawings(reading);
+  setUpTerms(reading);
+  setUpContents(reading);
+  setUpReadMarks(reading);
+  setUpPrinting(reading);
+}
+if (course) showCourseMarks(course);

@@ -1,0 +1,44 @@
+"""The addresses of what one reads: a module's page, its texts, its glossary, its drawings, its search."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import HTMLResponse
+
+from server.pages.dependencies import Reading
+from server.pages.rendering import page
+from server.pages.service import find_module
+from server.reading import service
+from server.reading.figures import Drawings
+
+FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
+FIGURE_HEADERS = {"Cache-Control": "public, max-age=600", "Content-Security-Policy": FIGURE_POLICY}
+
+router = APIRouter(include_in_schema=False)
+
+
+@router.get("/{module:module}")
+def course_home(request: Request, module: str, reader: Reading) -> HTMLResponse:
+    found = find_module(reader.catalogue, module)
+    return page(request, "module.html", reader.account, page=service.course_home(reader, found))
+
+
+@router.get("/{module:module}/lire/{slug}")
+def document(request: Request, module: str, slug: str, reader: Reading) -> HTMLResponse:
+    found = find_module(reader.catalogue, module)
+    view = service.document_page(reader, found, service.find_document(found, slug))
+    return page(request, "reading/document.html", reader.account, page=view)
+
+
+@router.get("/{module:module}/glossaire")
+def glossary(request: Request, module: str, reader: Reading) -> HTMLResponse:
+    found = find_module(reader.catalogue, module)
+    return page(request, "reading/glossary.html", reader.account, page=service.glossary_page(found))
+
+
+@router.get("/{module:module}/figures/{name}.svg")
+def figure(request: Request, module: str, name: str, theme: Literal["light", "dark"] = "light") -> Response:
+    drawings: Drawings = request.app.state.drawings
+    return Response(drawings.svg(module, name, theme), media_type="image/svg+xml", headers=FIGURE_HEADERS)

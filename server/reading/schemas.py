@@ -1,0 +1,140 @@
+"""What the reading pages' templates receive: every page's context is one of these types, and nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from markupsafe import Markup
+
+from server.pages.schemas import ExerciseRow, FigureView, ModuleLink
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One line of a table of contents; `html` may hold mathematics."""
+
+    id: str
+    html: Markup
+    below: tuple[Entry, ...]
+
+
+@dataclass(frozen=True)
+class PageLink:
+    """A page of the course in a list. `duration` is in words, or empty; `parts` counts its sections."""
+
+    slug: str
+    href: str
+    label: str
+    title: str
+    summary: str
+    duration: str
+    objectives: int
+    parts: int
+
+
+@dataclass(frozen=True)
+class SessionCard:
+    """A séance with the exercises that follow it; `done` of them have full marks."""
+
+    page: PageLink
+    figure: FigureView | None
+    exercises: tuple[ExerciseRow, ...]
+
+    @property
+    def done(self) -> int:
+        return sum(row.own.done for row in self.exercises)
+
+
+@dataclass(frozen=True)
+class Shelf:
+    """Pages of one kind under their title."""
+
+    id: str
+    title: str
+    pages: tuple[PageLink, ...]
+
+
+@dataclass(frozen=True)
+class CourseHome:
+    """A module's page. `start` is where a newcomer begins; None while the module has nothing to read."""
+
+    slug: str
+    number: str
+    title: str
+    track: str
+    summary: str
+    facts: tuple[tuple[str, str], ...]
+    objectives: tuple[str, ...]
+    references: tuple[str, ...]
+    start: PageLink | None
+    sessions: tuple[SessionCard, ...]
+    shelves: tuple[Shelf, ...]
+    exercises: tuple[ExerciseRow, ...]
+    challenges: tuple[ExerciseRow, ...]
+    terms: int
+    kit_href: str
+    done: int
+    total: int
+
+
+@dataclass(frozen=True)
+class TermView:
+    """A word of the glossary; `href` leads to the page that explains it, called `where`, or both are empty."""
+
+    id: str
+    word: str
+    html: Markup
+    href: str
+    where: str
+
+
+@dataclass(frozen=True)
+class DocumentPage:
+    """A page to read. `terms` are the words whose definition it may be asked for."""
+
+    module: ModuleLink
+    slug: str
+    kind: str
+    label: str
+    title: str
+    summary: str
+    duration: str
+    objectives: tuple[str, ...]
+    html: Markup
+    contents: tuple[Entry, ...]
+    exercises: tuple[ExerciseRow, ...]
+    terms: tuple[TermView, ...]
+    previous: PageLink | None
+    following: PageLink | None
+
+
+@dataclass(frozen=True)
+class Letter:
+    letter: str
+    terms: tuple[TermView, ...]
+
+
+@dataclass(frozen=True)
+class GlossaryPage:
+    module: ModuleLink
+    letters: tuple[Letter, ...]
+    total: int
+
+
+@dataclass(frozen=True)
+class HitView:
+    """One place found: `snippet` is escaped text in which the words looked for are marked."""
+
+    href: str
+    label: str
+    title: str
+    part: str
+    snippet: Markup
+
+
+@dataclass(frozen=True)
+class SearchPage:
+    module: ModuleLink
+    query: str
+    hits: tuple[HitView, ...]
+    examples: tuple[str, ...]

@@ -1,0 +1,212 @@
+"""From the course's pages, glossary and exercises to what the reading templates show."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+from itertools import groupby
+
+from markupsafe import Markup
+
+from server.catalogue import Exercise, Module
+from server.catalogue.models import Document, Heading, Kind, Term
+from server.errors import NotFound
+from server.pages.schemas import ExerciseRow, FigureView
+from server.pages.service import NOTHING_YET, Reader, exercise_row, module_link
+from server.pages.text import plural
+from server.reading.schemas import (
+    CourseHome,
+    DocumentPage,
+    Entry,
+    GlossaryPage,
+    Letter,
+    PageLink,
+    SessionCard,
+    Shelf,
+    TermView,
+)
+from server.submissions import service as submissions
+from server.submissions.service import Progress
+
+SHELVES: tuple[tuple[Kind, str], ...] = (
+    ("cours", "Cours"),
+    ("fiche", "Fiches"),
+    ("tp", "Travaux pratiques"),
+    ("defi", "Défis"),
+    ("annexe", "Annexes"),
+)
+ON_THE_WAY: tuple[Kind, ...] = ("seance", *(kind for kind, _ in SHELVES))
+DEEPEST = 3  # level of the smallest headings in a table of contents
+TERM_LINK = re.compile(r'data-term="([^"]+)"')
+HOUR = 60
+
+
+def find_document(module: Module, slug: str) -> Document:
+    """Raises NotFound."""
+    for one in module.documents:
+        if one.slug == slug:
+            return one
+    raise NotFound("Cette page n’existe pas.")
+
+
+def document_href(document: Document) -> str:
+    return f"/{document.module}/lire/{document.slug}"
+
+
+def on_the_way(module: Module) -> tuple[Document, ...]:
+    """The pages in the order in which one reads them: the séances, then what the module's page lists after them."""
+    return tuple(sorted(module.documents, key=lambda one: ON_THE_WAY.index(one.kind)))
+
+
+def course_home(reader: Reader, module: Module) -> CourseHome:
+    rows = _rows(reader, module.exercises)
+    way = on_the_way(module)
+    sessions = tuple(_session(one, _following(module, rows, one)) for one in way if one.kind == "seance")
+    placed = {row.href for card in sessions for row in card.exercises}
+    left = tuple(row for row in rows.values() if row.href not in placed)
+    length = plural(module.sessions, "séance") if module.sessions else ""
+    facts = (("Durée", length), ("Prérequis", ", ".join(module.prerequisites)))
+    return CourseHome(
+        slug=module.slug,
+        number=module.number,
+        title=module.title,
+        track=module.track,
+        summary=module.summary,
+        facts=tuple((name, value) for name, value in facts if value),
+        objectives=module.objectives,
+        references=module.references,
+        start=_link(way[0]) if way else None,
+        sessions=sessions,
+        shelves=tuple(_shelves(way)),
+        exercises=tuple(row for row in left if not row.stars),
+        challenges=tuple(row for row in left if row.stars),
+        terms=len(module.glossary),
+        kit_href=f"/{module.slug}/kit/{module.slug}.py",
+        done=sum(row.own.done for row in rows.values()),
+        total=len(rows),
+    )
+
+
+def _rows(reader: Reader, exercises: Sequence[Exercise]) -> dict[str, ExerciseRow]:
+    """One row for each exercise, by its slug."""
+    progress: Mapping[str, Progress] = submissions.progress(reader.db, reader.account)
+    return {one.slug: exercise_row(one, progress.get(one.id, NOTHING_YET)) for one in exercises}
+
+
+def _following(module: Module, rows: Mapping[str, ExerciseRow], document: Document) -> tuple[ExerciseRow, ...]:
+    return tuple(rows[one.slug] for one in module.exercises if one.seance == document.slug)
+
+
+def _session(document: Document, exercises: tuple[ExerciseRow, ...]) -> SessionCard:
+    return SessionCard(_link(document), _first_figure(document), exercises)
+
+
+def _first_figure(document: Document) -> FigureView | None:
+    """The séance's first drawing as an ornament: its description stands on the page itself."""
+    if not document.figures:
+        return None
+    light, dark = (f"/{document.module}/figures/{document.figures[0]}.svg?theme={theme}" for theme in ("light", "dark"))
+    return FigureView(light, dark, "")
+
+
+def _shelves(way: Sequence[Document]) -> Iterator[Shelf]:
+    for kind, title in SHELVES:
+        pages = tuple(_link(one) for one in way if one.kind == kind)
+        if pages:
+            yield Shelf(kind, title, pages)
+
+
+def _link(document: Document) -> PageLink:
+    return PageLink(
+        slug=document.slug,
+        href=document_href(document),
+        label=document.label,
+        title=document.title,
+        summary=document.summary,
+        duration=duration(document.minutes),
+        objectives=len(document.objectives),
+        parts=sum(heading.level == 2 for heading in document.headings),
+    )
+
+
+def duration(minutes: int) -> str:
+    """« 45 min », « 2 h », « 1 h 30 »; nothing for zero."""
+    hours, rest = divmod(minutes, HOUR)
+    if not hours:
+        return f"{rest}\u00a0min" if rest else ""
+    return f"{hours}\u00a0h\u00a0{rest:02}" if rest else f"{hours}\u00a0h"
+
+
+def document_page(reader: Reader, module: Module, document: Document) -> DocumentPage:
+    way = on_the_way(module)
+    place = way.index(document)
+    following = [one for one in module.exercises if one.seance == document.slug]
+    return DocumentPage(
+        module=module_link(module),
+        slug=document.slug,
+        kind=document.kind,
+        label=document.label,
+        title=document.title,
+        summary=document.summary,
+        duration=duration(document.minutes),
+        objectives=document.objectives,
+        html=Markup(document.html),
+        contents=contents(document),
+        exercises=tuple(_rows(reader, following).values()),
+        terms=_terms(module, document),
+        previous=_link(way[place - 1]) if place else None,
+        following=_link(way[place + 1]) if place + 1 < len(way) else None,
+    )
+
+
+@lru_cache(maxsize=512)
+def contents(document: Document) -> tuple[Entry, ...]:
+    """The page's headings as a tree of two levels."""
+    shown = [heading for heading in document.headings if heading.level <= DEEPEST]
+    top = min((heading.level for heading in shown), default=0)
+    tree: list[tuple[Heading, list[Heading]]] = []
+    for heading in shown:
+        if heading.level == top:
+            tree.append((heading, []))
+        elif tree:
+            tree[-1][1].append(heading)
+    return tuple(_entry(heading, tuple(_entry(one, ()) for one in below)) for heading, below in tree)
+
+
+def _entry(heading: Heading, below: tuple[Entry, ...]) -> Entry:
+    return Entry(heading.id, Markup(heading.html), below)
+
+
+@lru_cache(maxsize=512)
+def _terms(module: Module, document: Document) -> tuple[TermView, ...]:
+    """The words that the page links to the glossary, each once."""
+    names = dict.fromkeys(TERM_LINK.findall(document.html))
+    return tuple(_term(module, module.glossary[name]) for name in names)
+
+
+def _term(module: Module, term: Term) -> TermView:
+    page = next((one for one in module.documents if one.slug == term.page), None)
+    href, where = (document_href(page), page.title) if page else ("", "")
+    return TermView(term.id, term.word, Markup(term.html), href, where)
+
+
+def glossary_page(module: Module) -> GlossaryPage:
+    """Raises NotFound for a module without one."""
+    if not module.glossary:
+        raise NotFound("Ce module n’a pas de glossaire.")
+    return GlossaryPage(module_link(module), _letters(module), len(module.glossary))
+
+
+@lru_cache(maxsize=32)
+def _letters(module: Module) -> tuple[Letter, ...]:
+    terms = sorted((_term(module, one) for one in module.glossary.values()), key=lambda one: plain(one.word))
+    groups = groupby(terms, key=lambda one: plain(one.word)[:1].upper())
+    return tuple(Letter(letter, tuple(group)) for letter, group in groups)
+
+
+def plain(word: str) -> str:
+    """A word as a dictionary sorts it: no accent, no capital, no hyphen."""
+    bare = unicodedata.normalize("NFKD", word).encode("ascii", "ignore").decode().lower()
+    return re.sub(r"[^a-z0-9]+", " ", bare).strip()

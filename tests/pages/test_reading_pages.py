@@ -1,0 +1,138 @@
+"""The pages to read over HTTP: what they hold, what they refuse, what they never load."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from starlette.testclient import TestClient
+
+from server.app import create_app
+from server.reading.service import duration, plain
+from server.settings import Settings
+from tests.pages.conftest import Course
+from tests.pages.site import PAGE, Site, verdict
+from tests.pages.texts import with_texts
+from tests.quick import migrated, weak_hasher
+
+READ = "/m9/lire/depart"
+
+
+@pytest.fixture
+def site(course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Site]:
+    monkeypatch.setattr("server.accounts.secrets._hasher", weak_hasher)
+    settings = Settings(data_dir=tmp_path / "data", workers=0)
+    database = migrated(settings)
+    app = create_app(settings, catalogue=with_texts(course.load()))
+    with TestClient(app) as client:
+        yield Site(client, database)
+    database.close()
+
+
+def test_a_page_shows_its_text_its_objectives_and_its_contents(site: Site) -> None:
+    page = site.get(READ)
+    for text in (
+        '<h1 id="titre">Titre de depart</h1>',
+        "Résumé de depart.",
+        "1\u00a0h\u00a030",
+        "Lire &lt;vite&gt; &amp; bien.",
+        '<p class="block-title"><span class="block-label">Théorème 1</span> Le premier</p>',
+        '<a href="#s-un">Un <em>début</em></a>',
+        '<a href="#s-detail">Un détail</a>',
+    ):
+        assert text in page
+    assert page.count('href="#s-deux"') == 2, "at the side, and folded above the text"
+
+
+def test_headings_go_down_one_step_at_a_time(site: Site) -> None:
+    for path in (READ, "/m9", "/m9/glossaire"):
+        levels = [int(one) for one in re.findall(r"<h([1-6])\b", site.get(path))]
+        assert levels[0] == 1
+        assert levels.count(1) == 1
+        assert all(after - before <= 1 for before, after in pairwise(levels)), (path, levels)
+
+
+def test_the_words_of_a_page_bring_their_definition_once(site: Site) -> None:
+    page = site.get(READ)
+    assert page.count('data-definition="pose"') == 1
+    assert "Le sens de <em>pose</em>." in page
+    assert 'data-definition="etat"' not in page
+
+
+def test_pages_follow_each_other_as_the_course_lists_them(site: Site) -> None:
+    seen, path = [], READ
+    while path:
+        seen.append(path.rsplit("/", 1)[1])
+        following = re.search(r'rel="next" href="([^"]+)"', site.get(path))
+        path = following[1] if following else ""
+    assert seen == ["depart", "arrivee", "memoire", "suites"]
+    assert 'rel="prev"' not in site.get(READ)
+    assert f'rel="prev" href="{READ}"' in site.get("/m9/lire/arrivee")
+
+
+def test_exercises_follow_their_seance_with_ones_own_state(site: Site) -> None:
+    assert "À faire" in site.get(READ)
+    assert "À vous de jouer" not in site.get("/m9/lire/arrivee")
+    site.attempt("x = 1", verdict("wrong_answer", 12.5))
+    assert "12,5 / 20" in site.get(READ)
+    site.attempt("x = 2", verdict("ok", 20.0))
+    page = site.get(READ)
+    assert "Réussi" in page
+    assert f'href="{PAGE}"' in page
+    assert "À faire" in site.another().get(READ)
+
+
+def test_the_module_opens_on_its_course(site: Site) -> None:
+    page = site.get("/m9")
+    assert f'href="{READ}" data-start>Commencer' in page
+    titles = ["Séances", "Autres exercices", "Fiches", "Annexes"]
+    places = [page.index(f">{title}</h2>") for title in titles]
+    assert places == sorted(places)
+    assert "Glossaire (3 mots)" in page
+    assert 'data-read-of="depart" data-parts="2"' in page
+    assert "/m9/figures/dessin.svg?theme=dark" in page
+
+
+def test_a_module_without_texts_lists_its_exercises(course: Course, tmp_path: Path) -> None:
+    settings = Settings(data_dir=tmp_path / "data", workers=0)
+    migrated(settings).close()
+    with TestClient(create_app(settings, catalogue=course.load())) as client:
+        page = client.get("/m9").text
+        assert ">Exercices</h2>" in page
+        for absent in ("Commencer", "Séances", "head-search", "glossaire"):
+            assert absent not in page
+        assert client.get("/m9/glossaire").status_code == 404
+
+
+def test_the_glossary_goes_by_letters_without_regard_to_accents(site: Site) -> None:
+    page = site.get("/m9/glossaire")
+    assert re.findall(r'<h2 id="lettre-(.)">', page) == ["a", "e", "p"]
+    assert '<div id="t-etat"' in page
+    assert page.count(f'href="{READ}"') == 2, "no link from a word whose page does not exist"
+
+
+@pytest.mark.parametrize("path", ["/m9/lire/rien", "/m8/lire/depart", "/m9/figures/rien.svg", "/m8/glossaire"])
+def test_what_does_not_exist_is_told_in_french(site: Site, path: str) -> None:
+    assert "existe pas" in site.get(path, status=404)
+
+
+def test_nothing_comes_from_elsewhere(site: Site) -> None:
+    for path in ("/m9", READ, "/m9/glossaire"):
+        addresses = re.findall(r'(?:href|src|srcset|action)="([^"]*)"', site.get(path))
+        assert addresses
+        assert not [one for one in addresses if not one.startswith(("/", "#", "?"))]
+
+
+@pytest.mark.parametrize(
+    ("minutes", "words"), [(0, ""), (45, "45\u00a0min"), (60, "1\u00a0h"), (65, "1\u00a0h\u00a005"), (240, "4\u00a0h")]
+)
+def test_durations_in_words(minutes: int, words: str) -> None:
+    assert duration(minutes) == words
+
+
+def test_words_are_sorted_as_in_a_dictionary() -> None:
+    words = ["SLAM par graphe", "état", "scan matching", "A*", "étape", "Nav2"]
+    assert sorted(words, key=plain) == ["A*", "étape", "état", "Nav2", "scan matching", "SLAM par graphe"]

@@ -1,0 +1,75 @@
+"""Pages and words made by hand, of the shape that the engine gives them: what the reading pages do with them shows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any
+
+from server.catalogue import Catalogue
+from server.catalogue.models import Document, Heading, Kind, Rendered, Section, Term
+
+BODY = """
+<h2 id="s-un">Un <em>début</em></h2>
+<p>Le robot suit une <a class="term" href="/m9/glossaire#t-pose" data-term="pose">pose</a>, puis une autre
+  <a class="term" href="/m9/glossaire#t-pose" data-term="pose">pose</a>.</p>
+<h3 id="s-detail">Un détail</h3>
+<section class="block block-theoreme" id="thm-un">
+  <p class="block-title"><span class="block-label">Théorème 1</span> Le premier</p><p>Il est vrai.</p>
+</section>
+<details class="block block-correction"><summary>Correction</summary><p>La solution.</p></details>
+<h2 id="s-deux">Deux</h2>
+<div class="code-block"><pre class="code" tabindex="0"><code>x = 1</code></pre></div>
+"""
+HEADINGS = (
+    Heading(2, "s-un", "Un <em>début</em>", "Un début"),
+    Heading(3, "s-detail", "Un détail", "Un détail"),
+    Heading(2, "s-deux", "Deux", "Deux"),
+)
+SECTIONS = (
+    Section("s-un", "Un début", "Le robot suit une pose, puis une autre pose."),
+    Section("s-deux", "Deux", "Une addition <script>alert(1)</script> de particules."),
+)
+
+
+def document(slug: str, kind: Kind = "seance", **changes: Any) -> Document:
+    rendered = Rendered(BODY, HEADINGS, SECTIONS, figures=changes.pop("figures", ()))
+    return Document(
+        **{
+            "module": "m9",
+            "slug": slug,
+            "kind": kind,
+            "title": f"Titre de {slug}",
+            "label": "Séance 1" if kind == "seance" else "Fiche",
+            "order": 10,
+            "minutes": 90,
+            "summary": f"Résumé de {slug}.",
+            "objectives": ("Lire <vite> & bien.",),
+            "render": lambda: rendered,
+            **changes,
+        }
+    )
+
+
+def term(name: str, word: str, page: str = "depart") -> Term:
+    return Term(name, word, f"Le sens de {word}.", page, lambda: f"Le sens de <em>{word}</em>.")
+
+
+def with_texts(catalogue: Catalogue) -> Catalogue:
+    """The same course with a séance, a fiche before it, an annex after it, and a glossary of three words."""
+    module = catalogue.modules["m9"]
+    documents = (
+        document("memoire", "fiche", minutes=0, objectives=()),
+        document("depart", figures=("dessin",)),
+        document("arrivee", label="Séance 2", minutes=120),
+        document("suites", "annexe", label="Annexe", minutes=0, objectives=()),
+    )
+    words = (term("pose", "pose"), term("etat", "état"), term("amer", "amer", "nulle-part"))
+    exercises = tuple(replace(one, seance="depart" if one.slug == "a" else "") for one in module.exercises)
+    changed = replace(
+        module,
+        documents=documents,
+        glossary=MappingProxyType({one.id: one for one in words}),
+        exercises=exercises,
+    )
+    return Catalogue(MappingProxyType({"m9": changed}), catalogue.problems)
