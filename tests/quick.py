@@ -1,11 +1,15 @@
-"""What many tests need and one process makes once: the course, an SQLite file at the current schema, a quick hasher."""
+"""What many tests need and one process makes once: the course, an SQLite file at the current schema, a quick hasher;
+and which of many alike wait for the thorough run."""
 
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
+import pytest
 from pwdlib import PasswordHash
 from pwdlib.hashers.argon2 import Argon2Hasher
 
@@ -13,6 +17,11 @@ from server.catalogue import Catalogue, load
 from server.database import Database
 from server.database.migrate import upgrade
 from server.settings import Settings
+
+
+def one_in(step: int, values: Iterable[Any]) -> list[Any]:
+    """Parameters of a test, of which one in `step` runs in the fast suite, and the others with `-m slow`."""
+    return [one if k % step == 0 else pytest.param(one, marks=pytest.mark.slow) for k, one in enumerate(values)]
 
 
 @cache

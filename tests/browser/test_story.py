@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from tests.browser.conftest import EXERCISE, ROOT, NewVisit, sync_api
 
 expect = sync_api.expect
@@ -72,6 +74,7 @@ def test_the_draft_survives_a_reload_and_the_starter_comes_back(visit: NewVisit)
     expect(page.locator(".cm-content")).to_contain_text("def composer(a, b):")
 
 
+@pytest.mark.slow
 def test_the_draft_follows_a_visitor_who_becomes_a_guest(visit: NewVisit) -> None:
     visitor = visit()
     page = visitor.open()
@@ -107,6 +110,7 @@ def test_everything_can_be_done_from_the_keyboard(visit: NewVisit) -> None:
     expect(page.locator("#annonce")).to_contain_text("sur 20")
 
 
+@pytest.mark.slow
 def test_the_columns_can_be_resized_from_the_keyboard(visit: NewVisit) -> None:
     page = visit().open()
     bar = page.get_by_role("separator", name="Largeur de l’énoncé")
@@ -129,6 +133,7 @@ def test_a_refusal_stands_next_to_the_button_and_keeps_the_code(visit: NewVisit)
     expect(page.get_by_role("button", name="Envoyer")).to_have_attribute("aria-disabled", "false")
 
 
+@pytest.mark.slow
 def test_a_server_out_of_reach_is_told(visit: NewVisit) -> None:
     visitor = visit(expected="ERR_FAILED")
     page = visitor.open()
@@ -137,6 +142,7 @@ def test_a_server_out_of_reach_is_told(visit: NewVisit) -> None:
     expect(page.get_by_role("alert")).to_contain_text("Le serveur ne répond pas")
 
 
+@pytest.mark.slow
 def test_polling_takes_over_where_events_do_not_pass(visit: NewVisit) -> None:
     visitor = visit(expected="502")
     page = visitor.open()
@@ -156,6 +162,7 @@ def test_without_script_the_verdict_comes_too(visit: NewVisit) -> None:
     expect(page.locator("#verdict .score")).to_contain_text("20")
 
 
+@pytest.mark.slow
 def test_without_the_editor_the_text_area_serves(visit: NewVisit) -> None:
     visitor = visit(expected="éditeur|ERR_FAILED")
     page = visitor.page
@@ -167,6 +174,7 @@ def test_without_the_editor_the_text_area_serves(visit: NewVisit) -> None:
     expect(page.locator("#verdict .score")).to_contain_text("20")
 
 
+@pytest.mark.slow
 def test_the_theme_is_kept_and_figures_follow(visit: NewVisit) -> None:
     visitor = visit(color_scheme="light")
     page = visitor.open()

@@ -15,6 +15,7 @@ from graders.core.verdict import Outcome, Verdict
 from graders.l20.boucles.grader import GRADER
 from graders.l20.boucles.readings import Unsuitable, read_signature
 from tests.graders.boucles_styles import ARRAY, DESCRIPTORS, DISTANCES, LIST, submission
+from tests.quick import one_in
 
 SEEDS = range(12)
 
@@ -58,7 +59,7 @@ def test_honest_programs_pass(path: Path) -> None:
         assert found.outcome is Outcome.OK, failed(found)
 
 
-@pytest.mark.parametrize("name", DESCRIPTORS)
+@pytest.mark.parametrize("name", one_in(3, DESCRIPTORS))
 def test_every_honest_descriptor_passes(name: str) -> None:
     """Distances, styles and seeds taken in turn over the descriptors; see the grader for the thorough runs."""
     rank = list(DESCRIPTORS).index(name)
@@ -234,7 +235,7 @@ def test_slopes_are_not_said_to_be_sectors() -> None:
     assert "écarts entre voisins" in found.explanation
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("theme", one_in(2, ["light", "dark"]))
 def test_figures_draw(theme: str) -> None:
     for name in ("scan_brut", "moyenne_seule"):
         figures = graded(mistake(name).source, 1).figures

@@ -17,6 +17,7 @@ from graders.l20.kabsch.checks import Pairing, Question, simpler_pairings
 from graders.l20.kabsch.grader import GRADER
 from graders.l20.kabsch.judge import judge
 from reference.registration import kabsch
+from tests.quick import one_in
 
 SVD = """
 def kabsch(P, Q):
@@ -243,7 +244,7 @@ def test_failed_checks_say_what_was_given_expected_and_obtained() -> None:
                 assert check.counterexample.expected
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("theme", one_in(2, ["light", "dark"]))
 def test_figures_draw(theme: str) -> None:
     right_shape = graded(mistake("t_sans_rotation").source, 1).figures
     wrong_shape = graded(mistake("points_en_colonnes").source, 1).figures

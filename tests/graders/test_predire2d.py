@@ -15,6 +15,7 @@ from graders.l20.predire2d.beliefs import SameBelief, in_words, instead, one_hot
 from graders.l20.predire2d.checks import tells_something
 from graders.l20.predire2d.grader import GRADER
 from reference.localisation.grid_filter import most_likely
+from tests.quick import one_in
 
 SEEDS = range(5)
 
@@ -279,7 +280,7 @@ def test_a_mistake_is_named_in_another_style(name: str, change: str) -> None:
         assert found.diagnosis.id == name
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("theme", one_in(2, ["light", "dark"]))
 def test_figures_draw(theme: str) -> None:
     figures = json.loads(json.dumps(grading(mistake("sens_inverse"), 0).figures))
     assert set(figures) == {"predire_exemples", "predire_murs", "predire_autre_carte", "localisation"}

@@ -11,6 +11,7 @@ from graders.core.grading import Grading, grade
 from graders.core.program import PROJECT, local_launcher
 from graders.core.verdict import Outcome, Verdict
 from graders.l20.slam_graphe.grader import GRADER
+from tests.quick import one_in
 
 ERROR_CHECKS = {"erreur_exemples", "erreur_hasard", "erreur_tours"}
 GRAPH_CHECKS = {"chaine", "boucle", "poids", "demi_tour", "grande_boucle"}
@@ -89,7 +90,7 @@ def derivee""",
 }
 
 
-@pytest.mark.parametrize("name", HONEST)
+@pytest.mark.parametrize("name", one_in(2, HONEST))
 def test_honest_variants_pass(name: str) -> None:
     assert failed(verdict(HONEST[name], 4)) == set()
 
@@ -160,7 +161,7 @@ STYLES = {
 }
 
 
-@pytest.mark.parametrize("style", STYLES)
+@pytest.mark.parametrize("style", one_in(4, STYLES))
 def test_a_mistake_is_named_whatever_the_style(style: str) -> None:
     name, source = STYLES[style]
     found = verdict(source, 6)
@@ -257,7 +258,7 @@ def test_counterexamples_are_small(name: str) -> None:
     assert len(check.counterexample.inputs["poses"]) <= 4
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("theme", one_in(2, ["light", "dark"]))
 def test_figures_draw(theme: str) -> None:
     for name in ("repere_du_monde", "signe_du_pas"):
         figures = graded(misconception(name), 1).figures

@@ -23,7 +23,7 @@ from server.sandbox.child.namespaces import UNPRIVILEGED
 from .family import OTHERS, children, eventually, templates
 
 SUBMISSIONS = int(os.environ.get("BALISE_TEST_SUBMISSIONS", "2000"))
-FEWER = 300
+FEWER = 150
 SEED = int(os.environ.get("BALISE_TEST_SEED", "3"))
 THREADS = 4
 #: As many times as a worker grades.

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from server.sandbox import Kit, Policy, ProgramFault, Sandbox, SandboxFault
+from tests.quick import one_in
 
 from .family import OTHERS, children, descendants, eventually, root_and_template, running, templates
 
@@ -77,7 +78,7 @@ def test_a_child_killed_from_outside_is_no_fault_of_the_student() -> None:
         answers(sandbox)
 
 
-@pytest.mark.parametrize("spares", [0, 1])
+@pytest.mark.parametrize("spares", one_in(2, [1, 0]))
 def test_a_template_killed_at_any_moment_costs_a_retry_at_most(spares: int) -> None:
     with Sandbox({}, spares=spares) as sandbox:
         for delay in (0.0, 0.001, 0.003):
@@ -140,11 +141,11 @@ def test_a_template_that_serves_keeps_its_size() -> None:
 @pytest.mark.parametrize(
     ("who", "number", "spares"),
     [
-        ("watcher", signal.SIGSTOP, 0),
+        pytest.param("watcher", signal.SIGSTOP, 0, marks=pytest.mark.slow),
         ("watcher", signal.SIGKILL, 1),
-        ("template", signal.SIGSTOP, 0),
+        pytest.param("template", signal.SIGSTOP, 0, marks=pytest.mark.slow),
         ("template", signal.SIGSTOP, 1),
-        ("template", signal.SIGKILL, 1),
+        pytest.param("template", signal.SIGKILL, 1, marks=pytest.mark.slow),
     ],
 )
 def test_a_hung_or_killed_process_of_ours_costs_no_more_than_a_retry(
@@ -164,6 +165,7 @@ def test_a_hung_or_killed_process_of_ours_costs_no_more_than_a_retry(
     assert eventually(lambda: not templates())
 
 
+@pytest.mark.slow
 def test_a_program_that_runs_on_a_hung_template_is_our_fault_and_ends() -> None:
     """Its ending cannot be known, nor its processor time, and nobody would stop it."""
     endless = b"def f(x):\n    while True: pass\n"
@@ -257,10 +259,11 @@ STRANGE = {
 }
 
 
-@pytest.mark.parametrize("said", STRANGE.values(), ids=STRANGE)
+@pytest.mark.parametrize("strange", one_in(3, STRANGE))
 def test_a_template_that_reports_nonsense_is_ended_and_nobody_waits(
-    said: str, caplog: pytest.LogCaptureFixture
+    strange: str, caplog: pytest.LogCaptureFixture
 ) -> None:
+    said = STRANGE[strange]
     kit = SPOILT + f"os.register_at_fork(after_in_parent=lambda: spoil({said}))"
     with Sandbox({"gatee": kit}, spares=0) as sandbox, caplog.at_level("ERROR"):
         with contextlib.suppress(ProgramFault), pytest.raises(SandboxFault), sandbox.open(LEAVES) as session:
@@ -269,7 +272,7 @@ def test_a_template_that_reports_nonsense_is_ended_and_nobody_waits(
     assert "reports nonsense" in caplog.text
 
 
-@pytest.mark.parametrize("said", ["b'\\xff' * 40", "{'do': 'hello'}"])
+@pytest.mark.parametrize("said", one_in(2, ["b'\\xff' * 40", "{'do': 'hello'}"]))
 def test_a_template_that_greets_with_nonsense_does_not_serve(said: str) -> None:
     with Sandbox({"gatee": SPOILT + f"say({said})"}) as sandbox:
         with pytest.raises(SandboxFault, match="did not start"):

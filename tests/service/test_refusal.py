@@ -42,6 +42,7 @@ def test_without_landlock_the_doctor_says_so_and_what_to_mend() -> None:
     assert "ne peut PAS" in lines[-1]
 
 
+@pytest.mark.slow
 def test_without_landlock_nothing_is_served(tmp_path: Path) -> None:
     told = balise(LANDLOCK_CREATE_RULESET, "serve", "--port", "0", "--data", str(tmp_path))
     assert told.returncode == 2
