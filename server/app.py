@@ -11,6 +11,7 @@ from typing import Any
 
 from fastapi import FastAPI
 from starlette.concurrency import run_in_threadpool
+from starlette.middleware.gzip import GZipMiddleware
 
 from server import middleware, problems
 from server.accounts import service as accounts
@@ -36,6 +37,7 @@ from server.worker.supervisor import WORKER_COMMAND, Supervisor
 log = logging.getLogger(__name__)
 
 DAY = 86400
+GZIP_LEVEL = 4  # mathematics in HTML shrink twelvefold; higher levels gain little and cost time
 RECOVER_EVERY = 3.0  # seconds
 
 
@@ -156,6 +158,7 @@ def _protect(app: FastAPI, settings: Settings) -> None:
     app.add_middleware(middleware.SameOrigin, refuse=problems.refusal)
     app.add_middleware(middleware.SessionCookie, max_age=settings.session_days * DAY)
     app.add_middleware(middleware.SecurityHeaders)
+    app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=GZIP_LEVEL)
 
 
 def _document(app: FastAPI) -> None:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
+from hashlib import blake2b
+from http import HTTPStatus
 from typing import Any
 
 from fastapi import Request
@@ -86,7 +88,14 @@ def page(
     }
     body = environment().get_template(template).render(account=account_view(account), **surroundings, **context)
     # A page shows one person's own work: nobody else's cache may keep it.
-    return HTMLResponse(body, status, headers={"Cache-Control": "private, no-cache", **(headers or {})})
+    kept = {"Cache-Control": "private, no-cache", **(headers or {})}
+    if request.method != "GET" or status != HTTPStatus.OK:
+        return HTMLResponse(body, status, headers=kept)
+    tag = f'W/"{blake2b(body.encode(), digest_size=12).hexdigest()}"'
+    known = tag in request.headers.get("if-none-match", "")
+    return HTMLResponse(
+        "" if known else body, HTTPStatus.NOT_MODIFIED if known else HTTPStatus.OK, headers={**kept, "ETag": tag}
+    )
 
 
 def fragment(template: str, account: Account | None, **context: Any) -> HTMLResponse:

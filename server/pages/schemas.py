@@ -209,6 +209,7 @@ class ExercisePage:
     stars: int
     course: str
     module: ModuleLink
+    lesson: tuple[str, str] | None
     functions: tuple[FunctionView, ...]
     statement: str
     starter: str

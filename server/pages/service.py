@@ -9,6 +9,7 @@ from sqlalchemy.orm import Session
 
 from server.accounts.models import Account
 from server.catalogue import Catalogue, Exercise, Module
+from server.catalogue.models import Document
 from server.errors import NotFound
 from server.pages import verdicts
 from server.pages.limits import limits_of
@@ -67,6 +68,10 @@ def exercise_href(exercise: Exercise) -> str:
     return f"/{exercise.module}/exercices/{exercise.slug}"
 
 
+def document_href(document: Document) -> str:
+    return f"/{document.module}/lire/{document.slug}"
+
+
 def home_page(reader: Reader) -> HomePage:
     progress = submissions.progress(reader.db, reader.account)
     return HomePage(tuple(module_link(module, progress) for module in reader.catalogue.modules.values()))
@@ -99,6 +104,7 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
         stars=exercise.stars,
         course=exercise.course,
         module=module_link(module),
+        lesson=_lesson(module, exercise),
         functions=tuple(FunctionView(one.signature, one.returns, one.doc) for one in exercise.functions),
         statement=exercise.statement_html,
         starter=exercise.starter,
@@ -112,6 +118,12 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
         previous=previous,
         following=following,
     )
+
+
+def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:
+    """The page that the exercise follows: its address and its short name."""
+    found = next((one for one in module.documents if one.slug == exercise.seance), None)
+    return (document_href(found), found.label) if found else None
 
 
 def _neighbours(module: Module, exercise: Exercise) -> tuple[tuple[str, str] | None, tuple[str, str] | None]:

@@ -14,7 +14,7 @@ from server.catalogue import Exercise, Module
 from server.catalogue.models import Document, Heading, Kind, Term
 from server.errors import NotFound
 from server.pages.schemas import ExerciseRow, FigureView
-from server.pages.service import NOTHING_YET, Reader, exercise_row, module_link
+from server.pages.service import NOTHING_YET, Reader, document_href, exercise_row, module_link
 from server.pages.text import plural
 from server.reading.schemas import (
     CourseHome,
@@ -49,10 +49,6 @@ def find_document(module: Module, slug: str) -> Document:
         if one.slug == slug:
             return one
     raise NotFound("Cette page n’existe pas.")
-
-
-def document_href(document: Document) -> str:
-    return f"/{document.module}/lire/{document.slug}"
 
 
 def on_the_way(module: Module) -> tuple[Document, ...]:

@@ -85,6 +85,27 @@ def test_exercises_follow_their_seance_with_ones_own_state(site: Site) -> None:
     assert "À faire" in site.another().get(READ)
 
 
+def test_an_exercise_leads_back_to_its_lesson(site: Site) -> None:
+    assert f'<a href="{READ}">Séance 1</a>' in site.get(PAGE)
+    assert "/lire/" not in site.get("/m9/exercices/b")
+
+
+def test_a_page_that_has_not_changed_is_not_sent_again(site: Site) -> None:
+    tag = site.client.get(READ).headers["etag"]
+    again = site.client.get(READ, headers={"If-None-Match": tag})
+    assert (again.status_code, again.content) == (304, b"")
+    site.attempt("x = 1", verdict("ok", 20.0))
+    assert site.client.get(READ, headers={"If-None-Match": tag}).status_code == 200
+
+
+def test_pages_are_compressed_and_streams_are_not(site: Site) -> None:
+    asked = {"Accept-Encoding": "gzip"}
+    assert site.client.get(READ, headers=asked).headers["content-encoding"] == "gzip"
+    href = site.attempt("x = 1", verdict())
+    with site.client.stream("GET", f"{href}/evenements", headers=asked) as answer:
+        assert "content-encoding" not in answer.headers
+
+
 def test_the_module_opens_on_its_course(site: Site) -> None:
     page = site.get("/m9")
     assert f'href="{READ}" data-start>Commencer' in page

@@ -112,6 +112,7 @@ function showState(state, done, total, change) {
 }
 
 function sentence(done, total) {
+  if (!done) return "Aucune section n’est encore lue.";
   if (done === total) return total === 1 ? "Vous avez lu cette page." : "Vous avez lu toute cette page.";
   return `Vous avez lu ${done} section${done > 1 ? "s" : ""} sur ${total}.`;
 }

@@ -5,7 +5,6 @@ export function setUpPrinting(page) {
   window.addEventListener("beforeprint", () => {
     opened = [...page.querySelectorAll(".reading-body details:not([open])")];
     for (const one of opened) one.open = true;
-    for (const image of page.querySelectorAll("img[loading=lazy]")) image.loading = "eager";
   });
   window.addEventListener("afterprint", () => {
     for (const one of opened) one.open = false;
