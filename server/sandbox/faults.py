@@ -31,8 +31,12 @@ class ProgramFault(Exception):
     """What the student's program did wrong.
 
     `message` is French and addressed to the student; `exception` is the name of the Python exception, if there was one;
-    `fatal` tells that the process is gone and that the session can only be closed.
+    `fatal` tells that the process is gone and that the session can only be closed. A file that does not load leaves no
+    session: what it printed before is in `stdout`.
     """
+
+    stdout = ""
+    stdout_truncated = False
 
     def __init__(
         self,

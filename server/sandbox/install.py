@@ -1,4 +1,4 @@
-"""Where this interpreter, numpy and scipy are installed: what a template is allowed to see."""
+"""Where this interpreter, numpy, scipy and matplotlib are installed: what a template is allowed to see."""
 
 from __future__ import annotations
 
@@ -8,13 +8,22 @@ import sys
 from dataclasses import dataclass
 from functools import cache
 
-#: What each import set needs; the first one that a source does not go beyond is used.
-IMPORT_SETS = ("numpy", "scipy")
+#: The set of a source that draws; only sessions that allow it come to it.
+DRAWING = "matplotlib"
+#: What each import set needs; of the first two, the first one that a source does not go beyond is used.
+IMPORT_SETS = ("numpy", "scipy", DRAWING)
+#: What matplotlib needs beside numpy.
+_DRAWING_NEEDS = (
+    *("contourpy", "kiwisolver", "cycler", "PIL", "pyparsing", "packaging", "dateutil", "six", "fontTools"),
+    "mpl_toolkits",
+)
+#: Folders of shared libraries that are not named after their package.
+_LIBRARIES = {"PIL": "pillow.libs"}
 
 
 @dataclass(frozen=True)
 class Installation:
-    """`sites`: directories for ``sys.path``; `packages`: the only directories of them that a template sees."""
+    """`sites`: directories for ``sys.path``; `packages`: the only packages of them that a template sees."""
 
     python: str
     sites: tuple[str, ...]
@@ -23,23 +32,39 @@ class Installation:
 
 
 @cache
-def installation() -> Installation:
-    """Finds numpy (needed: raises ModuleNotFoundError) and scipy (optional) without importing them."""
-    found = {name: place for name in IMPORT_SETS if (place := _package(name))}
-    if "numpy" not in found:
+def installation(imports: str = "numpy") -> Installation:
+    """What the template of an import set sees.
+
+    Finds numpy (needed: raises ModuleNotFoundError), scipy and matplotlib (optional) without importing them.
+    """
+    sets = {name: place for name in IMPORT_SETS if (place := _package(name))}
+    if "numpy" not in sets:
         raise ModuleNotFoundError("numpy is not installed", name="numpy")
+    found = {name: place for name, place in sets.items() if name != DRAWING or imports == DRAWING}
+    if DRAWING in found:
+        found |= {name: place for name in _DRAWING_NEEDS if (place := _package(name))}
     sites = tuple(dict.fromkeys(os.path.dirname(place) for place in found.values()))
-    packages = [path for place in found.values() for path in (place, f"{place}.libs") if os.path.isdir(path)]
-    return Installation(sys.executable, sites, tuple(packages), tuple(found))
+    packages = [path for name, place in found.items() for path in _with_libraries(name, place)]
+    return Installation(sys.executable, sites, tuple(packages), tuple(sets))
+
+
+def _with_libraries(name: str, place: str) -> list[str]:
+    libraries = os.path.join(os.path.dirname(place), _LIBRARIES.get(name, f"{name}.libs"))
+    return [place, libraries] if os.path.isdir(libraries) else [place]
 
 
 def _package(name: str) -> str | None:
+    """The folder of a package, or the file of a module."""
     spec = importlib.util.find_spec(name)
-    if spec is None or not spec.submodule_search_locations:
+    if spec is None:
         return None
-    return os.path.abspath(next(iter(spec.submodule_search_locations)))
+    folder = next(iter(spec.submodule_search_locations or ()), None) or spec.origin
+    return os.path.abspath(folder) if folder else None
 
 
-def import_set(source: bytes) -> str:
-    """The import set that a source asks for."""
-    return "scipy" if b"scipy" in source and "scipy" in installation().sets else "numpy"
+def import_set(source: bytes, *, drawing: bool = False) -> str:
+    """The import set that a source asks for; matplotlib's only where `drawing` is allowed."""
+    sets = installation().sets
+    if drawing and DRAWING in sets and b"matplotlib" in source:
+        return DRAWING
+    return "scipy" if b"scipy" in source and "scipy" in sets else "numpy"

@@ -57,7 +57,7 @@ def _environment(setting: Setting) -> dict[str, str]:
 
 
 def _command(setting: Setting, control: int, configuration: int) -> list[str]:
-    installed = installation()
+    installed = installation(setting.imports)
     mode = "namespaces" if setting.namespaces else "plain"
     numbers = (str(control), str(configuration), str(os.getpid()))
     here = os.path.dirname(os.path.abspath(__file__))
@@ -66,7 +66,7 @@ def _command(setting: Setting, control: int, configuration: int) -> list[str]:
 
 
 def _configuration(setting: Setting) -> int:
-    installed = installation()
+    installed = installation(setting.imports)
     message: dict[str, Value] = {
         "kits": dict(setting.kits),
         "imports": setting.imports,

@@ -16,7 +16,7 @@ from server.sandbox import messages
 from server.sandbox.cgroups import Seats, hierarchies
 from server.sandbox.child.walls import WALLS
 from server.sandbox.faults import FaultKind, NamespacesRefused, ProgramFault, SandboxFault, TemplateFault
-from server.sandbox.install import import_set
+from server.sandbox.install import IMPORT_SETS, import_set
 from server.sandbox.launch import Setting
 from server.sandbox.policy import MIB, Policy
 from server.sandbox.process import Child, TemplateProcess
@@ -74,7 +74,7 @@ class Sandbox:
         self._kits, self._lifted = dict(kits), lifted
         self._seats = Seats(() if "cgroup" in lifted else hierarchies()[0])
         self._spares, self._forks, self._growth, self._namespaces = spares, forks, growth, namespaces
-        self._slots: dict[str, _Slot] = {"numpy": _Slot(), "scipy": _Slot()}
+        self._slots = {name: _Slot() for name in IMPORT_SETS}
         self._retired: set[TemplateProcess] = set()
         self._spawner = ThreadPoolExecutor(1, thread_name_prefix="sandbox-spawner")
         self._refiller = ThreadPoolExecutor(1, thread_name_prefix="sandbox-refiller")
@@ -98,17 +98,27 @@ class Sandbox:
             raise SandboxFault(str(error)) from error
 
     def open(
-        self, source: bytes, *, kit: Kit | None = None, policy: Policy | None = None, filename: str = "solution.py"
+        self,
+        source: bytes,
+        *,
+        kit: Kit | None = None,
+        policy: Policy | None = None,
+        filename: str = "solution.py",
+        drawing: bool = False,
     ) -> Session:
-        """A session in which the file is loaded. Raises ProgramFault if it does not load, SandboxFault if we failed."""
+        """A session in which the file is loaded. Raises ProgramFault if it does not load, SandboxFault if we failed.
+
+        With `drawing`, a source that speaks of matplotlib finds it, and its figures are asked for by `Session.figures`.
+        """
         policy = policy or self.policy
         _check_source(source, policy)
+        imports = import_set(source, drawing=drawing)
         try:
-            return self._opened(source, filename, kit, policy)
+            return self._opened(imports, source, filename, kit, policy)
         except TemplateFault as first:
             _log.warning("a template failed and is replaced: %s", first)
         try:
-            return self._opened(source, filename, kit, policy)
+            return self._opened(imports, source, filename, kit, policy)
         except TemplateFault as error:
             raise SandboxFault(str(error)) from error
 
@@ -126,8 +136,7 @@ class Sandbox:
         self._spawner.shutdown()
         self._seats.close()
 
-    def _opened(self, source: bytes, filename: str, kit: Kit | None, policy: Policy) -> Session:
-        imports = import_set(source)
+    def _opened(self, imports: str, source: bytes, filename: str, kit: Kit | None, policy: Policy) -> Session:
         template, child = self._take(imports, policy)
         session = Session(child, policy)
         try:
@@ -136,6 +145,10 @@ class Sandbox:
             self._replace(imports, template)
             session.close()
             raise TemplateFault(f"{error}; the template said: {template.said() or 'nothing'}") from error
+        except ProgramFault as fault:
+            session.close()
+            fault.stdout, fault.stdout_truncated = session.stdout(), session.stdout_truncated
+            raise
         except BaseException:
             session.close()
             raise

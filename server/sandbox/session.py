@@ -14,7 +14,7 @@ import numpy as np
 
 from server.sandbox import diagnosis, messages
 from server.sandbox.batch import Batch, batches
-from server.sandbox.child import codec, frames
+from server.sandbox.child import codec, drawing, frames
 from server.sandbox.child.codec import Value
 from server.sandbox.faults import FaultKind, Frame, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.policy import Policy
@@ -139,6 +139,21 @@ class Session:
             return self._answers(asked, _NO_END if faults is None else faults)
         message = messages.missing_function(function, self.functions)
         return iter((ProgramFault(FaultKind.MISSING_FUNCTION, messages.typeset(message)),))
+
+    def figures(self) -> tuple[bytes, ...]:
+        """What the program gives as the PNG files of its open figures: bytes of its own making, to be read with care.
+
+        None where it does not draw. Raises as `call` does.
+        """
+        if drawing.FIGURES not in self.functions:
+            return ()
+        given = self.call(drawing.FIGURES).value
+        if not isinstance(given, tuple) or len(given) > drawing.MAX_FIGURES:
+            raise diagnosis.forged()
+        pictures = tuple(one.tobytes() for one in given if isinstance(one, np.ndarray) and one.dtype == np.uint8)
+        if len(pictures) != len(given) or any(len(one) > drawing.MAX_BYTES for one in pictures):
+            raise diagnosis.forged()
+        return pictures
 
     def _answers(self, asked: Iterable[Batch], faults: int) -> Iterator[Reply | ProgramFault]:
         try:

@@ -14,7 +14,15 @@ _SCIPY = """
 scipy.linalg scipy.sparse scipy.sparse.linalg scipy.special scipy.optimize scipy.spatial scipy.spatial.distance
 scipy.spatial.transform scipy.ndimage scipy.signal scipy.stats
 """
-_SETS = {"numpy": _USUAL + _NUMPY, "scipy": _USUAL + _NUMPY + _SCIPY}
+_MATPLOTLIB = """
+matplotlib.pyplot matplotlib.backends.backend_agg matplotlib.patches matplotlib.collections matplotlib.colors
+matplotlib.ticker contourpy mpl_toolkits.mplot3d
+"""
+_SETS = {
+    "numpy": _USUAL + _NUMPY,
+    "scipy": _USUAL + _NUMPY + _SCIPY,
+    "matplotlib": _USUAL + _NUMPY + _MATPLOTLIB,
+}
 
 
 def modules(imports: str) -> list[str]:

@@ -89,7 +89,8 @@ def change_view(libraries: Iterable[str], packages: Iterable[str]) -> None:
     """Replaces the root by a read-only one that holds these paths and four devices, and detaches the old one.
 
     `libraries` are directories or files taken whole, without the folder of installed packages that they may hold;
-    `packages` are directories put back into it. Ends the process with REFUSED where that may not be done.
+    `packages` are directories (or single modules) put back into it. Ends the process with REFUSED where that may not be
+    done.
     """
     try:
         _change_view(libraries, packages)
@@ -102,7 +103,7 @@ def change_view(libraries: Iterable[str], packages: Iterable[str]) -> None:
 def _change_view(libraries: Iterable[str], packages: Iterable[str]) -> None:
     libc.mount("none", "/", None, _MS_PRIVATE_RECURSIVE)
     whole = outermost(libraries)
-    loose = [path for path in dict.fromkeys(packages) if os.path.isdir(path)]
+    loose = [path for path in dict.fromkeys(packages) if os.path.exists(path)]
     trees = {path: _clone(path, _RDONLY | _NOSUID | _NODEV) for path in (*whole, *loose)}
     devices = {path: _clone(path, _RDONLY | _NOSUID) for path in DEVICES if os.path.exists(path)}
     root = next(path for path in ("/tmp", "/var/tmp", "/mnt", "/usr") if os.path.isdir(path))

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from . import report
+from . import drawing, report
 from .codec import Limits, TooBig, Unsendable, Value, encode
 
 MODULE = "solution"
@@ -50,6 +50,8 @@ class Program:
         sys.modules[MODULE] = module
         self._globals = module.__dict__
         self._guarded(lambda: exec(code, self._globals))
+        if drawing.offered():
+            self._globals[drawing.FIGURES] = drawing.figures
         return encode(self._defined(), self._limits)
 
     def call(self, function: str, arguments: tuple[Value, ...], *, return_arguments: bool) -> bytes:

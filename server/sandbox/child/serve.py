@@ -18,7 +18,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from . import codec, frames, inner
+from . import codec, drawing, frames, inner
 from .frames import FAULT_LIMITS, QUESTION_LIMITS
 from .frames import framed as _framed
 from .program import Failure, Fault, Program, print_to
@@ -225,6 +225,8 @@ def warm_up(kits: Mapping[str, ModuleType]) -> None:
         codec.encode(failure.fault, FAULT_LIMITS)
     np.random.default_rng(0).normal(size=3)
     _warm_linear_algebra()
+    if drawing.offered():
+        drawing.warm_up()
     random.setstate(state)
     np.random.set_state(numpy_state)
     linecache.clearcache()

@@ -16,7 +16,7 @@ import sys
 from types import ModuleType
 from typing import Any
 
-from . import codec, inner, landlock, libc, namespaces, outer, serve
+from . import codec, drawing, inner, landlock, libc, namespaces, outer, serve
 from .codec import Limits, Value
 from .imports import modules
 from .program import prepare_interpreter
@@ -40,6 +40,8 @@ class Template:
         """Imports, then changes the view, then drops all privileges, then warms up and takes the measure of it all."""
         self._lifted = frozenset(self._configuration["lifted"])
         self._own_view = self._configuration["namespaces"] and "view" not in self._lifted
+        if self._configuration["imports"] == "matplotlib":
+            drawing.prepare()
         for name in modules(self._configuration["imports"]):
             importlib.import_module(name)
         self._kits = {name: _kit(name, source) for name, source in self._configuration["kits"].items()}
