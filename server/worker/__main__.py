@@ -4,7 +4,8 @@ import os
 import socket
 import sys
 
-from server.worker.process import die_with, run, start_logging, stop_on_signals
+from server.lifeline import die_with
+from server.worker.process import run, start_logging, stop_on_signals
 from server.worker.service import Stop
 
 

@@ -1,11 +1,8 @@
 """What a worker process does first, and how it is put together."""
 
-import ctypes
 import gc
 import logging
-import os
 import signal
-import sys
 import threading
 from contextlib import closing
 from types import FrameType
@@ -22,18 +19,7 @@ from server.worker.grading import Grader
 from server.worker.results import recorded
 from server.worker.service import Stop, Worker
 
-PR_SET_PDEATHSIG = 1
-
 log = logging.getLogger(__name__)
-
-
-def die_with(parent: int) -> None:
-    """Has the kernel end this process when its parent does; ends it now if that has already happened."""
-    libc = ctypes.CDLL(None, use_errno=True)
-    if libc.prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0) != 0:
-        raise OSError(ctypes.get_errno(), "prctl(PR_SET_PDEATHSIG)")
-    if os.getppid() != parent:
-        sys.exit(0)
 
 
 def stop_on_signals(*, interrupt: bool = False) -> None:
