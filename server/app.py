@@ -19,6 +19,8 @@ from server.accounts.routes import router as accounts_router
 from server.api.documentation import with_problem_schema
 from server.api.routes import router as api_router
 from server.catalogue import Catalogue, load
+from server.cells.routes import router as cells_router
+from server.cells.supervisor import Cells
 from server.database import Database
 from server.pages.routes import router as pages_router
 from server.queue import service as queue
@@ -67,6 +69,10 @@ class Services:
         signals: Signals = AllSignals([local, PostgresSignals()]) if self.on_postgres else local
         return Database(self.settings.url, {"settings": self.settings, "signals": signals})
 
+    @cached_property
+    def cells(self) -> Cells:
+        return Cells(self.settings, self.catalogue.kits)
+
     def take_back(self, owner: Owner) -> None:
         """A local worker has died: its submission goes back to the queue at once."""
         with self.database.write() as db:
@@ -99,6 +105,7 @@ class Services:
             stack.callback(self.switchboard.bind, None)
             if self.on_postgres:
                 stack.push_async_callback(run_in_threadpool, self._listen())
+            stack.push_async_callback(self.cells.close)
             await stack.enter_async_context(
                 Supervisor(self.settings, self.switchboard, self.take_back, self.worker_command)
             )
@@ -137,7 +144,7 @@ def create_app(
     )
     _share(app, services)
     _protect(app, settings)
-    for router in (api_router, accounts_router, pages_router, reading_router):
+    for router in (api_router, accounts_router, pages_router, reading_router, cells_router):
         app.include_router(router)
     problems.install(app)
     _document(app)
@@ -149,6 +156,7 @@ def _share(app: FastAPI, services: Services) -> None:
     app.state.catalogue = services.catalogue
     app.state.database = services.database
     app.state.events = services.events
+    app.state.cells = services.cells
     app.state.figures = Figures(services.catalogue)
     app.state.drawings = Drawings(services.catalogue)
 

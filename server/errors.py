@@ -66,3 +66,22 @@ class Invalid(ServiceError):
     status = HTTPStatus.UNPROCESSABLE_ENTITY
     slug = "donnees-refusees"
     title = "Données refusées"
+
+
+class Crowded(ServiceError):
+    """Too many people want the same thing at once."""
+
+    status = HTTPStatus.SERVICE_UNAVAILABLE
+    slug = "trop-de-monde"
+    title = "Beaucoup de monde"
+
+    def __init__(self, detail: str, *, retry_after: int) -> None:
+        super().__init__(detail, headers={"Retry-After": str(retry_after)})
+
+
+class Failed(ServiceError):
+    """Something of ours went wrong, and another try may succeed."""
+
+    status = HTTPStatus.INTERNAL_SERVER_ERROR
+    slug = "incident"
+    title = "Incident de notre côté"

@@ -1,4 +1,4 @@
-"""Errors as answers: RFC 9457 problem documents under /api, pages in French elsewhere."""
+"""Errors as answers: RFC 9457 problem documents under /api and for whoever asks for JSON, pages in French elsewhere."""
 
 import logging
 from collections.abc import Mapping, Sequence
@@ -58,8 +58,8 @@ def refusal(request: Request, error: ServiceError, account: Account | None = Non
 def answer(
     request: Request, body: dict[str, Any], headers: Mapping[str, str] | None = None, account: Account | None = None
 ) -> Response:
-    """The problem, in the form that fits the address that was asked for."""
-    if request.url.path.startswith("/api/"):
+    """The problem, in the form that fits who asks."""
+    if request.url.path.startswith("/api/") or "application/json" in request.headers.get("accept", ""):
         return JSONResponse(body, body["status"], dict(headers or {}), "application/problem+json")
     from server.pages.rendering import page
 

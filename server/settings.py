@@ -35,6 +35,10 @@ class Settings(BaseSettings):
     guest_refill_seconds: float = Field(default=1.0, ge=0)
     login_burst: int = Field(default=10, ge=1)
     login_refill_seconds: float = Field(default=30.0, ge=0)
+    cell_burst: int = Field(default=30, ge=1)
+    cell_refill_seconds: float = Field(default=2.0, ge=0)
+    cells_at_once: int = Field(default=2, ge=1, le=64)
+    cells_waiting: int = Field(default=16, ge=0, le=1024)
     session_days: int = Field(default=180, ge=1)
 
     lease_seconds: float = Field(default=30.0, gt=0)
@@ -59,3 +63,7 @@ class Settings(BaseSettings):
     @property
     def login_bucket(self) -> Bucket:
         return Bucket(self.login_burst, self.login_refill_seconds)
+
+    @property
+    def cell_bucket(self) -> Bucket:
+        return Bucket(self.cell_burst, self.cell_refill_seconds)

@@ -1,0 +1,42 @@
+"""The address to which pages send their cells."""
+
+import asyncio
+
+from fastapi import APIRouter, Request, Response
+
+from server.accounts.dependencies import BrowserAccount
+from server.catalogue import Catalogue
+from server.cells import service
+from server.cells.schemas import NewRun
+from server.database.dependencies import DatabaseOf
+from server.errors import NotFound
+
+router = APIRouter(include_in_schema=False)
+NO_STORE = {"Cache-Control": "no-store"}
+#: A status that nobody reads: the reader has left.
+LEFT = 499
+
+
+@router.post("/{module}/cellules")
+async def run(request: Request, module: str, body: NewRun, account: BrowserAccount, database: DatabaseOf) -> Response:
+    """The cell's prints, figures and fault, once it has run."""
+    state = request.app.state
+    catalogue: Catalogue = state.catalogue
+    if module not in catalogue.modules:
+        raise NotFound("Ce module n’existe pas.")
+    running = asyncio.ensure_future(
+        service.run(state.cells, database, state.settings, account, module, body.code.replace("\r\n", "\n"))
+    )
+    leaving = asyncio.ensure_future(_gone(request))
+    await asyncio.wait((running, leaving), return_when=asyncio.FIRST_COMPLETED)
+    leaving.cancel()
+    if not running.done():
+        running.cancel()
+        return Response(status_code=LEFT)
+    return Response(running.result(), media_type="application/json", headers=NO_STORE)
+
+
+async def _gone(request: Request) -> None:
+    """Until the reader closes the page."""
+    while (await request.receive())["type"] != "http.disconnect":
+        pass

@@ -1,0 +1,83 @@
+"""One run of a cell: in the sandbox, with the kit, to what its page shows."""
+
+from __future__ import annotations
+
+import base64
+import time
+from dataclasses import dataclass
+
+from server.cells import png
+from server.cells.schemas import FaultOut, RunOut
+from server.pages.text import visible
+from server.pages.verdicts import OUTCOMES
+from server.sandbox import FaultKind, Frame, Kit, Policy, ProgramFault, Sandbox, Session
+
+KIB, MIB = 1 << 10, 1 << 20
+FILENAME = "cellule.py"
+#: A cell gives the same numbers each time that it is run: what changes comes from what was changed in it.
+SEED = 20
+POLICY = Policy(
+    cpu_seconds=3.0,
+    wall_seconds=6.0,
+    memory_bytes=256 * MIB,
+    stdout_bytes=32 * KIB,
+    frame_bytes=5 * MIB,
+    source_bytes=64 * KIB,
+    file_bytes=1 * MIB,
+    folder_bytes=4 * MIB,
+    items=1000,
+)
+UNREADABLE = "Une figure ne peut pas être lue : dessinez-la avec les fonctions de matplotlib, et laissez-la ouverte."
+
+
+@dataclass(frozen=True)
+class _Shown:
+    stdout: str
+    truncated: bool
+    figures: tuple[bytes, ...] = ()
+    fault: ProgramFault | None = None
+
+
+def run(sandbox: Sandbox, kit: str, source: bytes) -> RunOut:
+    """Raises SandboxFault when the fault is ours, and nothing else."""
+    start = time.monotonic()
+    shown = _shown(sandbox, kit, source)
+    return RunOut(
+        stdout=visible(shown.stdout),
+        truncated=shown.truncated,
+        fault=_told(shown.fault) if shown.fault else None,
+        figures=["data:image/png;base64," + base64.b64encode(picture).decode() for picture in shown.figures],
+        milliseconds=round(1000 * (time.monotonic() - start)),
+    )
+
+
+def _shown(sandbox: Sandbox, kit: str, source: bytes) -> _Shown:
+    settings = Kit(kit, {"seed": SEED})
+    try:
+        session = sandbox.open(source, kit=settings, policy=POLICY, filename=FILENAME, drawing=True)
+    except ProgramFault as unloaded:
+        return _Shown(unloaded.stdout, unloaded.stdout_truncated, fault=unloaded)
+    figures, fault = _figures(session)
+    return _Shown(session.stdout(), session.stdout_truncated, figures, fault)
+
+
+def _figures(session: Session) -> tuple[tuple[bytes, ...], ProgramFault | None]:
+    """Pictures of our own making, or why there are none; ends the session."""
+    try:
+        with session:
+            given = session.figures()
+        return tuple(png.rebuilt(one) for one in given), None
+    except ProgramFault as fault:
+        return (), fault
+    except png.Malformed:
+        return (), ProgramFault(FaultKind.INVALID_OUTPUT, UNREADABLE)
+
+
+def _told(fault: ProgramFault) -> FaultOut:
+    title, _ = OUTCOMES[fault.kind.value]
+    return FaultOut(title=title, message=fault.message, line=fault.line, frames=[_place(one) for one in fault.frames])
+
+
+def _place(frame: Frame) -> str:
+    inside = "" if frame.function.startswith("<") else f", dans {frame.function}"
+    return f"ligne {frame.line}{inside} : {frame.source.strip()}"

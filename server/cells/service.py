@@ -1,0 +1,34 @@
+"""Running a reader's cell: who may, how often, how long a text."""
+
+from starlette.concurrency import run_in_threadpool
+
+from server.accounts import throttle
+from server.accounts.models import Account
+from server.cells.supervisor import Cells
+from server.database import Database
+from server.errors import Crowded, Failed
+from server.settings import Settings
+from server.submissions.service import encoded
+
+TOO_FAST = "Vous avez exécuté beaucoup de cellules en peu de temps : la prochaine est possible dans {seconds} s."
+
+
+async def run(cells: Cells, database: Database, settings: Settings, account: Account, module: str, code: str) -> bytes:
+    """What the page gets, as JSON text. Raises Invalid, TooLarge, TooMany, Crowded or Failed."""
+    encoded(code, settings.code_bytes)
+    key = f"cell:{account.id}"
+
+    def take() -> None:
+        with database.write() as db:
+            throttle.take(db, key, settings.cell_bucket, TOO_FAST)
+
+    def give_back() -> None:
+        with database.write() as db:
+            throttle.give_back(db, key)
+
+    await run_in_threadpool(take)
+    try:
+        return await cells.run(module, code)
+    except (Crowded, Failed):
+        await run_in_threadpool(give_back)
+        raise

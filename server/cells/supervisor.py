@@ -1,0 +1,177 @@
+"""The service's side of the process that runs cells: started at the first one, started again when it dies or hangs."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import logging
+import os
+import socket
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from itertools import count
+
+from server.cells import wire
+from server.errors import Crowded, Failed
+from server.settings import Settings
+from server.worker.supervisor import environment
+
+log = logging.getLogger(__name__)
+
+COMMAND = (sys.executable, "-P", "-m", "server.cells")
+#: Seconds within which a cell is answered, the start of a template included; later, the process is taken for hung.
+PATIENCE = 45.0
+STOP_SECONDS = 3.0
+CROWDED = "Beaucoup de monde exécute des cellules en ce moment : réessayez dans quelques secondes."
+FAILED = "La cellule n’a pas pu être exécutée : l’incident est de notre côté. Réessayez."
+
+
+class Cells:
+    """Runs cells, a few at once, the others in a queue of bounded length. For one event loop."""
+
+    def __init__(
+        self,
+        settings: Settings,
+        kits: Mapping[str, str],
+        *,
+        command: Sequence[str] = COMMAND,
+        patience: float = PATIENCE,
+    ) -> None:
+        self._settings, self._command, self._patience = settings, command, patience
+        self._beginning = {"kits": dict(kits), "at_once": settings.cells_at_once}
+        self._free = asyncio.Semaphore(settings.cells_at_once)
+        self._starting = asyncio.Lock()
+        self._waiting = 0
+        self._process: _Process | None = None
+        self._running: set[asyncio.Task[bytes]] = set()
+
+    async def run(self, module: str, code: str) -> bytes:
+        """What the page gets, as JSON text. Raises Crowded or Failed.
+
+        Whoever stops waiting leaves the queue; a cell that already runs keeps its place until it ends.
+        """
+        if self._free.locked() and self._waiting >= self._settings.cells_waiting:
+            raise Crowded(CROWDED, retry_after=5)
+        self._waiting += 1
+        try:
+            await self._free.acquire()
+        finally:
+            self._waiting -= 1
+        asked = asyncio.create_task(self._ask({"module": module, "code": code}))
+        self._running.add(asked)
+        asked.add_done_callback(self._over)
+        return await asyncio.shield(asked)
+
+    def _over(self, asked: asyncio.Task[bytes]) -> None:
+        self._running.discard(asked)
+        self._free.release()
+        if not asked.cancelled():
+            asked.exception()  # of a run that nobody waits for any more, too
+
+    async def _ask(self, question: dict[str, str]) -> bytes:
+        try:
+            async with self._starting:
+                if self._process is None or self._process.ended:
+                    self._process = await _Process.start(self._command, self._settings, self._beginning)
+                process = self._process
+            return await process.ask(question, self._patience)
+        except (OSError, TimeoutError) as error:
+            log.error("a cell was not run: %r", error)
+            raise Failed(FAILED) from error
+
+    async def close(self) -> None:
+        if self._process is not None:
+            await self._process.close()
+        await asyncio.gather(*self._running, return_exceptions=True)
+
+
+class _Process:
+    """One such process, and the questions that it has not answered yet."""
+
+    def __init__(
+        self, process: asyncio.subprocess.Process, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+    ) -> None:
+        self._process, self._reader, self._writer = process, reader, writer
+        self._numbers = count(1)
+        self._asked: dict[int, asyncio.Future[bytes]] = {}
+        self._listening = asyncio.create_task(self._listen())
+        self.ended = False
+
+    @classmethod
+    async def start(cls, command: Sequence[str], settings: Settings, beginning: Mapping[str, object]) -> _Process:
+        ours, theirs = socket.socketpair()
+        with theirs:
+            process = await asyncio.create_subprocess_exec(
+                *command,
+                str(theirs.fileno()),
+                str(os.getpid()),
+                pass_fds=[theirs.fileno()],
+                env=environment(settings),
+                stdin=asyncio.subprocess.DEVNULL,
+            )
+        reader, writer = await asyncio.open_connection(sock=ours)
+        writer.write(wire.framed(0, wire.QUESTION, json.dumps(beginning).encode()))
+        return cls(process, reader, writer)
+
+    async def ask(self, question: Mapping[str, str], patience: float) -> bytes:
+        """Raises ConnectionError when the process ends first; TimeoutError, and kills it, when it takes too long."""
+        if self.ended:
+            raise ConnectionError("the process has ended")
+        number = next(self._numbers)
+        answer: asyncio.Future[bytes] = asyncio.get_running_loop().create_future()
+        self._asked[number] = answer
+        try:
+            async with asyncio.timeout(patience):
+                self._writer.write(wire.framed(number, wire.QUESTION, json.dumps(question).encode()))
+                await self._writer.drain()
+                return await answer
+        except TimeoutError:
+            self._kill()
+            raise
+        finally:
+            self._asked.pop(number, None)
+
+    async def _listen(self) -> None:
+        try:
+            while True:
+                length, number, status = wire.HEADER.unpack(await self._reader.readexactly(wire.HEADER.size))
+                if length > wire.MAX_ANSWER:
+                    raise ConnectionError("an answer of that length is none")
+                self._hear(number, status, await self._reader.readexactly(length))
+        except (OSError, EOFError) as error:
+            log.info("the process that runs cells says no more: %r", error)
+        finally:
+            self._end()
+
+    def _hear(self, number: int, status: int, payload: bytes) -> None:
+        answer = self._asked.get(number)
+        if answer is None or answer.done():
+            return
+        if status == wire.DONE:
+            answer.set_result(payload)
+        else:
+            answer.set_exception(ConnectionError("the sandbox failed"))
+
+    def _end(self) -> None:
+        """Whoever still waits is told so."""
+        self.ended = True
+        self._kill()
+        self._writer.close()
+        for answer in self._asked.values():
+            if not answer.done():
+                answer.set_exception(ConnectionError("the process that runs cells has ended"))
+
+    def _kill(self) -> None:
+        with suppress(ProcessLookupError):
+            self._process.kill()
+
+    async def close(self) -> None:
+        """Lets it end its sandbox by itself, for a while."""
+        if not self.ended:
+            self._writer.close()
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._process.wait(), STOP_SECONDS)
+        self._kill()
+        self._listening.cancel()
+        await self._process.wait()
