@@ -7,7 +7,14 @@ const out = process.argv[2] ?? "../static";
 const katex = "node_modules/katex/dist";
 
 await build({
-  entryPoints: ["src/js/theme.js", "src/js/app.js", "src/js/exercise.js", "src/js/reading.js", "src/css/app.css"],
+  entryPoints: [
+    "src/js/theme.js",
+    "src/js/app.js",
+    "src/js/exercise.js",
+    "src/js/reading.js",
+    "src/js/cells.js",
+    "src/css/app.css",
+  ],
   chunkNames: "js/[name]-[hash]",
   outdir: out,
   outbase: "src",

@@ -13,8 +13,9 @@ import {
   syntaxHighlighting,
 } from "@codemirror/language";
 import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
-import { EditorState, Prec } from "@codemirror/state";
+import { EditorState, Prec, StateEffect, StateField } from "@codemirror/state";
 import {
+  Decoration,
   EditorView,
   drawSelection,
   highlightActiveLine,
@@ -43,6 +44,7 @@ const look = EditorView.theme({
   ".cm-gutters": { backgroundColor: "var(--code-back)", color: "var(--ink-soft)", border: "none" },
   ".cm-lineNumbers .cm-gutterElement": { padding: "0 0.6rem 0 0.9rem" },
   ".cm-activeLine": { backgroundColor: "var(--code-line)" },
+  ".cm-faultLine": { backgroundColor: "var(--bad-soft)", boxShadow: "inset 3px 0 0 var(--bad)" },
   ".cm-activeLineGutter": { backgroundColor: "var(--code-line)", color: "var(--ink)" },
   "&.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground, .cm-selectionBackground": {
     backgroundColor: "var(--code-selection)",
@@ -75,13 +77,30 @@ function submitKey(onSubmit) {
   return Prec.highest(keymap.of([{ key: "Mod-Enter", run }]));
 }
 
-export function createEditor({ area, text, onChange, onSubmit }) {
+// The line of a fault, until the text changes.
+const markFault = StateEffect.define();
+const faultLine = StateField.define({
+  create: () => Decoration.none,
+  update(marks, transaction) {
+    if (transaction.docChanged) return Decoration.none;
+    for (const effect of transaction.effects) if (effect.is(markFault)) return effect.value;
+    return marks;
+  },
+  provide: (field) => EditorView.decorations.from(field),
+});
+
+function faultAt(document, line) {
+  if (line === null || line < 1 || line > document.lines) return Decoration.none;
+  return Decoration.set([Decoration.line({ class: "cm-faultLine" }).range(document.line(line).from)]);
+}
+
+export function createEditor({ area, text, label, onChange, onSubmit }) {
   const host = document.createElement("div");
   host.className = "editor-host";
   const shadow = host.attachShadow({ mode: "open" });
   area.after(host);
 
-  const description = "Votre code Python. Tab indente ; Échap puis Tab pour sortir de l’éditeur.";
+  const description = label ?? "Votre code Python. Tab indente ; Échap puis Tab pour sortir de l’éditeur.";
   const state = EditorState.create({
     doc: text,
     extensions: [
@@ -101,6 +120,7 @@ export function createEditor({ area, text, onChange, onSubmit }) {
       python(),
       syntaxHighlighting(colours),
       look,
+      faultLine,
       phrases,
       EditorView.contentAttributes.of({ "aria-label": description, tabindex: "0", spellcheck: "false" }),
       EditorView.updateListener.of((update) => update.docChanged && onChange()),
@@ -112,6 +132,7 @@ export function createEditor({ area, text, onChange, onSubmit }) {
   return {
     get: () => view.state.doc.toString(),
     set: (fresh) => view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: fresh } }),
+    mark: (line) => view.dispatch({ effects: markFault.of(faultAt(view.state.doc, line)) }),
     focus: () => view.focus(),
   };
 }

@@ -17,5 +17,6 @@ if (reading) {
   setUpContents(reading);
   setUpReadMarks(reading);
   setUpPrinting(reading);
+  if (reading.querySelector("section.cell")) import("./cells.js").then(({ enhance }) => enhance(reading));
 }
 if (course) showCourseMarks(course);
