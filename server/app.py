@@ -125,7 +125,7 @@ def create_app(
     settings: Settings, *, catalogue: Catalogue | None = None, worker_command: Sequence[str] = WORKER_COMMAND
 ) -> FastAPI:
     """The application. Its database must be at the current schema (see `server.database.migrate`)."""
-    services = Services(settings, catalogue or load(), tuple(worker_command))
+    services = Services(settings, catalogue or load(render=False, check=True), tuple(worker_command))
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:

@@ -1,7 +1,6 @@
 """The course as it is served: modules, exercises, their statements, hints and versions."""
 
-from server.catalogue.markdown import MarkupError
 from server.catalogue.models import Catalogue, Exercise, FunctionSpec, Module, Problem
 from server.catalogue.service import load
 
-__all__ = ["Catalogue", "Exercise", "FunctionSpec", "MarkupError", "Module", "Problem", "load"]
+__all__ = ["Catalogue", "Exercise", "FunctionSpec", "Module", "Problem", "load"]

@@ -12,10 +12,14 @@ from pygments.lexers import get_lexer_by_name
 from pygments.util import ClassNotFound
 
 
-def highlight(code: str, language: str = "python", _attributes: str = "") -> str:
+def highlight(code: str, language: str = "python") -> str:
     """A whole `<pre>` element; plain where the language is unknown or not said."""
     body = _body(code, language)
     return f'<pre class="code" tabindex="0"><code>{body}</code></pre>\n'
+
+
+def is_known(language: str) -> bool:
+    return _lexer(language) is not None
 
 
 def _body(code: str, language: str) -> str:

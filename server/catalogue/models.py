@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
-from server.catalogue import markdown
+from server.catalogue.markup import Cell, Heading, Section
 
 if TYPE_CHECKING:
     from graders.core.exercise import ExerciseGrader
+
+__all__ = [
+    "Catalogue", "CatalogueFault", "Cell", "Document", "Drawing", "Exercise", "FunctionSpec", "Heading", "Kind",
+    "Module", "Problem", "Readable", "Section", "Term",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -46,6 +51,23 @@ class FunctionSpec:
     doc: str
 
 
+class Readable(Protocol):
+    """A text of the course (see `server.catalogue.markup.Text`): `html` is slow at first, its formulas being drawn."""
+
+    @property
+    def html(self) -> str: ...
+    @property
+    def headings(self) -> tuple[Heading, ...]: ...
+    @property
+    def sections(self) -> tuple[Section, ...]: ...
+    @property
+    def figures(self) -> tuple[str, ...]: ...
+    @property
+    def replays(self) -> tuple[str, ...]: ...
+    @property
+    def cells(self) -> tuple[Cell, ...]: ...
+
+
 @dataclass(frozen=True, eq=False)
 class Exercise:
     """One exercise, ready to serve. `id` is "module/slug"; `stars` counts the ★ of a challenge (0 to 3).
@@ -65,8 +87,8 @@ class Exercise:
     functions: tuple[FunctionSpec, ...]
     starter: str
     solution: str
-    statement: markdown.Source
-    hint_sources: tuple[markdown.Source, markdown.Source, markdown.Source]
+    statement: Readable
+    hint_texts: tuple[Readable, Readable, Readable]
     grader: ExerciseGrader
     version: str
     seance: str = ""
@@ -76,63 +98,23 @@ class Exercise:
     def id(self) -> str:
         return f"{self.module}/{self.slug}"
 
-    @cached_property
+    @property
     def statement_html(self) -> str:
-        """The statement as HTML. Raises `markdown.MarkupError` where a formula is wrong."""
-        return markdown.render(self.statement)
+        return self.statement.html
 
-    @cached_property
+    @property
     def hints(self) -> tuple[str, str, str]:
         """The three hints as HTML: a question, a pointer to the formula, a commented sketch."""
-        first, second, third = self.hint_sources
-        return markdown.render(first), markdown.render(second), markdown.render(third)
+        first, second, third = self.hint_texts
+        return first.html, second.html, third.html
 
 
 Kind = Literal["seance", "fiche", "cours", "tp", "defi", "annexe"]
 
 
-@dataclass(frozen=True)
-class Heading:
-    """A heading of a page (`level` 2 to 4), for its table of contents. `html` may hold formulas."""
-
-    level: int
-    id: str
-    html: str
-    text: str
-
-
-@dataclass(frozen=True)
-class Section:
-    """What stands under one heading, as plain text for the search. `id` and `title` are empty above the first one."""
-
-    id: str
-    title: str
-    text: str
-
-
-@dataclass(frozen=True)
-class Cell:
-    """A runnable piece of Python, named uniquely in its page."""
-
-    name: str
-    code: str
-
-
-@dataclass(frozen=True)
-class Rendered:
-    """What the Markdown of a page becomes."""
-
-    html: str
-    headings: tuple[Heading, ...] = ()
-    sections: tuple[Section, ...] = ()
-    figures: tuple[str, ...] = ()
-    replays: tuple[str, ...] = ()
-    cells: tuple[Cell, ...] = ()
-
-
 @dataclass(frozen=True, eq=False)
 class Document:
-    """A page to read. What its front matter says is here at once; its text is rendered at the first need."""
+    """A page to read. What its front matter says is here at once; its text is read and rendered at the first need."""
 
     module: str
     slug: str
@@ -143,36 +125,32 @@ class Document:
     minutes: int
     summary: str
     objectives: tuple[str, ...]
-    render: Callable[[], Rendered]
-
-    @cached_property
-    def rendered(self) -> Rendered:
-        return self.render()
+    text: Readable
 
     @property
     def html(self) -> str:
-        return self.rendered.html
+        return self.text.html
 
     @property
     def headings(self) -> tuple[Heading, ...]:
-        return self.rendered.headings
+        return self.text.headings
 
     @property
     def sections(self) -> tuple[Section, ...]:
-        return self.rendered.sections
+        return self.text.sections
 
     @property
     def figures(self) -> tuple[str, ...]:
         """The names of its drawings."""
-        return self.rendered.figures
+        return self.text.figures
 
     @property
     def replays(self) -> tuple[str, ...]:
-        return self.rendered.replays
+        return self.text.replays
 
     @property
     def cells(self) -> tuple[Cell, ...]:
-        return self.rendered.cells
+        return self.text.cells
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,14 +159,17 @@ class Term:
 
     id: str
     word: str
-    text: str
     page: str
-    render: Callable[[], str]
+    definition: Readable
 
-    @cached_property
+    @property
     def html(self) -> str:
         """The definition, as HTML that fits in a paragraph."""
-        return self.render()
+        return self.definition.html
+
+    @property
+    def text(self) -> str:
+        return " ".join(section.text for section in self.definition.sections)
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,20 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic_core import PydanticCustomError
 
 Text = Annotated[str, Field(min_length=1)]
+
+
+def _plain(text: str) -> str:
+    if "$" in text or "`" in text:
+        raise PydanticCustomError("plain_text", "neither formula nor code here")
+    return text
+
+
+#: Shown as it stands, outside of any Markdown.
+PlainText = Annotated[Text, AfterValidator(_plain)]
 
 
 class Strict(BaseModel):
@@ -69,3 +80,29 @@ class ExerciseFile(Strict):
     seance: str = ""
     functions: Annotated[list[FunctionEntry], Field(min_length=1)]
     limits: Limits = Limits()
+
+
+class FrontMatter(Strict):
+    """Between the `+++` lines of a page."""
+
+    title: PlainText
+    label: PlainText
+    summary: PlainText
+    order: int
+    minutes: Annotated[int, Field(ge=0)] = 0
+    objectives: list[PlainText] = []
+
+
+class TermEntry(Strict):
+    """One `[[terme]]` of `glossaire.toml`. `definition` is Markdown of one paragraph."""
+
+    id: Text
+    mot: PlainText
+    definition: Text
+    page: Text
+
+
+class Glossary(Strict):
+    """The whole file; each entry is then read by itself, so that one that is wrong leaves the others."""
+
+    terme: list[dict[str, object]]

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeVar
 
-from server.catalogue import drawings, markdown, toml_file
+from server.catalogue import drawings, toml_file
+from server.catalogue.markup import Names, Source, Text
+from server.catalogue.markup.text import no_names
 from server.catalogue.models import Catalogue, CatalogueFault, Exercise, FunctionSpec, Module, Problem
+from server.catalogue.pages import Library, problems_of
 from server.catalogue.schemas import ExerciseFile, ModuleFile
 from server.catalogue.version import digest
 
@@ -27,11 +31,20 @@ HINT_TITLE = re.compile(r"^##[ \t]+Indice[ \t]+(\d+)[ \t]*$", re.MULTILINE)
 
 @dataclass(frozen=True)
 class Sources:
-    """Where an exercise's parts are, and what discovery found among the graders."""
+    """Where an exercise's parts are, what discovery found among the graders, what its texts may speak of."""
 
     curriculum: Path
     code: Path
     discovery: Discovery
+    names: Callable[[], Names] = no_names
+
+
+class Look(Enum):
+    """How closely the texts are looked at while the course is loaded."""
+
+    no = "they are read when they are asked for"
+    read = "what they say of each other is followed, but no formula is drawn"
+    drawn = "all of it"
 
 
 def load(
@@ -40,19 +53,22 @@ def load(
     code: Path = ROOT,
     discovery: Discovery | None = None,
     render: bool = True,
+    check: bool = False,
 ) -> Catalogue:
     """Read the whole course. Never raises for a malformed module or exercise: see `Catalogue.problems`.
 
-    `code` holds `graders/` and `reference/`, which versions cover. With `render=False` statements are not
-    rendered ahead (a command that only grades has no use for them), so their faults are not looked for.
+    `code` holds `graders/` and `reference/`, which versions cover. Rendering all the texts takes seconds, most of it
+    for the formulas. With `render=False` a text is rendered when it is looked at, and its faults are not looked for;
+    with `check=True` too, all of its faults are, but for those of formulas.
     """
+    look = Look.drawn if render else Look.read if check else Look.no
     if discovery is None:
         from graders.catalogue import discover
 
         discovery = discover()
     problems = [Problem(one.path, one.line, one.message) for one in discovery.problems]
     sources = Sources(curriculum, code, discovery)
-    modules = _each(problems, lambda path: _module(sources, path, problems, render), _modules(curriculum))
+    modules = _each(problems, lambda path: _module(sources, path, problems, look), _modules(curriculum))
     modules.sort(key=lambda one: (one.order, one.slug))
     problems.extend(_orphans(sources))
     return Catalogue(MappingProxyType({one.slug: one for one in modules}), tuple(problems))
@@ -78,13 +94,20 @@ def _exercises(module: Path) -> list[Path]:
     return sorted(path for path in folder.iterdir() if path.is_dir()) if folder.is_dir() else []
 
 
-def _module(sources: Sources, path: Path, problems: list[Problem], render: bool) -> Module:
+def _module(sources: Sources, path: Path, problems: list[Problem], look: Look) -> Module:
     if not MODULE_SLUG.fullmatch(path.name):
         raise CatalogueFault(Problem(path, None, "nom de module : des minuscules puis un nombre, comme « l20 »"))
     card = toml_file.read(path / "module.toml", ModuleFile)
     kit = _python(path / "kit" / f"{path.name}.py")
-    exercises = _each(problems, lambda folder: _exercise(sources, path, folder, render), _exercises(path))
+    library = Library(path, drawings.read(path / "figures", problems), problems)
+    sources = replace(sources, names=library.names)
+    exercises = _each(problems, lambda folder: _exercise(sources, path, folder), _exercises(path))
     exercises.sort(key=lambda one: (one.stars, one.order, one.slug))
+    library.exercises.update({one.slug: one.title for one in exercises})
+    if look is not Look.no:
+        exercises = [one for one in exercises if not _note(problems, _faults(one, look))]
+        _note(problems, library.check(formulas=look is Look.drawn))
+        _note(problems, _lost(path, exercises, library))
     return Module(
         slug=path.name,
         title=card.title,
@@ -100,11 +123,35 @@ def _module(sources: Sources, path: Path, problems: list[Problem], render: bool)
         order=card.order,
         kit=kit,
         exercises=tuple(exercises),
-        drawings=MappingProxyType(drawings.read(path / "figures", problems)),
+        documents=library.documents,
+        glossary=MappingProxyType(library.glossary),
+        drawings=MappingProxyType(library.drawings),
     )
 
 
-def _exercise(sources: Sources, module: Path, path: Path, render: bool) -> Exercise:
+def _note(problems: list[Problem], found: Iterable[Problem]) -> bool:
+    """True where there were some."""
+    before = len(problems)
+    problems.extend(found)
+    return len(problems) > before
+
+
+def _faults(exercise: Exercise, look: Look) -> Iterator[Problem]:
+    for text in (exercise.statement, *exercise.hint_texts):
+        yield from problems_of(text, formulas=look is Look.drawn)
+
+
+def _lost(module: Path, exercises: list[Exercise], library: Library) -> Iterator[Problem]:
+    """Exercises that are said to follow a page that does not exist."""
+    pages = {one.slug for one in library.documents}
+    for one in exercises:
+        if one.seance and one.seance not in pages:
+            path = module / "exercices" / one.slug / "exercise.toml"
+            line = toml_file.line_of(toml_file.read_text(path), ("seance",))
+            yield Problem(path, line, f"« seance » : page inconnue « {one.seance} »")
+
+
+def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
     if not EXERCISE_SLUG.fullmatch(path.name):
         raise CatalogueFault(Problem(path, None, "nom d’exercice : minuscules, chiffres et « _ »"))
     card = toml_file.read(path / "exercise.toml", ExerciseFile)
@@ -113,7 +160,7 @@ def _exercise(sources: Sources, module: Path, path: Path, render: bool) -> Exerc
         raise CatalogueFault(_no_grader(sources, module.name, path))
     _same_functions(path / "exercise.toml", card, grader.functions)
     solution_path = sources.code / "graders" / module.name / path.name / "solution.py"
-    exercise = Exercise(
+    return Exercise(
         module=module.name,
         slug=path.name,
         title=card.title,
@@ -124,16 +171,13 @@ def _exercise(sources: Sources, module: Path, path: Path, render: bool) -> Exerc
         functions=tuple(FunctionSpec(one.name, one.signature, one.returns, one.doc) for one in card.functions),
         starter=_python(path / "starter.py"),
         solution=_compiles(grader.solution, solution_path),
-        statement=markdown.Source(toml_file.read_text(path / "enonce.md"), path / "enonce.md"),
-        hint_sources=_hints(path / "indices.md"),
+        statement=Text(Source(toml_file.read_text(path / "enonce.md"), path / "enonce.md", names=sources.names)),
+        hint_texts=_hints(path / "indices.md", sources.names),
         grader=grader,
         version=_version(sources, module, path),
         seance=card.seance,
         policy_overrides=MappingProxyType(card.limits.overrides()),
     )
-    if render:
-        _render(exercise)
-    return exercise
 
 
 def _no_grader(sources: Sources, module: str, path: Path) -> Problem:
@@ -163,22 +207,22 @@ def _compiles(source: str, path: Path) -> str:
     return source
 
 
-def _hints(path: Path) -> tuple[markdown.Source, markdown.Source, markdown.Source]:
+def _hints(path: Path, names: Callable[[], Names]) -> tuple[Text, Text, Text]:
     text = toml_file.read_text(path)
     titles = list(HINT_TITLE.finditer(text))
     if [title[1] for title in titles] != ["1", "2", "3"]:
         line = text[: titles[-1].start()].count("\n") + 1 if titles else 1
         raise CatalogueFault(Problem(path, line, "il faut trois parties : « ## Indice 1 », « 2 » puis « 3 »"))
     ends = [*(title.start() for title in titles[1:]), len(text)]
-    one, two, three = (_part(path, text, title.end(), end) for title, end in zip(titles, ends, strict=True))
+    one, two, three = (_part(path, text, title.end(), end, names) for title, end in zip(titles, ends, strict=True))
     return one, two, three
 
 
-def _part(path: Path, text: str, start: int, end: int) -> markdown.Source:
+def _part(path: Path, text: str, start: int, end: int, names: Callable[[], Names]) -> Text:
     line = text[:start].count("\n") + 1
     if not text[start:end].strip():
         raise CatalogueFault(Problem(path, line, "indice vide"))
-    return markdown.Source(text[start:end], path, line)
+    return Text(Source(text[start:end], path, line, names=names))
 
 
 def _version(sources: Sources, module: Path, path: Path) -> str:
@@ -194,13 +238,6 @@ def _version(sources: Sources, module: Path, path: Path) -> str:
             *((f"module/{one.name}", one) for one in shared),
         ]
     )
-
-
-def _render(exercise: Exercise) -> None:
-    try:
-        _ = exercise.statement_html, exercise.hints
-    except markdown.MarkupError as error:
-        raise CatalogueFault(Problem(error.path, error.line, error.message)) from error
 
 
 def _orphans(sources: Sources) -> Iterator[Problem]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -22,6 +22,7 @@ MESSAGES = {
     "int_type": "« {field} » doit être un nombre entier",
     "list_type": "« {field} » doit être une liste",
     "too_short": "« {field} » est vide",
+    "plain_text": "« {field} » : ni formule ni code dans ce texte",
 }
 
 
@@ -38,14 +39,31 @@ def read_text(path: Path) -> str:
 
 def read(path: Path, model: type[M]) -> M:
     """Read and validate. Raises CatalogueFault with the place of the first fault."""
-    text = read_text(path)
+    return parse(read_text(path), path, model)
+
+
+def parse(text: str, path: Path, model: type[M], first_line: int = 1) -> M:
+    """Validate a TOML text that stands at `first_line` of a file. Raises CatalogueFault like `read`."""
+    return validated(load(text, path, first_line), text, path, model, first_line=first_line)
+
+
+def validated(values: object, text: str, path: Path, model: type[M], at: Location = (), first_line: int = 1) -> M:
+    """Validate what stands at `at` in the TOML text. Raises CatalogueFault with the place of the first fault."""
     try:
-        return model.model_validate(tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
-        raise CatalogueFault(Problem(path, syntax_line(text, error), f"TOML mal formé ({error})")) from error
+        return model.model_validate(values)
     except ValidationError as error:
         first = error.errors()[0]
-        raise CatalogueFault(Problem(path, line_of(text, first["loc"]), describe(first["type"], first))) from error
+        line = line_of(text, (*at, *first["loc"])) + first_line - 1
+        raise CatalogueFault(Problem(path, line, describe(first["type"], first))) from error
+
+
+def load(text: str, path: Path, first_line: int = 1) -> dict[str, Any]:
+    """The values of a TOML text. Raises CatalogueFault when it is not TOML."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        line = syntax_line(text, error) + first_line - 1
+        raise CatalogueFault(Problem(path, line, f"TOML mal formé ({error})")) from error
 
 
 def describe(kind: str, fault: object) -> str:

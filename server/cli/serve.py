@@ -39,7 +39,7 @@ def run(arguments: Namespace) -> int:
             signal.signal(number, _leave)
         probing = start_probing()
         _migrate(settings)
-        catalogue = load()
+        catalogue = load(render=False, check=True)
         require_safe_sandbox(probing)
         app = create_app(settings, catalogue=catalogue)
         gc.freeze()  # what is loaded stays: no collection, while someone waits for an answer, needs to look at it again
@@ -140,7 +140,7 @@ def _address(listener: socket.socket) -> str:
 
 def _announce(settings: Settings, catalogue: Catalogue, address: str) -> None:
     for problem in catalogue.problems:
-        print(f"Exercice écarté — {problem}")
+        print(f"À corriger dans le cours — {problem}")
     print(f"\nBalise est prête : {address}/")
     print("  Étudiants : ouvrez cette adresse ; on y travaille comme invité, sans rien créer.")
     link = _teacher_link(settings)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
 from server.catalogue import Catalogue
-from server.catalogue.models import Document, Heading, Kind, Rendered, Section, Term
+from server.catalogue.models import Cell, Document, Heading, Kind, Section, Term
 
 BODY = """
 <h2 id="s-un">Un <em>début</em></h2>
@@ -32,8 +32,20 @@ SECTIONS = (
 )
 
 
+@dataclass(frozen=True)
+class Made:
+    """A text as if it had been read and rendered."""
+
+    html: str
+    headings: tuple[Heading, ...] = ()
+    sections: tuple[Section, ...] = ()
+    figures: tuple[str, ...] = ()
+    replays: tuple[str, ...] = ()
+    cells: tuple[Cell, ...] = ()
+
+
 def document(slug: str, kind: Kind = "seance", **changes: Any) -> Document:
-    rendered = Rendered(BODY, HEADINGS, SECTIONS, figures=changes.pop("figures", ()))
+    made = Made(BODY, HEADINGS, SECTIONS, figures=changes.pop("figures", ()))
     return Document(
         **{
             "module": "m9",
@@ -45,14 +57,14 @@ def document(slug: str, kind: Kind = "seance", **changes: Any) -> Document:
             "minutes": 90,
             "summary": f"Résumé de {slug}.",
             "objectives": ("Lire <vite> & bien.",),
-            "render": lambda: rendered,
+            "text": made,
             **changes,
         }
     )
 
 
 def term(name: str, word: str, page: str = "depart") -> Term:
-    return Term(name, word, f"Le sens de {word}.", page, lambda: f"Le sens de <em>{word}</em>.")
+    return Term(name, word, page, Made(f"Le sens de <em>{word}</em>.", (), (Section("", "", f"Le sens de {word}."),)))
 
 
 def with_texts(catalogue: Catalogue) -> Catalogue:

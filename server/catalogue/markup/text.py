@@ -1,0 +1,144 @@
+"""What a text is made from, what it may speak of, and what can be wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+SLUG = r"[a-z0-9]+(?:[-_][a-z0-9]+)*"
+GLOSSARY = "glossaire"  # its page is written by no one
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Something that would not come out as its author meant. `line` is a line of the file."""
+
+    line: int
+    message: str
+
+
+class Unresolved(Exception):
+    """A link that leads nowhere; the message says why."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """What a label stands for: a block or an equation of a page. `number` is 0 where it has none."""
+
+    kind: str
+    noun: str
+    number: int
+    page: str
+    line: int
+
+    @property
+    def name(self) -> str:
+        """« théorème 1 », « (3) »; empty where nothing can be said without a number."""
+        if not self.number:
+            return ""
+        return f"({self.number})" if self.kind == "equation" else f"{self.noun}\u00a0{self.number}"
+
+
+@dataclass(frozen=True)
+class PageName:
+    """A page that can be linked to, and the places in it. `figures` have their numbers."""
+
+    title: str
+    anchors: Collection[str]
+    figures: Mapping[str, int]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A drawing as a page shows it; sizes are in CSS pixels."""
+
+    alt: str
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class Link:
+    """Where a link leads, and what to write where its author wrote nothing."""
+
+    href: str
+    text: str
+    term: str = ""
+    external: bool = False
+
+
+@dataclass(frozen=True)
+class Names:
+    """Everything that the texts of a module may speak of, by name."""
+
+    module: str = ""
+    labels: Mapping[str, Target] = field(default_factory=dict)
+    pages: Mapping[str, PageName] = field(default_factory=dict)
+    exercises: Mapping[str, str] = field(default_factory=dict)
+    terms: Mapping[str, str] = field(default_factory=dict)
+    pictures: Mapping[str, Picture] = field(default_factory=dict)
+    replays: Collection[str] = ()
+
+    def link(self, target: str, page: str) -> Link:
+        """Where `target`, written in `page`, leads. Raises Unresolved."""
+        scheme, _, rest = target.partition(":")
+        if target.startswith("#"):
+            return self._label(target[1:], page)
+        if scheme == "page":
+            return self._page(*rest.partition("#")[::2])
+        if scheme == "exo":
+            return Link(f"/{self.module}/exercices/{rest}", _known(self.exercises, rest, "exercice inconnu"))
+        if scheme == "terme":
+            word = _known(self.terms, rest, "terme inconnu du glossaire")
+            return Link(f"/{self.module}/{GLOSSARY}#t-{rest}", word, term=rest)
+        if target.startswith("https://"):
+            return Link(target, "", external=True)
+        raise Unresolved(f"lien inconnu : « {target} » (possibles : #étiquette, page:, exo:, terme:, https://)")
+
+    def _label(self, label: str, page: str) -> Link:
+        here = self.pages.get(page)
+        if here is not None and label in here.anchors:
+            figure = here.figures.get(label.removeprefix("fig-")) if label.startswith("fig-") else None
+            known = self.labels.get(label)
+            return Link(f"#{label}", f"figure\u00a0{figure}" if figure else known.name if known else "")
+        found = self.labels.get(label)
+        if found is None:
+            raise Unresolved(f"étiquette inconnue : « #{label} »")
+        return Link(f"/{self.module}/lire/{found.page}#{label}", found.name)
+
+    def _page(self, slug: str, anchor: str) -> Link:
+        if slug == GLOSSARY:
+            if anchor and anchor.removeprefix("t-") not in self.terms:
+                raise Unresolved(f"terme inconnu du glossaire : « {anchor} »")
+            return Link(f"/{self.module}/{GLOSSARY}" + (f"#{anchor}" if anchor else ""), "glossaire")
+        found = self.pages.get(slug)
+        if found is None:
+            raise Unresolved(f"page inconnue : « {slug} »")
+        if anchor and anchor not in found.anchors:
+            raise Unresolved(f"la page « {slug} » n’a pas de « #{anchor} »")
+        return Link(f"/{self.module}/lire/{slug}" + (f"#{anchor}" if anchor else ""), "" if anchor else found.title)
+
+
+def _known(names: Mapping[str, str], name: str, otherwise: str) -> str:
+    if name not in names:
+        raise Unresolved(f"{otherwise} : « {name} »")
+    return names[name]
+
+
+def no_names() -> Names:
+    return Names()
+
+
+@dataclass(frozen=True)
+class Source:
+    """Markdown and where it comes from; `first_line` is the line of its first character in that file.
+
+    `page` is the slug of the page it is, if it is one: labels, figures, replays and cells only stand in pages.
+    """
+
+    text: str
+    path: Path
+    first_line: int = 1
+    page: str = ""
+    names: Callable[[], Names] = no_names
