@@ -30,6 +30,9 @@ from server.queue.postgres import AllSignals, Listener, PostgresSignals
 from server.queue.switchboard import Switchboard
 from server.reading.figures import Drawings
 from server.reading.routes import router as reading_router
+from server.replays.routes import Desk
+from server.replays.routes import router as replays_router
+from server.replays.service import Replays
 from server.settings import Settings
 from server.submissions.events import Events
 from server.submissions.figures import Figures
@@ -144,7 +147,7 @@ def create_app(
     )
     _share(app, services)
     _protect(app, settings)
-    for router in (api_router, accounts_router, pages_router, reading_router, cells_router):
+    for router in (api_router, accounts_router, pages_router, reading_router, cells_router, replays_router):
         app.include_router(router)
     problems.install(app)
     _document(app)
@@ -159,6 +162,7 @@ def _share(app: FastAPI, services: Services) -> None:
     app.state.cells = services.cells
     app.state.figures = Figures(services.catalogue)
     app.state.drawings = Drawings(services.catalogue)
+    app.state.replays = Desk(Replays())
 
 
 def _protect(app: FastAPI, settings: Settings) -> None:

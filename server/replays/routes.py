@@ -1,0 +1,67 @@
+"""The address of a replay's data. Computations go one at a time, in a thread, and never hold up other visitors."""
+
+from __future__ import annotations
+
+import asyncio
+import gzip
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import JSONResponse
+from starlette.concurrency import run_in_threadpool
+
+from server.errors import ServiceError, TooMany
+from server.problems import problem
+from server.replays.parameters import Values
+from server.replays.service import Answer, Replays, Script
+
+MOST_WAITING = 32
+GONE = 499  # the reader has left, or asked for something newer: nobody reads this answer
+router = APIRouter(include_in_schema=False)
+
+
+class Desk:
+    """Where readers wait for their turn: one computation at a time, and a queue that is not endless."""
+
+    def __init__(self, replays: Replays) -> None:
+        self.replays = replays
+        self._turn = asyncio.Semaphore(1)
+        self._waiting = 0
+
+    async def answer(self, request: Request, script: Script, values: Values) -> Answer | None:
+        """None when the reader has left in the meantime. Raises TooMany."""
+        found = self.replays.remembered(script, values)
+        if found is not None:
+            return found
+        if self._waiting >= MOST_WAITING:
+            raise TooMany("Beaucoup d’animations se calculent en ce moment. Réessayez.", retry_after=1)
+        self._waiting += 1
+        try:
+            async with self._turn:
+                if await request.is_disconnected():
+                    return None
+                found = self.replays.remembered(script, values)
+                return found or await run_in_threadpool(self.replays.compute, script, values)
+        finally:
+            self._waiting -= 1
+
+
+@router.get("/{module}/rejeux/{name}")
+async def replay(request: Request, module: str, name: str) -> Response:
+    desk: Desk = request.app.state.replays
+    try:
+        script = await run_in_threadpool(desk.replays.find, module, name)
+        answer = await desk.answer(request, script, script.read(request.query_params.multi_items()))
+    except ServiceError as error:
+        body = problem(request, int(error.status), error.title, error.detail, slug=error.slug)
+        return JSONResponse(body, body["status"], error.headers, "application/problem+json")
+    return Response(status_code=GONE) if answer is None else _sent(request, answer)
+
+
+def _sent(request: Request, answer: Answer) -> Response:
+    tag = f'"{answer.tag}"'
+    headers = {"ETag": tag, "Cache-Control": "no-cache", "Vary": "Accept-Encoding"}
+    if request.headers.get("if-none-match") == tag:
+        return Response(status_code=304, headers=headers)
+    if "gzip" not in request.headers.get("accept-encoding", ""):
+        return Response(gzip.decompress(answer.compressed), media_type="application/json", headers=headers)
+    return Response(answer.compressed, media_type="application/json", headers={**headers, "Content-Encoding": "gzip"})

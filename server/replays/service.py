@@ -1,0 +1,149 @@
+"""Finding replays, reading a reader's settings, computing, and remembering the answers."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import importlib.util
+import json
+import re
+import sys
+import zlib
+from collections import OrderedDict
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from threading import Lock
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from server.catalogue.typography import french
+from server.errors import Invalid, NotFound
+from server.paths import ROOT
+from server.replays.parameters import Draw, Parameter, RefusedError, Value, Values
+from server.replays.scene import Replay
+
+MODULE = re.compile(r"[a-z]+[0-9]+")
+NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
+MEMORY_BYTES = 32 * 1024 * 1024
+LONGEST_VALUE = 80
+NO_REPLAY = "Cette animation n’existe pas."
+
+
+@dataclass(frozen=True, eq=False)
+class Script:
+    """A replay as its author wrote it."""
+
+    name: str
+    title: str
+    alt: str
+    parameters: Mapping[str, Parameter]
+    compute: Callable[[Values, np.random.Generator], Replay]
+
+    def read(self, query: Iterable[tuple[str, str]]) -> Values:
+        """The settings that an address asks for, defaults elsewhere. Raises Invalid, which names the parameter."""
+        given: dict[str, Value] = {}
+        for name, text in query:
+            if name not in self.parameters:
+                raise Invalid(f"Réglage inconnu : « {name[:LONGEST_VALUE]} ».")
+            if name in given:
+                raise Invalid(f"Le réglage « {name} » est donné deux fois.")
+            if len(text) > LONGEST_VALUE:
+                raise Invalid(f"Réglage « {name} » : valeur trop longue.")
+            try:
+                given[name] = self.parameters[name].read(text)
+            except RefusedError as refused:
+                raise Invalid(f"Réglage « {name} » : {refused}.") from refused
+        return Values({name: given.get(name, one.default) for name, one in self.parameters.items()})
+
+    def run(self, values: Values) -> dict[str, Any]:
+        """The whole answer: the same for the same values."""
+        seeds = [values.whole(name) for name, one in self.parameters.items() if isinstance(one, Draw)]
+        rng = np.random.default_rng([zlib.crc32(self.name.encode()), *seeds])
+        scene = self.compute(values, rng)
+        described = [
+            {"name": name, "label": french(one.label), **one.describe()} for name, one in self.parameters.items()
+        ]
+        head = {"title": french(self.title), "alt": french(self.alt), "parameters": described}
+        return {**head, "values": dict(values.by_name), **scene.wire()}
+
+
+@dataclass(frozen=True)
+class Answer:
+    """JSON, compressed, and a tag that changes with it."""
+
+    compressed: bytes
+    tag: str
+
+
+class Replays:
+    """The replays of a course; remembers the latest answers, up to so many bytes."""
+
+    def __init__(self, curriculum: Path = ROOT / "curriculum", memory_bytes: int = MEMORY_BYTES) -> None:
+        self._curriculum, self._most = curriculum, memory_bytes
+        self._answers: OrderedDict[tuple[Script, tuple[Value, ...]], Answer] = OrderedDict()
+        self._size = 0
+        self._lock = Lock()
+
+    def names(self, module: str) -> tuple[str, ...]:
+        """The replays of a module, as addresses name them."""
+        return names_in(self._curriculum / module) if MODULE.fullmatch(module) else ()
+
+    def find(self, module: str, name: str) -> Script:
+        """Raises NotFound."""
+        if name not in self.names(module):
+            raise NotFound(NO_REPLAY)
+        return load(self._curriculum / module, name)
+
+    def remembered(self, script: Script, values: Values) -> Answer | None:
+        with self._lock:
+            key = _key(script, values)
+            if key in self._answers:
+                self._answers.move_to_end(key)
+            return self._answers.get(key)
+
+    def compute(self, script: Script, values: Values) -> Answer:
+        """Slow (tenths of a second): call it in a thread, one at a time."""
+        body = json.dumps(script.run(values), ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
+        answer = Answer(gzip.compress(body, 6, mtime=0), hashlib.sha256(body).hexdigest()[:24])
+        with self._lock:
+            self._remember(_key(script, values), answer)
+        return answer
+
+    def _remember(self, key: tuple[Script, tuple[Value, ...]], answer: Answer) -> None:
+        former = self._answers.pop(key, None)
+        self._size += len(answer.compressed) - (len(former.compressed) if former else 0)
+        self._answers[key] = answer
+        while self._size > self._most and len(self._answers) > 1:
+            self._size -= len(self._answers.popitem(last=False)[1].compressed)
+
+
+def _key(script: Script, values: Values) -> tuple[Script, tuple[Value, ...]]:
+    return script, tuple(values.by_name.values())
+
+
+def names_in(module: Path) -> tuple[str, ...]:
+    """The names of the replays in a module's folder `rejeux`; files that begin with _ are helpers."""
+    files = sorted((module / "rejeux").glob("*.py"))
+    return tuple(name for one in files if NAME.fullmatch(name := one.stem.replace("_", "-")))
+
+
+@lru_cache(maxsize=256)
+def load(module: Path, name: str) -> Script:
+    """A replay read from its file; an error in the file is raised as it is."""
+    source = _imported(module / "rejeux" / f"{name.replace('-', '_')}.py")
+    return Script(name, source.TITLE, source.ALT, dict(source.PARAMETERS), source.compute)
+
+
+def _imported(path: Path) -> ModuleType:
+    name = f"rejeux_{hashlib.sha256(str(path).encode()).hexdigest()[:12]}_{path.stem}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # dataclasses look their module up there
+    spec.loader.exec_module(module)
+    return module
