@@ -13,6 +13,7 @@ await build({
     "src/js/exercise.js",
     "src/js/reading.js",
     "src/js/cells.js",
+    "src/js/replays/index.js",
     "src/css/app.css",
   ],
   chunkNames: "js/[name]-[hash]",

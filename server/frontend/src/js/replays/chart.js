@@ -1,0 +1,231 @@
+// Curves under the drawing: what is past stands out, what is to come is faint, and the cursor follows the frame.
+
+import { css } from "./colours.js";
+import { decimal, lowered, make } from "./dom.js";
+
+const HEIGHT = 150;
+const MARGIN = { top: 8, right: 12, bottom: 36 };
+
+export class Chart {
+  constructor(data, seek) {
+    this.canvas = make("canvas", { role: "img", "aria-label": data.title.replace(/_\{([^}]*)\}/g, " $1") });
+    this.values = data.series.map(() => make("b", { "aria-hidden": "true" }));
+    const keys = data.series.map((series, i) =>
+      make("li", {}, swatch(series), make("span", {}, ...lowered(series.label)), this.values[i]),
+    );
+    this.element = make(
+      "div", { class: "replay-chart" },
+      make("p", { class: "replay-chart-title" }, ...lowered(data.title)),
+      make("ul", { class: "replay-keys", role: "list" }, ...keys),
+      this.canvas,
+    ); // prettier-ignore
+    this.data = data;
+    this.#followPointer(seek);
+  }
+
+  /** Take other data of the same shape. */
+  update(data) {
+    this.data = data;
+  }
+
+  #followPointer(seek) {
+    const go = (event) => {
+      const px = event.clientX - this.canvas.getBoundingClientRect().left;
+      const gaps = this.data.cursor.map((x) => Math.abs(this.plot.x(x) - px));
+      seek(gaps.indexOf(Math.min(...gaps)));
+    };
+    this.canvas.addEventListener("pointerdown", (event) => {
+      if (event.pointerType === "mouse") this.canvas.setPointerCapture(event.pointerId);
+      go(event);
+    });
+    this.canvas.addEventListener("pointermove", (event) => {
+      if (this.canvas.hasPointerCapture(event.pointerId)) go(event);
+    });
+  }
+
+  paint(position, colours) {
+    const ctx = this.canvas.getContext("2d");
+    const density = window.devicePixelRatio || 1;
+    const width = this.canvas.parentElement.clientWidth;
+    const [wide, tall] = [Math.max(1, Math.round(width * density)), Math.round(HEIGHT * density)];
+    if (wide !== this.canvas.width || tall !== this.canvas.height) [this.canvas.width, this.canvas.height] = [wide, tall];
+    ctx.setTransform(density, 0, 0, density, 0, 0);
+    ctx.clearRect(0, 0, width, HEIGHT);
+    ctx.font = `12px ${getComputedStyle(this.canvas).fontFamily}`;
+    this.#layout(ctx, width);
+    this.#axes(ctx, colours);
+    const { cursor, series } = this.data;
+    const index = Math.min(Math.floor(position), cursor.length - 1);
+    const next = cursor[Math.min(index + 1, cursor.length - 1)];
+    const now = cursor[index] + (position - index) * (next - cursor[index]);
+    for (const one of series) this.#curve(ctx, one, colours, now);
+    this.#lines(ctx, colours);
+    this.#cursor(ctx, colours, now);
+    series.forEach((one, i) => this.#say(i, one, cursor[index]));
+  }
+
+  #layout(ctx, width) {
+    const xs = [...this.data.series.flatMap((one) => one.x), ...this.data.cursor];
+    const ys = [...this.data.series.flatMap((one) => one.y), ...this.data.levels.map((one) => one.y)];
+    const [x0, x1] = widened(Math.min(...xs), Math.max(...xs));
+    const known = ys.filter((y) => y !== null && (!this.data.logarithmic || y > 0));
+    const [low, high] = this.data.yRange;
+    const [y0, y1] = widened(low ?? Math.min(...known), high ?? Math.max(...known) * 1.04);
+    const level = this.data.logarithmic ? Math.log10 : (y) => y;
+    const ticks = this.data.logarithmic ? powers(y0, y1) : nice(y0, y1, 4);
+    const labels = ticks.map((tick) => written(tick, ticks));
+    const left = 10 + Math.max(...labels.map((label) => ctx.measureText(label).width));
+    const [right, bottom] = [width - MARGIN.right, HEIGHT - MARGIN.bottom];
+    const [from, to] = [level(y0), level(y1)];
+    this.plot = {
+      left, right, bottom, ticks, labels, xTicks: nice(x0, x1, Math.max(2, Math.floor((right - left) / 80))),
+      x: (x) => left + ((right - left) * (x - x0)) / (x1 - x0),
+      y: (y) => bottom - ((bottom - MARGIN.top) * (level(Math.max(y, this.data.logarithmic ? y0 : -Infinity)) - from)) / (to - from),
+    }; // prettier-ignore
+  }
+
+  #axes(ctx, colours) {
+    const { left, right, bottom, ticks, labels, xTicks, x, y } = this.plot;
+    ctx.lineWidth = 1;
+    ctx.fillStyle = css(colours.ink, 0.75);
+    ctx.textBaseline = "middle";
+    ctx.textAlign = "right";
+    ticks.forEach((tick, i) => {
+      ctx.strokeStyle = css(colours.faint, 0.7);
+      stroke(ctx, [left, y(tick)], [right, y(tick)]);
+      ctx.fillText(labels[i], left - 6, y(tick));
+    });
+    ctx.textAlign = "center";
+    ctx.textBaseline = "top";
+    for (const tick of xTicks) ctx.fillText(written(tick, xTicks), x(tick), bottom + 5);
+    ctx.fillText(this.data.xLabel, (left + right) / 2, bottom + 20, right - left);
+  }
+
+  #curve(ctx, { x, y, color, style }, colours, now) {
+    for (const [from, to, opacity] of [[-Infinity, now, 1], [now, Infinity, 0.22]]) {
+      const [a, b] = [from, to].map((edge) => Math.min(Math.max(this.plot.x(edge), -1e4), 1e4));
+      ctx.save();
+      ctx.beginPath();
+      ctx.rect(a - (opacity < 1 ? 0 : 4), 0, b - a + (opacity < 1 ? 0 : 4), HEIGHT);
+      ctx.clip();
+      ctx.strokeStyle = ctx.fillStyle = css(colours[color], opacity);
+      ctx.lineWidth = 2;
+      ctx.lineJoin = "round";
+      if (style === "dashed") ctx.setLineDash([5, 4]);
+      this.#trace(ctx, x, y, style);
+      ctx.restore();
+    }
+  }
+
+  #trace(ctx, x, y, style) {
+    ctx.beginPath();
+    let [down, last] = [false, 0];
+    x.forEach((value, i) => {
+      const [px, py] = [this.plot.x(value), y[i] === null ? NaN : this.plot.y(y[i])];
+      if (style === "dots" && y[i] !== null) {
+        ctx.moveTo(px + 2.5, py);
+        ctx.arc(px, py, 2.5, 0, 2 * Math.PI);
+      } else if (style === "bars" && y[i] !== null) {
+        ctx.rect(px - 2, py, 4, this.plot.bottom - py);
+      } else if (y[i] !== null) {
+        if (!down) ctx.moveTo(px, py);
+        else if (style === "steps") ctx.lineTo(px, last);
+        if (down) ctx.lineTo(px, py);
+      }
+      [down, last] = [y[i] !== null, py];
+    });
+    if (style === "dots" || style === "bars") ctx.fill();
+    else ctx.stroke();
+  }
+
+  #lines(ctx, colours) {
+    const { left, right, bottom, x, y } = this.plot;
+    ctx.textBaseline = "bottom";
+    for (const level of this.data.levels) {
+      ctx.strokeStyle = ctx.fillStyle = css(colours[level.color], 0.8);
+      ctx.setLineDash([2, 3]);
+      stroke(ctx, [left, y(level.y)], [right, y(level.y)]);
+      ctx.textAlign = "right";
+      haloed(ctx, colours, level.label, right, y(level.y) - 2 < 14 ? y(level.y) + 16 : y(level.y) - 2);
+    }
+    for (const mark of this.data.marks) {
+      const px = x(mark.x);
+      ctx.strokeStyle = ctx.fillStyle = css(colours[mark.color]);
+      ctx.setLineDash([4, 3]);
+      stroke(ctx, [px, MARGIN.top], [px, bottom]);
+      ctx.textAlign = px > (left + right) / 2 ? "right" : "left";
+      haloed(ctx, colours, mark.label, px + (px > (left + right) / 2 ? -4 : 4), MARGIN.top + 12);
+    }
+    ctx.setLineDash([]);
+  }
+
+  #cursor(ctx, colours, now) {
+    ctx.strokeStyle = css(colours.ink, 0.6);
+    ctx.lineWidth = 1.5;
+    stroke(ctx, [this.plot.x(now), MARGIN.top - 4], [this.plot.x(now), this.plot.bottom]);
+  }
+
+  /** The value of a curve at the frame that is shown, beside its name. */
+  #say(i, { x, y }, now) {
+    const at = x.findLastIndex((value, k) => value <= now + 1e-9 && y[k] !== null);
+    this.values[i].textContent = at < 0 ? "" : ` ${short(y[at])}`;
+  }
+}
+
+function haloed(ctx, colours, words, x, y) {
+  ctx.save();
+  ctx.setLineDash([]);
+  ctx.lineWidth = 4;
+  ctx.strokeStyle = css(colours.surface, 0.85);
+  ctx.strokeText(words, x, y);
+  ctx.restore();
+  ctx.fillText(words, x, y);
+}
+
+function stroke(ctx, from, to) {
+  ctx.beginPath();
+  ctx.moveTo(...from);
+  ctx.lineTo(...to);
+  ctx.stroke();
+}
+
+function swatch({ color, style }) {
+  const shape = { dots: "dot", bars: "area", dashed: "dashed" }[style] ?? "line";
+  return make("i", { class: `replay-mark replay-mark-${shape}`, style: `color: var(--replay-${color})` });
+}
+
+function widened(low, high) {
+  return high > low ? [low, high] : [low, low + 1];
+}
+
+/** About `wanted` round numbers between two. */
+function nice(low, high, wanted) {
+  const rough = (high - low) / wanted;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].find((one) => one * power >= rough) * power;
+  const first = Math.ceil(low / step - 1e-9);
+  return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, i) => (first + i) * step);
+}
+
+function powers(low, high) {
+  const [first, last] = [Math.ceil(Math.log10(low) - 1e-9), Math.floor(Math.log10(high) + 1e-9)];
+  const step = Math.max(1, Math.ceil((last - first) / 4));
+  return Array.from({ length: Math.floor((last - first) / step) + 1 }, (_, i) => 10 ** (first + i * step));
+}
+
+const SUPER = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+
+function written(tick, ticks) {
+  const size = Math.abs(Math.log10(Math.abs(tick) || 1));
+  if (size >= 4.5) {
+    const exponent = String(Math.round(Math.log10(tick))).replace("-", "⁻").replace(/\d/g, (digit) => SUPER[digit]);
+    return `10${exponent}`;
+  }
+  const step = ticks.length > 1 ? Math.min(...ticks.slice(1).map((one, i) => Math.abs(one - ticks[i]))) : 1;
+  return decimal(tick, Math.max(0, Math.min(4, -Math.floor(Math.log10(step) + 1e-9))));
+}
+
+function short(value) {
+  const size = Math.abs(value);
+  return decimal(value, size >= 100 || Number.isInteger(value) ? 0 : size >= 10 ? 1 : size >= 0.1 ? 2 : 4);
+}

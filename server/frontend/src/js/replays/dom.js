@@ -1,0 +1,36 @@
+// Small helpers to build what a player is made of.
+
+/** An element with attributes (false and null are left out), listeners (`onclick`…) and children. */
+export function make(tag, attributes = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
+    else if (value === true) element.setAttribute(name, "");
+    else if (value !== false && value !== null) element.setAttribute(name, value);
+  }
+  element.append(...children);
+  return element;
+}
+
+const SVG = "http://www.w3.org/2000/svg";
+
+/** A drawing of 24 × 24 made of one path. */
+export function icon(path) {
+  const svg = document.createElementNS(SVG, "svg");
+  svg.setAttribute("viewBox", "0 0 24 24");
+  svg.setAttribute("aria-hidden", "true");
+  const line = document.createElementNS(SVG, "path");
+  line.setAttribute("d", path);
+  svg.append(line);
+  return svg;
+}
+
+/** Text in which _{…} is lowered. */
+export function lowered(text) {
+  const parts = text.split(/_\{([^}]*)\}/);
+  return parts.map((part, i) => (i % 2 ? make("sub", {}, part) : part));
+}
+
+export function decimal(value, decimals) {
+  return value.toFixed(decimals).replace("-", "−").replace(".", ",");
+}

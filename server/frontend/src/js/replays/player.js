@@ -1,0 +1,203 @@
+// One replay: its data, the moment that is shown, and the passing of time.
+
+import { Chart } from "./chart.js";
+import { onThemeChange, readColours } from "./colours.js";
+import { Settings, Transport } from "./controls.js";
+import { lowered, make } from "./dom.js";
+import { Drag } from "./drag.js";
+import { Source } from "./source.js";
+import { Stage } from "./stage.js";
+
+const STILL = window.matchMedia("(prefers-reduced-motion: reduce)");
+
+export class Player {
+  #position = 0;
+  #playing = false;
+  #speed = 1;
+  #last = 0;
+  #asked = false;
+
+  constructor(figure) {
+    this.figure = figure;
+    this.canvas = make("canvas", { class: "replay-canvas", tabindex: "0", role: "img" });
+    this.caption = make("p", { class: "replay-caption" });
+    this.summary = make("div", { class: "replay-summary", "aria-live": "polite" });
+    this.status = make("div", { class: "replay-status", role: "status" }, "Calcul en cours…");
+    this.legend = make("ul", { class: "replay-keys", role: "list" });
+    this.title = make("p", { class: "replay-title" });
+    this.charts = make("div", { class: "replay-charts" });
+    this.transport = new Transport({
+      toggle: () => this.toggle(),
+      step: (by) => this.seek(Math.round(this.#position) + by),
+      seek: (to) => this.seek(to),
+      speed: (to) => (this.#speed = to),
+    });
+    this.stage = new Stage(this.canvas);
+    this.drag = new Drag(this.stage, {
+      moved: (name, pose) => this.settings.set(name, pose),
+      held: (held) => this.summary.setAttribute("aria-busy", String(held)),
+    });
+    this.plots = [];
+    this.source = new Source(figure.dataset.source, {
+      answered: (data) => this.#take(data),
+      failed: (error) => this.#fail(error),
+      waiting: (waiting) => this.figure.classList.toggle("replay-waiting", waiting),
+    });
+    this.body = make("div", { class: "replay-body" });
+    this.root = figure.querySelector(".replay-stage");
+    this.root.replaceChildren(this.status, this.body);
+    this.root.addEventListener("keydown", (event) => this.#key(event));
+    new ResizeObserver(() => this.#resized()).observe(this.root);
+    onThemeChange(() => this.#dress());
+  }
+
+  /** Called when the figure comes near the screen, and when it leaves it. */
+  near(visible) {
+    if (visible && !this.#asked) {
+      this.#asked = true;
+      this.source.ask({});
+    }
+    if (!visible) this.pause();
+  }
+
+  toggle() {
+    if (this.#playing) {
+      this.pause();
+      return;
+    }
+    if (this.#position >= this.data.frames.length - 1) this.#position = 0;
+    this.#playing = true;
+    this.#last = performance.now();
+    requestAnimationFrame((now) => this.#tick(now));
+    this.#draw();
+  }
+
+  pause() {
+    if (!this.#playing) return;
+    this.#playing = false;
+    this.#position = Math.floor(this.#position + 1e-6);
+    this.#draw();
+  }
+
+  seek(index) {
+    this.#playing = false;
+    this.#position = Math.min(Math.max(index, 0), this.data.frames.length - 1);
+    this.#draw();
+  }
+
+  #tick(now) {
+    if (!this.#playing) return;
+    const end = this.data.frames.length - 1;
+    const elapsed = Math.max(0, now - this.#last) / 1000; // the first time of a frame may lie before the button's
+    this.#position = Math.min(end, this.#position + elapsed * (this.#speed / this.data.period));
+    this.#last = now;
+    if (this.#position >= end || document.hidden) this.#playing = false;
+    this.#draw();
+    if (this.#playing) requestAnimationFrame((next) => this.#tick(next));
+  }
+
+  #take(data) {
+    const first = !this.data;
+    const atEnd = first ? data.beginAtEnd : this.#position >= this.data.frames.length - 1;
+    this.data = data;
+    const last = data.frames.length - 1;
+    this.#position = atEnd ? last : Math.min(this.#position, last);
+    if (first) this.#build(data);
+    this.summary.replaceChildren(...data.summary.map((text) => make("p", {}, ...lowered(text))));
+    this.#showCharts(data.charts);
+    this.#showLegend(data.legend);
+    this.status.hidden = true;
+    this.body.hidden = false;
+    this.stage.show(data);
+    this.#watchPose(data);
+    this.#draw();
+  }
+
+  #build(data) {
+    this.settings = new Settings(data.parameters, data.values, {
+      changed: (settings) => this.source.ask(settings),
+      currentStep: () => this.#frame().step ?? this.#index(),
+    });
+    this.title.replaceChildren(...lowered(data.title));
+    this.canvas.setAttribute("aria-label", data.alt);
+    const view = make("div", { class: "replay-view" }, this.canvas, this.caption);
+    this.body.replaceChildren(this.title, this.legend, view, this.transport.element, this.charts, this.settings.element, this.summary);
+    this.#dress();
+  }
+
+  #showCharts(charts) {
+    const same = this.plots.length === charts.length && charts.every((one, i) => this.plots[i].data.series.length === one.series.length);
+    if (same) charts.forEach((one, i) => this.plots[i].update(one));
+    else {
+      this.plots = charts.map((one) => new Chart(one, (index) => this.seek(index)));
+      this.charts.replaceChildren(...this.plots.map((plot) => plot.element));
+    }
+  }
+
+  #showLegend(legend) {
+    const keys = legend.map(({ symbol, color, label }) =>
+      make("li", {}, make("i", { class: `replay-mark replay-mark-${symbol}`, style: `color: var(--replay-${color})` }), make("span", {}, ...lowered(label))),
+    );
+    this.legend.replaceChildren(...keys);
+  }
+
+  #watchPose(data) {
+    const layer = data.over.find((one) => one.drag);
+    const parameter = layer && data.parameters.find((one) => one.name === layer.drag);
+    if (!this.drag.wish) this.drag.watch(parameter ?? null, layer?.at);
+    if (parameter) this.settings.tell(parameter.name, layer.at); // the robot does not always stand where it was put
+  }
+
+  #index() {
+    return Math.min(Math.floor(this.#position + 1e-6), this.data.frames.length - 1);
+  }
+
+  #frame() {
+    return this.data.frames[this.#index()];
+  }
+
+  #draw() {
+    if (!this.data || !this.colours) return;
+    const index = this.#index();
+    const position = this.#playing && !STILL.matches ? this.#position : index;
+    const wish = this.drag.wish;
+    const ghost = wish ? [{ kind: "pose", at: wish, color: "ink", radius: 0.4, style: "ghost" }] : [];
+    this.stage.paint(position, this.colours, ghost);
+    for (const plot of this.plots) plot.paint(position, this.colours);
+    this.transport.show(index, this.data.frames.length, this.#playing);
+    const words = this.#frame().caption;
+    if (this.words !== words) this.caption.replaceChildren(...lowered((this.words = words)));
+  }
+
+  #dress() {
+    this.colours = readColours(this.root);
+    this.#draw();
+  }
+
+  #resized() {
+    if (this.data) this.stage.resize();
+    this.#draw();
+  }
+
+  #key(event) {
+    if (event.altKey || event.ctrlKey || event.metaKey || !this.data) return;
+    const onCanvas = event.target === this.canvas;
+    if (onCanvas && this.drag.key(event)) event.preventDefault();
+    else if (event.key === " " && (onCanvas || event.target === this.transport.range)) this.#caught(event, () => this.toggle());
+    else if (onCanvas) {
+      const goals = { ArrowRight: this.#index() + 1, ArrowLeft: this.#index() - 1, Home: 0, End: this.data.frames.length - 1 };
+      if (event.key in goals) this.#caught(event, () => this.seek(goals[event.key]));
+    }
+  }
+
+  #caught(event, act) {
+    event.preventDefault();
+    act();
+  }
+
+  #fail(error) {
+    const again = make("button", { type: "button", class: "button", onclick: () => this.source.ask(this.settings?.asked() ?? {}) }, "Réessayer");
+    this.status.hidden = false;
+    this.status.replaceChildren(make("span", {}, `Cette animation n’a pas pu être chargée. ${error.message}`), again);
+  }
+}

@@ -1,0 +1,44 @@
+// Answers from the server: one request at a time, and of the wishes that come in meanwhile only the last one counts.
+
+export class Source {
+  #wanted = null;
+  #busy = false;
+
+  constructor(address, { answered, failed, waiting }) {
+    this.address = address;
+    this.answered = answered;
+    this.failed = failed;
+    this.waiting = waiting;
+  }
+
+  /** Ask for the data with these settings, `{name: text}`. */
+  async ask(settings) {
+    this.#wanted = settings;
+    if (this.#busy) return;
+    this.#busy = true;
+    this.waiting(true);
+    while (this.#wanted) {
+      const asked = this.#wanted;
+      this.#wanted = null;
+      try {
+        const data = await this.#fetch(asked);
+        this.answered(data);
+      } catch (error) {
+        if (!this.#wanted) this.failed(error);
+      }
+    }
+    this.#busy = false;
+    this.waiting(false);
+  }
+
+  async #fetch(settings) {
+    const query = new URLSearchParams(settings).toString();
+    const answer = await fetch(query ? `${this.address}?${query}` : this.address, {
+      headers: { Accept: "application/json" },
+    });
+    if (!answer.headers.get("content-type")?.includes("json")) throw new Error("Le serveur n’a pas pu calculer.");
+    const data = await answer.json();
+    if (!answer.ok) throw new Error(data.detail);
+    return data;
+  }
+}
