@@ -1,0 +1,56 @@
+"""La carte du module, comme la trousse la dessine : une case y mesure une unité, la ligne 0 est en haut."""
+
+from __future__ import annotations
+
+import ast
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from reference.world.grid_map import GridMap
+from server.replays.scene import Grid, View
+
+KIT = Path(__file__).parents[1] / "kit" / "l20.py"
+
+
+@cache
+def carte() -> GridMap:
+    """Le plan de la trousse."""
+    module = ast.parse(KIT.read_text(encoding="utf-8"))
+    values = {
+        target.id: node.value
+        for node in module.body
+        if isinstance(node, ast.Assign)
+        for target in node.targets
+        if isinstance(target, ast.Name)
+    }
+    return GridMap.from_text(ast.literal_eval(values["PLAN"]))
+
+
+def murs() -> Grid:
+    return Grid(~carte().free, "walls")
+
+
+def vue() -> View:
+    height, width = carte().shape
+    return View(0, 0, width, height)
+
+
+def plus_proche_libre(x: float, y: float, marge: float = 0.3) -> tuple[float, float]:
+    """Le point libre le plus proche de (x, y), à `marge` d'un mur au moins quand la case le permet."""
+    free = carte().free
+    rows, columns = np.nonzero(free)
+    height, width = free.shape
+    padded = np.pad(~free, 1, constant_values=True)
+
+    def clamped(values, cells, before, after):
+        low = cells + np.where(before, marge, 0.0)
+        high = cells + 1.0 - np.where(after, marge, 0.0)
+        return np.clip(values, low, high)
+
+    left, right = padded[rows + 1, columns], padded[rows + 1, columns + 2]
+    above, below = padded[rows, columns + 1], padded[rows + 2, columns + 1]
+    near_x, near_y = clamped(x, columns, left, right), clamped(y, rows, above, below)
+    best = int(np.argmin((near_x - x) ** 2 + (near_y - y) ** 2))
+    return float(min(near_x[best], width - 1e-6)), float(min(near_y[best], height - 1e-6))

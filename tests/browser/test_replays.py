@@ -1,0 +1,116 @@
+"""Replays in a real browser: all on one page, played and changed by mouse and keys, in both themes, without a fault."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from server.replays.service import Replays
+from tests.browser.conftest import NewVisit, Page, Visit, sync_api
+
+expect = sync_api.expect
+NAMES = Replays().names("l20")
+HEAD = '<meta charset="utf-8"><title>Essai</title><meta name="viewport" content="width=device-width">'
+PIXELS = """canvas => {
+  const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
+  const context = copy.getContext("2d", { willReadFrequently: true });
+  context.drawImage(canvas, 0, 0);
+  return new Uint32Array(context.getImageData(0, 0, copy.width, copy.height).data.buffer);
+}"""
+COLOURS = f"canvas => new Set(({PIXELS})(canvas)).size"
+CORNER = f"canvas => ({PIXELS})(canvas)[2]"
+
+
+def reading(visitor: Visit, *names: str) -> Page:
+    """A page that holds these replays and nothing else."""
+    visitor.open("/")
+    style = visitor.page.locator("link[href$='css/app.css']").get_attribute("href")
+    assert style
+    scripts = style.replace("css/app.css", "js/")
+    figures = "".join(
+        f'<figure class="replay" id="rejeu-{name}" data-source="/l20/rejeux/{name}">'
+        '<div class="replay-stage"></div><figcaption>Légende.</figcaption></figure>'
+        for name in names
+    )
+    module = f'import {{ enhance }} from "{scripts}replays/index.js"; enhance(document);'
+    head = f'{HEAD}<link rel="stylesheet" href="{style}"><script src="{scripts}theme.js"></script>'
+    body = f'<main class="prose">{figures}</main><script type="module">{module}</script>'
+    page = f'<!doctype html><html lang="fr"><head>{head}</head><body>{body}</body></html>'
+    visitor.page.route("**/essai", lambda route: route.fulfill(body=page, content_type="text/html"))
+    visitor.page.goto(visitor.server.address + "/essai")
+    return visitor.page
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_every_replay_draws_plays_and_follows_the_theme(visit: NewVisit, width: int) -> None:
+    page = reading(visit(width=width, color_scheme="light"), *NAMES)
+    for name in NAMES:
+        figure = page.locator(f"#rejeu-{name}")
+        figure.scroll_into_view_if_needed()
+        canvas = figure.locator("canvas.replay-canvas")
+        expect(canvas).to_be_visible()
+        expect(figure.locator(".replay-summary p").first).not_to_be_empty()
+        expect(canvas).to_have_attribute("aria-label", re.compile(".{100,}"))
+        canvas.focus()
+        page.keyboard.press("Home")
+        expect(figure.locator(".replay-counter")).to_have_text(re.compile(r"^1 / "))
+        page.keyboard.press(" ")
+        expect(figure.locator(".replay-counter")).not_to_have_text(re.compile(r"^1 / "))
+        figure.locator(".replay-play").click()
+        assert canvas.evaluate(COLOURS) > 3
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    last = page.locator("canvas.replay-canvas").last
+    light = last.evaluate(CORNER)
+    page.evaluate("document.documentElement.dataset.theme = 'dark'")
+    page.wait_for_function(f"([canvas, light]) => ({CORNER})(canvas) !== light", arg=[last.element_handle(), light])
+
+
+def test_the_robot_is_dragged_and_moved_with_keys(visit: NewVisit) -> None:
+    page = reading(visit(width=1280), "lidar")
+    canvas, where = page.locator("canvas.replay-canvas"), page.locator(".replay-pose output")
+    expect(where).to_contain_text("x = 11,50, y = 8,20")
+    box = canvas.bounding_box()
+    assert box
+    cell = box["width"] / 24
+    page.mouse.move(box["x"] + 11.5 * cell, box["y"] + 8.2 * cell)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 4.5 * cell, box["y"] + 4.2 * cell, steps=12)
+    page.mouse.up()
+    expect(where).to_contain_text("x = 4,50, y = 4,20")
+    expect(page.locator(".replay-summary")).to_contain_text("x = 4,50 et y = 4,20")
+    canvas.focus()
+    page.keyboard.press("ArrowRight")
+    expect(where).to_contain_text("x = 4,75, y = 4,20")
+    page.keyboard.press("]")
+    expect(where).to_contain_text("θ = 24°")
+    page.get_by_role("button", name="Réglages de départ").click()
+    expect(where).to_contain_text("x = 11,50, y = 8,20")
+
+
+def test_nothing_moves_by_itself_and_nothing_glides_when_motion_is_not_wanted(visit: NewVisit) -> None:
+    page = reading(visit(reduced_motion="reduce"), "lidar")
+    expect(page.locator(".replay-counter")).to_have_text("36 / 36")
+    page.locator("canvas.replay-canvas").focus()
+    page.keyboard.press("Home")
+    page.keyboard.press(" ")
+    expect(page.locator(".replay-counter")).to_have_text("36 / 36")
+
+
+def test_a_server_that_fails_is_said_and_can_be_asked_again(visit: NewVisit) -> None:
+    visitor = visit(expected="500")
+    refuse = {"yes": True}
+
+    def answer(route: sync_api.Route) -> None:
+        if refuse["yes"]:
+            route.fulfill(status=500, body="panne", content_type="text/html")
+        else:
+            route.continue_()
+
+    visitor.page.route("**/l20/rejeux/lidar", answer)
+    page = reading(visitor, "lidar")
+    expect(page.locator(".replay-status")).to_contain_text("n’a pas pu être chargée")
+    refuse["yes"] = False
+    page.get_by_role("button", name="Réessayer").click()
+    expect(page.locator("canvas.replay-canvas")).to_be_visible()
+    expect(page.locator(".replay-status")).to_be_hidden()

@@ -1,0 +1,91 @@
+"""Every replay of L20: within its bounds at its defaults and at the ends of each setting, and the same each time."""
+
+from __future__ import annotations
+
+from itertools import chain
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+
+from server.replays.layers import Color
+from server.replays.service import Replays
+from tests.replays.reading import REPLAYS, scene, size, unpacked
+
+NAMES = REPLAYS.names("l20")
+COLORS = {*get_args(Color)}
+DEFAULT_BYTES, MOST_BYTES = 1_000_000, 4_000_000
+
+
+def extremes(name: str) -> list[dict[str, str]]:
+    """The defaults, each setting at each of its ends, and a few things at once."""
+    found: list[dict[str, str]] = [{}]
+    all_least, all_most = {}, {}
+    for one in scene(name)["parameters"]:
+        ends = ends_of(one)
+        found += [{one["name"]: end} for end in ends]
+        all_least[one["name"]], all_most[one["name"]] = ends[0], ends[-1]
+    return [*found, all_least, all_most]
+
+
+def ends_of(parameter: dict[str, Any]) -> list[str]:
+    match parameter["kind"]:
+        case "slider":
+            return [str(parameter["least"]), str(parameter["most"])]
+        case "choice":
+            return [value for value, _ in parameter["options"]]
+        case "switch":
+            return ["0", "1"]
+        case "event":
+            return ["-1", "0", str(parameter["steps"] - 1)]
+        case "draw":
+            return ["0", str(parameter["count"] - 1)]
+        case "pose":
+            x0, y0, x1, y1 = parameter["box"]
+            return [f"{x0},{y0},-3.1", f"{x1},{y1},3.1"]
+    raise AssertionError(parameter)
+
+
+CASES = [pytest.param(name, case, id=f"{name}-{case}") for name in NAMES for case in extremes(name)]
+
+
+@pytest.mark.parametrize(("name", "settings"), CASES)
+def test_computes_and_holds_together(name: str, settings: dict[str, str]) -> None:
+    body = scene(name, **settings)
+    count = len(body["frames"])
+    assert 1 <= count <= 400
+    assert size(name, **settings) <= (MOST_BYTES if settings else DEFAULT_BYTES)
+    x0, y0, x1, y1 = body["box"]
+    margin = 2.0 * max(x1 - x0, y1 - y0)
+    for layer in chain(body["layers"], body["over"], *(frame["layers"] for frame in body["frames"])):
+        assert layer.get("color", "ink") in COLORS
+        if isinstance(layer.get("at"), dict):
+            points = unpacked(layer["at"]).reshape(-1, 2)
+            assert np.all(points > [x0 - margin, y0 - margin])
+            assert np.all(points < [x1 + margin, y1 + margin])
+    for chart in body["charts"]:
+        assert len(chart["cursor"]) == count
+        assert any(y is not None for series in chart["series"] for y in series["y"])
+    for sentence in body["summary"]:
+        assert sentence[-1] in ".!?»", sentence
+        assert sentence[0].isupper() or sentence[0].isdigit() or sentence[0] == "«", sentence
+    assert len(body["title"]) <= 60
+    assert len(body["alt"]) >= 100
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_computes_the_same_twice(name: str) -> None:
+    fresh = Replays()
+    script = fresh.find("l20", name)
+    values = script.read([])
+    assert fresh.compute(script, values) == REPLAYS.compute(script, values)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_steps_never_go_back(name: str) -> None:
+    body = scene(name)
+    steps = [frame.get("step", k) for k, frame in enumerate(body["frames"])]
+    assert steps == sorted(steps)
+    for one in body["parameters"]:
+        if one["kind"] == "event":
+            assert one["steps"] == steps[-1] + 1
