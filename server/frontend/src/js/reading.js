@@ -18,5 +18,6 @@ if (reading) {
   setUpReadMarks(reading);
   setUpPrinting(reading);
   if (reading.querySelector("section.cell")) import("./cells.js").then(({ enhance }) => enhance(reading));
+  if (reading.querySelector("figure.replay")) import("./replays/index.js").then(({ enhance }) => enhance(reading));
 }
 if (course) showCourseMarks(course);
