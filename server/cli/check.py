@@ -1,7 +1,8 @@
 """`balise check [EXERCISE…]`: what a course's own tests run.
 
-For each exercise: the reference gets full marks, the starter does not, every catalogued misconception is rejected and
-named, each specimen gets the outcome of its folder.
+The texts are rendered, and their figures drawn unless only some exercises are asked for. For each exercise: the
+reference gets full marks, the starter does not, every catalogued misconception is rejected and named, each specimen
+gets the outcome of its folder.
 """
 
 import logging
@@ -15,6 +16,7 @@ from graders.core.grading import Grading
 from graders.core.verdict import Outcome
 from server.catalogue import Exercise, load
 from server.cli.local import find, local_grader, start_probing
+from server.reading import figures
 from server.submissions.service import SEED_BITS
 from server.worker.grading import Grader
 
@@ -44,12 +46,13 @@ def run(arguments: Namespace) -> int:
     logging.basicConfig(level=logging.WARNING, stream=sys.stderr)
     probing, catalogue = start_probing(slow=False), load()
     exercises = [find(catalogue, name) for name in arguments.exercises] or list(catalogue.exercises.values())
-    for problem in catalogue.problems:
+    problems = [*catalogue.problems, *(() if arguments.exercises else figures.faults(catalogue))]
+    for problem in problems:
         print(f"✗ {problem}")
     with local_grader(catalogue, probing) as grader:
         faults = sum(_told(finding) for exercise in exercises for finding in findings(grader, exercise))
-    print(_summary(len(exercises), faults + len(catalogue.problems)))
-    return 1 if faults or catalogue.problems else 0
+    print(_summary(len(exercises), faults + len(problems)))
+    return 1 if faults or problems else 0
 
 
 def _told(finding: Finding) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import sys
 from collections import OrderedDict
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Lock
@@ -12,13 +13,14 @@ from types import ModuleType
 from typing import Literal
 
 from server.catalogue import Catalogue
-from server.catalogue.models import Drawing
+from server.catalogue.models import Drawing, Problem
 from server.errors import NotFound
 
 Theme = Literal["light", "dark"]
 Key = tuple[str, str, Theme]
 NO_FIGURE = "Cette figure n’existe pas."
 KEPT_BYTES = 32 << 20
+THEMES: tuple[Theme, ...] = ("light", "dark")
 
 
 class Drawings:
@@ -78,6 +80,19 @@ def size_fault(drawing: Drawing, drawn: Drawn) -> str:
     width, height = drawn.size
     announced = f'"{drawing.name}": ({drawing.function}, "…", ({width:g}, {height:g}))'
     return f"la figure « {drawing.name} » change de taille ; annoncez-la dans FIGURES : {announced}"
+
+
+def faults(catalogue: Catalogue) -> Iterator[Problem]:
+    """Draw everything, in both themes: what cannot be drawn, or is not of the announced size. Slow."""
+    for module in catalogue.modules.values():
+        for drawing in module.drawings.values():
+            try:
+                light, _dark = (draw(module.slug, drawing, theme, "svg") for theme in THEMES)
+                message = size_fault(drawing, light)
+            except Exception as error:  # whatever an author's function raises is reported with its place
+                message = f"la figure « {drawing.name} » ne se dessine pas ({type(error).__name__}: {error})"
+            if message:
+                yield Problem(drawing.path, drawing.line, message)
 
 
 def load_module(module: str, path: Path) -> ModuleType:

@@ -196,6 +196,7 @@ class _Walk:
             self._refer("bloc", block.label, token)
         elif block.label and self._only_in_pages(token, "une étiquette"):
             self._label(token, block.label, block.kind)
+            self._text.append(f"{LEFT}#{block.label}{RIGHT}")  # « théorème 1 » can be looked for
 
     def _medium(self, token: Token, kind: str, name: str) -> None:
         if not self._only_in_pages(token, "une figure" if kind == "figure" else "un rejeu"):

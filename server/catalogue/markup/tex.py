@@ -24,7 +24,8 @@ SILENT = {
     "overline", "underline", "hat", "widehat", "bar", "tilde", "vec", "dot", "ddot", "quad", "qquad", "begin",
     "end", "tfrac", "dfrac", "frac", "underbrace", "overbrace", "boxed", "hspace", "vspace", "phantom", "tag",
 }  # fmt: skip
-FRACTION = re.compile(r"\\[td]?frac\s*\{([^{}]*)\}\s*\{([^{}]*)\}")
+GROUP = r"\{((?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*)\}"
+FRACTION = re.compile(rf"\\[td]?frac\s*{GROUP}\s*{GROUP}")
 ENVIRONMENT = re.compile(r"\\(?:begin|end)\s*\{[^{}]*\}(?:\{[^{}]*\})?")
 COMMAND = re.compile(r"\\([a-zA-Z]+)\*?")
 
@@ -32,11 +33,12 @@ COMMAND = re.compile(r"\\([a-zA-Z]+)\*?")
 def readable(tex: str) -> str:
     """Lossy on purpose: letters, numbers and signs in their order, without what lays them out."""
     text = ENVIRONMENT.sub(" ", tex).replace("{,}", ",")
-    text = FRACTION.sub(r"\1/\2", text)
+    while FRACTION.search(text):
+        text = FRACTION.sub(r" \1/\2", text)
     text = COMMAND.sub(_command, text)
     text = re.sub(r"\\[\\,;:!> ]", " ", text)
     text = re.sub(r"[{}&$]|\\(?=[|{}%#_&])", "", text)
-    return re.sub(r"\s+", " ", text).strip()
+    return re.sub(r"(?<=[a-z]) \(", "(", re.sub(r"\s+", " ", text)).strip()
 
 
 def _command(match: re.Match[str]) -> str:
@@ -49,4 +51,4 @@ def _command(match: re.Match[str]) -> str:
         size = "CAPITAL" if name[0].isupper() else "SMALL"
         return unicodedata.lookup(f"GREEK {size} LETTER {'lamda' if name.lower() == 'lambda' else name}")
     except KeyError:
-        return name
+        return f" {name} "  # « ln p », « cos θ »

@@ -1,0 +1,141 @@
+"""Full text of a module: its pages by section, its glossary, its exercises. Accents, capitals and plurals do not count.
+
+The index is an SQLite table in memory (FTS5), built at the first search.
+"""
+
+from __future__ import annotations
+
+import re
+import sqlite3
+import unicodedata
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from threading import Lock
+
+from markupsafe import Markup, escape
+
+from server.catalogue import Exercise, Module
+from server.catalogue.models import Document, Term
+from server.catalogue.typography import french
+from server.reading.schemas import HitView
+
+MOST_HITS = 30
+MOST_LETTERS, MOST_WORDS = 200, 8  # what is read of a query
+TITLE_WEIGHT = 6.0
+WORDS_AROUND = 26
+WORD = re.compile(r"[^\W_]+")
+ON, OFF = "\x02", "\x03"
+#: Words that say nothing by themselves, and what an apostrophe leaves of them.
+SMALL = {
+    "a", "au", "aux", "avec", "ce", "ces", "d", "dans", "de", "des", "du", "elle", "en", "est", "et", "il", "j",
+    "l", "la", "le", "les", "leur", "m", "n", "ne", "nous", "on", "ou", "par", "pas", "pour", "qu", "que",
+    "qui", "quoi", "s", "sa", "se", "ses", "son", "sont", "sur", "t", "un", "une", "vous", "y",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A place that can be found. `part` is its title, `label` and `title` say where it stands."""
+
+    href: str
+    label: str
+    title: str
+    part: str
+    text: str
+
+
+def find(module: Module, query: str) -> tuple[HitView, ...]:
+    """The places that speak of all the words of `query`, first where they stand together; failing that, of some."""
+    return _index(module).find(query)
+
+
+@lru_cache(maxsize=16)
+def _index(module: Module) -> Index:
+    return Index(tuple(_passages(module)))
+
+
+class Index:
+    """One table, behind a lock: a search takes about a millisecond."""
+
+    def __init__(self, passages: Sequence[Passage]) -> None:
+        self._passages = passages
+        self._lock = Lock()
+        self._table = sqlite3.connect(":memory:", check_same_thread=False)
+        options = "tokenize = 'unicode61 remove_diacritics 2'"
+        self._table.execute(f"CREATE VIRTUAL TABLE passages USING fts5(title, body, {options})")
+        rows = ((number, _clean(one.part), _clean(one.text)) for number, one in enumerate(passages))
+        self._table.executemany("INSERT INTO passages(rowid, title, body) VALUES (?, ?, ?)", rows)
+
+    def find(self, query: str, most: int = MOST_HITS) -> tuple[HitView, ...]:
+        found = words(query)
+        if not found:
+            return ()
+        together = " + ".join(f'"{word}"' for word in found) + "*"
+        every, some = (joint.join(_beginning(word) for word in found) for joint in (" AND ", " OR "))
+        hits = self._hits(together, most) | self._hits(every, most) or self._hits(some, most)
+        return tuple(hits.values())[:most]
+
+    def _hits(self, match: str, most: int) -> dict[int, HitView]:
+        statement = f"""
+            SELECT rowid, snippet(passages, 1, '{ON}', '{OFF}', '…', {WORDS_AROUND})
+            FROM passages WHERE passages MATCH ? ORDER BY bm25(passages, {TITLE_WEIGHT}, 1.0), rowid LIMIT ?
+        """
+        with self._lock:
+            rows = self._table.execute(statement, (match, most)).fetchall()
+        return {number: _hit(self._passages[number], snippet) for number, snippet in rows}
+
+
+def words(query: str) -> tuple[str, ...]:
+    """The words to look for, each meant as a beginning. Small ones only count where there is no other."""
+    text = unicodedata.normalize("NFC", query[:MOST_LETTERS]).lower()
+    found = list(dict.fromkeys(WORD.findall(text)))
+    telling = [word for word in found if word not in SMALL] or found
+    return tuple(_singular(word) for word in telling[:MOST_WORDS])
+
+
+def _beginning(word: str) -> str:
+    """Numbers are meant as they are: « théorème 1 » is not the tenth."""
+    return f'"{word}"' if word.isdigit() else f'"{word}"*'
+
+
+def _singular(word: str) -> str:
+    """« particules » finds « particule » too (the other way round goes without saying)."""
+    return word[:-1] if len(word) > 3 and word[-1] in "sx" else word
+
+
+def _hit(passage: Passage, snippet: str) -> HitView:
+    marked = str(escape(snippet)).replace(ON, "<mark>").replace(OFF, "</mark>")
+    return HitView(passage.href, passage.label, passage.title, passage.part, Markup(marked))
+
+
+def _clean(text: str) -> str:
+    return text.replace(ON, " ").replace(OFF, " ").replace("\0", " ")
+
+
+def _passages(module: Module) -> Iterator[Passage]:
+    for term in module.glossary.values():
+        yield _of_term(module, term)
+    for document in module.documents:
+        yield from _of_document(document)
+    for exercise in module.exercises:
+        yield _of_exercise(exercise)
+
+
+def _of_term(module: Module, term: Term) -> Passage:
+    return Passage(f"/{module.slug}/glossaire#t-{term.id}", "Glossaire", "", term.word, term.text)
+
+
+def _of_document(document: Document) -> Iterator[Passage]:
+    href = f"/{document.module}/lire/{document.slug}"
+    above = " ".join(section.text for section in document.sections if not section.id)
+    yield Passage(href, document.label, document.title, document.title, f"{french(document.summary)} {above}")
+    for section in document.sections:
+        if section.id:
+            yield Passage(f"{href}#{section.id}", document.label, document.title, section.title, section.text)
+
+
+def _of_exercise(exercise: Exercise) -> Passage:
+    text = " ".join(f"{section.title} {section.text}" for section in exercise.statement.sections)
+    href = f"/{exercise.module}/exercices/{exercise.slug}"
+    return Passage(href, "Exercice", "", exercise.title, f"{french(exercise.summary)} {text}")
