@@ -21,7 +21,7 @@ class Bubble {
     this.box.className = "definition";
     this.box.setAttribute("role", "tooltip");
     this.box.hidden = true;
-    document.body.append(this.box);
+    document.querySelector("main").append(this.box);
     this.term = null;
     this.timer = 0;
     this.box.addEventListener("pointerenter", () => clearTimeout(this.timer));
