@@ -59,7 +59,7 @@ def on_the_way(module: Module) -> tuple[Document, ...]:
 def course_home(reader: Reader, module: Module) -> CourseHome:
     rows = _rows(reader, module.exercises)
     way = on_the_way(module)
-    sessions = tuple(_session(one, _following(module, rows, one)) for one in way if one.kind == "seance")
+    sessions = tuple(_session(module, one, _following(module, rows, one)) for one in way if one.kind == "seance")
     placed = {row.href for card in sessions for row in card.exercises}
     left = tuple(row for row in rows.values() if row.href not in placed)
     length = plural(module.sessions, "séance") if module.sessions else ""
@@ -95,15 +95,16 @@ def _following(module: Module, rows: Mapping[str, ExerciseRow], document: Docume
     return tuple(rows[one.slug] for one in module.exercises if one.seance == document.slug)
 
 
-def _session(document: Document, exercises: tuple[ExerciseRow, ...]) -> SessionCard:
-    return SessionCard(_link(document), _first_figure(document), exercises)
+def _session(module: Module, document: Document, exercises: tuple[ExerciseRow, ...]) -> SessionCard:
+    return SessionCard(_link(document), _ornament(module, document), exercises)
 
 
-def _first_figure(document: Document) -> FigureView | None:
-    """The séance's first drawing as an ornament: its description stands on the page itself."""
-    if not document.figures:
+def _ornament(module: Module, document: Document) -> FigureView | None:
+    """The séance's first drawing, without its description, which stands on the page itself."""
+    name = next((one for one in document.figures if one in module.drawings), None)
+    if name is None:
         return None
-    light, dark = (f"/{document.module}/figures/{document.figures[0]}.svg?theme={theme}" for theme in ("light", "dark"))
+    light, dark = (f"/{module.slug}/figures/{name}.svg?theme={theme}" for theme in ("light", "dark"))
     return FigureView(light, dark, "")
 
 
