@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
 from server.pages.dependencies import Reading
@@ -36,6 +36,12 @@ def document(request: Request, module: str, slug: str, reader: Reading) -> HTMLR
 def glossary(request: Request, module: str, reader: Reading) -> HTMLResponse:
     found = find_module(reader.catalogue, module)
     return page(request, "reading/glossary.html", reader.account, page=service.glossary_page(found))
+
+
+@router.get("/{module:module}/recherche")
+def search(request: Request, module: str, reader: Reading, q: Annotated[str, Query()] = "") -> HTMLResponse:
+    found = find_module(reader.catalogue, module)
+    return page(request, "reading/search.html", reader.account, page=service.search_page(found, q))
 
 
 @router.get("/{module:module}/figures/{name}.svg")

@@ -16,6 +16,7 @@ from server.errors import NotFound
 from server.pages.schemas import ExerciseRow, FigureView
 from server.pages.service import NOTHING_YET, Reader, document_href, exercise_row, module_link
 from server.pages.text import plural
+from server.reading import search
 from server.reading.schemas import (
     CourseHome,
     DocumentPage,
@@ -23,6 +24,7 @@ from server.reading.schemas import (
     GlossaryPage,
     Letter,
     PageLink,
+    SearchPage,
     SessionCard,
     Shelf,
     TermView,
@@ -41,6 +43,7 @@ ON_THE_WAY: tuple[Kind, ...] = ("seance", *(kind for kind, _ in SHELVES))
 DEEPEST = 3  # level of the smallest headings in a table of contents
 TERM_LINK = re.compile(r'data-term="([^"]+)"')
 HOUR = 60
+EXAMPLES = 4  # words proposed to one who has not found, or not looked yet
 
 
 def find_document(module: Module, slug: str) -> Document:
@@ -207,3 +210,14 @@ def plain(word: str) -> str:
     """A word as a dictionary sorts it: no accent, no capital, no hyphen."""
     bare = unicodedata.normalize("NFKD", word).encode("ascii", "ignore").decode().lower()
     return re.sub(r"[^a-z0-9]+", " ", bare).strip()
+
+
+def search_page(module: Module, query: str) -> SearchPage:
+    query = " ".join(query.split())
+    hits = search.find(module, query)
+    return SearchPage(module_link(module), query, hits, () if hits else _examples(module))
+
+
+def _examples(module: Module) -> tuple[str, ...]:
+    words = [one.word for one in module.glossary.values()]
+    return tuple(words[:: max(1, len(words) // EXAMPLES)][:EXAMPLES])

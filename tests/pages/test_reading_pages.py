@@ -48,7 +48,7 @@ def test_a_page_shows_its_text_its_objectives_and_its_contents(site: Site) -> No
 
 
 def test_headings_go_down_one_step_at_a_time(site: Site) -> None:
-    for path in (READ, "/m9", "/m9/glossaire"):
+    for path in (READ, "/m9", "/m9/glossaire", "/m9/recherche?q=pose"):
         levels = [int(one) for one in re.findall(r"<h([1-6])\b", site.get(path))]
         assert levels[0] == 1
         assert levels.count(1) == 1
@@ -135,13 +135,40 @@ def test_the_glossary_goes_by_letters_without_regard_to_accents(site: Site) -> N
     assert page.count(f'href="{READ}"') == 2, "no link from a word whose page does not exist"
 
 
+def test_a_search_marks_what_it_found_and_runs_nothing(site: Site) -> None:
+    page = site.get("/m9/recherche?q=particules")
+    assert 'value="particules"' in page
+    assert f'<a href="{READ}#s-deux">Deux</a>' in page
+    assert "<mark>particules</mark>" in page
+    assert "&lt;script&gt;alert(1)" in page
+    assert "<script>alert" not in page
+    assert "head-search" not in page, "one field is enough"
+
+
+@pytest.mark.parametrize("query", ["zygomatique", "<script>zzz", '" OR *', "%00%02"])
+def test_a_search_that_finds_nothing_says_so_and_helps(site: Site, query: str) -> None:
+    page = site.get(f"/m9/recherche?q={query}")
+    assert "<script>zzz" not in page
+    assert "Rien ne parle de" in page
+    assert '<a href="/m9/glossaire">glossaire</a>' in page
+    assert "recherche?q=pose" in page
+
+
+def test_an_empty_search_waits_for_a_word(site: Site) -> None:
+    for path in ("/m9/recherche", "/m9/recherche?q=%20%20"):
+        page = site.get(path)
+        assert "Un mot du cours" in page
+        assert "Rien ne parle" not in page
+    assert 'action="/m9/recherche"' in site.get(READ)
+
+
 @pytest.mark.parametrize("path", ["/m9/lire/rien", "/m8/lire/depart", "/m9/figures/rien.svg", "/m8/glossaire"])
 def test_what_does_not_exist_is_told_in_french(site: Site, path: str) -> None:
     assert "existe pas" in site.get(path, status=404)
 
 
 def test_nothing_comes_from_elsewhere(site: Site) -> None:
-    for path in ("/m9", READ, "/m9/glossaire"):
+    for path in ("/m9", READ, "/m9/glossaire", "/m9/recherche?q=pose"):
         addresses = re.findall(r'(?:href|src|srcset|action)="([^"]*)"', site.get(path))
         assert addresses
         assert not [one for one in addresses if not one.startswith(("/", "#", "?"))]

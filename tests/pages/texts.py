@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 from server.catalogue import Catalogue
-from server.catalogue.models import Cell, Document, Heading, Kind, Section, Term
+from server.catalogue.models import Cell, Document, Drawing, Heading, Kind, Section, Term
 
 BODY = """
 <h2 id="s-un">Un <em>début</em></h2>
@@ -83,5 +84,6 @@ def with_texts(catalogue: Catalogue) -> Catalogue:
         documents=documents,
         glossary=MappingProxyType({one.id: one for one in words}),
         exercises=exercises,
+        drawings={"dessin": Drawing("dessin", "Un dessin.", (6.4, 4.0), Path("dessin.py"), 1, "draw")},
     )
     return Catalogue(MappingProxyType({"m9": changed}), catalogue.problems)
