@@ -145,10 +145,10 @@ def test_a_search_marks_what_it_found_and_runs_nothing(site: Site) -> None:
     assert "head-search" not in page, "one field is enough"
 
 
-@pytest.mark.parametrize("query", ["zygomatique", "<script>zzz", '" OR *', "%00%02"])
+@pytest.mark.parametrize("query", ["zygomatique", "<zut onload=zut>", '" OR *', "%00%02"])
 def test_a_search_that_finds_nothing_says_so_and_helps(site: Site, query: str) -> None:
     page = site.get(f"/m9/recherche?q={query}")
-    assert "<script>zzz" not in page
+    assert "<zut onload=zut>" not in page
     assert "Rien ne parle de" in page
     assert '<a href="/m9/glossaire">glossaire</a>' in page
     assert "recherche?q=pose" in page
