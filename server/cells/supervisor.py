@@ -127,7 +127,7 @@ class _Process:
                 await self._writer.drain()
                 return await answer
         except TimeoutError:
-            self._kill()
+            self._end()
             raise
         finally:
             self._asked.pop(number, None)
@@ -154,7 +154,7 @@ class _Process:
             answer.set_exception(ConnectionError("the sandbox failed"))
 
     def _end(self) -> None:
-        """Whoever still waits is told so."""
+        """It gets no more questions, and whoever still waits is told so."""
         self.ended = True
         self._kill()
         self._writer.close()

@@ -1,0 +1,203 @@
+"""The process that runs cells dies, hangs or lies: the reader is answered, and the next cell runs."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import signal
+import sys
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from server.cells.supervisor import Cells
+from server.errors import Crowded, Failed
+from server.settings import Settings
+from tests.quick import the_course
+from tests.service.live import alive, children, until
+
+HEARD = "import socket, sys, time\nend = socket.socket(fileno=int(sys.argv[1]))\nstream = end.makefile('rb')\n"
+FRAME = """import struct
+def question():
+    length, number, _ = struct.unpack('>IIB', stream.read(9))
+    return number, stream.read(length)
+question()
+"""
+ECHO = (
+    HEARD
+    + FRAME
+    + "while True:\n    number, q = question()\n    end.sendall(struct.pack('>IIB', len(q), number, 1) + q)\n"
+)
+SILENT = HEARD + "time.sleep(600)"
+FAKES = {
+    "dies at once": "raise SystemExit(3)",
+    "dies when asked": HEARD + FRAME + "question()",
+    "cannot run it": HEARD
+    + FRAME
+    + "number, _ = question()\nend.sendall(struct.pack('>IIB', 0, number, 2))\nquestion()",
+    "says something endless": HEARD + FRAME + "question()\nend.sendall(b'\\xff' * 9)\ntime.sleep(600)",
+    "stops in the middle": HEARD + FRAME + "question()\nend.sendall(b'\\0\\0\\0\\x09')",
+}
+
+
+def played(tmp_path: Path, test: Callable[[Cells], Awaitable[None]], script: str = "", **settings: Any) -> None:
+    """Runs a test with the real process, or with a fake one that a `script` is."""
+    patience = settings.pop("patience", 60.0)
+
+    async def scene() -> None:
+        made = Settings(data_dir=tmp_path, workers=0, **settings)
+        options = {"command": (sys.executable, "-c", script)} if script else {}
+        cells = Cells(made, the_course().kits, patience=patience, **options)
+        try:
+            await test(cells)
+        finally:
+            last = cells._process and process(cells)
+            await cells.close()
+        assert not (last and alive(last))
+
+    asyncio.run(scene())
+
+
+async def started(cells: Cells, code: str) -> asyncio.Task[bytes]:
+    task = asyncio.create_task(cells.run("l20", code))
+    await asyncio.sleep(0)
+    return task
+
+
+def process(cells: Cells) -> int:
+    """The process that was started last."""
+    assert cells._process is not None
+    return cells._process._process.pid
+
+
+async def eventually(condition: Callable[[], bool]) -> None:
+    await asyncio.to_thread(until, condition, "what is waited for")
+
+
+def test_cells_run_and_their_process_is_started_by_the_first(tmp_path: Path) -> None:
+    async def test(cells: Cells) -> None:
+        assert cells._process is None
+        first, second = await asyncio.gather(cells.run("l20", "print(H)"), cells.run("l20", "1 / 0"))
+        assert json.loads(first)["stdout"] == "16\n"
+        assert json.loads(second)["fault"]["line"] == 1
+
+    played(tmp_path, test)
+
+
+def test_a_process_killed_while_a_cell_runs_is_told_and_replaced(tmp_path: Path) -> None:
+    async def test(cells: Cells) -> None:
+        await cells.run("l20", "1")
+        first = process(cells)
+        below = children(first)
+        running = await started(cells, "import time\ntime.sleep(5)")
+        await asyncio.sleep(0.2)
+        os.kill(first, signal.SIGKILL)
+        with pytest.raises(Failed):
+            await running
+        assert json.loads(await cells.run("l20", "print('encore')"))["stdout"] == "encore\n"
+        assert process(cells) != first
+        await eventually(lambda: not any(map(alive, below)))
+
+    played(tmp_path, test)
+
+
+def test_a_process_that_was_killed_between_two_cells_is_replaced(tmp_path: Path) -> None:
+    async def test(cells: Cells) -> None:
+        await cells.run("l20", "1")
+        first = process(cells)
+        os.kill(first, signal.SIGKILL)
+        await eventually(lambda: not alive(first))
+        await asyncio.sleep(0.1)
+        assert json.loads(await cells.run("l20", "print('encore')"))["stdout"] == "encore\n"
+
+    played(tmp_path, test)
+
+
+@pytest.mark.parametrize("script", FAKES.values(), ids=FAKES.keys())
+def test_a_process_that_fails_is_told_at_each_cell(tmp_path: Path, script: str) -> None:
+    async def test(cells: Cells) -> None:
+        for _ in range(2):
+            with pytest.raises(Failed):
+                await cells.run("l20", "1")
+
+    played(tmp_path, test, script)
+
+
+def test_a_process_that_hangs_is_killed(tmp_path: Path) -> None:
+    async def test(cells: Cells) -> None:
+        with pytest.raises(Failed):
+            await cells.run("l20", "1")
+        await eventually(lambda: not alive(process(cells)))
+
+    played(tmp_path, test, SILENT, patience=0.3)
+
+
+def test_a_stopped_process_is_killed(tmp_path: Path) -> None:
+    async def test(cells: Cells) -> None:
+        await cells.run("l20", "1")
+        os.kill(process(cells), signal.SIGSTOP)
+        cells._patience = 0.3
+        with pytest.raises(Failed):
+            await cells.run("l20", "1")
+        cells._patience = 60.0
+        assert json.loads(await cells.run("l20", "print(1)"))["stdout"] == "1\n"
+
+    played(tmp_path, test)
+
+
+def test_the_queue_is_bounded_and_whoever_leaves_it_makes_room(tmp_path: Path) -> None:
+    async def test(cells: Cells) -> None:
+        running, waiting = await started(cells, "1"), await started(cells, "2")
+        with pytest.raises(Crowded) as caught:
+            await cells.run("l20", "3")
+        assert int(caught.value.headers["Retry-After"]) >= 1
+        waiting.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await waiting
+        waiting = await started(cells, "4")
+        assert not waiting.done()
+        waiting.cancel()
+        running.cancel()
+
+    played(tmp_path, test, SILENT, cells_at_once=1, cells_waiting=1, patience=1.0)
+
+
+def test_a_cell_that_nobody_waits_for_keeps_its_place_until_it_ends(tmp_path: Path) -> None:
+    async def test(cells: Cells) -> None:
+        await cells.run("l20", "1")
+        left = await started(cells, "import time\ntime.sleep(0.5)")
+        await asyncio.sleep(0.1)
+        left.cancel()
+        next_one = await started(cells, "print('suivante')")
+        await asyncio.sleep(0.1)
+        assert not next_one.done()
+        assert json.loads(await next_one)["stdout"] == "suivante\n"
+
+    played(tmp_path, test, cells_at_once=1, cells_waiting=4)
+
+
+def test_answers_go_to_their_questions(tmp_path: Path) -> None:
+    async def test(cells: Cells) -> None:
+        codes = [f"cellule {number}" for number in range(12)]
+        answers = await asyncio.gather(*(cells.run("l20", code) for code in codes))
+        assert [json.loads(answer)["code"] for answer in answers] == codes
+
+    played(tmp_path, test, ECHO, cells_at_once=3)
+
+
+def test_a_line_that_breaks_ends_the_process_and_its_sandbox(tmp_path: Path) -> None:
+    """As when the service is killed."""
+
+    async def test(cells: Cells) -> None:
+        await cells.run("l20", "1")
+        first = process(cells)
+        below = children(first)
+        assert below
+        assert cells._process is not None
+        cells._process._writer.close()
+        await eventually(lambda: not any(map(alive, [first, *below])))
+
+    played(tmp_path, test)
