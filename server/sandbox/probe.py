@@ -37,11 +37,14 @@ class WallReport:
     mend: str = ""
 
 
-def probe(*, slow: bool = True) -> list[WallReport]:
-    """Tries every wall, in a second or two; without `slow`, leaves out the attempts that must wait for a limit."""
+def probe(*, slow: bool = True, imports: str = "numpy") -> list[WallReport]:
+    """Tries every wall, in a second or two; without `slow`, leaves out the attempts that must wait for a limit.
+
+    The walls do not depend on the import set; tests try them with each.
+    """
     attempts = [attempt for attempt in ATTEMPTS if slow or not attempt.slow]
     with ThreadPoolExecutor(1) as spawner:
-        templates = _Templates(spawner)
+        templates = _Templates(spawner, imports)
         try:
             for lifted in {attempt.hiders for attempt in attempts}:
                 templates.get(lifted, namespaces=False)
@@ -60,8 +63,8 @@ def safe_to_serve(reports: list[WallReport]) -> bool:
 class _Templates:
     """One template for each set of walls left down."""
 
-    def __init__(self, spawner: ThreadPoolExecutor) -> None:
-        self._spawner = spawner
+    def __init__(self, spawner: ThreadPoolExecutor, imports: str) -> None:
+        self._spawner, self._imports = spawner, imports
         self._known: dict[tuple[bool, frozenset[str]], TemplateProcess | str] = {}
         found, self.why_no_seat = hierarchies()
         self.controllers = frozenset(name for hierarchy in found for name in hierarchy.controllers)
@@ -75,7 +78,7 @@ class _Templates:
     def _started(self, namespaces: bool, lifted: frozenset[str]) -> TemplateProcess | str:
         key = (namespaces, lifted)
         if key not in self._known:
-            setting = Setting({}, "numpy", namespaces, lifted)
+            setting = Setting({}, self._imports, namespaces, lifted)
             seats = self._no_seats if "cgroup" in lifted else self._seats
             try:
                 self._known[key] = TemplateProcess(setting, seats, lambda _: None).start(self._spawner)

@@ -1,0 +1,199 @@
+"""A template that draws: for sessions that allow it, with the same walls, and figures that are bounded."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import pytest
+
+from server.sandbox import FaultKind, Policy, ProgramFault, Sandbox, Session, Value, probe
+from server.sandbox.child import drawing, template
+from server.sandbox.install import DRAWING, import_set, installation
+
+from .family import probed
+from .test_hostile import HURRIED, KITS, PROGRAMS, outcome
+from .test_hostile import POLICY as HOSTILE
+
+POLICY = Policy(cpu_seconds=3.0, wall_seconds=20.0, memory_bytes=256 << 20, frame_bytes=5 << 20, items=1000)
+PYPLOT = "import matplotlib.pyplot as plt\n"
+#: What has a program run by the template that draws, whatever it does.
+DRAWN = b"\n# matplotlib\n"
+
+
+@pytest.fixture(scope="module")
+def studio() -> Iterator[Sandbox]:
+    with Sandbox(KITS, POLICY) as sandbox:
+        yield sandbox
+
+
+def drawn(studio: Sandbox, source: str) -> tuple[tuple[bytes, ...], str]:
+    with studio.open(source.encode(), drawing=True) as session:
+        return session.figures(), session.stdout()
+
+
+def size(picture: bytes) -> tuple[int, int]:
+    assert picture.startswith(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR")
+    return int.from_bytes(picture[16:20], "big"), int.from_bytes(picture[20:24], "big")
+
+
+def test_what_is_open_at_the_end_comes_back(studio: Sandbox) -> None:
+    source = PYPLOT + "plt.plot([1, 2])\nplt.title('é $x^2$')\nplt.show()\nplt.figure(figsize=(2, 1))\nprint('fini')"
+    pictures, printed = drawn(studio, source)
+    assert [size(one) for one in pictures] == [(960, 720), (300, 150)]
+    assert printed == "fini\n", "showing on no screen is not worth a warning"
+    assert drawn(studio, PYPLOT + "plt.plot([1])\nplt.close()") == ((), "")
+
+
+def test_scipy_is_within_reach_too(studio: Sandbox) -> None:
+    source = "import scipy.optimize\n" + PYPLOT + "print(scipy.optimize.brentq(lambda x: x - 3, 0, 9))\nplt.plot([1])"
+    pictures, printed = drawn(studio, source)
+    assert (len(pictures), printed) == (1, "3.0\n")
+
+
+def test_figures_are_few_and_bounded(studio: Sandbox) -> None:
+    pictures, printed = drawn(studio, PYPLOT + "for _ in range(9):\n    plt.figure(figsize=(1, 1))")
+    assert len(pictures) == drawing.MAX_FIGURES
+    assert "9 figures" in printed
+    noise = "import numpy as np\nplt.figure(figsize=(90, 9))\nplt.imshow(np.random.rand(500, 700, 3), aspect='auto')"
+    (picture,), _ = drawn(studio, PYPLOT + noise)
+    width, height = size(picture)
+    assert width * height <= drawing.MAX_PIXELS
+    assert len(picture) <= drawing.MAX_BYTES
+
+
+def test_a_program_that_draws_nothing_has_no_figures(studio: Sandbox) -> None:
+    assert drawn(studio, "print(1)") == ((), "1\n")
+
+
+def test_submissions_do_not_draw(studio: Sandbox) -> None:
+    with pytest.raises(ProgramFault) as caught:
+        studio.open(PYPLOT.encode())
+    assert caught.value.kind is FaultKind.IMPORT_ERROR
+    assert "Rien ne se trace pendant l'évaluation" in caught.value.message
+    assert {import_set(source) for source in (b"import matplotlib", b"import numpy")} == {"numpy"}
+
+
+def test_what_was_printed_before_a_file_failed_to_load_is_kept(studio: Sandbox) -> None:
+    with pytest.raises(ProgramFault) as caught:
+        studio.open(b"print('avant')\n1 / 0", drawing=True)
+    assert (caught.value.line, caught.value.stdout, caught.value.stdout_truncated) == (2, "avant\n", False)
+
+
+FORGED = [
+    "fig.savefig = lambda *a, **k: a[0].write(b'x' * 3)",
+    "import builtins\nglobals()['<figures>'] = lambda: 'texte'",
+    "import threading\nplt.get_fignums = lambda: ['a'] * 3",
+]
+
+
+@pytest.mark.parametrize("trick", FORGED)
+def test_who_replaces_the_drawing_gives_bytes_or_nothing(studio: Sandbox, trick: str) -> None:
+    """The name is given after the file was loaded; beyond that, a program answers what it wants of itself."""
+    try:
+        pictures, _ = drawn(studio, PYPLOT + "fig = plt.figure()\n" + trick)
+    except ProgramFault:
+        return
+    assert all(type(one) is bytes and len(one) <= drawing.MAX_BYTES for one in pictures)
+
+
+LIARS = {
+    "texte": "'texte'",
+    "floats": "(np.zeros(3),)",
+    "beaucoup": "tuple(np.zeros(1, np.uint8) for _ in range(9))",
+    "gros": "(np.zeros(2 << 20, np.uint8),)",
+}
+
+
+@pytest.mark.parametrize("answer", LIARS.values(), ids=LIARS.keys())
+def test_what_is_no_picture_is_an_invalid_answer(studio: Sandbox, answer: str) -> None:
+    """The program climbs to the frames of ours that run it, and replaces what will be given as its figures."""
+    source = f"""{PYPLOT}import sys, numpy as np
+cadre = sys._getframe()
+while cadre:
+    if hasattr(cadre.f_globals.get("drawing"), "FIGURES"):
+        cadre.f_globals["drawing"].figures = lambda: {answer}
+    cadre = cadre.f_back
+"""
+    with studio.open(source.encode(), drawing=True) as session, pytest.raises(ProgramFault) as caught:
+        session.figures()
+    assert caught.value.kind is FaultKind.INVALID_OUTPUT
+
+
+def test_nothing_of_the_machine_is_seen_or_written(studio: Sandbox) -> None:
+    source = PYPLOT + (
+        "import matplotlib, matplotlib.font_manager as fonts, os\n"
+        "dossier = matplotlib.get_data_path()\n"
+        "polices = [f.fname for f in fonts.fontManager.ttflist + fonts.fontManager.afmlist]\n"
+        "print(len(polices) > 30, all(p.startswith(dossier) for p in polices))\n"
+        "plt.savefig('a.png')\n"
+        "print(os.listdir('.'), matplotlib.get_backend().lower(), dict(os.environ))\n"
+        "try:\n    plt.savefig('/tmp/a.png')\nexcept OSError:\n    print('refusé')\n"
+    )
+    _, printed = drawn(studio, source)
+    assert printed.splitlines() == ["True True", "['a.png'] agg {}", "refusé"]
+
+
+def test_the_packages_beside_those_that_draw_are_out_of_sight(studio: Sandbox) -> None:
+    """The project itself may be installed there. (A shared library that something has loaded is there alone.)"""
+    (site, *_) = installation(DRAWING).sites
+    source = f"""# matplotlib
+import os
+def f(x):
+    files = [os.path.join(top, name) for top, _, names in os.walk({site!r}) for name in names]
+    return sorted({{os.path.relpath(name, {site!r}).split("/")[0] for name in files if ".so" not in name}})
+"""
+    lifted = frozenset({"landlock", "seccomp"})
+    sandbox = Sandbox({}, POLICY, spares=0, lifted=lifted, namespaces=True)
+    with sandbox, sandbox.open(source.encode(), drawing=True) as session:
+        seen = session.call("f", 1).value
+    assert isinstance(seen, list)
+    packages = {os.path.basename(path) for path in installation(DRAWING).packages}
+    assert {"matplotlib", "numpy"} <= set(seen) <= packages
+
+
+def test_two_programs_share_nothing(studio: Sandbox) -> None:
+    poison = PYPLOT + "import sys, matplotlib\nplt.savefig = plt.figure = None\nmatplotlib.trace = open('a', 'w')"
+    look = PYPLOT + "import os, matplotlib\nplt.figure()\nprint(hasattr(matplotlib, 'trace'), os.listdir('.'))"
+
+    def one(session: Session) -> None:
+        pictures, printed = drawn(studio, look)
+        assert (len(pictures), printed) == (1, "False []\n")
+
+    with studio.open(poison.encode(), drawing=True) as session:
+        one(session)
+    one(session)
+
+
+def test_the_walls_are_the_same() -> None:
+    reports = {report.name: report.status for report in probe(slow=False, imports=DRAWING)}
+    assert reports == {name: report.status for name, report in probed().items()}
+
+
+class Allowing(Sandbox):
+    """A sandbox whose sessions may all draw."""
+
+    def open(self, source: bytes, **options: object) -> Session:
+        return super().open(source + DRAWN, drawing=True, **options)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def walled() -> Iterator[Sandbox]:
+    with Allowing(KITS, HOSTILE) as sandbox:
+        yield sandbox
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, id=f"{path.parent.name}-{path.stem}", marks=[pytest.mark.slow] if index % 12 else [])
+        for index, path in enumerate(PROGRAMS)
+    ],
+)
+def test_a_hostile_program_gets_the_same_outcome(walled: Sandbox, path: Path) -> None:
+    context: dict[str, Value] = {name: value for name, value in asdict(HOSTILE).items() if isinstance(value, int)}
+    context |= {"projet": __file__, "gabarit": template.__file__, "parent": os.getppid()}
+    policy = replace(HURRIED, memory_bytes=HOSTILE.memory_bytes) if path.parent.name == "timeout" else HOSTILE
+    assert outcome(walled, path.read_bytes(), context, policy) == path.parent.name
