@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -30,6 +31,30 @@ def test_french_typography() -> None:
 def test_typography_spares_code_and_mathematics() -> None:
     assert "d['a'] ; x ? y" in html("`d['a'] ; x ? y`")
     assert "d[&#x27;a&#x27;] ; x" in html("```\nd['a'] ; x\n```")
+
+
+@needs_katex
+@pytest.mark.parametrize(
+    ("text", "before", "after"),
+    [
+        ("soit $x$, puis", "", ","),
+        ("soit ($x$) puis", "(", ")"),
+        ("soit $x$ ; puis", "", "\u202f;"),
+        ("soit « $x$ » ici", "«\u00a0", "\u00a0»"),
+        ("l'$x$ des", "’", ""),
+    ],
+)
+def test_a_formula_keeps_the_punctuation_that_touches_it(text: str, before: str, after: str) -> None:
+    page = html(text)
+    assert f'<span class="held">{before}<span class="katex">' in page
+    assert f"</span>{after}</span> " in page
+    bare = html(text.replace("$x$", "x"))
+    assert bare.replace("x", "") == re.sub(r'<span class="katex">.*</span></span></span>|</?span[^>]*>', "", page)
+
+
+@needs_katex
+def test_a_formula_alone_is_left_alone() -> None:
+    assert "held" not in html("soit $x$ et $y$ puis **$z$**")
 
 
 @settings(deadline=None)

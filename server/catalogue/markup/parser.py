@@ -23,6 +23,7 @@ from mdit_py_plugins.footnote import footnote_plugin
 
 from server.catalogue.markup import blocks
 from server.catalogue.markup.blocks import BadBlock, Block
+from server.catalogue.markup.held import held
 from server.catalogue.markup.text import Fault, Source
 from server.catalogue.typography import french
 
@@ -193,6 +194,8 @@ def _finish(state: StateCore) -> None:
                 child.content = french(_dashes(child.content))
             elif child.type == "image":
                 job.fault(line, "les images ne sont pas servies dans un texte : un encadré « figure » montre un dessin")
+        if token.children:
+            token.children = held(token.children)
     _check_footnotes(job, state.env)
 
 

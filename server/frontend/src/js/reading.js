@@ -3,6 +3,7 @@
 import { setUpContents } from "./reading/contents.js";
 import { setUpCopying } from "./reading/copy.js";
 import { setUpDrawings } from "./reading/drawings.js";
+import { setUpFormulas } from "./reading/formulas.js";
 import { setUpPrinting } from "./reading/print.js";
 import { setUpReadMarks, showCourseMarks } from "./reading/marks.js";
 import { setUpTerms } from "./reading/terms.js";
@@ -17,6 +18,7 @@ if (reading) {
   setUpContents(reading);
   setUpReadMarks(reading);
   setUpPrinting(reading);
+  setUpFormulas(reading);
   if (reading.querySelector("section.cell")) import("./cells.js").then(({ enhance }) => enhance(reading));
   if (reading.querySelector("figure.replay")) import("./replays/index.js").then(({ enhance }) => enhance(reading));
 }

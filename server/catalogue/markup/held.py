@@ -1,0 +1,49 @@
+"""A comma, a colon or a bracket stays on the line of the formula that it touches.
+
+A browser may go to the next line before and after each formula, whatever stands there, and even at a space that does
+not break: both are put inside one element, which the style sheet holds together.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Literal
+
+from markdown_it.token import Token
+
+AFTER = re.compile(r"^[\u202f\u00a0]?[^\w\s]+")
+BEFORE = re.compile(r"[^\w\s]+\u00a0?$")
+FORMULA = "math_inline"
+
+
+def held(parts: Sequence[Token]) -> list[Token]:
+    """The parts of a paragraph, each formula in one element with the punctuation around it."""
+    done: list[Token] = []
+    for index, part in enumerate(parts):
+        if part.type != FORMULA:
+            done.append(part)
+            continue
+        before = _cut(BEFORE, done[-1] if done else None)
+        after = _cut(AFTER, parts[index + 1] if index + 1 < len(parts) else None)
+        if before or after:
+            done += [_mark("held_open", 1), *before, part, *after, _mark("held_close", -1)]
+        else:
+            done.append(part)
+    return done
+
+
+def _cut(pattern: re.Pattern[str], neighbour: Token | None) -> list[Token]:
+    """What the neighbour has to lend, taken away from it."""
+    if neighbour is None or neighbour.type != "text":
+        return []
+    found = pattern.search(neighbour.content)
+    if found is None:
+        return []
+    lent = Token("text", "", 0, content=found[0], level=neighbour.level, meta=dict(neighbour.meta))
+    neighbour.content = neighbour.content[: found.start()] + neighbour.content[found.end() :]
+    return [lent]
+
+
+def _mark(kind: str, nesting: Literal[-1, 1]) -> Token:
+    return Token(kind, "span", nesting, attrs={"class": "held"} if nesting == 1 else {})
