@@ -8,7 +8,7 @@ from collections import OrderedDict
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from threading import Lock
+from threading import Lock, RLock
 from types import ModuleType
 from typing import Literal
 
@@ -21,6 +21,8 @@ Key = tuple[str, str, Theme]
 NO_FIGURE = "Cette figure n’existe pas."
 KEPT_BYTES = 32 << 20
 THEMES: tuple[Theme, ...] = ("light", "dark")
+# A page asks for its figures at once: without it, one thread would find the half-made module of another.
+_LOADING = RLock()
 
 
 class Drawings:
@@ -98,16 +100,17 @@ def faults(catalogue: Catalogue) -> Iterator[Problem]:
 def load_module(module: str, path: Path) -> ModuleType:
     """Import one file of a module's `figures` folder; its neighbours import it by the same name."""
     name = f"curriculum.{module}.figures.{path.stem}"
-    known = sys.modules.get(name)
-    if known is not None and known.__file__ == str(path):
-        return known
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None, "a .py file has a loader"
-    assert spec.loader is not None
-    made = sys.modules[name] = importlib.util.module_from_spec(spec)
-    try:
-        spec.loader.exec_module(made)
-    except BaseException:
-        del sys.modules[name]
-        raise
-    return made
+    with _LOADING:
+        known = sys.modules.get(name)
+        if known is not None and known.__file__ == str(path):
+            return known
+        spec = importlib.util.spec_from_file_location(name, path)
+        assert spec is not None, "a .py file has a loader"
+        assert spec.loader is not None
+        made = sys.modules[name] = importlib.util.module_from_spec(spec)
+        try:
+            spec.loader.exec_module(made)
+        except BaseException:
+            del sys.modules[name]
+            raise
+        return made
