@@ -150,7 +150,7 @@ def draw_passer_by(figure: Figure, palette: Palette) -> None:
     wrong, gap = favourites()["gaussienne"]
     draw_robot(axes, wrong, palette.alert, palette)
     draw_impacts(axes, ray_ends(wrong, ranges)[ranges < RANGE], palette.alert, 9)
-    axes.set_title(f"La gaussienne préfère la pose rouge, de {french(gap, 0)} unités de logarithme", fontsize=10.5)
+    axes.set_title(f"La pose rouge serait $e^{{{gap:.0f}}}$ fois plus vraisemblable", fontsize=12)
 
 
 def draw_correlated(figure: Figure, palette: Palette) -> None:
