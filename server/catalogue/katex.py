@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import html
 import json
+from collections import OrderedDict
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 KATEX = Path(__file__).parents[1] / "static" / "katex" / "katex.min.js"
@@ -14,17 +17,23 @@ KATEX = Path(__file__).parents[1] / "static" / "katex" / "katex.min.js"
 # A QuickJS context belongs to the thread that made it. The result's string is rebuilt character by
 # character: QuickJS holds a concatenation as a rope, which the binding cannot read ("quickjs tag: -6").
 RENDER = """
-function balise_render(tex, display) {
-  let answer;
+function balise_draw(tex, display) {
   try {
     const options = {displayMode: display, throwOnError: true, strict: "ignore", trust: false};
-    answer = {html: katex.renderToString(tex, options)};
+    return {html: katex.renderToString(tex, options)};
   } catch (error) {
-    answer = {message: String(error.message), position: error.position === undefined ? null : error.position};
+    return {message: String(error.message), position: error.position === undefined ? null : error.position};
   }
-  return JSON.stringify(answer).split("").join("");
+}
+function balise_render(formulas) {
+  return JSON.stringify(JSON.parse(formulas).map(([tex, display]) => balise_draw(tex, display))).split("").join("");
 }
 """
+#: Formulas drawn in one call: each call waits for another thread, and keeps the others waiting.
+TOGETHER = 16
+KEPT = 4096
+
+Formula = tuple[str, bool]  # TeX, and whether it stands on lines of its own
 
 
 class TexError(Exception):
@@ -51,11 +60,10 @@ class Engine:
         context.eval(RENDER)
         return context.get("balise_render")
 
-    def render(self, tex: str, display: bool) -> str:
-        answer = json.loads(self._thread.submit(self._function, tex, display).result())
-        if "html" in answer:
-            return str(answer["html"])
-        raise TexError(answer["message"], answer["position"])
+    def render(self, formulas: Sequence[Formula]) -> list[str | TexError]:
+        """HTML of each formula, or why there is none."""
+        answers = json.loads(self._thread.submit(self._function, json.dumps(formulas)).result())
+        return [one["html"] if "html" in one else TexError(one["message"], one["position"]) for one in answers]
 
 
 @lru_cache(maxsize=1)
@@ -64,11 +72,58 @@ def engine() -> Engine | None:
     return Engine(KATEX) if KATEX.is_file() else None
 
 
-@lru_cache(maxsize=4096)
+class Drawn:
+    """The latest formulas."""
+
+    def __init__(self, kept: int) -> None:
+        self._kept = kept
+        self._html: OrderedDict[Formula, str] = OrderedDict()
+        self._lock = Lock()
+
+    def get(self, formula: Formula) -> str | None:
+        with self._lock:
+            if formula in self._html:
+                self._html.move_to_end(formula)
+            return self._html.get(formula)
+
+    def put(self, formula: Formula, drawing: str) -> None:
+        with self._lock:
+            self._html[formula] = drawing
+            while len(self._html) > self._kept:
+                self._html.popitem(last=False)
+
+    def clear(self) -> None:
+        with self._lock:
+            self._html.clear()
+
+
+drawn = Drawn(KEPT)
+
+
+def prepare(formulas: Iterable[Formula]) -> None:
+    """Draw what will be asked for, many at a time. What is refused will be told when it is asked for."""
+    current = engine()
+    if current is None:
+        return
+    missing = [one for one in dict.fromkeys(formulas) if drawn.get(one) is None]
+    for start in range(0, len(missing), TOGETHER):
+        chunk = missing[start : start + TOGETHER]
+        for formula, answer in zip(chunk, current.render(chunk), strict=True):
+            if isinstance(answer, str):
+                drawn.put(formula, answer)
+
+
 def render(tex: str, *, display: bool) -> str:
     """HTML (with MathML inside for screen readers). Raises TexError. Without KaTeX, the TeX itself, readable."""
     current = engine()
-    if current is not None:
-        return current.render(tex, display)
-    tag = "div" if display else "span"
-    return f'<{tag} class="tex"><code>{html.escape(tex.strip())}</code></{tag}>'
+    if current is None:
+        tag = "div" if display else "span"
+        return f'<{tag} class="tex"><code>{html.escape(tex.strip())}</code></{tag}>'
+    known = drawn.get((tex, display))
+    if known is not None:
+        return known
+    (answer,) = current.render([(tex, display)])
+    if isinstance(answer, TexError):
+        raise answer
+    drawn.put((tex, display), answer)
+    return answer

@@ -141,7 +141,7 @@ def test_bad_tex_says_where() -> None:
 
 @needs_katex
 def test_formulas_may_be_drawn_from_many_threads() -> None:
-    katex.render.cache_clear()
+    katex.drawn.clear()
     formulas = [f"x_{{{number}}}" for number in range(60)]
     with ThreadPoolExecutor(8) as pool:
         drawn = list(pool.map(lambda tex: katex.render(tex, display=False), formulas))
@@ -151,6 +151,6 @@ def test_formulas_may_be_drawn_from_many_threads() -> None:
 
 def test_without_katex_formulas_stay_readable(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(katex, "engine", lambda: None)
-    katex.render.cache_clear()
+    katex.drawn.clear()
     assert "<code>a &lt; \\theta</code>" in html("$a < \\theta$")
-    katex.render.cache_clear()
+    katex.drawn.clear()

@@ -226,8 +226,10 @@ class _Walk:
             self._fault(token, f"langage inconnu : « {language} »")
         if not words:
             return
-        if language != "python" or words[0] != CELL or len(words) != 2 or not re.fullmatch(SLUG, words[1]):
+        if language != "python" or words[0] != CELL or len(words) != 2:
             self._fault(token, "après le langage, rien, ou « python cellule nom-de-cellule »")
+        elif not re.fullmatch(SLUG, words[1]):
+            self._fault(token, f"nom de cellule mal formé : « {words[1]} » (minuscules sans accent, chiffres, tirets)")
         elif self._only_in_pages(token, "une cellule"):
             self._cell(token, words[1])
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
@@ -37,8 +37,16 @@ def render(source: Source, *, inline: bool = False) -> Rendered:
     """HTML of `source`, or with `inline` of its one paragraph without `<p>`. Faults are told, never raised."""
     job = Job(source)
     tokens = parse_inline(job) if inline else parse(job)
+    katex.prepare(_formulas(tokens))
     written = Writer(job, source.names()).write(tokens)
     return Rendered(written, tuple(sorted(job.faults, key=lambda one: one.line)))
+
+
+def _formulas(tokens: Sequence[Token]) -> Iterator[katex.Formula]:
+    for token in tokens:
+        for one in (token, *(token.children or ())):
+            if one.type.startswith("math"):
+                yield one.content.strip(), one.type != "math_inline"
 
 
 def render_title(source: Source, title: Title) -> str:
