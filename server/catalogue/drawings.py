@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
 from server.catalogue import toml_file
+from server.catalogue.markup.text import SLUG
 from server.catalogue.models import CatalogueFault, Drawing, Problem
 
 SIZE = (6.4, 4.0)
@@ -56,7 +58,9 @@ def _drawing(path: Path, key: ast.expr | None, value: ast.expr) -> Drawing:
     match entry:
         case [ast.Name(id=function), ast.Constant(value=str(alt)), *size]:
             name = key.value if isinstance(key, ast.Constant) else None
-            if isinstance(name, str) and name and alt.strip():
+            if isinstance(name, str) and alt.strip():
+                if not re.fullmatch(SLUG, name):
+                    raise _fault(path, value.lineno, f"nom de figure : minuscules, chiffres et tirets, pas « {name} »")
                 return Drawing(name, alt.strip(), _size(path, size), path, value.lineno, function)
     raise _fault(path, value.lineno, f"figure mal annoncée : {SHAPE}")
 

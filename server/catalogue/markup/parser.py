@@ -29,6 +29,7 @@ from server.catalogue.typography import french
 
 INTERRUPTS: RuleOptionsType = {"alt": ["paragraph", "reference", "blockquote", "list"]}
 FIRST_LEVEL, LAST_LEVEL = 2, 4
+LEFT_OPEN = "encadré non refermé (celui qui en contient d’autres s’ouvre par plus de « : » qu’eux)"
 LEFTOVERS = (
     (re.compile(r"\$"), "formule mal fermée : un « $ » seul, collé à un chiffre ou à une espace (le signe : \\$)"),
     (re.compile(r"\]\("), "lien mal écrit : [texte](adresse), sans espace dans l’adresse"),
@@ -105,6 +106,7 @@ def _read_blocks(state: StateCore) -> None:
     job: Job = state.env["job"]
     lines = state.src.split("\n")
     around: list[Block | None] = []
+    colons: list[int] = []
     tokens: list[Token] = []
     for token in state.tokens:
         tokens.append(token)
@@ -113,11 +115,14 @@ def _read_blocks(state: StateCore) -> None:
             block = _block(job, token, parent)
             around.append(block)
             token.meta["block"] = block
-            _check_closed(job, token, lines)
+            if not _is_closed(token, lines) or (colons and len(token.markup) >= colons[-1]):
+                job.fault(_line(token), LEFT_OPEN)
+            colons.append(len(token.markup))
             if block is not None and not block.name:
                 tokens.extend(_title(block, token))
         elif token.type == "container_block_close":
             token.meta["block"] = around.pop()
+            colons.pop()
     _join_captions(job, tokens)
     state.tokens = tokens
 
@@ -143,11 +148,10 @@ def _block(job: Job, token: Token, parent: str) -> Block | None:
         return None
 
 
-def _check_closed(job: Job, token: Token, lines: list[str]) -> None:
+def _is_closed(token: Token, lines: list[str]) -> bool:
     assert token.map is not None
     end = lines[token.map[1]].strip(" \t>") if token.map[1] < len(lines) else ""
-    if not end or set(end) != {":"}:
-        job.fault(token.map[0], "encadré non refermé (celui qui en contient d’autres s’ouvre par plus de « : »)")
+    return set(end) == {":"}
 
 
 def _title(block: Block, opening: Token) -> Iterator[Token]:

@@ -1,0 +1,141 @@
+"""The drawings of the texts: announced without being run, drawn when they are looked at, in both themes."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from graders.core.plotting import THEMES, palette
+from server.catalogue import Catalogue
+from server.errors import NotFound
+from server.paths import ROOT
+from server.reading import figures
+from server.reading.figures import Drawings
+from tests.pages.conftest import Course
+from tests.pages.texts_on_disk import FIGURES, problems
+
+PATH = "curriculum/m9/figures/dessins.py"
+BAD = {
+    "no table": ("x = 1\n", 1, "dictionnaire écrit en toutes lettres"),
+    "computed table": ("\nFIGURES = dict()\n", 2, "dictionnaire écrit en toutes lettres"),
+    "no text": ('def f(): ...\nFIGURES = {\n    "a": (f, ""),\n}\n', 3, "figure mal annoncée"),
+    "computed text": ('FIGURES = {"a": (f, f"{1}")}\n', 1, "figure mal annoncée"),
+    "no function": ('FIGURES = {"a": "Un texte."}\n', 1, "figure mal annoncée"),
+    "bad size": ('FIGURES = {"a": (f, "Un texte.", 3)}\n', 1, "taille d’une figure"),
+    "bad name": ('FIGURES = {"Été": (f, "Un texte.")}\n', 1, "nom de figure"),
+    "given twice": ('FIGURES = {"a": (f, "Un texte."), "a": (f, "Un texte.")}\n', 1, "déjà dessinée"),
+    "does not compile": ("x = (\n", 1, "ne se compile pas"),
+}
+
+
+@pytest.mark.parametrize(("content", "line", "message"), BAD.values(), ids=BAD.keys())
+def test_a_badly_announced_figure_is_told_with_its_line(course: Course, content: str, line: int, message: str) -> None:
+    path = course.write(PATH, content)
+    (problem,) = problems(course, render=False)
+    assert (problem.path, problem.line) == (path, line)
+    assert message in problem.message
+
+
+def test_what_is_announced_is_known_without_running_it(course: Course) -> None:
+    course.write(PATH, FIGURES + "\nraise SystemExit\n")
+    course.write("curriculum/m9/figures/_aide.py", "raise SystemExit\n")
+    drawings = course.load(render=False).modules["m9"].drawings
+    assert {name: (one.alt, one.size) for name, one in drawings.items()} == {
+        "trace": ("Une ligne qui monte & l'axe.", (6.4, 4.0)),
+        "bande": ("Une bande.", (6.4, 2.0)),
+    }
+
+
+def catalogue_of(course: Course, text: str) -> Catalogue:
+    course.write(PATH, text)
+    return course.load(render=False)
+
+
+def test_a_drawing_is_the_same_each_time_and_not_in_the_other_theme(course: Course) -> None:
+    catalogue = catalogue_of(course, FIGURES)
+    light = Drawings(catalogue).svg("m9", "trace", "light")
+    assert light.startswith(b"<?xml")
+    assert Drawings(catalogue).svg("m9", "trace", "light") == light
+    dark = Drawings(catalogue).svg("m9", "trace", "dark")
+    assert palette("dark").paper.encode() in dark
+    assert palette("dark").paper.encode() not in light
+
+
+def test_drawings_are_remembered_up_to_a_bound(course: Course, monkeypatch: pytest.MonkeyPatch) -> None:
+    catalogue = catalogue_of(course, FIGURES)
+    drawn: list[str] = []
+    draw = figures.draw
+
+    def counted(module: str, drawing: figures.Drawing, theme: str, extension: str) -> figures.Drawn:
+        drawn.append(drawing.name)
+        return draw(module, drawing, theme, extension)
+
+    monkeypatch.setattr(figures, "draw", counted)
+    roomy, narrow = Drawings(catalogue), Drawings(catalogue, kept=1)
+    for drawings in (roomy, narrow):
+        for name in ("trace", "trace", "bande", "trace"):
+            drawings.svg("m9", name, "light")
+    assert drawn == ["trace", "bande", "trace", "bande", "trace"]
+
+
+@pytest.mark.parametrize(("module", "name"), [("m9", "absente"), ("m8", "trace"), ("m9", "../../etc/passwd")])
+def test_what_is_not_announced_is_not_drawn(course: Course, module: str, name: str) -> None:
+    with pytest.raises(NotFound):
+        Drawings(catalogue_of(course, FIGURES)).svg(module, name, "light")
+
+
+def test_check_tells_what_does_not_draw_or_changes_size(course: Course) -> None:
+    catalogue = catalogue_of(
+        course,
+        "def panne(figure, palette):\n    1 / 0\n"
+        "def grand(figure, palette):\n    figure.set_size_inches(6.4, 9)\n"
+        "def juste(figure, palette):\n    figure.subplots()\n"
+        'FIGURES = {\n    "panne": (panne, "A"),\n    "grand": (grand, "A"),\n    "juste": (juste, "A"),\n}\n',
+    )
+    found = [(one.line, one.message) for one in figures.faults(catalogue)]
+    assert [line for line, _ in found] == [8, 9]
+    assert "« panne » ne se dessine pas (ZeroDivisionError" in found[0][1]
+    assert '"grand": (grand, "…", (6.4, 9))' in found[1][1]
+
+
+def test_the_drawings_of_the_course_are_drawn_at_their_size() -> None:
+    from tests.quick import the_course
+
+    assert [str(one) for one in figures.faults(the_course())] == []
+
+
+@pytest.mark.parametrize("theme", THEMES)
+def test_colours_can_be_read_on_their_paper(theme: str) -> None:
+    colours = palette(theme)
+    for name in ("ink", "truth", "estimate", "measure", "alert", "second"):
+        assert contrast(getattr(colours, name), colours.paper) >= 4.5, name
+    assert colours.ramp(0.0)[:3] == pytest.approx(channels(colours.paper), abs=1e-6)
+
+
+def channels(colour: str) -> tuple[float, ...]:
+    return tuple(int(colour[start : start + 2], 16) / 255 for start in (1, 3, 5))
+
+
+def contrast(first: str, second: str) -> float:
+    """The contrast of WCAG 2."""
+    low, high = sorted((luminance(first), luminance(second)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def luminance(colour: str) -> float:
+    linear = [one / 12.92 if one <= 0.04045 else ((one + 0.055) / 1.055) ** 2.4 for one in channels(colour)]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def test_a_writer_can_look_at_a_drawing(tmp_path: Path) -> None:
+    from tests.quick import the_course
+
+    name = next(iter(the_course().modules["l20"].drawings))
+    out = tmp_path / "dessin.png"
+    command = [sys.executable, "-m", "server.reading.preview", name, str(out), "--theme", "dark"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert out.read_bytes().startswith(b"\x89PNG")
