@@ -57,8 +57,8 @@ def test_bad_front_matter_keeps_that_page_out(course: Course, content: str | byt
     path = course.write("curriculum/m9/seances/localiser.md", "")
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     write_page(course, "une", "Du texte.\n")
-    for options in ({"render": False}, {}):
-        (problem,) = problems(course, **options)
+    for render in (False, True):
+        (problem,) = problems(course, render=render)
         assert (problem.path, problem.line) == (path, line)
         assert message in problem.message
     assert [one.slug for one in module(course).documents] == ["une"]

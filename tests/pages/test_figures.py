@@ -10,6 +10,7 @@ import pytest
 
 from graders.core.plotting import THEMES, palette
 from server.catalogue import Catalogue
+from server.catalogue.models import Drawing
 from server.errors import NotFound
 from server.paths import ROOT
 from server.reading import figures
@@ -69,7 +70,7 @@ def test_drawings_are_remembered_up_to_a_bound(course: Course, monkeypatch: pyte
     drawn: list[str] = []
     draw = figures.draw
 
-    def counted(module: str, drawing: figures.Drawing, theme: str, extension: str) -> figures.Drawn:
+    def counted(module: str, drawing: Drawing, theme: str, extension: str) -> figures.Drawn:
         drawn.append(drawing.name)
         return draw(module, drawing, theme, extension)
 

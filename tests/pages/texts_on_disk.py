@@ -48,8 +48,8 @@ def page(course: Course, slug: str) -> Document:
     return found
 
 
-def problems(course: Course, **options: bool) -> list[Problem]:
-    return list(course.load(**options).problems)
+def problems(course: Course, *, render: bool = True, check: bool = False) -> list[Problem]:
+    return list(course.load(render=render, check=check).problems)
 
 
 def faults(course: Course, body: str) -> list[tuple[int, str]]:
@@ -66,7 +66,7 @@ def without_formulas(html: str) -> str:
     while (found := drawing.search(html, place)) is not None:
         parts.append(html[place : found.start()] + f"${found[1]}$")
         place = _end_of_span(html, found.start())
-    return "".join(parts) + html[place:]
+    return re.sub(r'<span class="held">([^<]*)</span>', r"\1", "".join(parts) + html[place:])
 
 
 def _end_of_span(html: str, start: int) -> int:
