@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from dataclasses import dataclass
 from functools import cached_property
+from threading import RLock
 
 from server.catalogue.markup.outline import Cell, Outline, Section, completed, outline
 from server.catalogue.markup.render import Rendered, render, render_title
@@ -16,6 +17,9 @@ __all__ = [
 ]  # fmt: skip
 
 log = logging.getLogger(__name__)
+
+#: A class that opens one page together has it rendered once (formulas are drawn by one thread anyway).
+_RENDERING = RLock()
 
 
 @dataclass(frozen=True)
@@ -44,7 +48,8 @@ class Text:
 
     @cached_property
     def rendered(self) -> Rendered:
-        return render(self.source, inline=self.inline)
+        with _RENDERING:
+            return self.__dict__.get("rendered") or render(self.source, inline=self.inline)
 
     @cached_property
     def html(self) -> str:
