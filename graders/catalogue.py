@@ -7,6 +7,7 @@ import traceback
 from dataclasses import dataclass
 from pathlib import Path
 
+from graders.core.answers import AnswersDefinition
 from graders.core.exercise import ExerciseGrader, MalformedExerciseError
 
 ROOT = Path(__file__).resolve().parent
@@ -21,17 +22,21 @@ class Problem:
     message: str
 
 
+#: An exercise of code grades as it is; one that is answered without code is bound to its questions first.
+Found = ExerciseGrader | AnswersDefinition
+
+
 @dataclass(frozen=True)
 class Discovery:
     """The graders found, by exercise name ("l20/poses"), and what was wrong with the rest."""
 
-    graders: dict[str, ExerciseGrader]
+    graders: dict[str, Found]
     problems: tuple[Problem, ...]
 
 
 def discover() -> Discovery:
     """Import every grader below this package."""
-    graders: dict[str, ExerciseGrader] = {}
+    graders: dict[str, Found] = {}
     problems: list[Problem] = []
     for path in sorted(ROOT.glob("*/*/grader.py")):
         try:
@@ -45,10 +50,10 @@ def discover() -> Discovery:
     return Discovery(graders, tuple(problems))
 
 
-def _load(path: Path) -> ExerciseGrader:
+def _load(path: Path) -> Found:
     name = ".".join(path.relative_to(ROOT.parent).with_suffix("").parts)
     grader = getattr(importlib.import_module(name), "GRADER", None)
-    if not isinstance(grader, ExerciseGrader):
+    if not isinstance(grader, Found):
         raise MalformedExerciseError(path, "defines no GRADER")
     slug = "/".join(path.parent.relative_to(ROOT).parts)
     if grader.exercise != slug:

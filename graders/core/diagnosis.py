@@ -8,16 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from graders.core.bench import Observation
-from graders.core.exercise import Misconception
 from graders.core.slips import SLIPS
 from graders.core.values import same_value
 from graders.core.verdict import Diagnosis
 
+if TYPE_CHECKING:
+    from graders.core.exercise import Misconception
+
 MIN_AGREEMENT = 0.9
 
-Replay = Callable[[Misconception], Sequence[Observation]]
+Replay = Callable[["Misconception"], Sequence[Observation]]
 
 
 @dataclass(frozen=True)

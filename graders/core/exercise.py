@@ -11,19 +11,17 @@ from typing import Any
 
 import numpy as np
 
+from graders.core import grading
 from graders.core.checks import Check
+from graders.core.grading import Grading
+from graders.core.malformed import MalformedExerciseError
 from graders.core.program import KitSettings
+from graders.core.protocol import Known, Run
 from graders.core.verdict import MAX_POINTS, Outcome
 
+__all__ = ["ExerciseGrader", "MalformedExerciseError", "Misconception", "Specimen", "exercise"]
+
 KitMaker = Callable[[np.random.Generator], KitSettings]
-
-
-class MalformedExerciseError(Exception):
-    """A grader's folder that does not hold together: where (path, line) and why."""
-
-    def __init__(self, path: Path, message: str, line: int = 1) -> None:
-        super().__init__(f"{path}:{line}: {message}")
-        self.path, self.message, self.line = path, message, line
 
 
 @dataclass(frozen=True)
@@ -67,6 +65,27 @@ class ExerciseGrader:
         for path in sorted((self.folder / "specimens").glob("*/*.py")):
             yield Specimen(Outcome(path.parent.name), path)
 
+    def grade(self, source: bytes, run: Run, *, seed: int, version: str) -> Grading:
+        """The verdict of a file, whose program `run` starts."""
+        return grading.grade(self, run(source), seed=seed, version=version)
+
+    def rehearse(self) -> None:
+        """Have imported and compiled what is so at first use."""
+        grading.rehearse(self)
+
+    def mistakes(self) -> frozenset[str]:
+        """The ids of the misconceptions."""
+        return frozenset(one.id for one in self.misconceptions)
+
+    def known(self) -> Iterator[Known]:
+        """The solution, the catalogued mistakes, the specimens."""
+        yield Known("référence", _always(self.solution.encode()), Outcome.OK)
+        for one in self.misconceptions:
+            yield Known(f"erreur {one.id}", _always(one.source.encode()), diagnosis=one.id)
+        for specimen in self.specimens():
+            subject = f"spécimen {specimen.outcome.value}/{specimen.path.name}"
+            yield Known(subject, _always(specimen.path.read_bytes()), specimen.outcome)
+
     def draw(self, data: dict[str, Any], *, theme: str = "light", extension: str = "svg") -> bytes:
         """Draw the figure whose data a verdict left, as a "svg" or "png" file. Slow: it loads matplotlib."""
         from graders.core.plotting import drawing, to_bytes
@@ -75,6 +94,10 @@ class ExerciseGrader:
         with drawing(theme) as figure:
             module.FIGURES[data["kind"]](figure, data)
             return to_bytes(figure, extension)
+
+
+def _always(source: bytes) -> Callable[[int], bytes]:
+    return lambda _seed: source
 
 
 def exercise(

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import time
-import zlib
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from graders.core.bench import Bench, Observation, Runner
 from graders.core.checks import Check, FigureData, Rejection, fault_rejection
 from graders.core.diagnosis import diagnose, hopeless, slip_diagnosis
-from graders.core.exercise import ExerciseGrader, Misconception
 from graders.core.program import KitSettings, Launcher, StudentFault, local_launcher
 from graders.core.render import tidy, to_jsonable
+from graders.core.streams import stream
 from graders.core.verdict import CheckResult, Counterexample, Diagnosis, Outcome, Verdict, overall_outcome
+
+if TYPE_CHECKING:
+    from graders.core.exercise import ExerciseGrader, Misconception
 
 FIGURE_ITEMS = 20_000
 
@@ -61,11 +61,6 @@ def grade(grader: ExerciseGrader, launch: Launcher, *, seed: int, version: str) 
     )
     figures = {f.result.id: to_jsonable(f.figure, limit=FIGURE_ITEMS) for f in findings if f.figure is not None}
     return Grading(verdict, figures)
-
-
-def stream(seed: int, name: str) -> np.random.Generator:
-    """An independent generator for each name under one seed."""
-    return np.random.default_rng([seed, zlib.crc32(name.encode())])
 
 
 def _run(checks: Sequence[Check], runner: Runner, kit: KitSettings, seed: int) -> list[Finding]:

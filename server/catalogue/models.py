@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
-from server.catalogue.markup import Cell, Heading, Section
+from server.catalogue.markup import Cell, Heading, Names, Section
+from server.catalogue.markup.text import no_names
+from server.catalogue.prose import line, prose
 
 if TYPE_CHECKING:
-    from graders.core.exercise import ExerciseGrader
+    from graders.core.answers import AnswersGrader
+    from graders.core.protocol import Grader
 
 __all__ = [
     "Catalogue", "CatalogueFault", "Cell", "Document", "Drawing", "Exercise", "FunctionSpec", "Heading", "Kind",
@@ -74,7 +77,8 @@ class Exercise:
 
     `seance` is the slug of the page that it follows.
     `version` is the first 12 hexadecimal digits of a sha256 over everything that can change a verdict.
-    `policy_overrides` replaces fields of `server.sandbox.Policy` by name.
+    An exercise answered without code (`answers`) has no function, and neither starter nor solution as files: its grader
+    gives questions and correction. `policy_overrides` replaces fields of `server.sandbox.Policy` by name.
     """
 
     module: str
@@ -89,14 +93,28 @@ class Exercise:
     solution: str
     statement: Readable
     hint_texts: tuple[Readable, Readable, Readable]
-    grader: ExerciseGrader
+    grader: Grader
     version: str
+    answers: AnswersGrader | None = None
+    names: Callable[[], Names] = no_names
     seance: str = ""
     policy_overrides: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def id(self) -> str:
         return f"{self.module}/{self.slug}"
+
+    @property
+    def kind(self) -> Literal["code", "answers"]:
+        return "code" if self.answers is None else "answers"
+
+    def prose(self, text: str) -> str:
+        """A text of its questions or of its verdicts as HTML."""
+        return prose(text, self.names)
+
+    def line(self, text: str) -> str:
+        """The same, to stand in a line."""
+        return line(text, self.names)
 
     @property
     def statement_html(self) -> str:

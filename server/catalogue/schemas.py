@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
@@ -77,8 +77,9 @@ class ExerciseFile(Strict):
     order: int
     stars: Annotated[int, Field(ge=0, le=3)] = 0
     course: str = ""
+    kind: Literal["code", "answers"] = "code"
     seance: str = ""
-    functions: Annotated[list[FunctionEntry], Field(min_length=1)]
+    functions: list[FunctionEntry] = []
     limits: Limits = Limits()
 
 

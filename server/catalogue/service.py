@@ -9,23 +9,25 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from server.catalogue import drawings, toml_file
+from graders.core.exercise import ExerciseGrader
+from server.catalogue import drawings, questions, toml_file
 from server.catalogue.markup import Names, Source, Text
 from server.catalogue.markup.text import no_names
 from server.catalogue.models import Catalogue, CatalogueFault, Exercise, FunctionSpec, Module, Problem
-from server.catalogue.pages import Library, problems_of
+from server.catalogue.pages import Library, as_text, problems_of
 from server.catalogue.schemas import ExerciseFile, ModuleFile
 from server.catalogue.version import digest
 
 if TYPE_CHECKING:
-    from graders.catalogue import Discovery
+    from graders.catalogue import Discovery, Found
 
 T = TypeVar("T")
 ROOT = Path(__file__).parents[2]
 MODULE_SLUG = re.compile(r"[a-z]+[0-9]+")  # addresses start with it, beside /connexion and its like
 EXERCISE_SLUG = re.compile(r"[a-z0-9]+(_[a-z0-9]+)*")
+NOTHING_ANSWERED = "{}\n"
 HINT_TITLE = re.compile(r"^##[ \t]+Indice[ \t]+(\d+)[ \t]*$", re.MULTILINE)
 
 
@@ -139,6 +141,9 @@ def _note(problems: list[Problem], found: Iterable[Problem]) -> bool:
 def _faults(exercise: Exercise, look: Look) -> Iterator[Problem]:
     for text in (exercise.statement, *exercise.hint_texts):
         yield from problems_of(text, formulas=look is Look.drawn)
+    if exercise.answers is not None:
+        path = as_text(exercise.statement).source.path.with_name(questions.FILE)
+        yield from questions.problems(path, exercise.answers, exercise.names, formulas=look is Look.drawn)
 
 
 def _lost(module: Path, exercises: list[Exercise], library: Library) -> Iterator[Problem]:
@@ -155,11 +160,10 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
     if not EXERCISE_SLUG.fullmatch(path.name):
         raise CatalogueFault(Problem(path, None, "nom d’exercice : minuscules, chiffres et « _ »"))
     card = toml_file.read(path / "exercise.toml", ExerciseFile)
-    grader = sources.discovery.graders.get(f"{module.name}/{path.name}")
-    if grader is None:
+    found = sources.discovery.graders.get(f"{module.name}/{path.name}")
+    if found is None:
         raise CatalogueFault(_no_grader(sources, module.name, path))
-    _same_functions(path / "exercise.toml", card, grader.functions)
-    solution_path = sources.code / "graders" / module.name / path.name / "solution.py"
+    kinds = {"code": _code, "answers": _answers}
     return Exercise(
         module=module.name,
         slug=path.name,
@@ -169,15 +173,42 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
         stars=card.stars,
         course=card.course,
         functions=tuple(FunctionSpec(one.name, one.signature, one.returns, one.doc) for one in card.functions),
-        starter=_python(path / "starter.py"),
-        solution=_compiles(grader.solution, solution_path),
+        **kinds[card.kind](sources, path, card, found),
         statement=Text(Source(toml_file.read_text(path / "enonce.md"), path / "enonce.md", names=sources.names)),
         hint_texts=_hints(path / "indices.md", sources.names),
-        grader=grader,
+        names=sources.names,
         version=_version(sources, module, path),
         seance=card.seance,
         policy_overrides=MappingProxyType(card.limits.overrides()),
     )
+
+
+def _code(sources: Sources, path: Path, card: ExerciseFile, found: Found) -> dict[str, Any]:
+    if not isinstance(found, ExerciseGrader):
+        raise CatalogueFault(_other_kind(path, card))
+    if not card.functions:
+        raise CatalogueFault(Problem(path / "exercise.toml", 1, "champ manquant : « functions »"))
+    _same_functions(path / "exercise.toml", card, found.functions)
+    solution = sources.code / "graders" / path.parents[1].name / path.name / "solution.py"
+    return {
+        "starter": _python(path / "starter.py"),
+        "solution": _compiles(found.solution, solution),
+        "grader": found,
+    }
+
+
+def _answers(_sources: Sources, path: Path, card: ExerciseFile, found: Found) -> dict[str, Any]:
+    if isinstance(found, ExerciseGrader):
+        raise CatalogueFault(_other_kind(path, card))
+    if card.functions:
+        raise CatalogueFault(Problem(path / "exercise.toml", None, "un exercice sans code ne demande aucune fonction"))
+    grader = questions.bind(found, path / questions.FILE)
+    return {"starter": NOTHING_ANSWERED, "solution": "", "grader": grader, "answers": grader}
+
+
+def _other_kind(path: Path, card: ExerciseFile) -> Problem:
+    message = f'kind = "{card.kind}", mais le correcteur est celui d’un exercice de l’autre sorte'
+    return Problem(path / "exercise.toml", None, message)
 
 
 def _no_grader(sources: Sources, module: str, path: Path) -> Problem:

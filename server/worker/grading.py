@@ -10,8 +10,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from uuid import UUID
 
-from graders.core.exercise import ExerciseGrader
-from graders.core.grading import Grading, grade
+from graders.core.grading import Grading
 from graders.core.program import Answer, KitSettings, Launcher, Reply, StudentFault
 from graders.core.values import Arguments, Value
 from graders.core.verdict import Outcome, internal_error_verdict
@@ -99,8 +98,10 @@ class Grader:
         return Grading(internal_error_verdict(exercise_id, version, seed))
 
     def _grade(self, exercise: Exercise, source: bytes, seed: int) -> Grading:
-        grader: ExerciseGrader = exercise.grader
-        return grade(grader, self._launcher(exercise, source), seed=seed, version=exercise.version)
+        def run(file: bytes) -> Launcher:
+            return self._launcher(exercise, file)
+
+        return exercise.grader.grade(source, run, seed=seed, version=exercise.version)
 
     def _launcher(self, exercise: Exercise, source: bytes) -> Launcher:
         policy = policy_of(exercise)

@@ -8,7 +8,6 @@ from contextlib import closing
 from types import FrameType
 from typing import Any
 
-from graders.core.grading import rehearse
 from server.catalogue import Catalogue, load
 from server.database import Database
 from server.queue.port import Signals, WorkSource
@@ -49,7 +48,7 @@ def _warm(sandbox: Sandbox, catalogue: Catalogue) -> None:
             log.warning("the %s template did not start", imports, exc_info=True)
     for exercise in catalogue.exercises.values():
         try:
-            rehearse(exercise.grader)
+            exercise.grader.rehearse()
         except Exception:
             log.exception("the grader of %s does not work", exercise.id)
     gc.freeze()  # what was loaded stays: no collection needs to look at it again

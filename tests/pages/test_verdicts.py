@@ -13,7 +13,7 @@ from graders.core.program import local_launcher
 from server.pages import verdicts
 from server.pages.rendering import environment
 
-GRADERS = discover().graders
+GRADERS = {name: one for name, one in discover().graders.items() if isinstance(one, ExerciseGrader)}
 SHOW = '{% from "verdict.html" import show_verdict %}{{ show_verdict(verdict, 1) }}'
 
 

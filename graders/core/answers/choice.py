@@ -1,0 +1,228 @@
+"""Questions answered by ticking: one option, or as many as are right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from graders.core.answers.judging import Answers, AnswersDefinition, AnswersGrader, Check, home
+from graders.core.answers.letters import MOST, Letters
+from graders.core.answers.mistakes import same_mistakes
+from graders.core.answers.paper import Paper, Piece, Question, Told
+from graders.core.answers.reading import is_blank, shown
+from graders.core.grading import Finding
+from graders.core.malformed import MalformedExerciseError
+from graders.core.verdict import MAX_POINTS
+
+
+@dataclass(frozen=True)
+class Option:
+    """`why` explains, for right and wrong options alike; `misconception` names what a wrong one shows."""
+
+    id: str
+    right: bool
+    text: str
+    why: str
+    misconception: str | None = None
+
+
+@dataclass(frozen=True)
+class ChoiceQuestion:
+    id: str
+    title: str
+    text: str
+    points: float
+    several: bool
+    hint: str
+    options: tuple[Option, ...]
+
+    @property
+    def right(self) -> list[str]:
+        return [one.id for one in self.options if one.right]
+
+    def letters(self, seed: int) -> Letters:
+        return Letters.drawn([one.id for one in self.options], seed, self.id)
+
+    def option(self, name: str) -> Option:
+        return next(one for one in self.options if one.id == name)
+
+
+@dataclass(frozen=True)
+class ChoiceSheet:
+    questions: tuple[ChoiceQuestion, ...]
+
+
+@dataclass(frozen=True)
+class ChoiceDefinition(AnswersDefinition):
+    """See `choice`."""
+
+    form = "choice"
+
+    def bind(self, sheet: ChoiceSheet) -> ChoiceGrader:
+        for question in sheet.questions:
+            _check(self, question)
+        used = {one.misconception for question in sheet.questions for one in question.options if one.misconception}
+        same_mistakes(self.folder, self.catalogue, used)
+        return ChoiceGrader(self.exercise, self.folder, self.catalogue, sheet.questions)
+
+
+def choice(file: str, exercise: str) -> ChoiceDefinition:
+    """Describe an exercise from its grader's module: `choice(__file__, "l20/verification")`."""
+    return ChoiceDefinition(exercise, *home(file))
+
+
+def _check(definition: ChoiceDefinition, question: ChoiceQuestion) -> None:
+    ids = [one.id for one in question.options]
+    right = len(question.right)
+    faults = {
+        "has two options of one name": len(set(ids)) != len(ids),
+        f"has more than {MOST} options": len(ids) > MOST,
+        "has no right option": not right,
+        "has several right options": right > 1 and not question.several,
+        "has nothing but right options": right == len(ids),
+        "finds a misconception in a right option": any(one.right and one.misconception for one in question.options),
+    }
+    for fault, found in faults.items():
+        if found:
+            raise MalformedExerciseError(definition.folder / "grader.py", f"question {question.id} {fault}")
+
+
+@dataclass(frozen=True, eq=False)
+class ChoiceGrader(AnswersGrader):
+    questions: tuple[ChoiceQuestion, ...]
+
+    def checks(self) -> Sequence[Check]:
+        total = sum(one.points for one in self.questions)
+        return [Check(q.id, q.title, MAX_POINTS * q.points / total, q.hint or None) for q in self.questions]
+
+    def paper(self, seed: int) -> Paper:
+        pairs = zip(self.questions, self.checks(), strict=True)
+        return Paper((), tuple(_question(one, check.points, seed) for one, check in pairs))
+
+    def right(self, seed: int) -> Answers:
+        return {one.id: _written(one, one.right, seed) for one in self.questions}
+
+    def judge(self, answers: Answers, seed: int) -> Sequence[Finding]:
+        pairs = zip(self.questions, self.checks(), strict=True)
+        return [_judged(one, check, answers.get(one.id), one.letters(seed)) for one, check in pairs]
+
+    def wrong(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
+        for question in self.questions:
+            for option in question.options:
+                if not option.right:
+                    subject = f"{question.id} : {option.id}"
+                    yield subject, option.misconception, partial(self._with, question, [option.id])
+            if question.several:
+                everything = [one.id for one in question.options]
+                yield f"{question.id} : tout", None, partial(self._with, question, everything)
+
+    def _with(self, question: ChoiceQuestion, ticked: Sequence[str], seed: int) -> Answers:
+        return {**self.right(seed), question.id: _written(question, ticked, seed)}
+
+    def lettered(self, answers: Answers, seed: int) -> Answers:
+        return self._mapped(answers, lambda question: question.letters(seed).by_name)
+
+    def moved(self, answers: Answers, old: int, new: int) -> Answers:
+        def letters(question: ChoiceQuestion) -> Mapping[str, str]:
+            names, fresh = question.letters(old).by_letter, question.letters(new).by_name
+            return {letter: fresh[name] for letter, name in names.items()}
+
+        return self._mapped(answers, letters)
+
+    def _mapped(self, answers: Answers, letters: Callable[[ChoiceQuestion], Mapping[str, str]]) -> Answers:
+        known = {one.id: letters(one) for one in self.questions}
+        return {name: _renamed(value, known.get(name, {})) for name, value in answers.items()}
+
+    def told(self, answers: Answers, seed: int) -> Sequence[Told]:
+        return [
+            _told(one.title, answers.get(one.id), {piece.id: piece for piece in _pieces(one, seed)})
+            for one in self.questions
+            if not is_blank(answers.get(one.id))
+        ]
+
+    def correction(self, seed: int) -> str:
+        parts = []
+        for place, one in enumerate(self.questions, 1):
+            parts.append(f"**{place}. {one.title}.** {one.text}")
+            for letter, name in one.letters(seed).by_letter.items():
+                option = one.option(name)
+                parts.append(f"{'✓' if option.right else '✗'} **{letter}.** {option.text}\n\n> {_quoted(option.why)}")
+        return "\n\n".join(parts)
+
+
+def _question(question: ChoiceQuestion, points: float, seed: int) -> Question:
+    form = "several" if question.several else "one"
+    return Question(question.id, question.title, question.text, form, points, pieces=_pieces(question, seed))  # type: ignore[arg-type]
+
+
+def _pieces(question: ChoiceQuestion, seed: int) -> tuple[Piece, ...]:
+    names = question.letters(seed).by_letter
+    return tuple(Piece(letter, question.option(name).text) for letter, name in names.items())
+
+
+def _written(question: ChoiceQuestion, names: Sequence[str], seed: int) -> str | list[str]:
+    letters = sorted(question.letters(seed).by_name[name] for name in names)
+    return letters if question.several else letters[0]
+
+
+def _judged(question: ChoiceQuestion, check: Check, raw: Any, letters: Letters) -> Finding:
+    if raw is None:
+        return check.blank()
+    ticked = _read(question, raw, letters)
+    if isinstance(ticked, str):
+        return check.unreadable(ticked, raw)
+    options = [question.option(name) for name in ticked]
+    why = "\n\n".join(one.why.strip() for one in options)
+    wanted = set(question.right)
+    if set(ticked) == wanted:
+        return check.passed(why)
+    missing = bool(wanted - set(ticked)) and question.several
+    lacking = "Il manque au moins une bonne réponse." if missing else ""
+    hits = sum(one.right for one in options)
+    share = max(0, 2 * hits - len(options)) / len(wanted) if question.several else 0.0
+    return check.failed(
+        "\n\n".join(part for part in (why, lacking) if part),
+        inputs={},
+        expected=_plural(len(wanted)) if question.several else "une autre réponse",
+        got=", ".join(letters.by_name[name] for name in ticked),
+        points=share * check.points,
+        slip=next((one.misconception for one in options if one.misconception), None),
+    )
+
+
+def _plural(count: int) -> str:
+    return "une seule bonne réponse" if count == 1 else f"{count} bonnes réponses"
+
+
+def _read(question: ChoiceQuestion, raw: Any, letters: Letters) -> list[str] | str:
+    """The names of the ticked options, or why the answer cannot be read."""
+    ticked = [raw] if isinstance(raw, str) else raw
+    known = ", ".join(letters.by_letter)
+    if not isinstance(ticked, list) or not all(isinstance(one, str) for one in ticked):
+        return f"on attend une lettre parmi {known}" + (", ou une liste de lettres" if question.several else "")
+    if any(one not in letters.by_letter for one in ticked):
+        return f"une lettre n'est celle d'aucune réponse proposée (les lettres sont {known})"
+    if len(set(ticked)) != len(ticked):
+        return "une même lettre est donnée deux fois"
+    if len(ticked) != 1 and not question.several:
+        return "une seule lettre est attendue"
+    return [letters.by_letter[one] for one in sorted(ticked)]
+
+
+def _renamed(value: Any, names: Mapping[str, str]) -> Any:
+    if isinstance(value, list):
+        return [_renamed(item, names) if isinstance(item, str) else item for item in value]
+    return names.get(value, value) if isinstance(value, str) else value
+
+
+def _told(title: str, value: Any, pieces: Mapping[str, Piece]) -> Told:
+    ids = [value] if isinstance(value, str) else value
+    if isinstance(ids, list) and all(isinstance(one, str) and one in pieces for one in ids):
+        return Told(title, "", tuple(pieces[one] for one in ids))
+    return Told(title, shown(value))
+
+
+def _quoted(text: str) -> str:
+    return text.strip().replace("\n", "\n> ")

@@ -1,0 +1,202 @@
+"""Grading of answers: what every form of exercise shares. A form says what its questions are and judges each answer."""
+
+from __future__ import annotations
+
+import time
+from abc import ABC, abstractmethod
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+from graders.core.answers.mistakes import Mistake, read_mistakes
+from graders.core.answers.paper import Paper, Told
+from graders.core.answers.reading import UnreadableAnswersError, canonical, is_blank, read_answers, shown
+from graders.core.grading import Finding, Grading
+from graders.core.protocol import Known, Run
+from graders.core.verdict import CheckResult, Counterexample, Diagnosis, Outcome, Verdict, overall_outcome
+
+Answers = Mapping[str, Any]
+ROUNDS = 25  # seeds on which a known answer is tried by `balise check`
+NO_ANSWER = "Il n'y a pas encore de réponse à cette question."
+UNKNOWN = "Ce fichier répond à des questions qui n'existent pas. Les questions sont : {names}."
+
+
+@dataclass(frozen=True)
+class AnswersDefinition(ABC):
+    """An exercise as its grader's folder describes it; it grades once it is bound to the wording of its questions."""
+
+    exercise: str
+    folder: Path
+    catalogue: Mapping[str, Mistake]
+    form: ClassVar[str]
+
+    @abstractmethod
+    def bind(self, sheet: Any) -> AnswersGrader:
+        """The grader. Raises MalformedExerciseError where definition and sheet do not go together."""
+
+
+def home(file: str) -> tuple[Path, Mapping[str, Mistake]]:
+    """The folder of a grader's module, and the misconceptions catalogued there."""
+    folder = Path(file).parent
+    return folder, read_mistakes(folder)
+
+
+@dataclass(frozen=True)
+class Check:
+    """What a check is, before any answer: its place in the verdict."""
+
+    id: str
+    title: str
+    points: float
+    hint: str | None = None
+
+    def passed(self, message: str = "") -> Finding:
+        return Finding(CheckResult(self.id, self.title, self.points, self.points, message=message))
+
+    def failed(
+        self,
+        message: str,
+        *,
+        inputs: dict[str, Any] | None = None,
+        expected: Any = None,
+        got: Any = None,
+        points: float = 0.0,
+        cause: Outcome = Outcome.WRONG_ANSWER,
+        slip: str | None = None,
+    ) -> Finding:
+        found = None if inputs is None else Counterexample(inputs, expected, got)
+        result = CheckResult(self.id, self.title, points, self.points, cause, message, found, self.hint)
+        return Finding(result, slip)
+
+    def unreadable(self, reason: str, value: Any) -> Finding:
+        message = f"Cette réponse n'est pas lue : {reason}."
+        return self.failed(
+            message, inputs={}, expected="une réponse lisible", got=shown(value), cause=Outcome.INVALID_OUTPUT
+        )
+
+    def blank(self) -> Finding:
+        return self.failed(NO_ANSWER, cause=Outcome.INVALID_OUTPUT)
+
+
+@dataclass(frozen=True, eq=False)
+class AnswersGrader(ABC):
+    """Grades the answers to one exercise; the same for the same seed, which also draws what the student is given."""
+
+    exercise: str
+    folder: Path
+    catalogue: Mapping[str, Mistake]
+
+    @abstractmethod
+    def paper(self, seed: int) -> Paper:
+        """What the student is given."""
+
+    @abstractmethod
+    def checks(self) -> Sequence[Check]:
+        """The checks of a verdict, whose points sum to 20."""
+
+    @abstractmethod
+    def judge(self, answers: Answers, seed: int) -> Sequence[Finding]:
+        """One finding for each check. `answers` speaks of known questions only; its values are any JSON."""
+
+    @abstractmethod
+    def right(self, seed: int) -> Answers:
+        """Answers that get full marks."""
+
+    @abstractmethod
+    def wrong(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
+        """Answers that must be rejected: what they are, the misconception that they must be named by, the answers."""
+
+    @abstractmethod
+    def told(self, answers: Answers, seed: int) -> Sequence[Told]:
+        """Answers as one reads them again, whatever they are."""
+
+    @abstractmethod
+    def correction(self, seed: int) -> str:
+        """The full correction of this draw, in Markdown."""
+
+    def grade(self, source: bytes, run: Run | None = None, *, seed: int, version: str) -> Grading:
+        """The verdict of a file of answers. Nothing runs: `run` is what exercises of code need."""
+        started = time.perf_counter()
+        findings = self._findings(source, seed)
+        checks = [finding.result for finding in findings]
+        took = round(1000.0 * (time.perf_counter() - started), 3)
+        verdict = Verdict(
+            self.exercise,
+            version,
+            overall_outcome(checks),
+            seed,
+            checks,
+            self._diagnosis(findings),
+            timings={"total_ms": took},
+        )
+        return Grading(verdict)
+
+    def _findings(self, source: bytes, seed: int) -> Sequence[Finding]:
+        try:
+            answers = read_answers(source)
+        except UnreadableAnswersError as error:
+            reason = str(error)
+            return [check.failed(reason, cause=Outcome.SYNTAX_ERROR) for check in self.checks()]
+        names = [question.id for question in self.paper(seed).questions]
+        unknown = sorted(answers.keys() - set(names))
+        if unknown:
+            message = UNKNOWN.format(names=", ".join(f"`{name}`" for name in names))
+            got, wanted = shown(", ".join(unknown)), ", ".join(names)
+            return [
+                check.failed(message, inputs={}, expected=wanted, got=got, cause=Outcome.INVALID_OUTPUT)
+                for check in self.checks()
+            ]
+        return self.judge({name: value for name, value in answers.items() if not is_blank(value)}, seed)
+
+    def _diagnosis(self, findings: Sequence[Finding]) -> Diagnosis | None:
+        """The misconception seen in most of the failed checks; of several, the one that was seen first."""
+        seen = Counter(finding.slip for finding in findings if finding.slip and not finding.result.passed)
+        return self.catalogue[seen.most_common(1)[0][0]].diagnosis if seen else None
+
+    def rehearse(self) -> None:
+        self.grade(canonical(self.right(0)).encode(), seed=0, version="")
+
+    def mistakes(self) -> frozenset[str]:
+        return frozenset(self.catalogue)
+
+    def known(self) -> Iterator[Known]:
+        yield Known("référence", _written(self.right), Outcome.OK, rounds=ROUNDS)
+        yield Known("rien de répondu", lambda _: b"{}", Outcome.INVALID_OUTPUT, rounds=ROUNDS)
+        for subject, mistake, answers in self.wrong():
+            yield Known(subject, _written(answers), Outcome.WRONG_ANSWER, mistake, ROUNDS)
+        for path in sorted((self.folder / "specimens").glob("*/*.json")):
+            subject = f"spécimen {path.parent.name}/{path.name}"
+            yield Known(subject, self._specimen(path.read_bytes()), Outcome(path.parent.name))
+
+    def _specimen(self, source: bytes) -> Callable[[int], bytes]:
+        """Specimens name options and steps as the course does, since letters change with the seed."""
+
+        def write(seed: int) -> bytes:
+            try:
+                answers = self.lettered(read_answers(source), seed)
+            except UnreadableAnswersError:
+                return source
+            return canonical(answers).encode("utf-8", "surrogatepass") if answers is not None else source
+
+        return write
+
+    def lettered(self, answers: Answers, seed: int) -> Answers | None:
+        """Answers given with the course's names, under the letters of a draw; None where nothing has a letter."""
+        return None
+
+    def sample(self, wording: str) -> str:
+        """A text of the sheet as a student may read it: with the numbers of some draw in it."""
+        return wording
+
+    def moved(self, answers: Answers, old: int, new: int) -> Answers:
+        """Answers to one draw as answers to another, where the letters differ."""
+        return answers
+
+    def draw(self, data: dict[str, Any], *, theme: str = "light", extension: str = "svg") -> bytes:
+        raise LookupError(f"{self.exercise} draws no figure")
+
+
+def _written(answers: Callable[[int], Answers]) -> Callable[[int], bytes]:
+    return lambda seed: canonical(answers(seed)).encode()

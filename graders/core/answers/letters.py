@@ -1,0 +1,33 @@
+"""Options and steps leave the server under letters drawn with the seed: neither name nor order tells anything."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from string import ascii_lowercase
+
+from graders.core.streams import stream
+
+MOST = len(ascii_lowercase)
+
+
+@dataclass(frozen=True)
+class Letters:
+    """A bijection between letters and names."""
+
+    names: tuple[str, ...]
+
+    @classmethod
+    def drawn(cls, names: Sequence[str], seed: int, key: str) -> Letters:
+        """The letters that `seed` gives to `names`, which are at most 26; `key` separates one question from another."""
+        shuffled = stream(seed, f"letters {key}").permutation(len(names))
+        return cls(tuple(names[place] for place in shuffled))
+
+    @cached_property
+    def by_letter(self) -> dict[str, str]:
+        return dict(zip(ascii_lowercase, self.names, strict=False))
+
+    @cached_property
+    def by_name(self) -> dict[str, str]:
+        return {name: letter for letter, name in self.by_letter.items()}

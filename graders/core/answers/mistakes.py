@@ -1,0 +1,62 @@
+"""The misconceptions of an exercise answered without code: `misconceptions.toml`, as for code, without files."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from graders.core.malformed import MalformedExerciseError
+from graders.core.verdict import Diagnosis
+
+FIELDS = {"id", "title", "explanation", "question"}
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """A named wrong idea; `question` makes the student see it."""
+
+    id: str
+    title: str
+    explanation: str
+    question: str
+
+    @property
+    def brief(self) -> str:
+        """What a check says of it; the diagnosis explains."""
+        return f"{self.title.strip().rstrip('.')}. {self.question.strip()}"
+
+    @property
+    def diagnosis(self) -> Diagnosis:
+        return Diagnosis(self.id, self.title, f"{self.explanation.strip()}\n\n{self.question.strip()}")
+
+
+def read_mistakes(folder: Path) -> Mapping[str, Mistake]:
+    """By id, in the order of the file; none where there is no file. Raises MalformedExerciseError."""
+    path = folder / "misconceptions.toml"
+    if not path.is_file():
+        return {}
+    try:
+        entries = tomllib.loads(path.read_text(encoding="utf-8"))["misconception"]
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, KeyError) as error:
+        raise MalformedExerciseError(path, f"not a list of misconceptions: {error}") from error
+    found: dict[str, Mistake] = {}
+    for entry in entries:
+        name = entry.get("id", "?")
+        if entry.keys() != FIELDS or not all(isinstance(value, str) and value.strip() for value in entry.values()):
+            raise MalformedExerciseError(
+                path, f"misconception {name} must have {', '.join(sorted(FIELDS))}, and no more"
+            )
+        if name in found:
+            raise MalformedExerciseError(path, f"two misconceptions are called {name}")
+        found[name] = Mistake(**entry)
+    return found
+
+
+def same_mistakes(folder: Path, catalogued: Mapping[str, Mistake], used: set[str]) -> None:
+    """What the exercise speaks of and what is catalogued are the same. Raises MalformedExerciseError."""
+    path = folder / "misconceptions.toml"
+    for name in sorted(used ^ catalogued.keys()):
+        where = "is used but not catalogued" if name in used else "is catalogued but no answer leads to it"
+        raise MalformedExerciseError(path, f"misconception {name} {where}")

@@ -1,0 +1,273 @@
+"""Questions answered by a number, on data drawn afresh for each student."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from graders.core.answers.interval import around
+from graders.core.answers.judging import Answers, AnswersDefinition, AnswersGrader, Check, home
+from graders.core.answers.mistakes import same_mistakes
+from graders.core.answers.numbers import NotANumberError, bounded, read_number
+from graders.core.answers.paper import Given, Paper, Question, Told
+from graders.core.answers.reading import is_blank, shown
+from graders.core.answers.wording import NumericSheet
+from graders.core.grading import Finding
+from graders.core.malformed import MalformedExerciseError
+from graders.core.render import number
+from graders.core.streams import stream
+from graders.core.verdict import MAX_POINTS
+
+Data = Mapping[str, float]
+Values = Mapping[str, float]
+#: From the data and the answers to earlier questions to a value.
+Formula = Callable[[Data, Values], float]
+
+DRAWS = 200
+APART = 10  # tolerances between a slip and the right value, and between two slips
+FOLLOW_THROUGH = 0.5
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What one question asks, and how it is judged.
+
+    `expected(data, earlier)` computes it with `reference/`; `earlier` holds the values of the questions before it.
+    An answer is right within `abs` + `rel` |value| (modulo 2π for an `angle`). `slips` are wrong formulas, by the
+    misconception that they show.
+    """
+
+    id: str
+    points: float
+    expected: Formula
+    rel: float = 0.01
+    abs: float = 0.0
+    angle: bool = False
+    slips: Mapping[str, Formula] = field(default_factory=dict)
+
+    def same(self, one: float, other: float, times: float = 1.0) -> bool:
+        """Whether `one` is `other`, within so many `times` the tolerance on `other`."""
+        gap = math.remainder(one - other, 2.0 * math.pi) if self.angle else one - other
+        return abs(gap) <= times * (self.abs + self.rel * abs(other))
+
+
+@dataclass(frozen=True)
+class NumericDefinition(AnswersDefinition):
+    """See `numeric`."""
+
+    drawing: Callable[[np.random.Generator], Data]
+    quantities: tuple[Quantity, ...]
+    form = "numeric"
+
+    def bind(self, sheet: NumericSheet) -> NumericGrader:
+        grader = NumericGrader(self.exercise, self.folder, self.catalogue, self.drawing, self.quantities, sheet)
+        asked, judged = [one.id for one in sheet.questions], [one.id for one in self.quantities]
+        if asked != judged:
+            raise MalformedExerciseError(self.folder / "grader.py", f"judges {judged}, but the sheet asks {asked}")
+        shown_data = {one.name for one in sheet.data}
+        drawn = grader.data(0)
+        if shown_data != drawn.keys():
+            odd = sorted(shown_data ^ drawn.keys())
+            raise MalformedExerciseError(self.folder / "grader.py", f"drawn and shown data differ: {odd}")
+        unknown = sheet.unknown()
+        if unknown:
+            raise MalformedExerciseError(self.folder / "grader.py", f"the sheet speaks of unknown data: {unknown}")
+        return grader
+
+
+def numeric(
+    file: str, exercise: str, *, draw: Callable[[np.random.Generator], Data], quantities: Sequence[Quantity]
+) -> NumericDefinition:
+    """Describe an exercise from its grader's module: `numeric(__file__, "l20/calcul_odometrie", ...)`.
+
+    `draw` gives the data, rounded as they are shown. Raises MalformedExerciseError.
+    """
+    folder, mistakes = home(file)
+    total = sum(one.points for one in quantities)
+    if abs(total - MAX_POINTS) > 1e-9:
+        raise MalformedExerciseError(Path(file), f"the questions sum to {total} points, not {MAX_POINTS}")
+    same_mistakes(folder, mistakes, {slip for one in quantities for slip in one.slips})
+    return NumericDefinition(exercise, folder, mistakes, draw, tuple(quantities))
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """One draw: the data, the right values, and what each slip gives in their place."""
+
+    data: Data
+    right: Values
+    slips: Mapping[str, Mapping[str, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class NumericGrader(AnswersGrader):
+    drawing: Callable[[np.random.Generator], Data]
+    quantities: tuple[Quantity, ...]
+    sheet: NumericSheet
+
+    def data(self, seed: int) -> Data:
+        return _drawn(self, seed).data
+
+    def paper(self, seed: int) -> Paper:
+        data = self.data(seed)
+        given = tuple(Given(one.symbol, one.meaning, one.text(data[one.name]), one.unit) for one in self.sheet.data)
+        questions = tuple(
+            Question(w.id, w.title, self.sheet.filled(w.text, data), "number", q.points, w.unit)
+            for w, q in zip(self.sheet.questions, self.quantities, strict=True)
+        )
+        return Paper(given, questions)
+
+    def checks(self) -> Sequence[Check]:
+        pairs = zip(self.sheet.questions, self.quantities, strict=True)
+        return [Check(one.id, one.title, quantity.points, one.hint or None) for one, quantity in pairs]
+
+    def right(self, seed: int) -> Answers:
+        return {name: float(value) for name, value in _drawn(self, seed).right.items()}
+
+    def judge(self, answers: Answers, seed: int) -> Sequence[Finding]:
+        drawn, findings = _drawn(self, seed), []
+        own = dict(drawn.right)
+        for check, quantity in zip(self.checks(), self.quantities, strict=True):
+            raw = answers.get(quantity.id)
+            value = _read(raw)
+            if raw is None:
+                findings.append(check.blank())
+            elif isinstance(value, float):
+                findings.append(self._judged(check, quantity, value, raw, drawn, own, seed))
+                own[quantity.id] = value
+            else:
+                findings.append(check.unreadable(value, raw))
+        return findings
+
+    def _judged(
+        self, check: Check, quantity: Quantity, value: float, raw: Any, drawn: Drawn, own: Values, seed: int
+    ) -> Finding:
+        right = drawn.right[quantity.id]
+        if quantity.same(value, right):
+            return check.passed()
+        inputs = {one.name: drawn.data[one.name] for one in self.sheet.data}
+        expected = self._expected(quantity.id, right, seed)
+        followed = _computed(quantity.expected, drawn.data, own)
+        if followed is not None and not quantity.same(followed, right) and quantity.same(value, followed):
+            message = (
+                "Votre calcul est juste, mais il part d'une de vos réponses précédentes qui ne l'est pas : "
+                "une partie des points est gagnée."
+            )
+            points = FOLLOW_THROUGH * quantity.points
+            return check.failed(message, inputs=inputs, expected=expected, got=shown(raw), points=points)
+        slip = self._slip(quantity, value, drawn, own)
+        message = self.catalogue[slip].brief if slip else _wrong(value, right)
+        return check.failed(message, inputs=inputs, expected=expected, got=shown(raw), slip=slip)
+
+    def _slip(self, quantity: Quantity, value: float, drawn: Drawn, own: Values) -> str | None:
+        """The slip that gives this value, from the right earlier values or from the student's own."""
+        for name, formula in quantity.slips.items():
+            followed = _computed(formula, drawn.data, own)
+            wrong = (drawn.slips[quantity.id][name], *(() if followed is None else (followed,)))
+            if any(quantity.same(value, one) for one in wrong):
+                return name
+        return None
+
+    def _expected(self, name: str, right: float, seed: int) -> str:
+        """A sign and an interval, drawn once for a draw: trying again tells no more."""
+        low, high = around(right, stream(seed, f"interval {name}"))
+        unit = next(one.unit for one in self.sheet.questions if one.id == name)
+        return f"un nombre entre {number(low)} et {number(high)} {unit}".rstrip()
+
+    def wrong(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
+        for name in self.catalogue:
+            yield f"erreur {name}", name, partial(self.mistaken, name, follow=False)
+            yield f"erreur {name}, la suite à l'avenant", name, partial(self.mistaken, name)
+        yield "tout faux", None, lambda seed: {one.id: 1234.5 for one in self.quantities}
+
+    def mistaken(self, name: str, seed: int, *, follow: bool = True) -> Answers:
+        """The answers of someone who makes this mistake wherever it can be made; `follow`: and goes on from there."""
+        drawn = _drawn(self, seed)
+        own: dict[str, float] = {}
+        for one in self.quantities:
+            formula = one.slips.get(name, one.expected)
+            own[one.id] = float(formula(drawn.data, own if follow else drawn.right))
+        return own
+
+    def told(self, answers: Answers, seed: int) -> Sequence[Told]:
+        return [
+            Told(one.title, f"{shown(value)} {one.unit if isinstance(_read(value), float) else ''}".rstrip())
+            for one in self.sheet.questions
+            if not is_blank(value := answers.get(one.id))
+        ]
+
+    def correction(self, seed: int) -> str:
+        drawn = _drawn(self, seed)
+        parts = []
+        for place, (one, quantity) in enumerate(zip(self.sheet.questions, self.quantities, strict=True), 1):
+            value = number(drawn.right[quantity.id], 4)
+            parts.append(f"**{place}. {one.title}.** {self.sheet.filled(one.text, drawn.data)}")
+            if one.correction:
+                parts.append(self.sheet.filled(one.correction, {**drawn.data, **drawn.right}))
+            parts.append(f"Réponse : **{value} {one.unit}**".rstrip("* ") + "**")
+        return "\n\n".join(parts)
+
+    def sample(self, wording: str) -> str:
+        drawn = _drawn(self, 0)
+        return self.sheet.filled(wording, {**drawn.data, **drawn.right})
+
+
+@lru_cache(maxsize=512)
+def _drawn(grader: NumericGrader, seed: int) -> Drawn:
+    """The draw of a seed: the first for which no slip gives the right value, nor two slips the same."""
+    for attempt in range(DRAWS):
+        drawn = _one_draw(grader, grader.drawing(stream(seed, f"draw {attempt}")))
+        if all(_apart(one, drawn) for one in grader.quantities):
+            return drawn
+    raise MalformedExerciseError(grader.folder / "grader.py", f"no draw of seed {seed} keeps the slips apart")
+
+
+def _one_draw(grader: NumericGrader, data: Data) -> Drawn:
+    right: dict[str, float] = {}
+    slips: dict[str, dict[str, float]] = {}
+    for one in grader.quantities:
+        slips[one.id] = {name: float(formula(data, right)) for name, formula in one.slips.items()}
+        right[one.id] = float(one.expected(data, right))
+    return Drawn(data, right, slips)
+
+
+def _apart(quantity: Quantity, drawn: Drawn) -> bool:
+    values = [drawn.right[quantity.id], *drawn.slips[quantity.id].values()]
+    if not all(map(math.isfinite, values)):
+        return False
+    pairs = ((one, other) for place, one in enumerate(values) for other in values[:place])
+    return not any(quantity.same(one, other, APART) or quantity.same(other, one, APART) for one, other in pairs)
+
+
+def _computed(formula: Formula, data: Data, own: Values) -> float | None:
+    """What a formula gives from a student's own values, which may be anything finite."""
+    try:
+        with np.errstate(all="ignore"):
+            value = float(formula(data, own))
+    except (ArithmeticError, ValueError):
+        return None
+    return value if math.isfinite(value) else None
+
+
+def _read(raw: Any) -> float | str:
+    """The number that was answered, or why it is none."""
+    try:
+        if isinstance(raw, str):
+            return read_number(raw)
+        if isinstance(raw, bool) or not isinstance(raw, int | float):
+            return "on attend un nombre"
+        return bounded(float(raw))
+    except NotANumberError as error:
+        return str(error)
+
+
+def _wrong(value: float, right: float) -> str:
+    if value * right < 0:
+        return "Ce n'est pas la bonne valeur : son signe n'est pas le bon."
+    return "Ce n'est pas la bonne valeur."

@@ -1,0 +1,245 @@
+"""The steps of a proof to be put in order, among distractors that are to be left aside."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from graders.core.answers.judging import Answers, AnswersDefinition, AnswersGrader, Check, home
+from graders.core.answers.letters import MOST, Letters
+from graders.core.answers.mistakes import same_mistakes
+from graders.core.answers.paper import Paper, Piece, Question, Told
+from graders.core.answers.reading import is_blank, shown
+from graders.core.grading import Finding
+from graders.core.malformed import MalformedExerciseError
+
+ORDER = "ordre"  # the name of the only question
+STEPS = Check("etapes", "Les bonnes étapes, sans intrus", 5)
+BEGINNING = Check("debut", "La démonstration commence bien", 9)
+WHOLE = Check("ordre", "Toutes les étapes, dans l'ordre", 6)
+STOPS = "La démonstration s'arrête trop tôt."
+
+
+@dataclass(frozen=True)
+class Step:
+    """`role` is what its place of the proof needs; `after` are the steps that must stand before it."""
+
+    id: str
+    text: str
+    role: str
+    after: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Distractor:
+    """A false step; `why` it is false."""
+
+    id: str
+    text: str
+    why: str
+    misconception: str | None = None
+
+
+@dataclass(frozen=True)
+class OrderSheet:
+    instruction: str
+    steps: tuple[Step, ...]
+    distractors: tuple[Distractor, ...]
+
+    @property
+    def pieces(self) -> tuple[Step | Distractor, ...]:
+        return (*self.steps, *self.distractors)
+
+
+@dataclass(frozen=True)
+class OrderDefinition(AnswersDefinition):
+    """See `order`."""
+
+    form = "order"
+
+    def bind(self, sheet: OrderSheet) -> OrderGrader:
+        names = [one.id for one in sheet.pieces]
+        place = self.folder / "grader.py"
+        if len(set(names)) != len(names):
+            raise MalformedExerciseError(place, "two steps have the same name")
+        if len(names) > MOST:
+            raise MalformedExerciseError(place, f"there are more than {MOST} steps")
+        for number, step in enumerate(sheet.steps):
+            unknown = set(step.after) - set(names[:number])
+            if unknown:
+                raise MalformedExerciseError(place, f"step {step.id} comes after {sorted(unknown)}, not steps above it")
+        same_mistakes(
+            self.folder, self.catalogue, {one.misconception for one in sheet.distractors if one.misconception}
+        )
+        return OrderGrader(self.exercise, self.folder, self.catalogue, sheet)
+
+
+def order(file: str, exercise: str) -> OrderDefinition:
+    """Describe an exercise from its grader's module: `order(__file__, "l20/demo_1")`."""
+    return OrderDefinition(exercise, *home(file))
+
+
+@dataclass(frozen=True)
+class Beginning:
+    """How far an answer is right: `length` steps, then `wanted` should have come (None: nothing more)."""
+
+    length: int
+    wanted: Step | None
+
+
+@dataclass(frozen=True, eq=False)
+class OrderGrader(AnswersGrader):
+    sheet: OrderSheet
+
+    def checks(self) -> Sequence[Check]:
+        return (STEPS, BEGINNING, WHOLE)
+
+    def letters(self, seed: int) -> Letters:
+        return Letters.drawn([one.id for one in self.sheet.pieces], seed, ORDER)
+
+    def paper(self, seed: int) -> Paper:
+        question = Question(
+            ORDER,
+            "L'ordre des étapes",
+            self.sheet.instruction,
+            "order",
+            20.0,
+            pieces=tuple(self._pieces(seed).values()),
+        )
+        return Paper((), (question,))
+
+    def _pieces(self, seed: int) -> dict[str, Piece]:
+        texts = {one.id: one.text for one in self.sheet.pieces}
+        return {letter: Piece(letter, texts[name]) for letter, name in self.letters(seed).by_letter.items()}
+
+    def right(self, seed: int) -> Answers:
+        return self._written([one.id for one in self.sheet.steps], seed)
+
+    def _written(self, names: Sequence[str], seed: int) -> Answers:
+        return {ORDER: [self.letters(seed).by_name[name] for name in names]}
+
+    def judge(self, answers: Answers, seed: int) -> Sequence[Finding]:
+        raw = answers.get(ORDER)
+        if raw is None:
+            return [check.blank() for check in self.checks()]
+        letters = self.letters(seed)
+        names = _read(raw, letters)
+        if isinstance(names, str):
+            return [check.unreadable(names, raw) for check in self.checks()]
+        beginning = self._beginning(names)
+        return [self._steps(names, letters), *self._ordered(names, beginning, letters)]
+
+    def _beginning(self, names: Sequence[str]) -> Beginning:
+        placed: list[str] = []
+        for name in names:
+            if name not in [step.id for step in self._next(placed)]:
+                break
+            placed.append(name)
+        return Beginning(len(placed), next(iter(self._next(placed)), None))
+
+    def _next(self, placed: Sequence[str]) -> list[Step]:
+        """The steps that may come now."""
+        return [one for one in self.sheet.steps if one.id not in placed and set(one.after) <= set(placed)]
+
+    def _steps(self, names: Sequence[str], letters: Letters) -> Finding:
+        known = {one.id: one for one in self.sheet.distractors}
+        false = [known[name] for name in names if name in known]
+        lacking = len(self.sheet.steps) - (len(names) - len(false))
+        if not false and not lacking:
+            return STEPS.passed()
+        share = 1.0 - lacking / len(self.sheet.steps) - len(false) / max(1, len(known))
+        first = false[0] if false else None
+        return STEPS.failed(
+            first.why.strip() if first else "Il manque des étapes.",
+            inputs={},
+            expected="des étapes toutes justes, et aucune qui manque",
+            got=f"l'étape {letters.by_name[first.id]}, qui est un intrus" if first else _written_out(names, letters),
+            points=max(0.0, share) * STEPS.points,
+            slip=next((one.misconception for one in false if one.misconception), None),
+        )
+
+    def _ordered(self, names: Sequence[str], beginning: Beginning, letters: Letters) -> tuple[Finding, Finding]:
+        if beginning.wanted is None and beginning.length == len(names):
+            return BEGINNING.passed(), WHOLE.passed()
+        place = beginning.length + 1
+        stands = f"l'étape {letters.by_name[names[place - 1]]}" if place <= len(names) else "rien"
+        role = beginning.wanted.role.strip() if beginning.wanted else "rien de plus : la démonstration est finie"
+        message = (
+            f"À la place {place}, il faut {role.rstrip('.')}." if beginning.wanted else f"En trop : place {place}."
+        )
+        if place > len(names):
+            message = f"{STOPS} {message}"
+        inputs = {"place": place}
+        points = BEGINNING.points * beginning.length / len(self.sheet.steps)
+        begins = BEGINNING.failed(message, inputs=inputs, expected=role, got=stands, points=points)
+        if beginning.wanted is None:
+            begins = BEGINNING.passed()
+        whole = WHOLE.failed(
+            "La suite est à revoir à partir de cette place.",
+            inputs=inputs,
+            expected=role,
+            got=_written_out(names, letters),
+        )
+        return begins, whole
+
+    def wrong(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
+        names = [one.id for one in self.sheet.steps]
+        for one in self.sheet.distractors:
+            for place in (0, len(names) // 2, len(names)):
+                placed = [*names[:place], one.id, *names[place:]]
+                subject = f"intrus {one.id}, place {place + 1}"
+                yield subject, one.misconception, partial(self._written, placed)
+        yield "à l'envers", None, partial(self._written, names[::-1])
+        yield "sans la fin", None, partial(self._written, names[:-1])
+
+    def lettered(self, answers: Answers, seed: int) -> Answers:
+        return {name: _renamed(value, self.letters(seed).by_name) for name, value in answers.items()}
+
+    def moved(self, answers: Answers, old: int, new: int) -> Answers:
+        fresh = self.letters(new).by_name
+        letters = {letter: fresh[name] for letter, name in self.letters(old).by_letter.items()}
+        return {name: _renamed(value, letters) for name, value in answers.items()}
+
+    def told(self, answers: Answers, seed: int) -> Sequence[Told]:
+        value, pieces = answers.get(ORDER), self._pieces(seed)
+        if is_blank(value):
+            return []
+        if isinstance(value, list) and all(isinstance(one, str) and one in pieces for one in value):
+            return [Told("Vos étapes, dans l'ordre", "", tuple(pieces[one] for one in value))]
+        return [Told("Vos étapes, dans l'ordre", shown(value))]
+
+    def correction(self, seed: int) -> str:
+        letters = self.letters(seed).by_name
+        steps = [
+            f"**{place}.** ({letters[one.id]}) {one.text.strip()}\n\n> Ici, il faut {_quoted(one.role)}"
+            for place, one in enumerate(self.sheet.steps, 1)
+        ]
+        false = [f"✗ ({letters[one.id]}) {one.text.strip()}\n\n> {_quoted(one.why)}" for one in self.sheet.distractors]
+        return "\n\n".join([*steps, *(["**Les intrus**"] if false else []), *false])
+
+
+def _read(raw: Any, letters: Letters) -> list[str] | str:
+    """The names of the steps in the order of the answer, or why it cannot be read."""
+    if not isinstance(raw, list) or not all(isinstance(one, str) for one in raw):
+        return "on attend la liste des lettres des étapes, dans l'ordre"
+    if any(one not in letters.by_letter for one in raw):
+        return "une lettre n'est celle d'aucune étape proposée"
+    if len(set(raw)) != len(raw):
+        return "une même étape est placée deux fois"
+    return [letters.by_letter[one] for one in raw]
+
+
+def _written_out(names: Sequence[str], letters: Letters) -> str:
+    return ", ".join(letters.by_name[name] for name in names)
+
+
+def _renamed(value: Any, names: Mapping[str, str]) -> Any:
+    if not isinstance(value, list):
+        return value
+    return [names.get(item, item) if isinstance(item, str) else item for item in value]
+
+
+def _quoted(text: str) -> str:
+    return text.strip().replace("\n", "\n> ")

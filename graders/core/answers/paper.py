@@ -1,0 +1,56 @@
+"""What a student is given: the data of their draw, the questions in Markdown, nothing that tells an answer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Form = Literal["number", "one", "several", "order"]
+
+
+@dataclass(frozen=True)
+class Given:
+    """One datum of the draw. `symbol` is TeX, `text` the number in French, as it is to be used."""
+
+    symbol: str
+    name: str
+    text: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class Piece:
+    """An option, or a step, under the letter that this draw gives it."""
+
+    id: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Question:
+    """One question. `id` names its answer; `pieces` are in the order of their letters."""
+
+    id: str
+    title: str
+    text: str
+    form: Form
+    points: float
+    unit: str = ""
+    pieces: tuple[Piece, ...] = ()
+
+
+@dataclass(frozen=True)
+class Paper:
+    """The questions of one draw."""
+
+    given: tuple[Given, ...]
+    questions: tuple[Question, ...]
+
+
+@dataclass(frozen=True)
+class Told:
+    """An answer that was given, to be read again: as it was typed, or the pieces that were chosen."""
+
+    title: str
+    text: str
+    pieces: tuple[Piece, ...] = ()

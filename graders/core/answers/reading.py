@@ -1,0 +1,66 @@
+"""From the bytes of a submission to the answers in it, whatever was sent; and back, in one canonical form."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+LARGEST = 64 * 1024
+LONGEST_SHOWN = 120
+
+
+class UnreadableAnswersError(Exception):
+    """The file is not one JSON object; `args[0]` says why, in French."""
+
+
+def read_answers(source: bytes) -> dict[str, Any]:
+    """The answers by question. Raises UnreadableAnswersError.
+
+    Numbers that no float holds come out as infinities, and are refused where they are read as an answer.
+    """
+    if len(source) > LARGEST:
+        raise UnreadableAnswersError(f"Ce fichier de réponses dépasse {LARGEST // 1024} Kio.")
+    try:
+        found = json.loads(source.decode("utf-8-sig"), object_pairs_hook=_object, parse_int=_integer)
+    except UnicodeDecodeError as error:
+        raise UnreadableAnswersError("Ce fichier de réponses n'est pas en UTF-8.") from error
+    except json.JSONDecodeError as error:
+        place = f"ligne {error.lineno}, colonne {error.colno}"
+        raise UnreadableAnswersError(f"Ce fichier n'est pas du JSON bien formé ({place}).") from error
+    except RecursionError as error:
+        raise UnreadableAnswersError("Ce fichier de réponses est trop imbriqué.") from error
+    if not isinstance(found, dict):
+        raise UnreadableAnswersError("On attend un objet JSON : un nom de question, puis la réponse, entre accolades.")
+    return found
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) != len(pairs):
+        raise UnreadableAnswersError("Une même question porte deux réponses dans ce fichier.")
+    return found
+
+
+def _integer(digits: str) -> float:
+    return int(digits) if len(digits) < 300 else float("-inf" if digits.startswith("-") else "inf")
+
+
+def canonical(answers: Mapping[str, Any]) -> str:
+    """The same answers always give the same text. Raises ValueError (RecursionError) for what is nested too deep."""
+    return json.dumps(answers, ensure_ascii=False, sort_keys=True, separators=(",", ":"))
+
+
+def shown(value: Any) -> str:
+    """An answer as it was given, short, and safe to store and to print."""
+    try:
+        text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+    except RecursionError:
+        text = "…"
+    text = "".join(c if c.isprintable() else "·" for c in text[: LONGEST_SHOWN + 1])
+    return text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 1] + "…"
+
+
+def is_blank(value: Any) -> bool:
+    """Nothing was answered: no value, an empty text, nothing ticked."""
+    return value is None or value == [] or (isinstance(value, str) and not value.strip())

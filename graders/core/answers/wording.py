@@ -1,0 +1,76 @@
+"""The wording of questions on drawn numbers, and the numbers put in it as a French reader writes them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from graders.core.render import number
+
+PLACEHOLDER = re.compile(r"\{\{(\w+)\}\}")
+FORMULAS = re.compile(r"(\$\$.*?\$\$|\$.*?\$)", re.DOTALL)
+DIGITS = 4  # of a value that is computed
+
+
+@dataclass(frozen=True)
+class Datum:
+    """How one number of the draw is shown: `digits` after the decimal comma; `symbol` is TeX."""
+
+    name: str
+    symbol: str
+    unit: str
+    digits: int
+    meaning: str = ""
+
+    def text(self, value: float) -> str:
+        return f"{value:.{self.digits}f}".replace(".", ",").replace("-", "\N{MINUS SIGN}")
+
+    def tex(self, value: float) -> str:
+        return f"{value:.{self.digits}f}".replace(".", "{,}")
+
+
+@dataclass(frozen=True)
+class NumericWording:
+    """A question as it is read. `text` and `correction` may hold {{name}} of the data (`correction` of answers too)."""
+
+    id: str
+    title: str
+    text: str
+    unit: str
+    hint: str
+    correction: str = ""
+
+
+@dataclass(frozen=True)
+class NumericSheet:
+    data: tuple[Datum, ...]
+    questions: tuple[NumericWording, ...]
+
+    def filled(self, text: str, values: Mapping[str, float]) -> str:
+        """The text with its placeholders replaced by numbers, inside formulas and outside."""
+        parts = FORMULAS.split(text)
+        return "".join(self._filled(part, values, tex=place % 2 == 1) for place, part in enumerate(parts))
+
+    def _filled(self, part: str, values: Mapping[str, float], *, tex: bool) -> str:
+        return PLACEHOLDER.sub(lambda found: self._number(found[1], values[found[1]], tex), part)
+
+    def _number(self, name: str, value: float, tex: bool) -> str:
+        datum = next((one for one in self.data if one.name == name), None)
+        if datum is not None:
+            return datum.tex(value) if tex else datum.text(value)
+        return _tex(number(value, DIGITS)) if tex else number(value, DIGITS)
+
+    def unknown(self) -> list[str]:
+        """The names in placeholders that nothing replaces."""
+        data = {one.name for one in self.data}
+        answers = {one.id for one in self.questions}
+        used = [(name, data) for one in self.questions for name in PLACEHOLDER.findall(one.text)]
+        used += [(name, data | answers) for one in self.questions for name in PLACEHOLDER.findall(one.correction)]
+        return sorted({name for name, known in used if name not in known})
+
+
+def _tex(text: str) -> str:
+    mantissa, _, exponent = text.replace("\N{MINUS SIGN}", "-").replace(",", "{,}").partition(" × 10^")
+    tex = mantissa.replace("π", r"\pi")
+    return f"{tex} \\times 10^{{{exponent}}}" if exponent else tex
