@@ -43,7 +43,8 @@ def current_account(request: Request) -> Account | None:
 OptionalAccount = Annotated[Account | None, Depends(current_account)]
 
 
-def _browser(request: Request, account: OptionalAccount) -> Account:
+def account_or_guest(request: Request, account: OptionalAccount) -> Account:
+    """The account of the browser's session; a visitor without one becomes a guest."""
     if account is not None:
         return account
     database: Database = request.app.state.database
@@ -54,7 +55,7 @@ def _browser(request: Request, account: OptionalAccount) -> Account:
     return opened.account
 
 
-BrowserAccount = Annotated[Account, Depends(_browser)]
+BrowserAccount = Annotated[Account, Depends(account_or_guest)]
 
 
 def _teacher(account: OptionalAccount) -> Account:

@@ -4,13 +4,17 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Request
 
+from graders.core.answers import Paper, Question
 from server.accounts.dependencies import ApiAccount
 from server.api.documentation import problems
-from server.api.schemas import ExerciseDetail, ExerciseOut, FunctionOut, LimitsOut
+from server.api.schemas import ExerciseDetail, ExerciseOut, FunctionOut, GivenOut, LimitsOut, PieceOut, QuestionOut
 from server.catalogue.models import Catalogue, Exercise
+from server.database.dependencies import DatabaseOf
 from server.errors import NotFound
+from server.submissions import draws
 
 router = APIRouter(tags=["exercises"])
+NO_PAPER = Paper((), ())
 
 
 def get_catalogue(request: Request) -> Catalogue:
@@ -35,14 +39,36 @@ def list_exercises(catalogue: CatalogueOf, _account: ApiAccount) -> list[Exercis
 
 
 @router.get("/exercises/{module}/{slug}", responses=problems(401, 404))
-def read_exercise(module: str, slug: str, catalogue: CatalogueOf, _account: ApiAccount) -> ExerciseDetail:
-    """One exercise, with its statement (HTML), the file to start from, and the limits of an execution."""
+def read_exercise(
+    module: str, slug: str, catalogue: CatalogueOf, account: ApiAccount, database: DatabaseOf
+) -> ExerciseDetail:
+    """One exercise, with its statement (HTML), the file to start from, and the limits of an execution.
+
+    An exercise answered without code comes with the questions that were drawn for this account.
+    """
     exercise = find(catalogue, f"{module}/{slug}")
+    paper = NO_PAPER
+    if exercise.answers is not None:
+        paper = exercise.answers.paper(draws.seed_to_show(database, account, exercise.id))
     return ExerciseDetail(
         **_summary(exercise).model_dump(),
         statement_html=exercise.statement_html,
         starter=exercise.starter,
         limits=_limits(exercise),
+        given=[GivenOut(symbol=one.symbol, name=one.name, value=one.text, unit=one.unit) for one in paper.given],
+        questions=[_question(exercise, one) for one in paper.questions],
+    )
+
+
+def _question(exercise: Exercise, question: Question) -> QuestionOut:
+    return QuestionOut(
+        id=question.id,
+        title=question.title,
+        text_html=exercise.prose(question.text),
+        form=question.form,
+        points=question.points,
+        unit=question.unit,
+        pieces=[PieceOut(id=one.id, text_html=exercise.prose(one.text)) for one in question.pieces],
     )
 
 
@@ -56,6 +82,7 @@ def _summary(exercise: Exercise) -> ExerciseOut:
         stars=exercise.stars,
         course=exercise.course,
         version=exercise.version,
+        kind=exercise.kind,
         functions=[
             FunctionOut(name=f.name, signature=f.signature, returns=f.returns, doc=f.doc) for f in exercise.functions
         ],

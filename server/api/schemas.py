@@ -20,13 +20,23 @@ class Strict(BaseModel):
 
 
 class NewSubmission(Strict):
-    """A file to grade."""
+    """A file to grade, or the answers to questions: which of the two, the exercise's `kind` says."""
 
     model_config = ConfigDict(
-        json_schema_extra={"examples": [{"exercise": "l20/poses", "code": "def composer(a, b):\n    return a + b\n"}]}
+        json_schema_extra={
+            "examples": [
+                {"exercise": "l20/poses", "code": "def composer(a, b):\n    return a + b\n"},
+                {"exercise": "l20/calcul_odometrie", "answers": {"ds": 0.115, "dtheta": "0,03/0,3"}},
+            ],
+            "oneOf": [{"required": ["code"]}, {"required": ["answers"]}],
+        }
     )
     exercise: Annotated[str, Field(description="Exercise, as `module/slug`.")]
-    code: Annotated[str, Field(description="The whole file, at most 64 KiB in UTF-8.")]
+    code: Annotated[str, Field(description="The whole file, at most 64 KiB in UTF-8.")] = ""
+    answers: Annotated[
+        dict[str, Json],
+        Field(description="By question: a number or its text, a letter, a list of letters; at most 64 KiB as JSON."),
+    ] = {}
 
 
 class CounterexampleOut(Strict):
@@ -88,6 +98,9 @@ class FunctionOut(Strict):
     doc: str
 
 
+Kind = Literal["code", "answers"]
+
+
 class ExerciseOut(Strict):
     """An exercise in the list."""
 
@@ -99,6 +112,7 @@ class ExerciseOut(Strict):
     stars: int
     course: str
     version: str
+    kind: Annotated[Kind, Field(description="What is sent: `code`, or `answers` to questions.")]
     functions: list[FunctionOut]
     url: str
 
@@ -111,10 +125,41 @@ class LimitsOut(Strict):
     stdout_bytes: int
 
 
+class GivenOut(Strict):
+    """A number drawn for this account, as it is to be used."""
+
+    symbol: Annotated[str, Field(description="In TeX.")]
+    name: str
+    value: Annotated[str, Field(description="With a decimal comma.")]
+    unit: str
+
+
+class PieceOut(Strict):
+    """An option or a step, under a letter that is this account's."""
+
+    id: str
+    text_html: str
+
+
+class QuestionOut(Strict):
+    id: str
+    title: str
+    text_html: str
+    form: Annotated[
+        Literal["number", "one", "several", "order"],
+        Field(description="A number; one letter; a list of letters; a list of letters in order, some left aside."),
+    ]
+    points: float
+    unit: str
+    pieces: list[PieceOut]
+
+
 class ExerciseDetail(ExerciseOut):
     statement_html: str
     starter: str
     limits: LimitsOut
+    given: Annotated[list[GivenOut], Field(description="This account's data; empty for an exercise of code.")]
+    questions: Annotated[list[QuestionOut], Field(description="This account's questions; empty for code.")]
 
 
 class ProblemPlace(Strict):

@@ -3,6 +3,7 @@
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request
+from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
@@ -12,6 +13,7 @@ from server.api.documentation import content, events, problems
 from server.api.exercises import CatalogueOf, find
 from server.api.schemas import NewSubmission, SubmissionOut
 from server.api.state import Resource, reader, resource
+from server.catalogue.models import Exercise
 from server.database import Database
 from server.database.dependencies import DatabaseOf, Db
 from server.submissions import service as submissions
@@ -46,16 +48,28 @@ async def create(
     catalogue: CatalogueOf,
     wait: Wait = None,
 ) -> Response:
-    """Stores a file and queues it. With `wait`, answers as soon as the verdict is there."""
-    find(catalogue, body.exercise)
+    """Stores a file, or answers, and queues it. With `wait`, answers as soon as the verdict is there."""
+    _require_its_kind(find(catalogue, body.exercise), body)
     current = await run_in_threadpool(_store, database, account, body)
     if wait:
         current = await _wait(request, database, account, current, min(wait, LONGEST_WAIT))
     return _json(current, 200 if current.done else 202)
 
 
+def _require_its_kind(exercise: Exercise, body: NewSubmission) -> None:
+    """Exactly one of `code` and `answers`, the one that this exercise asks for. Raises RequestValidationError."""
+    other = {"code": "answers", "answers": "code"}[exercise.kind]
+    faults: list[tuple[str, str]] = [(exercise.kind, "missing")] if exercise.kind not in body.model_fields_set else []
+    if other in body.model_fields_set:
+        faults.append((other, "extra_forbidden"))
+    if faults:
+        raise RequestValidationError([{"type": fault, "loc": ("body", name), "msg": ""} for name, fault in faults])
+
+
 def _store(database: Database, account: Account, body: NewSubmission) -> Resource:
     with database.write() as db:
+        if "answers" in body.model_fields_set:
+            return resource(db, submissions.submit_answers(db, account, body.exercise, body.answers))
         return resource(db, submissions.submit(db, account, body.exercise, body.code))
 
 

@@ -2,7 +2,7 @@
 
 The texts are rendered, and their figures drawn unless only some exercises are asked for. For each exercise: the
 reference gets full marks, the starter does not, every catalogued misconception is rejected and named, each specimen
-gets the outcome of its folder.
+gets the outcome of its folder. What is known of answers without code is tried on several draws.
 """
 
 import logging
@@ -13,11 +13,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from graders.core.grading import Grading
+from graders.core.protocol import Known
 from graders.core.verdict import Outcome
 from server.catalogue import Exercise, load
 from server.cli.local import find, local_grader, start_probing
 from server.reading import figures
-from server.submissions.service import SEED_BITS
+from server.submissions.draws import SEED_BITS
 from server.worker.grading import Grader
 
 Judge = Callable[[Grading], str]
@@ -25,11 +26,15 @@ Judge = Callable[[Grading], str]
 
 @dataclass(frozen=True)
 class Case:
-    """A submission that is known; `judge` says what is wrong with its grading, or nothing."""
+    """A submission that is known; `judge` says what is wrong with its grading, or nothing.
+
+    `write` gives it for a seed, and it is tried on `rounds` seeds.
+    """
 
     subject: str
-    source: bytes
+    write: Callable[[int], bytes]
     judge: Judge
+    rounds: int = 1
 
 
 @dataclass(frozen=True)
@@ -76,21 +81,28 @@ def findings(grader: Grader, exercise: Exercise) -> Iterator[Finding]:
 
 def cases(exercise: Exercise) -> Iterator[Case]:
     """Everything that is known of an exercise, with what must be found of it."""
-    yield Case("référence", exercise.solution.encode(), full_marks)
-    yield Case("fichier de départ", exercise.starter.encode(), not_full_marks)
-    for misconception in exercise.grader.misconceptions:
-        yield Case(f"erreur {misconception.id}", misconception.source.encode(), named(misconception.id))
-    for specimen in exercise.grader.specimens():
-        subject = f"spécimen {specimen.outcome.value}/{specimen.path.name}"
-        yield Case(subject, specimen.path.read_bytes(), outcome(specimen.outcome))
+    reference, *others = (Case(one.subject, one.write, judge_of(one), one.rounds) for one in exercise.grader.known())
+    yield reference
+    yield Case("fichier de départ", lambda _: exercise.starter.encode(), not_full_marks)
+    yield from others
+
+
+def judge_of(known: Known) -> Judge:
+    """What is wrong with the grading of a known submission: its marks or its outcome first, then its name."""
+    marks = not_full_marks if known.outcome is None else outcome(known.outcome)
+    if known.diagnosis is None:
+        return marks
+    name = named(known.diagnosis)
+    return lambda grading: marks(grading) or name(grading)
 
 
 def examine(grader: Grader, exercise: Exercise, case: Case, seed: int) -> Finding:
-    return Finding(exercise.id, case.subject, case.judge(grader.grade(exercise.id, case.source, seed)), seed)
-
-
-def full_marks(grading: Grading) -> str:
-    return outcome(Outcome.OK)(grading)
+    """What is wrong with a case on `seed`, or on one of the seeds that follow it."""
+    for tried in range(seed, seed + case.rounds):
+        fault = case.judge(grader.grade(exercise.id, case.write(tried), tried))
+        if fault:
+            return Finding(exercise.id, case.subject, fault, tried)
+    return Finding(exercise.id, case.subject, "", seed)
 
 
 def not_full_marks(grading: Grading) -> str:

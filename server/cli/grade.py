@@ -9,7 +9,7 @@ from argparse import Namespace
 from server.cli import report
 from server.cli.files import read_source
 from server.cli.local import find, load_catalogue, local_grader, start_probing
-from server.submissions.service import SEED_BITS
+from server.submissions.draws import SEED_BITS
 
 
 def run(arguments: Namespace) -> int:

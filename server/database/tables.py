@@ -11,6 +11,7 @@ TABLES = (
     accounts.Invitation,
     accounts.Allowance,
     submissions.Submission,
+    submissions.Draw,
     submissions.SolutionOpening,
 )
 metadata = Base.metadata

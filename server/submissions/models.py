@@ -1,4 +1,4 @@
-"""A submission, from its storing to its verdict; and the solutions that a teacher has opened."""
+"""A submission, from its storing to its verdict; what was drawn for whom; the solutions that a teacher has opened."""
 
 from datetime import datetime
 from enum import StrEnum
@@ -55,6 +55,17 @@ class Submission(Base):
     def code(self) -> str:
         """The file as text, for showing it."""
         return self.source.decode("utf-8-sig", errors="replace")
+
+
+class Draw(Base):
+    """The seed of what one account was given in an exercise answered without code: it does not change."""
+
+    __tablename__ = "draw"
+
+    account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), primary_key=True)
+    exercise: Mapped[str] = mapped_column(String(200), primary_key=True)
+    seed: Mapped[int] = mapped_column(BigInteger)
+    created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
 
 
 class SolutionOpening(Base):

@@ -1,13 +1,15 @@
-"""Queries on submissions and on opened solutions."""
+"""Queries on submissions, draws and opened solutions."""
 
 from collections.abc import Collection, Sequence
 from typing import Any
 from uuid import UUID
 
 from sqlalchemy import Row, case, delete, func, select, update
+from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session, undefer
 
-from server.submissions.models import INTERNAL_ERROR, SolutionOpening, State, Submission
+from server.database import utc_now
+from server.submissions.models import INTERNAL_ERROR, Draw, SolutionOpening, State, Submission
 
 
 def by_id(db: Session, submission_id: UUID) -> Submission | None:
@@ -60,6 +62,33 @@ def has_succeeded(db: Session, account_id: UUID, exercise: str) -> bool:
 
 def move(db: Session, old: UUID, new: UUID) -> None:
     db.execute(update(Submission).where(Submission.account_id == old).values(account_id=new))
+
+
+def find_seed(db: Session, account_id: UUID, exercise: str) -> int | None:
+    query = select(Draw.seed).where(Draw.account_id == account_id, Draw.exercise == exercise)
+    return db.execute(query).scalar_one_or_none()
+
+
+def drawn_seed(db: Session, account_id: UUID, exercise: str) -> int:
+    """The seed that is known to be kept."""
+    query = select(Draw.seed).where(Draw.account_id == account_id, Draw.exercise == exercise)
+    return db.execute(query).scalar_one()
+
+
+def keep_seed(db: Session, account_id: UUID, exercise: str, seed: int) -> None:
+    """Keeps a seed, unless there is one already: of two requests at once, the first one's stays."""
+    row = {"account_id": account_id, "exercise": exercise, "seed": seed, "created_at": utc_now()}
+    if db.get_bind().dialect.name == "postgresql":
+        db.execute(postgresql.insert(Draw).values(row).on_conflict_do_nothing())
+    else:
+        db.execute(sqlite.insert(Draw).values(row).on_conflict_do_nothing())
+
+
+def move_draws(db: Session, old: UUID, new: UUID) -> None:
+    """Moves the draws of exercises for which `new` has none."""
+    known = select(Draw.exercise).where(Draw.account_id == new)
+    moved = update(Draw).where(Draw.account_id == old, Draw.exercise.not_in(known)).values(account_id=new)
+    db.execute(moved.execution_options(synchronize_session=False))
 
 
 def opening(db: Session, exercise: str) -> SolutionOpening | None:

@@ -5,21 +5,23 @@ Every function works inside the caller's transaction; the session's context give
 
 import hashlib
 import secrets
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from graders.core.answers import canonical
 from server.accounts import throttle
 from server.accounts.models import Account
 from server.errors import Invalid, NotFound, TooLarge
 from server.queue import service as queue
 from server.settings import Settings
-from server.submissions import repository
+from server.submissions import draws, repository
+from server.submissions.draws import SEED_BITS
 from server.submissions.models import SolutionOpening, Submission
 
-SEED_BITS = 53
 TOO_FAST = (
     "Vous avez envoyé beaucoup de propositions en peu de temps : la prochaine est possible dans {seconds} s. "
     "Profitez-en pour relire le dernier verdict."
@@ -38,8 +40,11 @@ class Progress:
         return self.best == 1
 
 
-def submit(db: Session, account: Account, exercise_id: str, code: str) -> Submission:
-    """Stores the submission and queues it. Raises TooLarge, TooMany or Invalid (each with its sentence in French)."""
+def submit(db: Session, account: Account, exercise_id: str, code: str, *, seed: int | None = None) -> Submission:
+    """Stores the submission and queues it; `seed` is that of a draw made before, else one is drawn.
+
+    Raises TooLarge, TooMany or Invalid (each with its sentence in French).
+    """
     settings = _settings(db)
     source = encoded(code, settings.code_bytes)
     throttle.take(db, throttle.of_submissions(account.id), settings.submission_bucket, TOO_FAST)
@@ -48,10 +53,19 @@ def submit(db: Session, account: Account, exercise_id: str, code: str) -> Submis
         exercise=exercise_id,
         source=source,
         digest=digest(code),
-        seed=secrets.randbits(SEED_BITS),
+        seed=secrets.randbits(SEED_BITS) if seed is None else seed,
     )
     queue.enqueue(db, submission)
     return submission
+
+
+def submit_answers(db: Session, account: Account, exercise_id: str, answers: Mapping[str, Any]) -> Submission:
+    """Stores answers given without code, to this account's draw, as canonical JSON. Raises as `submit` does."""
+    try:
+        text = canonical(answers)
+    except RecursionError as error:
+        raise Invalid("Ces réponses sont trop imbriquées.") from error
+    return submit(db, account, exercise_id, text, seed=draws.seed_of(db, account, exercise_id))
 
 
 def _settings(db: Session) -> Settings:
@@ -136,5 +150,6 @@ def close_solution(db: Session, exercise_id: str) -> None:
 
 
 def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
-    """Gives a guest's submissions to the account that the same person has just opened."""
+    """Gives a guest's submissions and draws to the account that the same person has just opened."""
     repository.move(db, guest_id, account_id)
+    draws.adopt(db, guest_id, account_id)

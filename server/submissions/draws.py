@@ -1,0 +1,38 @@
+"""What was drawn for whom: an account keeps the numbers and the letters of an exercise, whatever it sends."""
+
+import secrets
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.accounts.models import Account
+from server.database import Database
+from server.submissions import repository
+
+SEED_BITS = 53
+
+
+def seed_of(db: Session, account: Account, exercise_id: str) -> int:
+    """The seed of this account's draw, which is drawn now, in this writing transaction, where there is none yet."""
+    repository.keep_seed(db, account.id, exercise_id, secrets.randbits(SEED_BITS))
+    return repository.drawn_seed(db, account.id, exercise_id)
+
+
+def find(db: Session, account: Account, exercise_id: str) -> int | None:
+    """The seed of this account's draw, if there is one."""
+    return repository.find_seed(db, account.id, exercise_id)
+
+
+def seed_to_show(database: Database, account: Account, exercise_id: str) -> int:
+    """The same for who only reads: the first time alone is anything written."""
+    with database.read() as db:
+        known = find(db, account, exercise_id)
+    if known is not None:
+        return known
+    with database.write() as db:
+        return seed_of(db, account, exercise_id)
+
+
+def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
+    """Gives an account the draws of a guest; where both have one, the account keeps its own."""
+    repository.move_draws(db, guest_id, account_id)
