@@ -11,6 +11,7 @@ await build({
     "src/js/theme.js",
     "src/js/app.js",
     "src/js/exercise.js",
+    "src/js/answers.js",
     "src/js/reading.js",
     "src/js/cells.js",
     "src/js/replays/index.js",

@@ -4,25 +4,30 @@ from __future__ import annotations
 
 import json
 from collections.abc import AsyncIterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Form, Query, Request, Response
+from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, StreamingResponse
 from starlette.concurrency import run_in_threadpool
+from starlette.datastructures import FormData
 
-from server.accounts.dependencies import BrowserAccount, OptionalAccount, TeacherAccount
+from server.accounts.dependencies import BrowserAccount, OptionalAccount, TeacherAccount, account_or_guest
+from server.accounts.models import Account
+from server.catalogue import Exercise
 from server.database import Database
 from server.database.dependencies import Db
-from server.errors import NotFound
-from server.pages import assets, service
+from server.errors import Invalid, NotFound
+from server.pages import answers, assets, service
 from server.pages.dependencies import Reading
 from server.pages.rendering import fragment, page
+from server.pages.service import Reader
 from server.queue import service as queue
+from server.submissions import draws
 from server.submissions import service as submissions
 from server.submissions.events import as_sse
 from server.submissions.figures import MEDIA_TYPES
-from server.submissions.models import State
+from server.submissions.models import State, Submission
 
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
@@ -55,16 +60,43 @@ def kit(module: str, name: str, reader: Reading) -> Response:
 def exercise(
     request: Request, module: str, slug: str, reader: Reading, reprendre: Annotated[str | None, Query()] = None
 ) -> HTMLResponse:
+    """An exercise answered without code is drawn for an account, so that a visitor becomes a guest here already."""
     found = service.find_exercise(reader.catalogue, module, slug)
+    if found.answers is not None:
+        return _questions(request, reader, found, reprendre)
     taken = submissions.get_for(reader.db, reader.account, reprendre).code if reprendre else None
     view = service.exercise_page(reader, found, taken)
     return page(request, "exercise.html", reader.account, page=view, results=view.results)
+
+
+def _questions(request: Request, reader: Reader, found: Exercise, reprendre: str | None) -> HTMLResponse:
+    account = account_or_guest(request, reader.account)
+    seed = draws.seed_to_show(request.app.state.database, account, found.id)
+    taken = submissions.get_for(reader.db, account, reprendre) if reprendre else None
+    view = answers.answers_page(replace(reader, account=account), found, seed, taken)
+    return page(request, "exercise_answers.html", account, page=view, results=view.results)
 
 
 @router.get("/{module:module}/exercices/{slug}/essais")
 def attempts(request: Request, module: str, slug: str, reader: Reading) -> HTMLResponse:
     found = service.find_exercise(reader.catalogue, module, slug)
     return page(request, "attempts.html", reader.account, page=service.attempts_page(reader, found))
+
+
+async def _fields(request: Request) -> FormData:
+    return await request.form()
+
+
+FormFields = Annotated[FormData, Depends(_fields)]
+
+
+def _sent(db: Db, account: Account, found: Exercise, fields: FormData) -> Submission:
+    if found.answers is not None:
+        return submissions.submit_answers(db, account, found.id, answers.read_form(found, fields))
+    code = fields.get("code", "")
+    if not isinstance(code, str):
+        raise Invalid("Le code est attendu comme un texte, pas comme un fichier joint.")
+    return submissions.submit(db, account, found.id, code.replace("\r\n", "\n"))
 
 
 @router.post("/{module:module}/exercices/{slug}/soumissions")
@@ -74,11 +106,11 @@ def submit(
     slug: str,
     account: BrowserAccount,
     db: Db,
-    code: Annotated[str, Form()] = "",
+    fields: FormFields,
 ) -> Response:
     """A browser without script goes on to the attempt's page; a script gets the addresses to follow."""
     found = service.find_exercise(request.app.state.catalogue, module, slug)
-    sent = submissions.submit(db, account, found.id, code.replace("\r\n", "\n"))
+    sent = _sent(db, account, found, fields)
     href = f"/soumissions/{sent.id}"
     if "application/json" not in request.headers.get("accept", ""):
         return RedirectResponse(href, MOVES_ON)
@@ -109,7 +141,8 @@ def open_or_close_solution(
 def attempt(request: Request, submission_id: str, reader: Reading) -> HTMLResponse:
     sent = submissions.get_for(reader.db, reader.account, submission_id)
     found = service.find_exercise(reader.catalogue, *sent.exercise.split("/"))
-    view = service.attempt_page(reader, found, sent)
+    told = None if found.answers is None else answers.told(found, sent)
+    view = service.attempt_page(reader, found, sent, told)
     return page(request, "attempt.html", reader.account, page=view, results=view.results)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
 from server.pages.values import ValueView
 
@@ -109,11 +109,19 @@ class DiagnosisView:
     paragraphs: tuple[str, ...]
 
 
+class Course(Protocol):
+    """What renders the texts of an exercise (`server.catalogue.Exercise`)."""
+
+    def prose(self, text: str) -> str: ...
+    def line(self, text: str) -> str: ...
+
+
 @dataclass(frozen=True)
 class VerdictView:
     """A verdict in words. `points` is the mark out of 20 in French; empty when the fault is ours.
 
-    `common` is what all the checks say when they all say the same.
+    `course` renders its messages, of an exercise answered without code: they are the course's Markdown. `common` is
+    what all the checks say when they all say the same.
     """
 
     outcome: str
@@ -128,6 +136,7 @@ class VerdictView:
     timings: tuple[tuple[str, str], ...]
     seed: str
     version: str
+    course: Course | None
 
     @property
     def passed(self) -> int:
@@ -225,6 +234,73 @@ class ExercisePage:
 
 
 @dataclass(frozen=True)
+class GivenView:
+    """A number drawn for this account; `symbol` is HTML."""
+
+    symbol: str
+    name: str
+    value: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class PieceView:
+    """An option or a step. `chosen` and `place` (from 1, 0 for none) put back an earlier answer."""
+
+    id: str
+    html: str
+    chosen: bool
+    place: int
+
+
+@dataclass(frozen=True)
+class QuestionView:
+    """A question; `title` is HTML, `field` names its form field, `value` is the number that was typed before."""
+
+    id: str
+    number: int
+    title: str
+    html: str
+    form: Literal["number", "one", "several", "order"]
+    field: str
+    points: str
+    unit: str
+    value: str
+    pieces: tuple[PieceView, ...]
+
+
+@dataclass(frozen=True)
+class AnswersPage:
+    """An exercise answered without code, as one account sees it."""
+
+    id: str
+    title: str
+    summary: str
+    stars: int
+    course: str
+    module: ModuleLink
+    lesson: tuple[str, str] | None
+    statement: str
+    action: str
+    results: Results
+    previous: tuple[str, str] | None
+    following: tuple[str, str] | None
+    given: tuple[GivenView, ...]
+    questions: tuple[QuestionView, ...]
+    seed: str
+    taken: bool
+
+
+@dataclass(frozen=True)
+class ToldView:
+    """One answer of an attempt, `title` in HTML: its text, or the letters and HTML of what was chosen."""
+
+    title: str
+    text: str
+    pieces: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
 class AttemptPage:
     module: ModuleLink
     exercise_title: str
@@ -233,6 +309,7 @@ class AttemptPage:
     when: str
     when_text: str
     code: str
+    told: tuple[ToldView, ...] | None
     results: Results
 
 

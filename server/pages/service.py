@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
+from markupsafe import Markup
 from sqlalchemy.orm import Session
 
 from server.accounts.models import Account
@@ -27,10 +29,12 @@ from server.pages.schemas import (
     OwnState,
     Results,
     SolutionView,
+    ToldView,
     WorkView,
 )
 from server.pages.text import moment, moment_text, plural, points
 from server.queue import service as queue
+from server.submissions import draws
 from server.submissions import service as submissions
 from server.submissions.models import State, Submission
 from server.submissions.service import Progress
@@ -95,28 +99,16 @@ def own_state(progress: Progress) -> OwnState:
 def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> ExercisePage:
     """The exercise as this account sees it; `taken` is an attempt's code to start again from."""
     attempts = submissions.attempts(reader.db, reader.account, exercise.id)
-    module = reader.catalogue.modules[exercise.module]
-    previous, following = _neighbours(module, exercise)
+    kit = f"{exercise.module}.py"
     return ExercisePage(
-        id=exercise.id,
-        title=exercise.title,
-        summary=exercise.summary,
-        stars=exercise.stars,
-        course=exercise.course,
-        module=module_link(module),
-        lesson=_lesson(module, exercise),
+        **common_parts(reader, exercise, attempts),
         functions=tuple(FunctionView(one.signature, one.returns, one.doc) for one in exercise.functions),
-        statement=exercise.statement_html,
         starter=exercise.starter,
         code=taken if taken is not None else attempts[0].code if attempts else exercise.starter,
         taken=taken is not None,
-        action=f"{exercise_href(exercise)}/soumissions",
         limits=limits_of(exercise),
-        kit_href=f"/{module.slug}/kit/{module.slug}.py",
-        kit_name=f"{module.slug}.py",
-        results=results(reader, exercise, attempts, attempts[0] if attempts else None),
-        previous=previous,
-        following=following,
+        kit_href=f"/{exercise.module}/kit/{kit}",
+        kit_name=kit,
     )
 
 
@@ -126,6 +118,26 @@ def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:
     return (document_href(found), found.label) if found else None
 
 
+def common_parts(reader: Reader, exercise: Exercise, attempts: Sequence[Submission]) -> dict[str, Any]:
+    """What the page of an exercise holds, of whatever kind."""
+    module = reader.catalogue.modules[exercise.module]
+    previous, following = _neighbours(module, exercise)
+    return {
+        "id": exercise.id,
+        "title": exercise.title,
+        "summary": exercise.summary,
+        "stars": exercise.stars,
+        "course": exercise.course,
+        "module": module_link(module),
+        "lesson": _lesson(module, exercise),
+        "statement": exercise.statement_html,
+        "action": f"{exercise_href(exercise)}/soumissions",
+        "results": results(reader, exercise, attempts, attempts[0] if attempts else None, _draw(reader, exercise)),
+        "previous": previous,
+        "following": following,
+    }
+
+
 def _neighbours(module: Module, exercise: Exercise) -> tuple[tuple[str, str] | None, tuple[str, str] | None]:
     place = module.exercises.index(exercise)
     around = (module.exercises[place - 1] if place else None, *module.exercises[place + 1 : place + 2], None)
@@ -133,7 +145,10 @@ def _neighbours(module: Module, exercise: Exercise) -> tuple[tuple[str, str] | N
     return before, after
 
 
-def attempt_page(reader: Reader, exercise: Exercise, submission: Submission) -> AttemptPage:
+def attempt_page(
+    reader: Reader, exercise: Exercise, submission: Submission, told: Sequence[ToldView] | None = None
+) -> AttemptPage:
+    """`told` is what was answered, where that is not code."""
     owner = reader.account is not None and submission.account_id == reader.account.id
     attempts = submissions.attempts(reader.db, reader.account, exercise.id) if owner else [submission]
     href = exercise_href(exercise)
@@ -145,7 +160,8 @@ def attempt_page(reader: Reader, exercise: Exercise, submission: Submission) -> 
         when=moment(submission.created_at),
         when_text=moment_text(submission.created_at),
         code=submission.code,
-        results=results(reader, exercise, attempts, submission),
+        told=None if told is None else tuple(told),
+        results=results(reader, exercise, attempts, submission, submission.seed),
     )
 
 
@@ -159,13 +175,27 @@ def attempts_page(reader: Reader, exercise: Exercise) -> AttemptsPage:
     )
 
 
-def results(reader: Reader, exercise: Exercise, attempts: Sequence[Submission], shown: Submission | None) -> Results:
-    """What a verdict changes on a page: the verdict, the hints, the solution, the list of attempts (newest first)."""
+def _draw(reader: Reader, exercise: Exercise) -> int | None:
+    """The seed of what was drawn for this account, where something was."""
+    return None if reader.account is None else draws.find(reader.db, reader.account, exercise.id)
+
+
+def results(
+    reader: Reader,
+    exercise: Exercise,
+    attempts: Sequence[Submission],
+    shown: Submission | None,
+    seed: int | None,
+) -> Results:
+    """What a verdict changes on a page: the verdict, the hints, the solution, the list of attempts (newest first).
+
+    `seed` is that of the draw whose correction is shown, in an exercise answered without code.
+    """
     progress = submissions.progress(reader.db, reader.account).get(exercise.id, NOTHING_YET)
     return Results(
-        work=_work(reader.db, shown, _number(attempts, shown)) if shown else None,
+        work=_work(reader.db, exercise, shown, _number(attempts, shown)) if shown else None,
         hints=_hints(reader, exercise, progress),
-        solution=_solution(reader, exercise),
+        solution=_solution(reader, exercise, seed),
         attempts=_rows(attempts, RECENT_ATTEMPTS),
         all_attempts=f"{exercise_href(exercise)}/essais" if len(attempts) > RECENT_ATTEMPTS else "",
         own=own_state(progress),
@@ -176,15 +206,16 @@ def _number(attempts: Sequence[Submission], shown: Submission) -> int:
     return len(attempts) - [one.id for one in attempts].index(shown.id)
 
 
-def _work(db: Session, submission: Submission, number: int) -> WorkView:
+def _work(db: Session, exercise: Exercise, submission: Submission, number: int) -> WorkView:
     href = f"/soumissions/{submission.id}"
     judged = submission.verdict if submission.state == State.done else None
+    course = None if exercise.answers is None else exercise
     return WorkView(
         id=str(submission.id),
         number=number,
         status=State(submission.state).value,
         waiting=waiting_text(submission.state, queue.position(db, submission)),
-        verdict=verdicts.view(judged, f"{href}/figures") if judged is not None else None,
+        verdict=verdicts.view(judged, f"{href}/figures", course) if judged is not None else None,
         page=href,
         events=f"{href}/evenements",
         fragment=f"{href}/verdict",
@@ -221,12 +252,17 @@ def _opens(needed: int, left: int) -> str:
     return f"s’ouvre après {needed} essais différents non réussis (encore {left})."
 
 
-def _solution(reader: Reader, exercise: Exercise) -> SolutionView | None:
+def _solution(reader: Reader, exercise: Exercise, seed: int | None) -> SolutionView | None:
     """Raises nothing: a solution that one may not read yet is simply absent."""
     if not submissions.solution_open(reader.db, reader.account, exercise.id):
         return None
     for_all = submissions.solution_open(reader.db, None, exercise.id)
-    return SolutionView(python(exercise.solution), for_all, f"{exercise_href(exercise)}/corrige")
+    href = f"{exercise_href(exercise)}/corrige"
+    if exercise.answers is None:
+        return SolutionView(python(exercise.solution), for_all, href)
+    return (
+        None if seed is None else SolutionView(Markup(exercise.prose(exercise.answers.correction(seed))), for_all, href)
+    )
 
 
 def _rows(attempts: Sequence[Submission], most: int) -> tuple[AttemptRow, ...]:

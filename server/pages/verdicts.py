@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from server.pages import values
-from server.pages.schemas import CheckView, CounterexampleView, DiagnosisView, FigureView, Tone, VerdictView
+from server.pages.schemas import CheckView, CounterexampleView, Course, DiagnosisView, FigureView, Tone, VerdictView
 from server.pages.text import points
 
 OUTCOMES = {
@@ -29,6 +29,12 @@ OUTCOMES = {
         "La correction n’a pas pu aller à son terme. Cet essai ne compte pas : vous pouvez le renvoyer tel quel.",
     ),
 }
+ANSWERS = {
+    "ok": ("Exercice réussi", "Toutes vos réponses sont bonnes. Bravo ! Le corrigé complet est ouvert plus bas."),
+    "wrong_answer": ("Réponses à revoir", "Chaque question dit ce qui va et ce qui est à reprendre."),
+    "syntax_error": ("Fichier illisible", "Ce fichier de réponses n’a pas pu être lu."),
+    "invalid_output": ("Réponses incomplètes", "Une réponse au moins manque, ou n’a pas pu être lue."),
+}
 TIMINGS = {
     "load_ms": "chargement de votre fichier",
     "checks_ms": "vérifications",
@@ -37,10 +43,14 @@ TIMINGS = {
 }
 
 
-def view(verdict: Mapping[str, Any], figures: str) -> VerdictView:
-    """Lay out a verdict. `figures` is the address under which its figures are drawn."""
+def view(verdict: Mapping[str, Any], figures: str, course: Course | None = None) -> VerdictView:
+    """Lay out a verdict. `figures` is the address under which its figures are drawn.
+
+    `course` is the exercise, where it is answered without code: the verdict's texts are then its Markdown.
+    """
     outcome = str(verdict["outcome"])
-    title, sentence = OUTCOMES[outcome]
+    marked = course is not None
+    title, sentence = {**OUTCOMES, **(ANSWERS if marked else {})}[outcome]
     return VerdictView(
         outcome=outcome,
         title=title,
@@ -48,12 +58,13 @@ def view(verdict: Mapping[str, Any], figures: str) -> VerdictView:
         tone=_tone(outcome, float(verdict["score"])),
         points="" if outcome == "internal_error" else points(verdict["points"]),
         common=_common_message(verdict["checks"]),
-        checks=tuple(_check(one, figures) for one in verdict["checks"]),
+        checks=tuple(_check(one, figures, marked) for one in verdict["checks"]),
         diagnosis=_diagnosis(verdict["diagnosis"]),
         stdout=str(verdict["stdout"]),
         timings=tuple(_timing(name, value) for name, value in verdict["timings"].items()),
         seed=str(verdict["seed"]),
         version=str(verdict["exercise_version"]),
+        course=course,
     )
 
 
@@ -76,7 +87,7 @@ def _common_message(checks: Sequence[Mapping[str, Any]]) -> str:
     return messages.pop() if len(messages) == 1 and len(checks) > 1 else ""
 
 
-def _check(check: Mapping[str, Any], figures: str) -> CheckView:
+def _check(check: Mapping[str, Any], figures: str, marked: bool) -> CheckView:
     return CheckView(
         id=str(check["id"]),
         title=str(check["title"]),
@@ -85,20 +96,22 @@ def _check(check: Mapping[str, Any], figures: str) -> CheckView:
         max_points=points(check["max_points"]),
         message=str(check["message"]),
         hint=str(check["hint"] or ""),
-        counterexample=_counterexample(check["counterexample"]),
+        counterexample=_counterexample(check["counterexample"], shows_inputs=not marked),
         figure=_figure(check, figures) if check["figure"] else None,
     )
 
 
-def _counterexample(found: Mapping[str, Any] | None) -> CounterexampleView | None:
+def _counterexample(found: Mapping[str, Any] | None, *, shows_inputs: bool) -> CounterexampleView | None:
+    """Without code the data stand in the statement: they are not told again with each answer."""
     if found is None:
         return None
+    given = found["inputs"] if shows_inputs else {}
     judged = found["expected"] is not None or found["got"] is not None
     return CounterexampleView(
-        inputs=tuple((str(name), values.view(value)) for name, value in found["inputs"].items()),
+        inputs=tuple((str(name), values.view(value)) for name, value in given.items()),
         expected=values.view(found["expected"]) if judged else None,
         got=values.view(found["got"], expected=found["expected"]) if judged else None,
-        replay=values.replay(found["inputs"]),
+        replay=values.replay(given),
     )
 
 

@@ -1,6 +1,7 @@
 // The exercise page: draft, editor, submission without leaving the page, columns that can be resized.
 
-import { announce, followToVerdict, showWaiting } from "./follow.js";
+import { followToVerdict, showWaiting } from "./follow.js";
+import { post } from "./send.js";
 import { setUpSplitter } from "./splitter.js";
 import { keep, recall } from "./storage.js";
 
@@ -76,33 +77,14 @@ function busy(state) {
 
 // The address of the accepted submission, or null after having said why there is none.
 async function send() {
-  showWaitingSoon();
-  const body = new URLSearchParams({ code: area.value });
-  const response = await fetch(form.action, { method: "POST", body, headers: { Accept: "application/json" } }).catch(
-    () => null,
-  );
-  clearTimeout(waitingTimer);
-  const answer = await readAnswer(response);
-  if (response?.ok && answer) {
-    moveDraft(answer.account);
-    showWaiting(answer.text);
-    return answer;
+  const answer = await post(form.action, new URLSearchParams({ code: area.value }));
+  if (answer.accepted) {
+    moveDraft(answer.accepted.account);
+    showWaiting(answer.accepted.text);
+    return answer.accepted;
   }
-  showMessage(answer?.detail ?? "Le serveur ne répond pas. Votre code est gardé ici : réessayez dans un instant.");
+  showMessage(answer.refusal ?? "Le serveur ne répond pas. Votre code est gardé ici : réessayez dans un instant.");
   return null;
-}
-
-// JSON when all went well; a refusal may also come as a page, whose sentence is what matters.
-async function readAnswer(response) {
-  if (!response) return null;
-  if (response.headers.get("content-type")?.includes("json")) return response.json().catch(() => null);
-  const parsed = new DOMParser().parseFromString(await response.text(), "text/html");
-  return { detail: parsed.getElementById("detail")?.textContent };
-}
-
-let waitingTimer = 0;
-function showWaitingSoon() {
-  waitingTimer = setTimeout(() => announce("Envoi en cours"), 400);
 }
 
 // A visitor becomes a guest at the first submission: the draft follows.

@@ -1,0 +1,86 @@
+// The page of an exercise answered without code: draft, submission without leaving the page, steps to be ordered.
+
+import { followToVerdict, showWaiting } from "./follow.js";
+import { setUpOrder } from "./answers/order.js";
+import { post } from "./send.js";
+import { setUpSplitter } from "./splitter.js";
+import { keep, recall } from "./storage.js";
+
+const form = document.getElementById("essai");
+const message = document.getElementById("essai-message");
+const orders = [...form.querySelectorAll("[data-order]")].map((question) => setUpOrder(question, saveDraft));
+let draftKey = keyOf(form.dataset.account);
+
+// A draft belongs to one draw: under other letters it would say something else.
+function keyOf(account) {
+  return `balise-brouillon:${account}:${form.dataset.exercise}:${form.dataset.seed}`;
+}
+
+function body() {
+  return new URLSearchParams(new FormData(form));
+}
+
+function saveDraft() {
+  const kept = keep(draftKey, body().toString());
+  document.getElementById("brouillon").textContent = kept ? "Brouillon enregistré" : "";
+}
+
+function recallDraft() {
+  const draft = recall(draftKey);
+  if (draft === null) return;
+  const fields = new URLSearchParams(draft);
+  for (const field of form.elements) {
+    if (!field.name) continue;
+    if (field.type === "radio" || field.type === "checkbox") field.checked = fields.getAll(field.name).includes(field.value);
+    else field.value = fields.get(field.name) ?? "";
+  }
+}
+
+async function submit(event) {
+  event.preventDefault();
+  if (form.getAttribute("aria-busy") === "true") return;
+  showMessage("");
+  busy(true);
+  try {
+    const answer = await post(form.action, body());
+    if (answer.accepted) {
+      moveDraft(answer.accepted.account);
+      showWaiting(answer.accepted.text);
+      await followToVerdict(answer.accepted);
+    } else {
+      showMessage(answer.refusal ?? "Le serveur ne répond pas. Vos réponses sont gardées ici : réessayez dans un instant.");
+    }
+  } finally {
+    busy(false);
+  }
+}
+
+function showMessage(text) {
+  message.textContent = text;
+  message.hidden = !text;
+}
+
+function busy(state) {
+  form.setAttribute("aria-busy", String(state));
+  document.getElementById("envoyer").setAttribute("aria-disabled", String(state));
+}
+
+// The session may have changed hands while the page was open: the draft follows.
+function moveDraft(account) {
+  if (String(account) === form.dataset.account) return;
+  keep(draftKey, null);
+  form.dataset.account = account;
+  draftKey = keyOf(account);
+  saveDraft();
+}
+
+if (form.dataset.taken === "true") {
+  saveDraft();
+  history.replaceState(null, "", location.pathname);
+} else {
+  recallDraft();
+}
+for (const order of orders) order.show();
+form.addEventListener("input", saveDraft);
+form.addEventListener("submit", submit);
+setUpSplitter(document.getElementById("cloison"));

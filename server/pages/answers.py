@@ -1,0 +1,119 @@
+"""The page of an exercise answered without code: its questions for one account, and what comes back from the form."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from starlette.datastructures import FormData
+
+from graders.core.answers import AnswersGrader, Question
+from graders.core.answers.paper import Told
+from graders.core.answers.reading import UnreadableAnswersError, read_answers, shown
+from server.catalogue import Exercise
+from server.errors import Invalid
+from server.pages import service
+from server.pages.schemas import AnswersPage, GivenView, PieceView, QuestionView, ToldView
+from server.pages.service import Reader
+from server.pages.text import points
+from server.submissions import service as submissions
+from server.submissions.models import Submission
+
+FIELD, PLACE = "q.", "place."  # the names of the form's fields: q.<question>, place.<question>.<step>
+SAME_PLACE = "Deux étapes portent le même numéro : revenez en arrière et donnez une place à chacune."
+
+
+def answers_page(reader: Reader, exercise: Exercise, seed: int, taken: Submission | None) -> AnswersPage:
+    """The questions of `seed`; the fields hold the answers of `taken`, else of the last attempt."""
+    grader = _grader(exercise)
+    attempts = submissions.attempts(reader.db, reader.account, exercise.id)
+    paper = grader.paper(seed)
+    put_back = taken or (attempts[0] if attempts else None)
+    answers = _answers(grader, put_back, seed)
+    return AnswersPage(
+        **service.common_parts(reader, exercise, attempts),
+        given=tuple(GivenView(exercise.line(f"${one.symbol}$"), one.name, one.text, one.unit) for one in paper.given),
+        questions=tuple(
+            question_view(exercise, number, one, answers.get(one.id)) for number, one in enumerate(paper.questions, 1)
+        ),
+        seed=str(seed),
+        taken=taken is not None,
+    )
+
+
+def _grader(exercise: Exercise) -> AnswersGrader:
+    assert exercise.answers is not None
+    return exercise.answers
+
+
+def _answers(grader: AnswersGrader, sent: Submission | None, seed: int) -> Mapping[str, Any]:
+    if sent is None:
+        return {}
+    try:
+        return grader.moved(read_answers(sent.source), sent.seed, seed)
+    except UnreadableAnswersError:
+        return {}
+
+
+def question_view(exercise: Exercise, number: int, question: Question, answer: Any) -> QuestionView:
+    chosen = answer if isinstance(answer, list) else [answer]
+    places = {one: place for place, one in enumerate(chosen, 1) if isinstance(one, str)}
+    order = question.form == "order"
+    pieces = tuple(
+        PieceView(one.id, exercise.line(one.text), one.id in places, places.get(one.id, 0)) for one in question.pieces
+    )
+    return QuestionView(
+        id=question.id,
+        number=number,
+        title=exercise.line(question.title),
+        html=exercise.prose(question.text),
+        form=question.form,
+        field=(PLACE if order else FIELD) + question.id,
+        points=points(question.points),
+        unit=question.unit,
+        value=shown(answer) if question.form == "number" and isinstance(answer, str | int | float) else "",
+        pieces=pieces,
+    )
+
+
+def read_form(exercise: Exercise, fields: FormData) -> dict[str, Any]:
+    """The answers in a form, as the API takes them; what was left empty is absent. Raises Invalid."""
+    read = {"number": _text, "one": _text, "several": _ticked, "order": _placed}
+    questions = _grader(exercise).paper(0).questions
+    found = {one.id: read[one.form](fields, one) for one in questions}
+    return {name: value for name, value in found.items() if value}
+
+
+def _text(fields: FormData, question: Question) -> Any:
+    value = fields.get(FIELD + question.id, "")
+    return value.strip() if isinstance(value, str) else ""
+
+
+def _ticked(fields: FormData, question: Question) -> Any:
+    return [value for value in fields.getlist(FIELD + question.id) if isinstance(value, str)]
+
+
+def _placed(fields: FormData, question: Question) -> Any:
+    places: dict[int, str] = {}
+    for piece in question.pieces:
+        value = fields.get(f"{PLACE}{question.id}.{piece.id}", "")
+        if isinstance(value, str) and value.isascii() and value.isdigit() and len(value) < 4 and int(value):
+            if int(value) in places:
+                raise Invalid(SAME_PLACE)
+            places[int(value)] = piece.id
+    return [places[place] for place in sorted(places)]
+
+
+def told(exercise: Exercise, sent: Submission) -> Sequence[ToldView]:
+    """What was answered in an attempt, to be read again."""
+    grader = _grader(exercise)
+    try:
+        answers = read_answers(sent.source)
+    except UnreadableAnswersError:
+        return [ToldView("Fichier envoyé", shown(sent.code), ())]
+    return [told_view(exercise, one) for one in grader.told(answers, sent.seed)]
+
+
+def told_view(exercise: Exercise, one: Told) -> ToldView:
+    pieces = tuple((piece.id, exercise.line(piece.text)) for piece in one.pieces)
+    return ToldView(exercise.line(one.title), one.text, pieces)
