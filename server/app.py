@@ -28,6 +28,7 @@ from server.queue.owner import Owner, owner_of
 from server.queue.port import Signals
 from server.queue.postgres import AllSignals, Listener, PostgresSignals
 from server.queue.switchboard import Switchboard
+from server.reading.downloads import Downloads
 from server.reading.figures import Drawings
 from server.reading.routes import router as reading_router
 from server.replays.routes import Desk
@@ -162,6 +163,7 @@ def _share(app: FastAPI, services: Services) -> None:
     app.state.cells = services.cells
     app.state.figures = Figures(services.catalogue)
     app.state.drawings = Drawings(services.catalogue)
+    app.state.downloads = Downloads(services.catalogue)
     app.state.replays = Desk(Replays())
 
 

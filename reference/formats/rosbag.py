@@ -1,10 +1,9 @@
 """A simulated run as a rosbag2, in memory: what a robot with ROS 2 would have recorded of it.
 
 Topics: /scan (sensor_msgs/LaserScan), /odom and /ground_truth (nav_msgs/Odometry), /tf (tf2_msgs/TFMessage). Frames, by
-REP 105: map -> odom -> base_link -> laser. /tf carries odom -> base_link, by odometry; map -> odom, which is what a
-perfect localisation would publish, T_map_odom = T_map_base (T_odom_base)^-1; and base_link -> laser, the identity.
-
-Writing needs the package mcap-ros2-support (the extra `rosbag` of this project); nothing else in the numerics does.
+REP 105: map -> odom -> base_link -> laser. /tf carries odom -> base_link, by odometry; base_link -> laser, the
+identity; and, unless it is left for a SLAM to find, map -> odom, which is what a perfect localisation would publish,
+T_map_odom = T_map_base (T_odom_base)^-1.
 
 Sources: the interface definitions of ROS 2 (sensor_msgs, nav_msgs, tf2_msgs); REP 103 (units), 105 (frames), 117
 (distances beyond the range are infinite); "Rosbag2 storage plugin mcap" and the bag metadata of rosbag2, version 5.
@@ -45,10 +44,6 @@ class RosbagError(InvalidArgumentError):
     """A run that the messages of ROS cannot tell; `argument` names what is at fault."""
 
 
-class MissingPackageError(ImportError):
-    """The package that writes MCAP files is not installed."""
-
-
 @dataclass(frozen=True)
 class Rosbag:
     """The files of a bag's folder: `mcap`, to be named `run.mcap`, and `metadata`, to be named `metadata.yaml`.
@@ -61,15 +56,15 @@ class Rosbag:
     messages: dict[str, int]
 
 
-def export_rosbag(run: Run, start_ns: int = NANOSECONDS) -> Rosbag:
+def export_rosbag(run: Run, start_ns: int = NANOSECONDS, *, localised: bool = True) -> Rosbag:
     """The bag of a run whose first pose was passed `start_ns` nanoseconds after the epoch.
 
-    Raises RosbagError for a run without poses or a lidar whose beams are not evenly spaced, and MissingPackageError.
+    Without `localised`, /tf leaves out map -> odom, for who plays it beside a localisation of their own.
+
+    Raises RosbagError for a run without poses or a lidar whose beams are not evenly spaced.
     """
-    try:
-        from mcap_ros2.writer import Writer
-    except ImportError as error:
-        raise MissingPackageError("writing a rosbag needs mcap-ros2-support: pip install balise[rosbag]") from error
+    from mcap_ros2.writer import Writer  # slow to load, and seldom needed
+
     if not len(run):
         raise RosbagError("run", "holds no pose")
     if not 0 < start_ns < 2**31 * NANOSECONDS:
@@ -79,26 +74,27 @@ def export_rosbag(run: Run, start_ns: int = NANOSECONDS) -> Rosbag:
     writer: Any = Writer(output)
     schemas = {name: writer.register_msgdef(name, DEFINITIONS[name]) for name in sorted(set(TOPICS.values()))}
     counts = dict.fromkeys(TOPICS, 0)
-    for stamp, topic, message in _messages(run, stamps):
+    for stamp, topic, message in _messages(run, stamps, localised):
         writer.write_message(topic, schemas[TOPICS[topic]], message, stamp, stamp, counts[topic])
         counts[topic] += 1
     writer.finish()
     return Rosbag(output.getvalue(), _metadata(stamps, counts), counts)
 
 
-def _messages(run: Run, stamps: list[int]) -> Iterator[tuple[int, str, Message]]:
+def _messages(run: Run, stamps: list[int], localised: bool) -> Iterator[tuple[int, str, Message]]:
     """What is said at each time, in the order of time."""
     spacing = _spacing(run.lidar.angles)
     believed = dead_reckoning(run.drive, run.wheels, run.truth[0])
     corrections = se2.compose(run.truth, se2.inverse(believed.poses))
     sure = np.zeros((3, 3))
     for k, stamp in enumerate(stamps):
+        correction = [_transform(stamp, "map", "odom", corrections[k])] if localised else []
         yield (
             stamp,
             "/tf",
             {
                 "transforms": [
-                    _transform(stamp, "map", "odom", corrections[k]),
+                    *correction,
                     _transform(stamp, "odom", "base_link", believed.poses[k]),
                     _transform(stamp, "base_link", "laser", np.zeros(3)),
                 ]

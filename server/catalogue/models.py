@@ -227,6 +227,7 @@ class Module:
     documents: tuple[Document, ...] = ()
     glossary: Mapping[str, Term] = field(default_factory=dict)
     drawings: Mapping[str, Drawing] = field(default_factory=dict)
+    files: Mapping[str, Path] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

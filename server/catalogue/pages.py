@@ -47,6 +47,7 @@ class Library:
     def __post_init__(self) -> None:
         self.documents = tuple(self._documents())
         self.glossary = glossary.read(self.folder / glossary.FILE, self.names, self.problems)
+        self.files = {path.stem: path for path in sorted((self.folder / "fichiers").glob("[!_.]*.py"))}
         self.replays = {path.stem.replace("_", "-") for path in (self.folder / "rejeux").glob("[!_.]*.py")}
 
     def names(self) -> Names:
@@ -63,6 +64,7 @@ class Library:
             terms={one.id: one.word for one in self.glossary.values()},
             pictures={one.name: _picture(one) for one in self.drawings.values()},
             replays=self.replays,
+            files=self.files,
         )
 
     @cached_property

@@ -128,6 +128,7 @@ def _module(sources: Sources, path: Path, problems: list[Problem], look: Look) -
         documents=library.documents,
         glossary=MappingProxyType(library.glossary),
         drawings=MappingProxyType(library.drawings),
+        files=MappingProxyType(library.files),
     )
 
 

@@ -98,8 +98,8 @@ def faults(catalogue: Catalogue) -> Iterator[Problem]:
 
 
 def load_module(module: str, path: Path) -> ModuleType:
-    """Import one file of a module's `figures` folder; its neighbours import it by the same name."""
-    name = f"curriculum.{module}.figures.{path.stem}"
+    """Import one file of a folder of a module (`figures`, …); its neighbours import it by the same name."""
+    name = f"curriculum.{module}.{path.parent.name}.{path.stem}"
     with _LOADING:
         known = sys.modules.get(name)
         if known is not None and known.__file__ == str(path):

@@ -11,6 +11,7 @@ from server.pages.dependencies import Reading
 from server.pages.rendering import page
 from server.pages.service import find_module
 from server.reading import service
+from server.reading.downloads import Downloads
 from server.reading.figures import Drawings
 
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
@@ -48,3 +49,10 @@ def search(request: Request, module: str, reader: Reading, q: Annotated[str, Que
 def figure(request: Request, module: str, name: str, theme: Literal["light", "dark"] = "light") -> Response:
     drawings: Drawings = request.app.state.drawings
     return Response(drawings.svg(module, name, theme), media_type="image/svg+xml", headers=FIGURE_HEADERS)
+
+
+@router.get("/{module:module}/fichiers/{name}.zip")
+def download(request: Request, module: str, name: str) -> Response:
+    downloads: Downloads = request.app.state.downloads
+    headers = {"Content-Disposition": f'attachment; filename="{name}.zip"', "Cache-Control": "public, max-age=600"}
+    return Response(downloads.archive(module, name), media_type="application/zip", headers=headers)

@@ -79,6 +79,7 @@ class Names:
     terms: Mapping[str, str] = field(default_factory=dict)
     pictures: Mapping[str, Picture] = field(default_factory=dict)
     replays: Collection[str] = ()
+    files: Collection[str] = ()
 
     def link(self, target: str, page: str) -> Link:
         """Where `target`, written in `page`, leads. Raises Unresolved."""
@@ -92,9 +93,15 @@ class Names:
         if scheme == "terme":
             word = _known(self.terms, rest, "terme inconnu du glossaire")
             return Link(f"/{self.module}/{GLOSSARY}#t-{rest}", word, term=rest)
+        if scheme == "fichier":
+            if rest not in self.files:
+                raise Unresolved(f"fichier inconnu : « {rest} »")
+            return Link(f"/{self.module}/fichiers/{rest}.zip", f"{rest}.zip")
         if target.startswith("https://"):
             return Link(target, "", external=True)
-        raise Unresolved(f"lien inconnu : « {target} » (possibles : #étiquette, page:, exo:, terme:, https://)")
+        raise Unresolved(
+            f"lien inconnu : « {target} » (possibles : #étiquette, page:, exo:, terme:, fichier:, https://)"
+        )
 
     def _label(self, label: str, page: str) -> Link:
         here = self.pages.get(page)

@@ -1,0 +1,47 @@
+"""What a module gives to take away: `fichiers/<name>.py` makes the files, served as one archive.
+
+The archive is made at the first demand, the same bytes each time, and kept.
+"""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from threading import Lock
+
+from server.catalogue import Catalogue
+from server.errors import NotFound
+from server.reading.figures import load_module
+
+EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest date that an archive can tell
+
+
+class Downloads:
+    """Archives by module and name. Slow at first (about a second): call it in a thread."""
+
+    def __init__(self, catalogue: Catalogue) -> None:
+        self._catalogue = catalogue
+        self._made: dict[tuple[str, str], bytes] = {}
+        self._lock = Lock()
+
+    def archive(self, module: str, name: str) -> bytes:
+        """A ZIP whose files stand in one folder of that name. Raises NotFound."""
+        found = self._catalogue.modules.get(module)
+        if found is None or name not in found.files:
+            raise NotFound("Ce fichier n’existe pas.")
+        with self._lock:
+            if (module, name) not in self._made:
+                files: dict[str, bytes] = load_module(module, found.files[name]).files()
+                self._made[module, name] = archive_of(name, files)
+            return self._made[module, name]
+
+
+def archive_of(folder: str, files: dict[str, bytes]) -> bytes:
+    """The files under `folder`, in the order of their names."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(f"{folder}/{name}", EPOCH)
+            entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
+            archive.writestr(entry, files[name])
+    return buffer.getvalue()
