@@ -18,7 +18,8 @@ from typing import Any
 
 from server.cells import wire
 from server.cells.run import POLICY, run
-from server.sandbox import Sandbox
+from server.sandbox import Sandbox, SandboxFault
+from server.sandbox.install import DRAWING
 
 log = logging.getLogger(__name__)
 #: Cells leave the processors to graders, pages and whoever else has something to do.
@@ -52,10 +53,20 @@ def serve(end: socket.socket) -> None:
     _, beginning = next(questions)
     gc.freeze()
     with Sandbox(beginning["kits"], POLICY) as sandbox:
+        threading.Thread(target=_warm, args=(sandbox,), name="warm-up", daemon=True).start()
         pool = ThreadPoolExecutor(beginning["at_once"], thread_name_prefix="cell")
         for number, question in questions:
             pool.submit(_answer, line, sandbox, number, question)
         pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _warm(sandbox: Sandbox) -> None:
+    """Cells that draw and cells that do not follow one another. What fails here is told when a cell meets it."""
+    for imports in ("numpy", DRAWING):
+        try:
+            sandbox.warm(imports)
+        except (SandboxFault, RuntimeError):  # the second where it is being closed
+            log.info("the %s template did not start", imports, exc_info=True)
 
 
 def _answer(line: Line, sandbox: Sandbox, number: int, question: dict[str, str]) -> None:

@@ -1,8 +1,8 @@
 """`balise check [EXERCISE…]`: what a course's own tests run.
 
-The texts are rendered, and their figures drawn unless only some exercises are asked for. For each exercise: the
-reference gets full marks, the starter does not, every catalogued misconception is rejected and named, each specimen
-gets the outcome of its folder. What is known of answers without code is tried on several draws.
+The texts are rendered; their figures are drawn and their cells run unless only some exercises are asked for. For each
+exercise: the reference gets full marks, the starter does not, every catalogued misconception is rejected and named,
+each specimen gets the outcome of its folder. What is known of answers without code is tried on several draws.
 """
 
 import logging
@@ -16,6 +16,7 @@ from graders.core.grading import Grading
 from graders.core.protocol import Known
 from graders.core.verdict import Outcome
 from server.catalogue import Exercise, load
+from server.cells import check as cells
 from server.cli.local import find, local_grader, start_probing
 from server.reading import figures
 from server.submissions.draws import SEED_BITS
@@ -52,9 +53,10 @@ def run(arguments: Namespace) -> int:
     probing, catalogue = start_probing(slow=False), load()
     exercises = [find(catalogue, name) for name in arguments.exercises] or list(catalogue.exercises.values())
     problems = [*catalogue.problems, *(() if arguments.exercises else figures.faults(catalogue))]
-    for problem in problems:
-        print(f"✗ {problem}")
     with local_grader(catalogue, probing) as grader:
+        problems += () if arguments.exercises else cells.faults(catalogue)
+        for problem in problems:
+            print(f"✗ {problem}")
         faults = sum(_told(finding) for exercise in exercises for finding in findings(grader, exercise))
     print(_summary(len(exercises), faults + len(problems)))
     return 1 if faults or problems else 0

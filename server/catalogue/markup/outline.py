@@ -42,10 +42,11 @@ class Title:
 
 @dataclass(frozen=True)
 class Cell:
-    """A runnable piece of Python, named uniquely in its page."""
+    """A runnable piece of Python, named uniquely in its page; `line` of the file is its first one."""
 
     name: str
     code: str
+    line: int
 
 
 @dataclass(frozen=True)
@@ -235,7 +236,8 @@ class _Walk:
 
     def _cell(self, token: Token, name: str) -> None:
         self._anchor(f"cellule-{name}", token)
-        self.found.cells.append(Cell(name, token.content))
+        line = self._job.source.first_line + token.meta["line"] + 1
+        self.found.cells.append(Cell(name, token.content, line))
         try:
             ast.parse(token.content)
         except (SyntaxError, ValueError) as error:

@@ -1,0 +1,35 @@
+"""Whether the cells of the course run: what `balise check` and the course's own test ask."""
+
+from collections.abc import Iterator
+
+from server.catalogue import Catalogue, Problem
+from server.catalogue.models import Cell
+from server.catalogue.pages import as_text
+from server.cells.run import POLICY, run
+from server.cells.schemas import RunOut
+from server.sandbox import Sandbox
+
+
+def faults(catalogue: Catalogue) -> Iterator[Problem]:
+    """Runs every cell of every page as a reader would; a problem for each one that fails. Slow; raises SandboxFault."""
+    with Sandbox(catalogue.kits, POLICY) as sandbox:
+        for module in catalogue.modules.values():
+            for document in module.documents:
+                path = as_text(document.text).source.path
+                for cell in document.cells:
+                    shown = run(sandbox, module.slug, cell.code.encode())
+                    if message := _wrong(shown):
+                        yield Problem(path, _line(cell, shown), f"cellule « {cell.name} » : {message}")
+
+
+def _wrong(shown: RunOut) -> str:
+    if shown.fault:
+        return shown.fault.message
+    if shown.truncated:
+        return "ce qu’elle affiche est trop long"
+    return "" if shown.stdout or shown.figures else "elle n’affiche rien"
+
+
+def _line(cell: Cell, shown: RunOut) -> int:
+    inside = shown.fault.line if shown.fault else None
+    return cell.line + (inside or 1) - 1

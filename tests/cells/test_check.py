@@ -1,0 +1,62 @@
+"""The cells of the course run; one that does not is told with its place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from server.catalogue import load
+from server.cells import check
+from tests.quick import the_course
+
+PAGE = """+++
+title = "Une page"
+order = 10
+label = "Séance 1"
+minutes = 60
+summary = "De quoi lire."
+objectives = []
++++
+
+## Des cellules
+
+```python cellule bonne
+print(H)
+```
+
+```python cellule mauvaise
+print(H)
+1 / 0
+```
+
+```python cellule muette
+a = H
+```
+"""
+
+
+@pytest.mark.long
+def test_every_cell_of_the_course_runs() -> None:
+    assert [str(problem) for problem in check.faults(the_course())] == []
+
+
+def test_a_cell_that_fails_is_told_with_its_place(tmp_path: Path) -> None:
+    module = tmp_path / "m9"
+    kit = "import numpy as np\ndef configurer(seed=None):\n    return {'np': np, 'H': 3}\n"
+    for name, text in {
+        "module.toml": 'title = "Un module"\nnumber = "M9"\nsummary = "De quoi essayer."\n',
+        "kit/m9.py": kit,
+        "seances/page.md": PAGE,
+    }.items():
+        (module / name).parent.mkdir(parents=True, exist_ok=True)
+        (module / name).write_text(text, encoding="utf-8")
+    catalogue = load(tmp_path, render=False)
+    found = [(problem.path, problem.line, problem.message) for problem in check.faults(catalogue)]
+    lines = PAGE.splitlines()
+    assert [(path, line) for path, line, _ in found] == [
+        (module / "seances/page.md", lines.index("1 / 0") + 1),
+        (module / "seances/page.md", lines.index("a = H") + 1),
+    ]
+    assert "« mauvaise »" in found[0][2]
+    assert "n’affiche rien" in found[1][2]
