@@ -13,7 +13,6 @@ await build({
     "src/js/exercise.js",
     "src/js/answers.js",
     "src/js/reading.js",
-    "src/js/cells.js",
     "src/js/replays/index.js",
     "src/css/app.css",
   ],
