@@ -3,8 +3,10 @@ and which of many alike wait for the thorough run."""
 
 from __future__ import annotations
 
+import asyncio
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Coroutine, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -62,3 +64,9 @@ def _upgrade_once(url: str) -> None:
 def weak_hasher() -> PasswordHash:
     """Argon2id at its weakest, where a test is about something else than hashing."""
     return PasswordHash((Argon2Hasher(time_cost=1, memory_cost=8, parallelism=1),))
+
+
+def in_a_loop(scene: Coroutine[None, None, None]) -> None:
+    """Runs it in a loop and a thread of its own: the browser's tests keep a loop in this one."""
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(asyncio.run, scene).result()

@@ -16,7 +16,7 @@ import pytest
 from server.cells.supervisor import Cells
 from server.errors import Crowded, Failed
 from server.settings import Settings
-from tests.quick import the_course
+from tests.quick import in_a_loop, the_course
 from tests.service.live import alive, children, until
 
 HEARD = "import socket, sys, time\nend = socket.socket(fileno=int(sys.argv[1]))\nstream = end.makefile('rb')\n"
@@ -58,7 +58,7 @@ def played(tmp_path: Path, test: Callable[[Cells], Awaitable[None]], script: str
             await cells.close()
         assert not (last and alive(last))
 
-    asyncio.run(scene())
+    in_a_loop(scene())
 
 
 async def started(cells: Cells, code: str) -> asyncio.Task[bytes]:

@@ -17,6 +17,7 @@ from server.accounts.dependencies import COOKIE
 from server.cells.supervisor import Cells
 from server.errors import Crowded, Failed
 from server.settings import Settings
+from tests.quick import in_a_loop
 from tests.service.conftest import Site
 
 ADDRESS = "/l20/cellules"
@@ -159,7 +160,7 @@ def test_a_reader_who_leaves_leaves_the_queue(site: Site, play: Callable[[Echo],
         await site.client.app(scope, receive, send)
         await asyncio.wait_for(ended.wait(), 20)
 
-    asyncio.run(call())
+    in_a_loop(call())
 
 
 def test_no_process_is_started_before_the_first_cell(site: Site) -> None:
