@@ -42,6 +42,9 @@ def test_typography_spares_code_and_mathematics() -> None:
         ("soit $x$ ; puis", "", "\u202f;"),
         ("soit « $x$ » ici", "«\u00a0", "\u00a0»"),
         ("l'$x$ des", "’", ""),
+        ("soit $x$ m, puis", "", " m,"),
+        ("soit $x$ rad/s puis", "", " rad/s"),
+        ("soit $x$ % puis", "", " %"),
     ],
 )
 def test_a_formula_keeps_the_punctuation_that_touches_it(text: str, before: str, after: str) -> None:
@@ -54,7 +57,7 @@ def test_a_formula_keeps_the_punctuation_that_touches_it(text: str, before: str,
 
 @needs_katex
 def test_a_formula_alone_is_left_alone() -> None:
-    assert "held" not in html("soit $x$ et $y$ puis **$z$**")
+    assert "held" not in html("soit $x$ et $y$ mesurés, $u$ m'attire, puis **$z$**")
 
 
 @settings(deadline=None)

@@ -66,14 +66,17 @@ def test_an_unnumbered_kind_can_be_linked_to(course: Course) -> None:
 )
 def test_a_proof_says_what_it_proves_and_ends(course: Course, label: str, said: str) -> None:
     page = html(course, f"::: {label} #le-un\nA\n:::\n\n::: preuve #le-un\nPar $x$.\n:::\n")
-    summary = "Démonstration " + said.format('<a href="#le-un">')
-    assert f'<details class="block block-preuve" open><summary>{summary}{WIDE}1</a></summary>' in page
+    article, noun = said.split("{}")
+    summary = f"<summary>Démonstration {article}{noun}{WIDE}1</summary>"
+    back = f'<p class="block-back"><a href="#le-un">{noun}{WIDE}1</a></p>'
+    assert f'<details class="block block-preuve" open>{summary}\n{back}\n' in page
     assert '<p>Par $x$.</p>\n<p class="qed">∎</p>\n</details>' in page
 
 
 def test_a_proof_of_an_equation_and_of_nothing_said(course: Course) -> None:
     page = html(course, "$$\na\n$$ (eq-a)\n\n::: preuve #eq-a\nA\n:::\n\n::: preuve En bref\nA\n:::\n")
-    assert '<summary>Démonstration de l’<a href="#eq-a">(1)</a></summary>' in page
+    back = f'<p class="block-back"><a href="#eq-a">équation{WIDE}(1)</a></p>'
+    assert f"<summary>Démonstration de l’équation{WIDE}(1)</summary>\n{back}" in page
     assert "<summary>Démonstration — En bref</summary>" in page
 
 
@@ -81,8 +84,14 @@ def test_a_correction_is_folded_and_needs_no_name_inside_its_exercise(course: Co
     inside = ":::: exercice #ex-a\nA\n\n::: correction #ex-a\nB\n:::\n::::\n"
     page = html(course, f"{inside}\n::: correction #ex-a\nC\n:::\n\n::: correction\nD\n:::\n")
     assert '<details class="block block-correction"><summary>Correction</summary>\n<p>B</p>' in page
-    assert f'<summary>Correction de l’<a href="#ex-a">exercice{WIDE}1</a></summary>\n<p>C</p>' in page
+    back = f'<p class="block-back"><a href="#ex-a">exercice{WIDE}1</a></p>'
+    assert f"<summary>Correction de l’exercice{WIDE}1</summary>\n{back}\n<p>C</p>" in page
     assert "<summary>Correction</summary>\n<p>D</p>" in page
+
+
+def test_the_empty_corner_of_a_table_is_no_header(course: Course) -> None:
+    page = html(course, "| | un | deux |\n|:-:|:-:|---|\n| a | b | c |\n")
+    assert '<td></td>\n<th style="text-align:center">un</th>\n<th>deux</th>' in page
 
 
 def test_anything_can_be_folded(course: Course) -> None:

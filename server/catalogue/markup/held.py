@@ -1,4 +1,4 @@
-"""A comma, a colon or a bracket stays on the line of the formula that it touches.
+"""A comma, a colon, a bracket or a unit stays on the line of the formula that it touches.
 
 A browser may go to the next line before and after each formula, whatever stands there, and even at a space that does
 not break: both are put inside one element, which the style sheet holds together.
@@ -12,7 +12,8 @@ from typing import Literal
 
 from markdown_it.token import Token
 
-AFTER = re.compile(r"^[\u202f\u00a0]?[^\w\s]+")
+UNIT = r"[ \u00a0](?:%|°|(?:[cmk]?m[²³]?|m?s|rad|Hz)(?:/s²?)?(?![\w’]))"
+AFTER = re.compile(rf"^(?:{UNIT})?(?:[\u202f\u00a0]?[^\w\s]+)?")
 BEFORE = re.compile(r"[^\w\s]+\u00a0?$")
 FORMULA = "math_inline"
 
@@ -38,7 +39,7 @@ def _cut(pattern: re.Pattern[str], neighbour: Token | None) -> list[Token]:
     if neighbour is None or neighbour.type != "text":
         return []
     found = pattern.search(neighbour.content)
-    if found is None:
+    if found is None or not found[0]:
         return []
     lent = Token("text", "", 0, content=found[0], level=neighbour.level, meta=dict(neighbour.meta))
     neighbour.content = neighbour.content[: found.start()] + neighbour.content[found.end() :]

@@ -17,7 +17,7 @@ from server.catalogue.markup import blocks
 from server.catalogue.markup.blocks import Block
 from server.catalogue.markup.outline import CELL, Reference, Title, missing
 from server.catalogue.markup.parser import Job, markdown, parse, parse_inline
-from server.catalogue.markup.text import Fault, Link, Names, Source, Unresolved
+from server.catalogue.markup.text import Fault, Link, Names, Source, Target, Unresolved
 from server.catalogue.typography import french
 
 NOT_IN_CONTENTS = {"link_open", "link_close", "footnote_ref"}
@@ -198,22 +198,49 @@ def _title_open(writer: Writer, tokens: Sequence[Token], index: int) -> str:
 
 
 def _folded_heading(writer: Writer, block: Block, token: Token) -> str:
-    """« Démonstration du théorème 1 », the theorem being a link; no need to say it inside the exercise itself."""
+    """« Démonstration du théorème 1 »; no need to say it inside the exercise itself."""
     heading = blocks.FOLDED[block.kind]
     if not block.label or block.label == block.parent or not writer.exists("bloc", block.label, token):
         return heading
-    target = writer.names.labels[block.label]
+    kind, name = _named(writer.names.labels[block.label])
+    return f"{heading} {kind.of}{name}"
+
+
+def _named(target: Target) -> tuple[blocks.Kind, str]:
+    """« théorème 1 », « équation (3) », or « exemple » where there is no number."""
+    if target.kind == "equation":
+        return blocks.EQUATION, f"{blocks.EQUATION.noun}\u00a0{target.name}"
+    kind = blocks.KINDS[target.kind]
+    return kind, target.name or kind.noun
+
+
+def _title_close(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+    block: Block = tokens[index].meta["block"]
+    return f"</summary>\n{_way_back(writer, block)}" if block.folded else "</p>\n"
+
+
+def _way_back(writer: Writer, block: Block) -> str:
+    """A link to what is proved or answered: below the summary, which is a button and cannot hold it."""
+    target = writer.names.labels.get(block.label)
+    if target is None or block.label == block.parent:
+        return ""
     try:
         link = writer.names.link(f"#{block.label}", writer.page)
     except Unresolved:
-        return heading
-    kind = blocks.EQUATION if target.kind == "equation" else blocks.KINDS[target.kind]
-    return f'{heading} {kind.of}<a href="{html.escape(link.href)}">{target.name or kind.noun}</a>'
+        return ""
+    return f'<p class="block-back"><a href="{html.escape(link.href)}">{_named(target)[1]}</a></p>\n'
 
 
-def _title_close(_writer: Writer, tokens: Sequence[Token], index: int) -> str:
-    block: Block = tokens[index].meta["block"]
-    return "</summary>\n" if block.folded else "</p>\n"
+def _header_open(_writer: Writer, tokens: Sequence[Token], index: int) -> str:
+    """An empty corner of a table is no header."""
+    if not tokens[index + 1].children:
+        return "<td>"
+    style = tokens[index].attrGet("style")
+    return f'<th style="{html.escape(str(style))}">' if style else "<th>"
+
+
+def _header_close(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+    return "</th>\n" if tokens[index - 1].children else "</td>\n"
 
 
 def _figure_open(writer: Writer, block: Block, token: Token) -> str:
@@ -253,6 +280,8 @@ RULES: dict[str, Rule] = {
     "math_block_label": _equation,
     "table_open": _table_open,
     "table_close": _table_close,
+    "th_open": _header_open,
+    "th_close": _header_close,
     "link_open": _link_open,
     "fence": _code,
     "code_block": _code,
