@@ -28,7 +28,7 @@ async def run(cells: Cells, database: Database, settings: Settings, account: Acc
 
     await run_in_threadpool(take)
     try:
-        return await cells.run(module, code)
+        return await cells.run(module, code, reader=str(account.id))
     except (Crowded, Failed):
         await run_in_threadpool(give_back)
         raise

@@ -8,8 +8,10 @@ import logging
 import os
 import socket
 import sys
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from itertools import count
 
 from server.cells import wire
@@ -23,6 +25,9 @@ COMMAND = (sys.executable, "-P", "-m", "server.cells")
 #: Seconds within which a cell is answered, the start of a template included; later, the process is taken for hung.
 PATIENCE = 45.0
 STOP_SECONDS = 3.0
+#: Cells of one reader, running or waiting: nobody fills the queue alone.
+EACH = 3
+YOURS = "Plusieurs de vos cellules sont déjà en cours : attendez que l’une d’elles se termine."
 CROWDED = "Beaucoup de monde exécute des cellules en ce moment : réessayez dans quelques secondes."
 FAILED = "La cellule n’a pas pu être exécutée : l’incident est de notre côté. Réessayez."
 
@@ -43,29 +48,46 @@ class Cells:
         self._free = asyncio.Semaphore(settings.cells_at_once)
         self._starting = asyncio.Lock()
         self._waiting = 0
+        self._of: Counter[str] = Counter()
         self._process: _Process | None = None
         self._running: set[asyncio.Task[bytes]] = set()
 
-    async def run(self, module: str, code: str) -> bytes:
+    async def run(self, module: str, code: str, *, reader: str) -> bytes:
         """What the page gets, as JSON text. Raises Crowded or Failed.
 
-        Whoever stops waiting leaves the queue; a cell that already runs keeps its place until it ends.
+        A reader who stops waiting leaves the queue; a cell that already runs keeps its place until it ends.
         """
+        if self._of[reader] >= EACH:
+            raise Crowded(YOURS, retry_after=2)
         if self._free.locked() and self._waiting >= self._settings.cells_waiting:
             raise Crowded(CROWDED, retry_after=5)
+        self._of[reader] += 1
+        try:
+            await self._place()
+        except BaseException:
+            self._less(reader)
+            raise
+        asked = asyncio.create_task(self._ask({"module": module, "code": code}))
+        self._running.add(asked)
+        asked.add_done_callback(partial(self._over, reader))
+        return await asyncio.shield(asked)
+
+    async def _place(self) -> None:
         self._waiting += 1
         try:
             await self._free.acquire()
         finally:
             self._waiting -= 1
-        asked = asyncio.create_task(self._ask({"module": module, "code": code}))
-        self._running.add(asked)
-        asked.add_done_callback(self._over)
-        return await asyncio.shield(asked)
 
-    def _over(self, asked: asyncio.Task[bytes]) -> None:
+    def _less(self, reader: str) -> None:
+        self._of[reader] -= 1
+        if not self._of[reader]:
+            del self._of[reader]
+
+    def _over(self, reader: str, asked: asyncio.Task[bytes]) -> None:
         self._running.discard(asked)
         self._free.release()
+        self._less(reader)
         if not asked.cancelled():
             asked.exception()  # of a run that nobody waits for any more, too
 

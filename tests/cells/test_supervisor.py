@@ -7,13 +7,14 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine
+from itertools import count
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from server.cells.supervisor import Cells
+from server.cells.supervisor import EACH, Cells
 from server.errors import Crowded, Failed
 from server.settings import Settings
 from tests.quick import in_a_loop, the_course
@@ -32,6 +33,7 @@ ECHO = (
     + "while True:\n    number, q = question()\n    end.sendall(struct.pack('>IIB', len(q), number, 1) + q)\n"
 )
 SILENT = HEARD + "time.sleep(600)"
+READERS = count()
 FAKES = {
     "dies at once": "raise SystemExit(3)",
     "dies when asked": HEARD + FRAME + "question()",
@@ -61,8 +63,13 @@ def played(tmp_path: Path, test: Callable[[Cells], Awaitable[None]], script: str
     in_a_loop(scene())
 
 
+def ran(cells: Cells, code: str, reader: str = "") -> Coroutine[None, None, bytes]:
+    """A cell of a reader's; of a new one's, where it is not said."""
+    return cells.run("l20", code, reader=reader or str(next(READERS)))
+
+
 async def started(cells: Cells, code: str) -> asyncio.Task[bytes]:
-    task = asyncio.create_task(cells.run("l20", code))
+    task = asyncio.create_task(ran(cells, code))
     await asyncio.sleep(0)
     return task
 
@@ -80,7 +87,7 @@ async def eventually(condition: Callable[[], bool]) -> None:
 def test_cells_run_and_their_process_is_started_by_the_first(tmp_path: Path) -> None:
     async def test(cells: Cells) -> None:
         assert cells._process is None
-        first, second = await asyncio.gather(cells.run("l20", "print(H)"), cells.run("l20", "1 / 0"))
+        first, second = await asyncio.gather(ran(cells, "print(H)"), ran(cells, "1 / 0"))
         assert json.loads(first)["stdout"] == "16\n"
         assert json.loads(second)["fault"]["line"] == 1
 
@@ -89,7 +96,7 @@ def test_cells_run_and_their_process_is_started_by_the_first(tmp_path: Path) -> 
 
 def test_a_process_killed_while_a_cell_runs_is_told_and_replaced(tmp_path: Path) -> None:
     async def test(cells: Cells) -> None:
-        await cells.run("l20", "1")
+        await ran(cells, "1")
         first = process(cells)
         below = children(first)
         running = await started(cells, "import time\ntime.sleep(5)")
@@ -97,7 +104,7 @@ def test_a_process_killed_while_a_cell_runs_is_told_and_replaced(tmp_path: Path)
         os.kill(first, signal.SIGKILL)
         with pytest.raises(Failed):
             await running
-        assert json.loads(await cells.run("l20", "print('encore')"))["stdout"] == "encore\n"
+        assert json.loads(await ran(cells, "print('encore')"))["stdout"] == "encore\n"
         assert process(cells) != first
         await eventually(lambda: not any(map(alive, below)))
 
@@ -106,12 +113,12 @@ def test_a_process_killed_while_a_cell_runs_is_told_and_replaced(tmp_path: Path)
 
 def test_a_process_that_was_killed_between_two_cells_is_replaced(tmp_path: Path) -> None:
     async def test(cells: Cells) -> None:
-        await cells.run("l20", "1")
+        await ran(cells, "1")
         first = process(cells)
         os.kill(first, signal.SIGKILL)
         await eventually(lambda: not alive(first))
         await asyncio.sleep(0.1)
-        assert json.loads(await cells.run("l20", "print('encore')"))["stdout"] == "encore\n"
+        assert json.loads(await ran(cells, "print('encore')"))["stdout"] == "encore\n"
 
     played(tmp_path, test)
 
@@ -121,7 +128,7 @@ def test_a_process_that_fails_is_told_at_each_cell(tmp_path: Path, script: str) 
     async def test(cells: Cells) -> None:
         for _ in range(2):
             with pytest.raises(Failed):
-                await cells.run("l20", "1")
+                await ran(cells, "1")
 
     played(tmp_path, test, script)
 
@@ -129,7 +136,7 @@ def test_a_process_that_fails_is_told_at_each_cell(tmp_path: Path, script: str) 
 def test_a_process_that_hangs_is_killed(tmp_path: Path) -> None:
     async def test(cells: Cells) -> None:
         with pytest.raises(Failed):
-            await cells.run("l20", "1")
+            await ran(cells, "1")
         await eventually(lambda: not alive(process(cells)))
 
     played(tmp_path, test, SILENT, patience=0.3)
@@ -137,13 +144,13 @@ def test_a_process_that_hangs_is_killed(tmp_path: Path) -> None:
 
 def test_a_stopped_process_is_killed(tmp_path: Path) -> None:
     async def test(cells: Cells) -> None:
-        await cells.run("l20", "1")
+        await ran(cells, "1")
         os.kill(process(cells), signal.SIGSTOP)
         cells._patience = 0.3
         with pytest.raises(Failed):
-            await cells.run("l20", "1")
+            await ran(cells, "1")
         cells._patience = 60.0
-        assert json.loads(await cells.run("l20", "print(1)"))["stdout"] == "1\n"
+        assert json.loads(await ran(cells, "print(1)"))["stdout"] == "1\n"
 
     played(tmp_path, test)
 
@@ -152,7 +159,7 @@ def test_the_queue_is_bounded_and_whoever_leaves_it_makes_room(tmp_path: Path) -
     async def test(cells: Cells) -> None:
         running, waiting = await started(cells, "1"), await started(cells, "2")
         with pytest.raises(Crowded) as caught:
-            await cells.run("l20", "3")
+            await ran(cells, "3")
         assert int(caught.value.headers["Retry-After"]) >= 1
         waiting.cancel()
         with pytest.raises(asyncio.CancelledError):
@@ -165,9 +172,30 @@ def test_the_queue_is_bounded_and_whoever_leaves_it_makes_room(tmp_path: Path) -
     played(tmp_path, test, SILENT, cells_at_once=1, cells_waiting=1, patience=1.0)
 
 
+def test_nobody_fills_the_queue_alone(tmp_path: Path) -> None:
+    async def test(cells: Cells) -> None:
+        mine = [asyncio.create_task(ran(cells, "1", "me")) for _ in range(EACH)]
+        await asyncio.sleep(0)
+        with pytest.raises(Crowded, match="vos cellules"):
+            await ran(cells, "1", "me")
+        hers = await started(cells, "1")
+        await asyncio.sleep(0)
+        assert not hers.done()
+        mine.pop().cancel()
+        await asyncio.sleep(0)
+        mine.append(asyncio.create_task(ran(cells, "1", "me")))
+        await asyncio.sleep(0)
+        with pytest.raises(Crowded):
+            await ran(cells, "1", "me")
+        for one in (hers, *mine):
+            one.cancel()
+
+    played(tmp_path, test, SILENT, cells_at_once=1, cells_waiting=9, patience=1.0)
+
+
 def test_a_cell_that_nobody_waits_for_keeps_its_place_until_it_ends(tmp_path: Path) -> None:
     async def test(cells: Cells) -> None:
-        await cells.run("l20", "1")
+        await ran(cells, "1")
         left = await started(cells, "import time\ntime.sleep(0.5)")
         await asyncio.sleep(0.1)
         left.cancel()
@@ -182,7 +210,7 @@ def test_a_cell_that_nobody_waits_for_keeps_its_place_until_it_ends(tmp_path: Pa
 def test_answers_go_to_their_questions(tmp_path: Path) -> None:
     async def test(cells: Cells) -> None:
         codes = [f"cellule {number}" for number in range(12)]
-        answers = await asyncio.gather(*(cells.run("l20", code) for code in codes))
+        answers = await asyncio.gather(*(ran(cells, code) for code in codes))
         assert [json.loads(answer)["code"] for answer in answers] == codes
 
     played(tmp_path, test, ECHO, cells_at_once=3)
@@ -192,7 +220,7 @@ def test_a_line_that_breaks_ends_the_process_and_its_sandbox(tmp_path: Path) -> 
     """As when the service is killed."""
 
     async def test(cells: Cells) -> None:
-        await cells.run("l20", "1")
+        await ran(cells, "1")
         first = process(cells)
         below = children(first)
         assert below

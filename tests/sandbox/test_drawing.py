@@ -12,6 +12,7 @@ import pytest
 from server.sandbox import FaultKind, Policy, ProgramFault, Sandbox, Session, Value, probe
 from server.sandbox.child import drawing, template
 from server.sandbox.install import DRAWING, import_set, installation
+from tests.quick import one_in
 
 from .family import probed
 from .test_hostile import HURRIED, KITS, PROGRAMS, outcome
@@ -185,13 +186,7 @@ def walled() -> Iterator[Sandbox]:
         yield sandbox
 
 
-@pytest.mark.parametrize(
-    "path",
-    [
-        pytest.param(path, id=f"{path.parent.name}-{path.stem}", marks=[pytest.mark.slow] if index % 12 else [])
-        for index, path in enumerate(PROGRAMS)
-    ],
-)
+@pytest.mark.parametrize("path", one_in(12, PROGRAMS), ids=lambda path: f"{path.parent.name}-{path.stem}")
 def test_a_hostile_program_gets_the_same_outcome(walled: Sandbox, path: Path) -> None:
     context: dict[str, Value] = {name: value for name, value in asdict(HOSTILE).items() if isinstance(value, int)}
     context |= {"projet": __file__, "gabarit": template.__file__, "parent": os.getppid()}
