@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import asyncio
 import importlib.util
 import sys
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Lock, RLock
 from types import ModuleType
 from typing import Literal
+
+from starlette.concurrency import run_in_threadpool
 
 from server.catalogue import Catalogue
 from server.catalogue.models import Drawing, Problem
@@ -26,25 +29,39 @@ _LOADING = RLock()
 
 
 class Drawings:
-    """Draws in SVG and remembers, up to `kept` bytes. Slow at first (tens to hundreds of ms): call it in a thread."""
+    """Draws in SVG and remembers, up to `kept` bytes. For one event loop."""
 
     def __init__(self, catalogue: Catalogue, kept: int = KEPT_BYTES) -> None:
         self._catalogue = catalogue
         self._kept = kept
         self._drawn: OrderedDict[Key, bytes] = OrderedDict()
         self._lock = Lock()
+        self._turn = asyncio.Semaphore(1)
+
+    async def picture(self, module: str, name: str, theme: Theme) -> bytes:
+        """The picture. Whoever waits for one to be drawn holds no thread; a class draws it once. Raises NotFound."""
+        found = self._remembered((module, name, theme))
+        if found is not None:
+            return found
+        async with self._turn:
+            return await run_in_threadpool(self.svg, module, name, theme)
 
     def svg(self, module: str, name: str, theme: Theme) -> bytes:
-        """The picture. Raises NotFound."""
+        """The same, at once. Slow at first (hundreds of ms). Raises NotFound."""
         key = (module, name, theme)
-        with self._lock:
-            if key in self._drawn:
-                self._drawn.move_to_end(key)
-                return self._drawn[key]
         found = self._catalogue.modules.get(module)
         if found is None or name not in found.drawings:
             raise NotFound(NO_FIGURE)
+        remembered = self._remembered(key)
+        if remembered is not None:
+            return remembered
         return self._remember(key, draw(module, found.drawings[name], theme, "svg").picture)
+
+    def _remembered(self, key: Key) -> bytes | None:
+        with self._lock:
+            if key in self._drawn:
+                self._drawn.move_to_end(key)
+            return self._drawn.get(key)
 
     def _remember(self, key: Key, picture: bytes) -> bytes:
         with self._lock:
@@ -84,13 +101,13 @@ def size_fault(drawing: Drawing, drawn: Drawn) -> str:
     return f"la figure « {drawing.name} » change de taille ; annoncez-la dans FIGURES : {announced}"
 
 
-def faults(catalogue: Catalogue) -> Iterator[Problem]:
-    """Draw everything, in both themes: what cannot be drawn, or is not of the announced size. Slow."""
+def faults(catalogue: Catalogue, themes: Sequence[Theme] = THEMES) -> Iterator[Problem]:
+    """Draw everything: what cannot be drawn, or is not of the announced size. Slow."""
     for module in catalogue.modules.values():
         for drawing in module.drawings.values():
             try:
-                light, _dark = (draw(module.slug, drawing, theme, "svg") for theme in THEMES)
-                message = size_fault(drawing, light)
+                drawn = [draw(module.slug, drawing, theme, "svg") for theme in themes]
+                message = next(filter(None, (size_fault(drawing, one) for one in drawn)), "")
             except Exception as error:  # whatever an author's function raises is reported with its place
                 message = f"la figure « {drawing.name} » ne se dessine pas ({type(error).__name__}: {error})"
             if message:

@@ -46,9 +46,10 @@ def search(request: Request, module: str, reader: Reading, q: Annotated[str, Que
 
 
 @router.get("/{module:module}/figures/{name}.svg")
-def figure(request: Request, module: str, name: str, theme: Literal["light", "dark"] = "light") -> Response:
+async def figure(request: Request, module: str, name: str, theme: Literal["light", "dark"] = "light") -> Response:
     drawings: Drawings = request.app.state.drawings
-    return Response(drawings.svg(module, name, theme), media_type="image/svg+xml", headers=FIGURE_HEADERS)
+    picture = await drawings.picture(module, name, theme)
+    return Response(picture, media_type="image/svg+xml", headers=FIGURE_HEADERS)
 
 
 @router.get("/{module:module}/fichiers/{name}.zip")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -17,6 +19,7 @@ from server.reading import figures
 from server.reading.figures import Drawings
 from tests.pages.conftest import Course
 from tests.pages.texts_on_disk import FIGURES, problems
+from tests.quick import the_course
 
 PATH = "curriculum/m9/figures/dessins.py"
 BAD = {
@@ -82,6 +85,27 @@ def test_drawings_are_remembered_up_to_a_bound(course: Course, monkeypatch: pyte
     assert drawn == ["trace", "bande", "trace", "bande", "trace"]
 
 
+def test_a_class_that_looks_together_has_each_drawing_made_once(
+    course: Course, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    catalogue = catalogue_of(course, FIGURES)
+    drawn: list[str] = []
+
+    def slow(_module: str, drawing: Drawing, theme: str, _extension: str) -> figures.Drawn:
+        drawn.append(f"{drawing.name} {theme}")
+        time.sleep(0.02)
+        return figures.Drawn(drawing.name.encode(), drawing.size)
+
+    monkeypatch.setattr(figures, "draw", slow)
+
+    async def look() -> list[bytes]:
+        drawings = Drawings(catalogue)
+        return await asyncio.gather(*(drawings.picture("m9", name, "dark") for name in ("trace", "bande") * 20))
+
+    assert asyncio.run(look()) == [b"trace", b"bande"] * 20
+    assert sorted(drawn) == ["bande dark", "trace dark"]
+
+
 @pytest.mark.parametrize(("module", "name"), [("m9", "absente"), ("m8", "trace"), ("m9", "../../etc/passwd")])
 def test_what_is_not_announced_is_not_drawn(course: Course, module: str, name: str) -> None:
     with pytest.raises(NotFound):
@@ -102,10 +126,10 @@ def test_check_tells_what_does_not_draw_or_changes_size(course: Course) -> None:
     assert '"grand": (grand, "…", (6.4, 9))' in found[1][1]
 
 
+@pytest.mark.long
 def test_the_drawings_of_the_course_are_drawn_at_their_size() -> None:
-    from tests.quick import the_course
-
-    assert [str(one) for one in figures.faults(the_course())] == []
+    """In one theme: `balise check` draws both."""
+    assert [str(one) for one in figures.faults(the_course(), ["light"])] == []
 
 
 @pytest.mark.parametrize("theme", THEMES)
@@ -132,8 +156,6 @@ def luminance(colour: str) -> float:
 
 
 def test_a_writer_can_look_at_a_drawing(tmp_path: Path) -> None:
-    from tests.quick import the_course
-
     name = next(iter(the_course().modules["l20"].drawings))
     out = tmp_path / "dessin.png"
     command = [sys.executable, "-m", "server.reading.preview", name, str(out), "--theme", "dark"]

@@ -228,7 +228,7 @@ def test_sections_are_plain_text_in_which_links_and_numbers_are_said(course: Cou
     )
     assert [(one.id, one.title, one.text) for one in page.sections] == [
         ("", "", "Avant (1)."),
-        ("s-un-titre", "Un titre", f"théorème{WIDE}1 Nom Soit θ. x = 1"),
+        ("s-un-titre", "Un titre", f"Théorème{WIDE}1 : Nom Soit θ. x = 1"),
         ("s-deux", "Deux", "print(1) Légende."),
     ]
     assert page.figures == ("trace",)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from html.parser import HTMLParser
+from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from server.catalogue.markup import Source, Text
+from server.catalogue.markup import Names, Picture, Source, Text
 from server.pages import assets
 from tests.pages.conftest import Course
 from tests.pages.texts_on_disk import FIGURES, GLOSSARY, faults, page, problems, write_page
@@ -134,6 +137,51 @@ def test_statements_and_hints_may_speak_of_pages(course: Course) -> None:
     path.write_text("A\n\n[](#thm-deux)\n", encoding="utf-8")
     (problem,) = problems(course)
     assert (problem.path, problem.line) == (path, 3)
+
+
+PIECES = [
+    "::: note\n", ":::\n", "::: figure trace\n", ":::: exercice #x T\n", "::::\n", "::: preuve #x\n", "::: repli T\n",
+    "```python cellule a\n", "```\n", "## T $x$\n", "$$\n", "$$ (eq-a)\n", "$x$ ", "[](#x)", "[a](page:une)", "[^a]",
+    "[^a]: t\n", "    ", "- ", "> ", "| a |\n|---|\n| b |\n", "mot\n: d\n", "**", "`", "\n", "texte ", "\\",
+    "::: rejeu r\n", "<b>", "<script>", "1. ", "$$a$$", "\t", "\r\n", "\0", "é", '"onclick=x ',
+]  # fmt: skip
+
+
+@settings(deadline=None, max_examples=150)
+@given(st.lists(st.sampled_from(PIECES) | st.text(max_size=4), max_size=25).map("".join), st.sampled_from(["", "une"]))
+def test_any_text_is_read_to_the_end_and_closes_what_it_opens(written: str, slug: str) -> None:
+    names = Names(module="m9", pictures={"trace": Picture("Une ligne.", 640, 400)}, replays={"r"})
+    text = Text(Source(written, Path("une.md"), page=slug, names=lambda: names))
+    assert text.faults(formulas=True) == tuple(sorted(text.faults(formulas=True), key=lambda one: one.line))
+    assert not Whole(text.html).seen & {"script", "b"}
+    for heading in text.headings:
+        Whole(heading.html)
+    assert all("\ue000" not in section.text for section in text.sections)
+    Whole(Text(Source(written, Path("une.md"), names=lambda: names), inline=True).html)
+
+
+class Whole(HTMLParser):
+    """A piece of HTML whose elements close as they open."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.seen: set[str] = set()
+        self._open: list[str] = []
+        self.feed(html)
+        self.close()
+        assert self._open == []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.seen.add(tag)
+        assert not [name for name, _ in attrs if name.startswith("on")]
+        if tag not in {"br", "hr", "img"}:
+            self._open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.seen.add(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self._open.pop() == tag
 
 
 class Tags(HTMLParser):

@@ -17,6 +17,7 @@ from server.catalogue.markup.text import SLUG, Fault, Names, Source, Unresolved
 
 #: Around a link that its author left empty: its text depends on the other pages.
 LEFT, RIGHT = "\ue000", "\ue001"
+HEAD = "\ue002"  # right after LEFT: at the head of the block itself
 EMPTY_LINK = re.compile(f"{LEFT}([^{RIGHT}]*){RIGHT}")
 CELL = "cellule"
 
@@ -106,13 +107,14 @@ def missing(reference: Reference, names: Names, page: str) -> str:
 
 
 def completed(text: str, names: Names, page: str) -> str:
-    """Plain text in which the links left empty say where they lead."""
+    """Plain text in which the links left empty say where they lead, and blocks their number."""
 
     def told(match: re.Match[str]) -> str:
         try:
-            return names.link(match[1], page).text
+            text = names.link(match[1].lstrip(HEAD), page).text
         except Unresolved:
             return ""
+        return f"{text.capitalize()} :" if match[1].startswith(HEAD) and text else text
 
     return EMPTY_LINK.sub(told, text)
 
@@ -197,7 +199,7 @@ class _Walk:
             self._refer("bloc", block.label, token)
         elif block.label and self._only_in_pages(token, "une étiquette"):
             self._label(token, block.label, block.kind)
-            self._text.append(f"{LEFT}#{block.label}{RIGHT}")  # « théorème 1 » can be looked for
+            self._text.append(f"{LEFT}{HEAD}#{block.label}{RIGHT}")  # « théorème 1 » can be looked for
 
     def _medium(self, token: Token, kind: str, name: str) -> None:
         if not self._only_in_pages(token, "une figure" if kind == "figure" else "un rejeu"):
