@@ -54,7 +54,10 @@ def _serve(parser: argparse.ArgumentParser) -> None:
 
 
 def _grade(parser: argparse.ArgumentParser) -> None:
-    _exercise_and_file(parser)
+    _exercise_and_file(parser, nargs="?")
+    parser.add_argument(
+        "--questions", action="store_true", help="écrit les questions d’un exercice sans code, pour cette graine"
+    )
     parser.add_argument("--json", action="store_true", help="n’écrit que le verdict, en JSON")
     parser.add_argument("--seed", type=_seed, metavar="N", help="graine des tirages, pour refaire la même correction")
 
@@ -69,9 +72,10 @@ def _submit(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--token", required=True, help="jeton créé sur la page « Mon compte »")
 
 
-def _exercise_and_file(parser: argparse.ArgumentParser) -> None:
+def _exercise_and_file(parser: argparse.ArgumentParser, nargs: str | None = None) -> None:
     parser.add_argument("exercise", metavar="EXERCISE", help="exercice, comme l20/poses")
-    parser.add_argument("file", metavar="FILE", help="fichier Python, ou - pour l’entrée standard")
+    help_text = "fichier Python, ou - pour l’entrée standard ; fichier .json pour un exercice sans code"
+    parser.add_argument("file", metavar="FILE", nargs=nargs, help=help_text)
 
 
 def _port(text: str) -> int:

@@ -4,8 +4,12 @@ import io
 import sys
 import tokenize
 from pathlib import Path
+from typing import Any
 
 from server.cli import CannotRun
+
+#: How the name of a file of answers ends: everything else is code.
+ANSWERS = ".json"
 
 
 def read_source(name: str) -> bytes:
@@ -24,6 +28,17 @@ def read_text(name: str) -> str:
         return source.decode(encoding)
     except (SyntaxError, UnicodeDecodeError, LookupError) as error:
         raise CannotRun(f"« {name} » n’est pas un texte lisible : {error}.") from error
+
+
+def read_answers(name: str) -> dict[str, Any]:
+    """The answers in a file, by question."""
+    from graders.core.answers.reading import UnreadableAnswersError
+    from graders.core.answers.reading import read_answers as read
+
+    try:
+        return read(read_source(name))
+    except UnreadableAnswersError as error:
+        raise CannotRun(f"« {name} » : {error}") from error
 
 
 def _reason(error: OSError) -> str:

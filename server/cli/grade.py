@@ -1,4 +1,4 @@
-"""`balise grade EXERCISE FILE [--json] [--seed N]`."""
+"""`balise grade EXERCISE FILE [--json] [--seed N]`, and `--questions` for what an exercise without code asks."""
 
 import json
 import logging
@@ -6,19 +6,35 @@ import secrets
 import sys
 from argparse import Namespace
 
-from server.cli import report
-from server.cli.files import read_source
+from server.catalogue import Exercise
+from server.cli import CannotRun, questions, report
+from server.cli.files import ANSWERS, read_source
 from server.cli.local import find, load_catalogue, local_grader, start_probing
 from server.submissions.draws import SEED_BITS
 
 
 def run(arguments: Namespace) -> int:
     logging.basicConfig(level=logging.WARNING, stream=sys.stderr)
-    source, probing = read_source(arguments.file), start_probing(slow=False)
+    seed = secrets.randbits(SEED_BITS) if arguments.seed is None else arguments.seed
+    if arguments.questions:
+        return _ask(find(load_catalogue(), arguments.exercise), seed)
+    if arguments.file is None:
+        raise CannotRun("il manque le fichier à corriger.")
+    source = read_source(arguments.file)
+    # Probing takes seconds, beside the reading of the course; answers without code run nowhere.
+    probing = None if arguments.file.endswith(ANSWERS) else start_probing(slow=False)
     catalogue = load_catalogue()
     exercise = find(catalogue, arguments.exercise)
-    seed = secrets.randbits(SEED_BITS) if arguments.seed is None else arguments.seed
-    with local_grader(catalogue, probing) as grader:
+    if exercise.kind == "code" and probing is None:
+        probing = start_probing(slow=False)
+    with local_grader(catalogue, probing if exercise.kind == "code" else None) as grader:
         verdict = grader.grade(exercise.id, source, seed).verdict.to_json()
     print(json.dumps(verdict, ensure_ascii=False, allow_nan=False) if arguments.json else report.render(verdict))
     return report.exit_status(verdict)
+
+
+def _ask(exercise: Exercise, seed: int) -> int:
+    if exercise.answers is None:
+        raise CannotRun(f"l’exercice « {exercise.id} » demande du code : il n’a pas de questions.")
+    print(questions.render(exercise.id, exercise.answers.paper(seed), seed))
+    return report.FULL_MARKS

@@ -60,11 +60,11 @@ def _check(check: Json, repeated: set[str]) -> Iterator[str]:
     if check["message"] in repeated:  # a file that does not load fails every check for one reason
         return
     repeated.add(check["message"])
-    yield from _paragraph(check["message"])
+    yield from paragraph(check["message"])
     if check["counterexample"]:
         yield from _counterexample(check["counterexample"])
     if check["hint"]:
-        yield from _paragraph(f"→ {check['hint']}")
+        yield from paragraph(f"→ {check['hint']}")
 
 
 def _counterexample(example: Json) -> Iterator[str]:
@@ -75,7 +75,7 @@ def _counterexample(example: Json) -> Iterator[str]:
 
 
 def _value(name: str, value: Any) -> Iterator[str]:
-    yield from _paragraph(f"{name} : {value if isinstance(value, str) else _compact(value)}", indent=10)
+    yield from paragraph(f"{name} : {value if isinstance(value, str) else _compact(value)}", indent=10)
 
 
 def _compact(value: Any) -> str:
@@ -89,7 +89,7 @@ def _diagnosis(diagnosis: Json | None) -> Iterator[str]:
     if diagnosis:
         yield ""
         yield f"Diagnostic : {diagnosis['title']}"
-        yield from _paragraph(diagnosis["explanation"], indent=2)
+        yield from paragraph(diagnosis["explanation"], indent=2)
         yield ""
 
 
@@ -99,7 +99,7 @@ def _stdout(text: str) -> Iterator[str]:
         yield from (f"  │ {printable(line)}" for line in text.rstrip("\n").splitlines())
 
 
-def _paragraph(text: str, indent: int = 6) -> Iterator[str]:
+def paragraph(text: str, indent: int = 6) -> Iterator[str]:
     margin = " " * indent
     for line in printable(text, keep="\n").splitlines():
         yield from textwrap.wrap(line, WIDTH, initial_indent=margin, subsequent_indent=margin) or [""]

@@ -1,4 +1,4 @@
-"""`balise submit EXERCISE FILE --server URL --token T`: sends a file and follows it over HTTP."""
+"""`balise submit EXERCISE FILE --server URL --token T`: sends a file, or the answers in a .json, and follows it."""
 
 import json
 import ssl
@@ -10,21 +10,23 @@ from typing import Any
 import httpx
 
 from server.cli import CannotRun, report
-from server.cli.files import read_text
+from server.cli.files import ANSWERS, read_answers, read_text
 
 Json = dict[str, Any]
+JSON = {"Content-Type": "application/json"}
 TIMEOUT = httpx.Timeout(10, read=60)
 RECONNECTIONS = 5
 
 
 def run(arguments: Namespace) -> int:
-    code = read_text(arguments.file)
+    answers = arguments.file.endswith(ANSWERS)
+    sent = {"answers": read_answers(arguments.file)} if answers else {"code": read_text(arguments.file)}
     if not arguments.token.isascii():
         raise CannotRun("le jeton porte un caractère qui n’en fait pas partie ; recopiez-le depuis votre compte.")
     headers = {"Authorization": f"Bearer {arguments.token}"}
     try:
         with httpx.Client(base_url=_base(arguments.server), headers=headers, timeout=TIMEOUT) as client:
-            verdict = _verdict(client, arguments.exercise, code)
+            verdict = _verdict(client, {"exercise": arguments.exercise, **sent})
     except (httpx.HTTPError, httpx.InvalidURL) as error:
         raise CannotRun(_explained(error, arguments.server)) from error
     print(report.render(verdict))
@@ -37,8 +39,8 @@ def _base(server: str) -> str:
     return server.rstrip("/")
 
 
-def _verdict(client: httpx.Client, exercise: str, code: str) -> Json:
-    url = _ask(client, "POST", "/api/v1/submissions", json={"exercise": exercise, "code": code})["url"]
+def _verdict(client: httpx.Client, submission: Json) -> Json:
+    url = _ask(client, "POST", "/api/v1/submissions", content=json.dumps(submission), headers=JSON)["url"]
     for _ in range(RECONNECTIONS):
         for current in _events(client, url):
             if current["status"] == "done":
@@ -69,7 +71,8 @@ def _check(answer: httpx.Response) -> None:
     if answer.headers.get("content-type") != "application/problem+json":
         raise CannotRun(f"le serveur répond {answer.status_code}, sans explication.")
     problem = _json_object(answer.text)
-    raise CannotRun(f"le serveur refuse ({answer.status_code}) : {problem['detail']}")
+    places = "".join(f"\n  {one.get('pointer', '')} : {one['detail']}" for one in problem.get("errors") or ())
+    raise CannotRun(f"le serveur refuse ({answer.status_code}) : {problem['detail']}{places}")
 
 
 def _events(client: httpx.Client, url: str) -> Iterator[Json]:

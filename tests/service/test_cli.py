@@ -80,7 +80,7 @@ def test_what_cannot_be_graded_has_its_own_status(right: Path, tmp_path: Path, m
 WRONG_USAGE = {
     (): "il manque COMMANDE",
     ("zut",): "COMMANDE : « zut » n’existe pas. Au choix : 'serve', 'grade', 'check', 'doctor', 'submit', 'worker'",
-    ("grade",): "il manque EXERCISE, FILE",
+    ("grade",): "il manque EXERCISE",
     ("doctor", "--vite"): "argument inconnu : --vite",
     ("serve", "--port"): "--port : il manque sa valeur",
     ("serve", "--port", "70000"): "--port : le port doit être un entier de 0 à 65535",
@@ -181,6 +181,33 @@ def test_check_passes_the_course_and_notices_what_is_wrong(catalogue: Catalogue,
     assert "obtient tous les points" in all_right[first]
     assert "missing_function obtenu" in all_wrong["référence"]
     assert "diagnostic obtenu : aucun" in all_wrong[first]
+
+
+ANSWERED = "l20/calcul_odometrie"
+
+
+def test_answers_are_graded_from_a_file_without_any_wall(tmp_path: Path, catalogue: Catalogue, capsys: Any) -> None:
+    grader = catalogue.exercises[ANSWERED].answers
+    assert grader is not None
+    file = tmp_path / "réponses.json"
+    file.write_text(json.dumps(grader.right(12)))
+    assert main(["grade", ANSWERED, str(file), "--seed", "12", "--json"]) == 0
+    assert verdict_of(capsys.readouterr().out)["points"] == 20
+    assert main(["grade", ANSWERED, str(file), "--seed", "13"]) == 1
+    assert "✗ Chemin du robot" in capsys.readouterr().out
+
+
+def test_questions_are_told_for_a_seed_and_only_where_there_are_some(capsys: Any) -> None:
+    assert main(["grade", "l20/verification", "--questions", "--seed", "3"]) == 0
+    told = capsys.readouterr().out
+    assert "graine 3" in told
+    assert "    d) " in told
+    assert '"fermeture": ["a", "b"]' in told
+    assert main(["grade", ANSWERED, "--questions", "--seed", "3"]) == 0
+    assert "= 0," in capsys.readouterr().out
+    assert main(["grade", EXERCISE, "--questions"]) == 2
+    assert main(["grade", EXERCISE]) == 2
+    assert "il manque le fichier" in capsys.readouterr().err
 
 
 def test_check_refuses_an_unknown_exercise(capsys: Any) -> None:
