@@ -40,23 +40,9 @@ class Progress:
         return self.best == 1
 
 
-def submit(db: Session, account: Account, exercise_id: str, code: str, *, seed: int | None = None) -> Submission:
-    """Stores the submission and queues it; `seed` is that of a draw made before, else one is drawn.
-
-    Raises TooLarge, TooMany or Invalid (each with its sentence in French).
-    """
-    settings = _settings(db)
-    source = encoded(code, settings.code_bytes)
-    throttle.take(db, throttle.of_submissions(account.id), settings.submission_bucket, TOO_FAST)
-    submission = Submission(
-        account_id=account.id,
-        exercise=exercise_id,
-        source=source,
-        digest=digest(code),
-        seed=secrets.randbits(SEED_BITS) if seed is None else seed,
-    )
-    queue.enqueue(db, submission)
-    return submission
+def submit(db: Session, account: Account, exercise_id: str, code: str) -> Submission:
+    """Stores the submission and queues it. Raises TooLarge, TooMany or Invalid (each with its sentence in French)."""
+    return _store(db, account, exercise_id, code, encoded(code, _settings(db).code_bytes), secrets.randbits(SEED_BITS))
 
 
 def submit_answers(db: Session, account: Account, exercise_id: str, answers: Mapping[str, Any]) -> Submission:
@@ -65,7 +51,22 @@ def submit_answers(db: Session, account: Account, exercise_id: str, answers: Map
         text = canonical(answers)
     except RecursionError as error:
         raise Invalid("Ces réponses sont trop imbriquées.") from error
-    return submit(db, account, exercise_id, text, seed=draws.seed_of(db, account, exercise_id))
+    source = encoded(text, _settings(db).code_bytes, "Le texte des réponses")
+    return _store(db, account, exercise_id, text, source, draws.seed_of(db, account, exercise_id))
+
+
+def _store(db: Session, account: Account, exercise_id: str, code: str, source: bytes, seed: int) -> Submission:
+    settings = _settings(db)
+    throttle.take(db, throttle.of_submissions(account.id), settings.submission_bucket, TOO_FAST)
+    submission = Submission(
+        account_id=account.id,
+        exercise=exercise_id,
+        source=source,
+        digest=digest(code),
+        seed=seed,
+    )
+    queue.enqueue(db, submission)
+    return submission
 
 
 def _settings(db: Session) -> Settings:
@@ -75,14 +76,17 @@ def _settings(db: Session) -> Settings:
     return settings
 
 
-def encoded(code: str, most: int) -> bytes:
-    """The file's bytes in UTF-8. Raises Invalid for what is no text, TooLarge above `most` bytes."""
+def encoded(code: str, most: int, what: str = "Le code") -> bytes:
+    """The file's bytes in UTF-8. Raises Invalid for what is no text, TooLarge above `most` bytes.
+
+    `what` is the subject of the sentence, in the singular.
+    """
     try:
         source = code.encode()
     except UnicodeEncodeError as error:
-        raise Invalid("Le code contient un caractère qui n’existe pas en Unicode.") from error
+        raise Invalid(f"{what} contient un caractère qui n’existe pas en Unicode.") from error
     if len(source) > most:
-        raise TooLarge(f"Le code fait {len(source)} octets ; la limite est de {most} octets.")
+        raise TooLarge(f"{what} fait {len(source)} octets ; la limite est de {most} octets.")
     return source
 
 

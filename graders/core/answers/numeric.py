@@ -263,6 +263,8 @@ def _read(raw: Any) -> float | str:
         if isinstance(raw, bool) or not isinstance(raw, int | float):
             return "on attend un nombre"
         return bounded(float(raw))
+    except OverflowError:
+        return "ce nombre est démesuré"
     except NotANumberError as error:
         return str(error)
 

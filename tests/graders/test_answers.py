@@ -1,0 +1,387 @@
+"""Grading of answers given without code: marks, follow-through, named slips, hostile files, and nothing leaked."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+
+from graders.core.answers import AnswersGrader, Quantity, numeric
+from graders.core.answers.interval import around
+from graders.core.answers.numeric import DRAWS, NumericGrader, NumericSheet
+from graders.core.answers.wording import Datum, NumericWording
+from graders.core.grading import Grading
+from graders.core.malformed import MalformedExerciseError
+from graders.core.verdict import Outcome
+from server.catalogue import Exercise
+from tests.quick import the_course
+
+EXERCISES = {name: one for name, one in the_course().exercises.items() if one.kind == "answers"}
+ODOMETRY, QUIZ, PROOF = (f"l20/{slug}" for slug in ("calcul_odometrie", "verification", "demo_1"))
+SEEDS = range(0, 4000, 97)
+
+
+def grader_of(name: str) -> AnswersGrader:
+    grader = EXERCISES[name].answers
+    assert grader is not None
+    return grader
+
+
+def graded(name: str, answers: Any, seed: int = 7) -> Grading:
+    source = answers if isinstance(answers, bytes) else json.dumps(answers).encode()
+    return grader_of(name).grade(source, seed=seed, version="v")
+
+
+def check_of(grading: Grading, name: str) -> dict[str, Any]:
+    return next(one for one in grading.verdict.to_json()["checks"] if one["id"] == name)
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+def test_verdicts_have_the_shape_of_the_contract_and_depend_on_the_seed_alone(name: str) -> None:
+    right = dict(grader_of(name).right(5))
+    one, other = graded(name, right, 5), graded(name, right, 5)
+    assert (one.verdict.outcome, one.verdict.score) == (Outcome.OK, 1.0)
+    assert sum(check.max_points for check in one.verdict.checks) == pytest.approx(20)
+    assert replace(one.verdict, timings={}) == replace(other.verdict, timings={})
+    assert set(one.verdict.timings) == {"total_ms"}
+    json.dumps(one.verdict.to_json(), allow_nan=False)
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+def test_answers_to_another_draw_are_not_right(name: str) -> None:
+    grader = grader_of(name)
+    outcomes = {graded(name, dict(grader.right(seed)), seed + 1).verdict.outcome for seed in SEEDS}
+    assert outcomes <= {Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT} | ({Outcome.OK} if name == QUIZ else set())
+    assert Outcome.WRONG_ANSWER in outcomes
+
+
+def test_numbers_may_be_typed_in_any_way() -> None:
+    right = grader_of(ODOMETRY).right(7)
+    french = {key: f"{value:.7f}".replace(".", ",") for key, value in right.items()}
+    assert graded(ODOMETRY, french).verdict.outcome is Outcome.OK
+    data = grader_of(ODOMETRY).data(7)  # type: ignore[attr-defined]
+    typed = {
+        **french,
+        "dtheta": f"({data['dsd']}-{data['dsg']})/{data['L']}",
+        "sigma_dtheta": f"√2*{data['sigma']}/{data['L']}",
+    }
+    assert graded(ODOMETRY, typed).verdict.outcome is Outcome.OK
+    assert graded(ODOMETRY, {**typed, "theta": right["theta"] + 0.02}).verdict.outcome is Outcome.WRONG_ANSWER
+
+
+def test_what_follows_from_a_wrong_answer_earns_half_and_is_told_so() -> None:
+    right = dict(grader_of(ODOMETRY).right(7))
+    wrong = {**right, "sigma_dtheta": 2 * right["sigma_dtheta"], "sigma_theta": 2 * right["sigma_theta"]}
+    grading = graded(ODOMETRY, {**wrong, "derive": 2 * right["derive"]})
+    for name in ("sigma_theta", "derive"):
+        check = check_of(grading, name)
+        assert (check["points"], check["passed"]) == (1, False)
+        assert "vos réponses précédentes" in check["message"]
+    assert check_of(grading, "sigma_dtheta")["points"] == 0
+    assert grading.verdict.score == pytest.approx(14 / 20)
+
+
+def test_a_slip_is_named_even_when_it_starts_from_a_wrong_answer() -> None:
+    right = dict(grader_of(ODOMETRY).right(7))
+    data = grader_of(ODOMETRY).data(7)  # type: ignore[attr-defined]
+    own = 1.7 * right["sigma_dtheta"]
+    grading = graded(ODOMETRY, {**right, "sigma_dtheta": own, "sigma_theta": own * data["n"] / 1000})
+    assert grading.verdict.diagnosis is not None
+    assert grading.verdict.diagnosis.id == "fois_n"
+
+
+@pytest.mark.parametrize("value", [1e15, -1e15, 1e-300, 0, 1e308, "1e14", "-0"])
+def test_absurd_earlier_answers_never_break_what_follows_from_them(value: Any) -> None:
+    wanted = dict.fromkeys(grader_of(ODOMETRY).right(7), value)
+    for seed in range(5):
+        assert graded(ODOMETRY, wanted, seed).verdict.outcome in {Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT}
+
+
+def test_a_wrong_number_is_told_an_interval_that_does_not_tell_it() -> None:
+    centred = 0
+    for seed in SEEDS:
+        grader = grader_of(ODOMETRY)
+        right = grader.right(seed)
+        first, second = (graded(ODOMETRY, dict.fromkeys(right, wrong), seed) for wrong in (987.0, 4321.0))
+        for name, value in right.items():
+            told = check_of(first, name)["counterexample"]["expected"]
+            assert told == check_of(second, name)["counterexample"]["expected"], "trying again tells no more"
+            assert f"{abs(value):.4g}".replace(".", ",") not in told
+            low, high = around(value, np.random.default_rng(seed))
+            assert low < value < high
+            assert low * high > 0
+            centred += abs(value - (low + high) / 2) < 0.02 * abs(value)
+    assert centred < 0.1 * len(SEEDS) * len(right)
+
+
+def test_draws_keep_slips_apart_and_are_rarely_refused() -> None:
+    grader = grader_of(ODOMETRY)
+    assert isinstance(grader, NumericGrader)
+    seen = {tuple(grader.data(seed).values()) for seed in SEEDS}
+    assert len(seen) == len(SEEDS)
+    for seed in SEEDS:
+        data = grader.data(seed)
+        assert all(round(value, one.digits) == value for one in grader.sheet.data for value in [data[one.name]])
+
+
+def made_up(draw: Any, *quantities: Quantity, text: str = "Combien ?", folder: Path) -> Any:
+    slips = "".join(
+        f'[[misconception]]\nid = "{name}"\ntitle = "T"\nexplanation = "E"\nquestion = "Q"\n'
+        for name in sorted({name for one in quantities for name in one.slips})
+    )
+    if slips:
+        (folder / "misconceptions.toml").write_text(slips, encoding="utf-8")
+    definition = numeric(str(folder / "grader.py"), "m9/x", draw=draw, quantities=quantities)
+    wordings = tuple(NumericWording(one.id, "T", text, "m", "") for one in quantities)
+    return definition.bind(NumericSheet((Datum("a", "a", "m", 1, "un nombre"),), wordings))
+
+
+def test_a_draw_on_which_a_slip_is_right_is_drawn_again(tmp_path: Path) -> None:
+    asked = Quantity("q", 20, lambda d, _: d["a"] ** 2, slips={"double": lambda d, _: 2 * d["a"]})
+    grader = made_up(lambda rng: {"a": float(rng.integers(1, 4))}, asked, folder=tmp_path)
+    assert Counter(grader.data(seed)["a"] for seed in range(60)).keys() == {1.0, 3.0}
+
+
+def test_a_draw_that_is_never_right_is_our_own_fault(tmp_path: Path) -> None:
+    asked = Quantity("q", 20, lambda d, _: d["a"], slips={"meme": lambda d, _: d["a"]})
+    with pytest.raises(MalformedExerciseError, match="no draw"):
+        made_up(lambda _: {"a": 1.0}, asked, folder=tmp_path)
+    assert DRAWS > 50
+
+
+def test_definitions_that_do_not_hold_together_are_refused(tmp_path: Path) -> None:
+    def draw(_: Any) -> dict[str, float]:
+        return {"a": 1.0}
+
+    with pytest.raises(MalformedExerciseError, match="not 20"):
+        made_up(draw, Quantity("q", 3, lambda d, _: d["a"]), folder=tmp_path)
+    with pytest.raises(MalformedExerciseError, match="unknown data"):
+        made_up(draw, Quantity("q", 20, lambda d, _: d["a"]), text="Et {{b}} ?", folder=tmp_path)
+    with pytest.raises(MalformedExerciseError, match="differ"):
+        made_up(lambda _: {"a": 1.0, "b": 2.0}, Quantity("q", 20, lambda d, _: d["a"]), folder=tmp_path)
+
+
+def test_numbers_stand_in_the_text_as_a_french_reader_writes_them(tmp_path: Path) -> None:
+    grader = made_up(
+        lambda _: {"a": -1.5}, Quantity("q", 20, lambda d, _: d["a"]), text="$x={{a}}$ soit {{a}} m", folder=tmp_path
+    )
+    assert grader.paper(1).questions[0].text == "$x=-1{,}5$ soit −1,5 m"
+
+
+def test_letters_are_drawn_for_each_student_and_tell_nothing() -> None:
+    quiz, proof = grader_of(QUIZ), grader_of(PROOF)
+    right = Counter(str(quiz.right(seed)["amcl"]) for seed in range(400))
+    assert set(right) == set("abcd")
+    assert max(right.values()) < 160
+    first = Counter(proof.right(seed)["ordre"][0] for seed in range(400))
+    assert len(first) == 10
+    assert max(first.values()) < 80
+    for grader in (quiz, proof):
+        assert grader.right(3) == grader.right(3)
+        for question in grader.paper(3).questions:
+            ids = [piece.id for piece in question.pieces]
+            assert ids == sorted(ids)
+
+
+def test_several_right_options_are_marked_one_by_one_never_below_zero() -> None:
+    grader = grader_of(QUIZ)
+    right = grader.right(7)
+    worth = 20 / 3
+    letters = right["fermeture"]
+    others = sorted(set("abcd") - set(letters))
+    for ticked, share in (
+        (letters, 1),
+        (letters[:1], 0.5),
+        ([*letters, others[0]], 0.5),
+        (others, 0),
+        (list("abcd"), 0),
+    ):
+        check = check_of(graded(QUIZ, {**right, "fermeture": ticked}), "fermeture")
+        assert check["points"] == pytest.approx(share * worth)
+    assert "bonnes réponses" in check["counterexample"]["expected"]
+
+
+def test_only_what_was_ticked_is_explained() -> None:
+    grader = grader_of(QUIZ)
+    whys = {option.id: option.why for question in grader.questions for option in question.options}  # type: ignore[attr-defined]
+    for subject, _, answers in grader.wrong():
+        told = json.dumps(graded(QUIZ, answers(7)).verdict.to_json(), ensure_ascii=False)
+        question, _, option = subject.partition(" : ")
+        if option == "tout":
+            continue
+        silent = [one for one in grader.questions if one.id == question]  # type: ignore[attr-defined]
+        for one in silent[0].options:
+            assert (json.dumps(one.why, ensure_ascii=False)[1:-1] in told) == (one.id == option), (subject, one.id)
+    assert len(whys) == 11
+
+
+def test_every_order_that_respects_the_dependencies_is_right() -> None:
+    proof = grader_of(PROOF)
+    by_name = proof.letters(7).by_name  # type: ignore[attr-defined]
+
+    def placed(*names: str) -> Grading:
+        return graded(PROOF, {"ordre": [by_name[name] for name in names]})
+
+    usual = ["definition", "bayes", "markov_mesure", "totales", "markov_etat", "commande", "conclusion"]
+    other = ["definition", "bayes", "totales", "commande", "markov_etat", "markov_mesure", "conclusion"]
+    assert placed(*usual).verdict.score == placed(*other).verdict.score == 1
+    early = placed("definition", "totales", "bayes", *usual[2:3], *usual[4:])
+    assert check_of(early, "debut")["points"] == pytest.approx(9 / 7)
+    assert check_of(early, "debut")["counterexample"]["got"] == f"l'étape {by_name['totales']}"
+    assert "formule de Bayes" in check_of(early, "debut")["message"]
+    assert check_of(early, "etapes")["passed"]
+    false = placed(*usual[:3], "sans_commande", *usual[3:])
+    assert false.verdict.diagnosis is not None
+    assert false.verdict.diagnosis.id == "commande_sans_effet"
+    assert "a disparu" in check_of(false, "etapes")["message"]
+    assert check_of(false, "debut")["points"] == pytest.approx(27 / 7)
+    short = placed(*usual[:-1])
+    assert "trop tôt" in check_of(short, "debut")["message"]
+    assert 0 < short.verdict.score < 1
+    long = placed(*usual, "sans_eta")
+    assert check_of(long, "debut")["passed"]
+    assert not check_of(long, "ordre")["passed"]
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+def test_one_letter_alone_earns_next_to_nothing(name: str) -> None:
+    """Guessing in the dark must not pay: no single answer is worth more than the question that it answers."""
+    for seed in range(10):
+        for question in grader_of(name).paper(seed).questions:
+            for piece in question.pieces:
+                answer = piece.id if question.form == "one" else [piece.id]
+                score = graded(name, {question.id: answer}, seed).verdict.score
+                assert score <= (question.points / 20 if question.form != "order" else 0.12)
+
+
+MALFORMED = {
+    b"": Outcome.SYNTAX_ERROR,
+    b"[]": Outcome.SYNTAX_ERROR,
+    b"null": Outcome.SYNTAX_ERROR,
+    b"12": Outcome.SYNTAX_ERROR,
+    b"{": Outcome.SYNTAX_ERROR,
+    b"\xff\xfe": Outcome.SYNTAX_ERROR,
+    b'{"a": 1, "a": 2}': Outcome.SYNTAX_ERROR,
+    b"[" * 60_000: Outcome.SYNTAX_ERROR,
+    b'{"a":' * 9_000: Outcome.SYNTAX_ERROR,
+    b'{"a": "' + b"x" * 70_000 + b'"}': Outcome.SYNTAX_ERROR,
+    b"{}": Outcome.INVALID_OUTPUT,
+    b"\xef\xbb\xbf{}": Outcome.INVALID_OUTPUT,
+    b'{"inconnue": 1}': Outcome.INVALID_OUTPUT,
+}
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+@pytest.mark.parametrize("source", MALFORMED, ids=lambda source: repr(source[:12]))
+def test_a_malformed_file_has_its_outcome_and_no_mark(name: str, source: bytes) -> None:
+    verdict = graded(name, source).verdict
+    assert (verdict.outcome, verdict.score) == (MALFORMED[source], 0)
+    assert all(check.message for check in verdict.checks)
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+def test_one_unknown_question_spoils_even_right_answers(name: str) -> None:
+    verdict = graded(name, {**grader_of(name).right(7), "\ud800zut`<b>": 1}).verdict
+    assert (verdict.outcome, verdict.score) == (Outcome.INVALID_OUTPUT, 0)
+    assert "zut" not in verdict.checks[0].message
+    json.dumps(verdict.to_json(), ensure_ascii=False).encode()
+
+
+HOSTILE = [
+    True, False, [], {}, [[]], {"a": 1}, "\ud800", "\x00", "1\x00", "x" * 5000, "1" * 5000, -1, 3.5, ["a", "a"],
+    ["a", 1], [["a"]], [None], ["z"], ["\ud800"], "zz", "A", "a b", list("abcdefghijklmnopqrstuvwxyz"),
+    ["a"] * 5000, 10**400,
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+@pytest.mark.parametrize("value", HOSTILE, ids=lambda value: repr(value)[:30])
+def test_values_of_any_kind_are_judged_never_raised(name: str, value: Any) -> None:
+    grader = grader_of(name)
+    right = dict(grader.right(7))
+    for question in grader.paper(7).questions:
+        source = json.dumps({**right, question.id: value}).encode()
+        verdict = grader.grade(source, seed=7, version="v").verdict
+        assert verdict.outcome in {Outcome.INVALID_OUTPUT, Outcome.WRONG_ANSWER, Outcome.OK}
+        json.dumps(verdict.to_json(), allow_nan=False, ensure_ascii=False).encode()
+        grader.told({**right, question.id: value}, 7)
+        grader.moved({**right, question.id: value}, 7, 8)
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+@pytest.mark.parametrize(
+    "literal", ["NaN", "Infinity", "-Infinity", "1e999", "-1e999", "1" * 4000, "[" * 900 + "]" * 900]
+)
+def test_numbers_that_are_none_and_deep_lists_are_unreadable(name: str, literal: str) -> None:
+    for question in grader_of(name).paper(7).questions:
+        source = f'{{"{question.id}": {literal}}}'.encode()
+        verdict = graded(name, source).verdict
+        assert verdict.outcome in {Outcome.INVALID_OUTPUT, Outcome.SYNTAX_ERROR}
+        json.dumps(verdict.to_json(), allow_nan=False)
+
+
+ANYTHING = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8) | st.sampled_from("abcdefghij"),
+    lambda inner: st.lists(inner, max_size=6) | st.dictionaries(st.text(max_size=4), inner, max_size=4),
+    max_leaves=12,
+)
+
+
+@hypothesis_settings(max_examples=60, deadline=None)
+@given(data=st.data(), seed=st.integers(0, 2**53 - 1))
+@pytest.mark.parametrize("name", EXERCISES)
+def test_nothing_that_json_holds_breaks_the_grader(name: str, data: st.DataObject, seed: int) -> None:
+    names = [question.id for question in grader_of(name).paper(seed).questions]
+    answers = data.draw(st.dictionaries(st.sampled_from(names) | st.text(max_size=3), ANYTHING, max_size=9))
+    grading = graded(name, json.dumps(answers).encode(), seed)
+    text = json.dumps(grading.verdict.to_json(), allow_nan=False, ensure_ascii=False).encode()
+    assert 0 <= grading.verdict.score <= 1
+    assert len(text) < 60_000
+
+
+@hypothesis_settings(max_examples=100, deadline=None)
+@given(st.binary(max_size=200))
+def test_nothing_that_bytes_hold_breaks_the_grader(source: bytes) -> None:
+    assert graded(QUIZ, source).verdict.score <= 1
+
+
+def secrets_of(exercise: Exercise, seed: int) -> list[str]:
+    """What must not leave the server before it is earned."""
+    grader = exercise.answers
+    assert grader is not None
+    if isinstance(grader, NumericGrader):
+        return [f"{value:.6g}" for value in grader.right(seed).values()]
+    sheet = grader.questions if exercise.id == QUIZ else [grader.sheet]  # type: ignore[attr-defined]
+    texts: list[str] = []
+    for one in sheet:
+        pieces = one.options if exercise.id == QUIZ else one.pieces
+        for piece in pieces:
+            texts += [
+                f'"{piece.id}"',
+                *(getattr(piece, key, "")[:40] for key in ("why", "role") if hasattr(piece, key)),
+            ]
+    return texts
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+def test_questions_and_the_verdict_of_a_blank_file_tell_no_secret(name: str) -> None:
+    for seed in range(6):
+        paper = grader_of(name).paper(seed)
+        given_away = repr(paper) + json.dumps(graded(name, {}, seed).verdict.to_json(), ensure_ascii=False)
+        assert [one for one in secrets_of(EXERCISES[name], seed) if one in given_away] == []
+
+
+def test_timings_do_not_depend_on_what_is_right() -> None:
+    """One number in all, of the whole grading: none for a question."""
+    timings = graded(QUIZ, grader_of(QUIZ).right(7)).verdict.timings
+    assert list(timings) == ["total_ms"]
+    assert math.isfinite(timings["total_ms"])

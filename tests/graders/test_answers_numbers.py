@@ -1,0 +1,111 @@
+"""The number reader: what a student types, and whatever else."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from graders.core.answers.numbers import DEEPEST, LONGEST, NotANumberError, bounded, read_number
+from graders.core.render import number
+
+READ = {
+    "0,1": 0.1,
+    "0.1": 0.1,
+    ",5": 0.5,
+    "3.": 3.0,
+    " -2,5 ": -2.5,
+    "−2,5": -2.5,
+    "+4": 4.0,
+    "--1": 1.0,
+    "1/3": 1 / 3,
+    "pi/2": math.pi / 2,
+    "π": math.pi,
+    "2π/3": 2 * math.pi / 3,
+    "Pi": math.pi,
+    "3e-3": 3e-3,
+    "3E+2": 300.0,
+    "4,7·10^-3": 4.7e-3,
+    "4,7 × 10⁻³": 4.7e-3,
+    "2**3": 8.0,
+    "2^3^2": 512.0,
+    "-2^2": -4.0,
+    "sqrt(2)/2": math.sqrt(2) / 2,
+    "√2/2": math.sqrt(2) / 2,
+    "2√(2+7)": 6.0,
+    "racine(4)": 2.0,
+    "(0,13-0,10)/0,3": 0.1,
+    "1 000,5": 1000.5,
+    "12 345 678": 12345678.0,
+    "1\u00a0000": 1000.0,
+    "1\u202f000": 1000.0,
+    "6÷4": 1.5,
+    "2(3+4)": 14.0,
+}
+REFUSED = [
+    "", " ", "abc", "nan", "inf", "NaN", "-Infinity", "0,1 rad", "12°", "1,000.5", "1.5.2", "1,2,3", "1 2", "10 00",
+    "1/0", "0/0", "0^-1", "sqrt(-1)", "sqrt", "√", "1e999", "-1e999", "10^15*10", "2^301", "2^0,5", "2^(1/0)",
+    "9^300^300", "1/2pi", "1/2(3)", "(", ")", "((1)", "(1))", "1+", "*2", "1//2", "1..", "e", "10^", "0x10", "1_000", "١", "1;2",
+    "__import__('os')", "lambda: 1", "1 if 1 else 2", "[1]", "1j", "\ud800", "\x00", "1\x00", "٣", "²", "5%",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("text", READ)
+def test_what_students_type_is_read(text: str) -> None:
+    assert read_number(text) == pytest.approx(READ[text], rel=1e-15)
+
+
+@pytest.mark.parametrize("text", REFUSED)
+def test_what_is_no_number_is_explained_without_being_repeated(text: str) -> None:
+    with pytest.raises(NotANumberError) as refused:
+        read_number(text)
+    reason = str(refused.value)
+    assert reason[0].islower()
+    assert not reason.endswith(".")
+    assert len(text) < 3 or text.strip() not in reason
+
+
+def test_length_and_depth_are_bounded() -> None:
+    assert read_number("1" + "+1" * 49) == 50
+    for text in ("1" * (LONGEST + 1), "(" * 49 + "1" + ")" * 49, "-" * 60 + "1", "2" + "^2" * 40, "√" * 60 + "2"):
+        with pytest.raises(NotANumberError):
+            read_number(text)
+    assert read_number("-" * (DEEPEST - 1) + "1") == -1
+
+
+@given(st.text(max_size=120))
+def test_whatever_is_typed_is_a_finite_number_or_refused(text: str) -> None:
+    try:
+        value = read_number(text)
+    except NotANumberError:
+        return
+    assert math.isfinite(value)
+
+
+ATOMS = st.sampled_from(
+    ["1", "2,5", "pi", "sqrt(2)", "(", ")", "+", "-", "*", "/", "^", "√", "e5", " ", ",", "10", "0"]
+)
+
+
+@given(st.lists(ATOMS, max_size=30).map("".join))
+def test_whatever_is_calculated_is_a_finite_number_or_refused(text: str) -> None:
+    try:
+        value = read_number(text)
+    except NotANumberError:
+        return
+    assert math.isfinite(value)
+
+
+@given(st.floats(-1e14, 1e14))
+def test_a_number_is_read_as_it_was_written(value: float) -> None:
+    for text in (repr(value), f"{value:.17g}".replace(".", ",")):
+        assert read_number(text) == value
+    assert read_number(number(value)) == pytest.approx(value, rel=1e-5, abs=1e-12)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 1e16, -1e300])
+def test_numbers_of_json_are_bounded_too(value: float) -> None:
+    with pytest.raises(NotANumberError):
+        bounded(value)
