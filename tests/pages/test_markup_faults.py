@@ -146,9 +146,11 @@ PIECES = [
     "::: rejeu r\n", "<b>", "<script>", "1. ", "$$a$$", "\t", "\r\n", "\0", "é", '"onclick=x ',
 ]  # fmt: skip
 
+WORDS = st.text(st.characters(exclude_categories=["Cs", "Co"]), max_size=4)  # the engine marks places with some of "Co"
+
 
 @settings(deadline=None, max_examples=150)
-@given(st.lists(st.sampled_from(PIECES) | st.text(max_size=4), max_size=25).map("".join), st.sampled_from(["", "une"]))
+@given(st.lists(st.sampled_from(PIECES) | WORDS, max_size=25).map("".join), st.sampled_from(["", "une"]))
 def test_any_text_is_read_to_the_end_and_closes_what_it_opens(written: str, slug: str) -> None:
     names = Names(module="m9", pictures={"trace": Picture("Une ligne.", 640, 400)}, replays={"r"})
     text = Text(Source(written, Path("une.md"), page=slug, names=lambda: names))
@@ -156,7 +158,7 @@ def test_any_text_is_read_to_the_end_and_closes_what_it_opens(written: str, slug
     assert not Whole(text.html).seen & {"script", "b"}
     for heading in text.headings:
         Whole(heading.html)
-    assert all("\ue000" not in section.text for section in text.sections)
+    assert not any(mark in section.text for section in text.sections for mark in "\ue000\ue001\ue002")
     Whole(Text(Source(written, Path("une.md"), names=lambda: names), inline=True).html)
 
 
