@@ -4,7 +4,7 @@ A belief is an array (H, W) indexed (y, x), non-negative, zero on walls, of sum 
 along x (columns) or along y (rows), or for none. Whatever lies outside the grid is wall.
 
 Source: Thrun, Burgard, Fox, "Probabilistic Robotics" (2005), table 8.1 (grid localisation), with the motion model of
-the course: 0.8 as asked, 0.1 for each slip of one cell sideways.
+the course: 0.8 as asked, 0.1 for each slip of one cell sideways, unless another `slip` is asked for.
 """
 
 from __future__ import annotations
@@ -23,7 +23,6 @@ Grid = NDArray[np.bool_]
 Cell = tuple[int, int]
 
 BEAMS = 4
-P_STRAIGHT = 0.8
 P_SLIP = 0.1
 COMMANDS = ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1))
 
@@ -72,20 +71,22 @@ class GridWorld:
         return 0 <= y < self.free.shape[0] and 0 <= x < self.free.shape[1] and bool(self.free[y, x])
 
 
-def landings(du: int, dv: int) -> tuple[Landing, ...]:
+def landings(du: int, dv: int, slip: float = P_SLIP) -> tuple[Landing, ...]:
     """Where a command leads: straight, or one cell sideways too; a command of (0, 0) leads nowhere, for sure.
 
-    p(+(du, dv)) = 0.8 and p(+(du, dv) + (dv, du)) = p(+(du, dv) - (dv, du)) = 0.1                          (1)
+    p(+(du, dv)) = 1 - 2 slip and p(+(du, dv) + (dv, du)) = p(+(du, dv) - (dv, du)) = slip                  (1)
     """
+    if not 0.0 <= slip <= 0.5:
+        raise GridFilterError("slip", f"{slip} is not in [0, 1/2]")
     if (du, dv) not in COMMANDS:
         raise GridFilterError("du, dv", f"({du}, {dv}) is not a move of at most one cell along one axis")
     if (du, dv) == (0, 0):
         return (Landing(1.0, 0, 0),)
-    slips = (Landing(P_SLIP, du + dv, dv + du), Landing(P_SLIP, du - dv, dv - du))
-    return (Landing(P_STRAIGHT, du, dv), *slips)
+    slips = (Landing(slip, du + dv, dv + du), Landing(slip, du - dv, dv - du))
+    return (Landing(1.0 - 2.0 * slip, du, dv), *slips)
 
 
-def predict(world: GridWorld, belief: ArrayLike, du: int, dv: int) -> Belief:
+def predict(world: GridWorld, belief: ArrayLike, du: int, dv: int, slip: float = P_SLIP) -> Belief:
     """The belief after the command: sum over x' of p(x | x', u) bel(x'), by (1); who would land on a wall stays.
 
     Raises GridFilterError.
@@ -93,7 +94,7 @@ def predict(world: GridWorld, belief: ArrayLike, du: int, dv: int) -> Belief:
     prior = _checked(world, belief)
     moved = np.zeros((prior.shape[0] + 2, prior.shape[1] + 2))
     free = np.pad(world.free, 1)
-    for landing in landings(du, dv):
+    for landing in landings(du, dv, slip):
         there = _window(landing.dy, landing.dx, prior.shape)
         leaving = np.where(free[there], prior, 0.0)
         moved[there] += landing.probability * leaving
@@ -142,9 +143,9 @@ def _checked(world: GridWorld, belief: ArrayLike) -> Belief:
     return prior
 
 
-def sample_move(world: GridWorld, cell: Cell, du: int, dv: int, rng: np.random.Generator) -> Cell:
+def sample_move(world: GridWorld, cell: Cell, du: int, dv: int, rng: np.random.Generator, slip: float = P_SLIP) -> Cell:
     """The free cell (y, x) where a robot that stands in `cell` ends up, drawn from (1)."""
-    outcomes = landings(du, dv)
+    outcomes = landings(du, dv, slip)
     chosen = outcomes[int(rng.choice(len(outcomes), p=[landing.probability for landing in outcomes]))]
     target = (cell[0] + chosen.dy, cell[1] + chosen.dx)
     return target if world.is_free(target) else cell

@@ -65,17 +65,24 @@ class Grid(Layer):
 
 @dataclass(frozen=True, eq=False)
 class Points(Layer):
-    """Points (n, 2), `size` pixels in radius; `weights` (n,) in [0, 1] make some stand out, `headings` (n,) point."""
+    """Points (n, 2), `size` pixels in radius; `weights` (n,) in [0, 1] make some stand out, `headings` (n,) point.
 
-    at: ArrayLike
+    `at` None, in a frame: the points and headings that the same layer of the frame before has.
+    """
+
+    at: ArrayLike | None
     color: Color
     size: float = 2.5
     weights: ArrayLike | None = None
     headings: ArrayLike | None = None
+    opacity: float = 0.9
 
     def _wire(self) -> dict[str, Any]:
+        body: dict[str, Any] = {"kind": "points", "color": self.color, "size": self.size, "opacity": self.opacity}
+        if self.at is None:
+            return body if self.weights is None else {**body, "weights": packed(finite("weights", self.weights))}
         at = finite("at", self.at, 2)
-        body: dict[str, Any] = {"kind": "points", "color": self.color, "size": self.size, "at": packed(at)}
+        body["at"] = packed(at)
         for name, values in (("weights", self.weights), ("headings", self.headings)):
             if values is not None:
                 column = finite(name, values)

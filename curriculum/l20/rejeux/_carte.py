@@ -54,3 +54,8 @@ def plus_proche_libre(x: float, y: float, marge: float = 0.3) -> tuple[float, fl
     near_x, near_y = clamped(x, columns, left, right), clamped(y, rows, above, below)
     best = int(np.argmin((near_x - x) ** 2 + (near_y - y) ** 2))
     return float(min(near_x[best], width - 1e-6)), float(min(near_y[best], height - 1e-6))
+
+
+def pluriel(nombre: int, un: str, plusieurs: str) -> str:
+    """« 1 rayon », « 3 rayons » : le nombre et le mot qui va avec."""
+    return f"{nombre} {un if nombre < 2 else plusieurs}"

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from curriculum.l20.rejeux._carte import carte, murs, plus_proche_libre, vue
+from curriculum.l20.rejeux._carte import carte, murs, pluriel, plus_proche_libre, vue
 from reference.world.scan import turn_angles
 from reference.world.simulation import Lidar
 from server.replays.scene import (
@@ -104,19 +104,13 @@ def summary(
     ]
     if touching:
         least, most = decimal(read[hits].min(), 2), decimal(read[hits].max(), 2)
-        texts.append(
-            f"{touching} {plural(touching, 'touche', 'touchent')} un mur, à des distances de {least} à {most} cases."
-        )
+        texts.append(f"{pluriel(touching, 'touche', 'touchent')} un mur, à des distances de {least} à {most} cases.")
     if lost:
         texts.append(
-            f"{lost} {plural(lost, 'ne touche', 'ne touchent')} rien avant {reach:.0f} cases : une lecture égale à la "
+            f"{pluriel(lost, 'ne touche', 'ne touchent')} rien avant {reach:.0f} cases : une lecture égale à la "
             f"portée dit seulement que le mur est plus loin."
         )
     if sigma:
         gap = float(np.sqrt(np.mean((read - true) ** 2)))
         texts.append(f"Le bruit écarte les lectures de {decimal(gap, 2)} case en moyenne quadratique.")
     return texts
-
-
-def plural(count: int, one: str, many: str) -> str:
-    return one if count < 2 else many

@@ -3,8 +3,10 @@
 import { css } from "./colours.js";
 import { decimal, lowered, make } from "./dom.js";
 
-const HEIGHT = 150;
-const MARGIN = { top: 8, right: 12, bottom: 36 };
+const HEIGHT = 132;
+const MARGIN = { top: 8, right: 12, bottom: 20 };
+const X_LABEL = 16;
+const LEFT = 36; // at least, so that charts one above the other share their axis
 
 export class Chart {
   constructor(data, seek) {
@@ -13,6 +15,8 @@ export class Chart {
     const keys = data.series.map((series, i) =>
       make("li", {}, swatch(series), make("span", {}, ...lowered(series.label)), this.values[i]),
     );
+    this.height = HEIGHT + (data.xLabel ? X_LABEL : 0);
+    this.canvas.style.height = `${this.height}px`;
     this.element = make(
       "div", { class: "replay-chart" },
       make("p", { class: "replay-chart-title" }, ...lowered(data.title)),
@@ -47,10 +51,10 @@ export class Chart {
     const ctx = this.canvas.getContext("2d");
     const density = window.devicePixelRatio || 1;
     const width = this.canvas.parentElement.clientWidth;
-    const [wide, tall] = [Math.max(1, Math.round(width * density)), Math.round(HEIGHT * density)];
+    const [wide, tall] = [Math.max(1, Math.round(width * density)), Math.round(this.height * density)];
     if (wide !== this.canvas.width || tall !== this.canvas.height) [this.canvas.width, this.canvas.height] = [wide, tall];
     ctx.setTransform(density, 0, 0, density, 0, 0);
-    ctx.clearRect(0, 0, width, HEIGHT);
+    ctx.clearRect(0, 0, width, this.height);
     ctx.font = `12px ${getComputedStyle(this.canvas).fontFamily}`;
     this.#layout(ctx, width);
     this.#axes(ctx, colours);
@@ -74,8 +78,8 @@ export class Chart {
     const level = this.data.logarithmic ? Math.log10 : (y) => y;
     const ticks = this.data.logarithmic ? powers(y0, y1) : nice(y0, y1, 4);
     const labels = ticks.map((tick) => written(tick, ticks));
-    const left = 10 + Math.max(...labels.map((label) => ctx.measureText(label).width));
-    const [right, bottom] = [width - MARGIN.right, HEIGHT - MARGIN.bottom];
+    const left = Math.max(LEFT, ...labels.map((label) => 10 + ctx.measureText(label).width));
+    const [right, bottom] = [width - MARGIN.right, this.height - MARGIN.bottom - (this.data.xLabel ? X_LABEL : 0)];
     const [from, to] = [level(y0), level(y1)];
     this.plot = {
       left, right, bottom, ticks, labels, xTicks: nice(x0, x1, Math.max(2, Math.floor((right - left) / 80))),
@@ -106,7 +110,7 @@ export class Chart {
       const [a, b] = [from, to].map((edge) => Math.min(Math.max(this.plot.x(edge), -1e4), 1e4));
       ctx.save();
       ctx.beginPath();
-      ctx.rect(a - (opacity < 1 ? 0 : 4), 0, b - a + (opacity < 1 ? 0 : 4), HEIGHT);
+      ctx.rect(a - (opacity < 1 ? 0 : 4), 0, b - a + (opacity < 1 ? 0 : 4), this.height);
       ctx.clip();
       ctx.strokeStyle = ctx.fillStyle = css(colours[color], opacity);
       ctx.lineWidth = 2;
@@ -227,5 +231,5 @@ function written(tick, ticks) {
 
 function short(value) {
   const size = Math.abs(value);
-  return decimal(value, size >= 100 || Number.isInteger(value) ? 0 : size >= 10 ? 1 : size >= 0.1 ? 2 : 4);
+  return decimal(value, size >= 100 || Number.isInteger(value) ? 0 : size >= 10 ? 1 : size >= 0.005 ? 2 : 4);
 }

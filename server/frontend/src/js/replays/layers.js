@@ -59,7 +59,7 @@ function points(ctx, paper, layer, colours, shown) {
       ticks.lineTo(x + length * Math.cos(headings[i]), y + paper.turn * length * Math.sin(headings[i]));
     }
     if (!any) continue;
-    ctx.globalAlpha = weights ? 0.18 + 0.82 * (level / LEVELS) : 0.9;
+    ctx.globalAlpha = weights ? 0.18 + 0.82 * (level / LEVELS) : layer.opacity;
     ctx.fillStyle = ctx.strokeStyle = css(colours[layer.color]);
     ctx.lineWidth = 1;
     ctx.stroke(ticks);

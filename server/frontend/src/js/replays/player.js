@@ -98,6 +98,7 @@ export class Player {
 
   #take(data) {
     const first = !this.data;
+    keepPlaces(data.frames);
     const atEnd = first ? data.beginAtEnd : this.#position >= this.data.frames.length - 1;
     this.data = data;
     const last = data.frames.length - 1;
@@ -200,4 +201,15 @@ export class Player {
     this.status.hidden = false;
     this.status.replaceChildren(make("span", {}, `Cette animation n’a pas pu être chargée. ${error.message}`), again);
   }
+}
+
+/** Points that a frame does not give again stay where the frame before had them. */
+function keepPlaces(frames) {
+  frames.forEach(({ layers }, k) =>
+    layers.forEach((layer, i) => {
+      if (layer.kind !== "points" || layer.at) return;
+      const { at, headings } = frames[k - 1].layers[i];
+      Object.assign(layer, { at, headings });
+    }),
+  );
 }
