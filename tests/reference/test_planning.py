@@ -99,6 +99,38 @@ def test_the_heuristic_spares_cells_and_corners_make_a_difference() -> None:
     assert SearchGrid(corner, corner_cutting=True).astar((0, 0), (1, 1)).cost == pytest.approx(np.sqrt(2))
 
 
+@settings(deadline=None, max_examples=40)
+@given(seed=seeds, weight=st.floats(1.0, 6.0))
+def test_a_weighted_way_costs_at_most_the_weight_times_the_least(seed: int, weight: float) -> None:
+    free, costs = random_world(seed)
+    grid = SearchGrid(free, costs)
+    least = grid.costs_from((0, 0))
+    for y, x in np.argwhere(free & np.isfinite(least)).tolist():
+        found = grid.astar((0, 0), (y, x), weight=weight)
+        assert least[y, x] - 1e-9 <= found.cost <= weight * least[y, x] + 1e-9
+        assert_way(found.cells, free, (y, x), False)
+
+
+def test_cells_come_in_the_order_in_which_they_were_looked_at() -> None:
+    free = np.ones((9, 9), bool)
+    found = SearchGrid(free).dijkstra((4, 4), (0, 0))
+    away = SearchGrid(free).costs_from((4, 4))[tuple(found.order.T)]
+    assert found.order[0].tolist() == [4, 4]
+    assert found.order[-1].tolist() == [0, 0]
+    assert np.all(np.diff(away) >= 0)
+    assert len(np.unique(found.order, axis=0)) == found.expanded
+    free[4] = False
+    with pytest.raises(UnreachableError) as caught:
+        SearchGrid(free).astar((0, 0), (8, 8))
+    assert len(caught.value.order) == 36
+
+
+@pytest.mark.parametrize("weight", [0.9, np.nan, np.inf])
+def test_a_weight_that_is_none_is_refused(weight: float) -> None:
+    with pytest.raises(PlanningError, match="weight"):
+        SearchGrid(np.ones((3, 3), bool)).astar((0, 0), (2, 2), weight=weight)
+
+
 def test_inflation_closes_what_is_too_near_and_keeps_away_from_walls() -> None:
     free = np.zeros((13, 30), bool)
     free[1:-1, 1:-1] = True
