@@ -17,7 +17,7 @@ from server.replays.packing import SceneError, finite, packed, picture, rounded
 
 Color = Literal["truth", "estimate", "measure", "alert", "second", "ink", "faint", "accent"]
 Palette = Literal["walls", "occupancy", "belief", "cost", "order", "difference"]
-PoseStyle = Literal["robot", "ghost", "arrow"]
+PoseStyle = Literal["robot", "ghost", "arrow", "target"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -45,7 +45,8 @@ class Grid(Layer):
     """Cells (H, W) of numbers in [0, 1], row 0 first; the corner of cell (0, 0) at `corner`, `cell` units wide.
 
     Palettes: "walls" 1 = wall; "occupancy" 0 free, 1/2 unknown, 1 wall; "belief", "cost" and "order" see-through
-    where 0; "difference" see-through at 1/2, one colour below and another above.
+    where 0; "difference" see-through at 1/2, one colour below and another above. `until` counts bytes, 0 to 255: cells
+    of greater ones are not shown yet.
     """
 
     cells: ArrayLike
@@ -94,7 +95,10 @@ class Points(Layer):
 
 @dataclass(frozen=True, eq=False)
 class Pose(Layer):
-    """A pose (3,): a robot of `radius` units, its outline only, or an arrow. `drag` names the parameter it sets."""
+    """A pose (3,): a robot of `radius` units, its outline only, an arrow, or a target.
+
+    `drag` names the parameter that it sets.
+    """
 
     at: ArrayLike
     color: Color

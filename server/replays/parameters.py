@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from reference.se2 import wrap_angle
+from server.catalogue.typography import french
 
 NUMBER = re.compile(r"-?[0-9]{1,9}(\.[0-9]{1,9})?")
 Pose = tuple[float, float, float]
@@ -47,9 +48,9 @@ def _within(value: float, least: float, most: float) -> float:
     return value
 
 
-def decimals_of(step: float) -> int:
-    """How many decimals a multiple of `step` needs."""
-    return max(0, -math.floor(math.log10(step) + 1e-9)) if step < 1 else (0 if step == int(step) else 2)
+def decimals_of(number: float) -> int:
+    """With how many decimals a number is written, at most 6."""
+    return len(f"{number:.6f}".rstrip("0").partition(".")[2])
 
 
 def on_step(value: float, least: float, step: float) -> float:
@@ -83,7 +84,7 @@ class Slider:
         return int(value) if self.whole else float(value)
 
     def describe(self) -> dict[str, Any]:
-        decimals = 0 if self.whole else max(decimals_of(self.step), decimals_of(self.least or 1))
+        decimals = 0 if self.whole else max(decimals_of(self.step), decimals_of(self.least))
         return {"kind": "slider", "least": self.least, "most": self.most, "step": self.step, "unit": self.unit,
                 "decimals": decimals}  # fmt: skip
 
@@ -105,7 +106,7 @@ class Choice:
         return text
 
     def describe(self) -> dict[str, Any]:
-        return {"kind": "choice", "options": [list(option) for option in self.options]}
+        return {"kind": "choice", "options": [[value, french(label)] for value, label in self.options]}
 
 
 @dataclass(frozen=True)
@@ -138,7 +139,7 @@ class Event:
         return None if step < 0 else step
 
     def describe(self) -> dict[str, Any]:
-        return {"kind": "event", "undo": self.undo, "steps": self.steps}
+        return {"kind": "event", "undo": french(self.undo), "steps": self.steps}
 
 
 @dataclass(frozen=True)
@@ -158,13 +159,15 @@ class Draw:
 
 @dataclass(frozen=True)
 class Dragged:
-    """A pose that the reader drags on the drawing: "x,y,theta", within `box` = (x0, y0, x1, y1)."""
+    """A pose that the reader drags on the drawing: "x,y,theta", within `box` = (x0, y0, x1, y1). A place that does not
+    turn keeps its angle."""
 
     label: str
     default: Pose
     box: tuple[float, float, float, float]
     step: float = 0.05
     turn: float = math.pi / 90.0
+    turns: bool = True
 
     def read(self, text: str) -> Value:
         parts = text.split(",")
@@ -177,7 +180,7 @@ class Dragged:
         return min(on_step(x, x0, self.step), x1), min(on_step(y, y0, self.step), y1), round(float(angle), 6)
 
     def describe(self) -> dict[str, Any]:
-        return {"kind": "pose", "box": list(self.box), "step": self.step, "turn": self.turn}
+        return {"kind": "pose", "box": list(self.box), "step": self.step, "turn": self.turn, "turns": self.turns}
 
 
 @dataclass(frozen=True)

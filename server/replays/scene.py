@@ -144,7 +144,8 @@ class Mark:
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """Curves under the drawing. `cursor`: where on the x axis each frame stands, its number unless given."""
+    """Curves under the drawing. `cursor`: where on the x axis each frame stands, its number unless given.
+    `timeless`: the x axis is no time, so that nothing is past or to come."""
 
     title: str
     series: Sequence[Series]
@@ -154,6 +155,7 @@ class Chart:
     levels: Sequence[Level] = ()
     marks: Sequence[Mark] = ()
     cursor: Sequence[float] | None = None
+    timeless: bool = False
 
     def wire(self, frames: int) -> dict[str, Any]:
         cursor = range(frames) if self.cursor is None else self.cursor
@@ -164,6 +166,7 @@ class Chart:
             "xLabel": french(self.x_label),
             "yRange": [None if bound is None else rounded(bound) for bound in self.y_range],
             "logarithmic": self.logarithmic,
+            "timeless": self.timeless,
             "series": [one.wire() for one in self.series],
             "levels": [
                 {"y": rounded(one.y), "label": french(one.label), "color": one.color} for one in self.levels

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from reference.world.grid_map import GridMap
-from server.replays.scene import Grid, View
+from server.replays.scene import Grid, Segments, View, decimal
 
 KIT = Path(__file__).parents[1] / "kit" / "l20.py"
 
@@ -59,3 +59,20 @@ def plus_proche_libre(x: float, y: float, marge: float = 0.3) -> tuple[float, fl
 def pluriel(nombre: int, un: str, plusieurs: str) -> str:
     """« 1 rayon », « 3 rayons » : le nombre et le mot qui va avec."""
     return f"{nombre} {un if nombre < 2 else plusieurs}"
+
+
+@cache
+def contours() -> Segments:
+    """Le trait fin qui sépare les cases libres des murs."""
+    free = np.pad(carte().free, 1)
+    rows, columns = np.nonzero(free[1:] != free[:-1])
+    across = np.column_stack([columns - 1, rows, columns, rows])
+    rows, columns = np.nonzero(free[:, 1:] != free[:, :-1])
+    down = np.column_stack([columns, rows - 1, columns, rows])
+    ends = np.vstack([across, down])
+    return Segments(ends[:, :2], ends[:, 2:], "truth", width=1.2, opacity=0.6)
+
+
+def en_cases(longueur: float, decimales: int = 2) -> str:
+    """« 0,4 case », « 2,0 cases » : une longueur et son unité."""
+    return f"{decimal(longueur, decimales)} {'cases' if round(longueur, decimales) >= 2.0 else 'case'}"

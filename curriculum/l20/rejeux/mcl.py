@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from curriculum.l20.rejeux._carte import carte, murs, pluriel, vue
+from curriculum.l20.rejeux._carte import carte, en_cases, murs, pluriel, vue
 from reference.localisation.mcl import MonteCarloLocalization, likely_poses, uniform_poses
 from reference.localisation.odometry_motion import OdometryNoise, sample_odometry
 from reference.odometry import DifferentialDrive, integrate
@@ -33,7 +33,6 @@ from server.replays.scene import (
     Series,
     Slider,
     Values,
-    decimal,
 )
 
 TITLE = "La localisation de Monte-Carlo"
@@ -221,8 +220,7 @@ def summary(story: Story, count: int, taken: int | None) -> list[str]:
             texts.append(f"Enlevé au pas {taken}, le robot n'a pas été retrouvé.")
         else:
             texts.append(f"Enlevé au pas {taken}, il est retrouvé {pluriel(since, 'pas', 'pas')} plus tard.")
-    unit = "cases" if errors[-1] >= 2.0 else "case"
-    texts.append(f"À la fin, l'erreur est de {decimal(errors[-1], 2)} {unit}.")
+    texts.append(f"À la fin, l'erreur est de {en_cases(errors[-1])}.")
     return texts
 
 

@@ -39,6 +39,7 @@ export class Chart {
       seek(gaps.indexOf(Math.min(...gaps)));
     };
     this.canvas.addEventListener("pointerdown", (event) => {
+      if (this.data.timeless) return;
       if (event.pointerType === "mouse") this.canvas.setPointerCapture(event.pointerId);
       go(event);
     });
@@ -106,7 +107,7 @@ export class Chart {
   }
 
   #curve(ctx, { x, y, color, style }, colours, now) {
-    for (const [from, to, opacity] of [[-Infinity, now, 1], [now, Infinity, 0.22]]) {
+    for (const [from, to, opacity] of [[-Infinity, now, 1], [now, Infinity, this.data.timeless ? 1 : 0.22]]) {
       const [a, b] = [from, to].map((edge) => Math.min(Math.max(this.plot.x(edge), -1e4), 1e4));
       ctx.save();
       ctx.beginPath();
@@ -220,8 +221,7 @@ function powers(low, high) {
 const SUPER = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 
 function written(tick, ticks) {
-  const size = Math.abs(Math.log10(Math.abs(tick) || 1));
-  if (size >= 4.5) {
+  if (Math.max(...ticks.map((one) => Math.abs(Math.log10(Math.abs(one) || 1)))) >= 4 && tick > 0) {
     const exponent = String(Math.round(Math.log10(tick))).replace("-", "⁻").replace(/\d/g, (digit) => SUPER[digit]);
     return `10${exponent}`;
   }

@@ -99,7 +99,7 @@ export class Settings {
 
   #slider({ name, label, least, most, step, unit, decimals }, id) {
     const output = make("output", { for: id });
-    const words = (text) => `${decimal(Number(text), decimals)}${unit ? ` ${Number(text) >= 2 && unit === "case" ? "cases" : unit}` : ""}`;
+    const words = (text) => `${decimal(Number(text), decimals)}${suffix(unit, Number(text))}`;
     const input = make("input", { type: "range", id, min: least, max: most, step, oninput: () => this.set(name, input.value) });
     this.#shown[name] = (text) => {
       if (input.value !== text) input.value = text;
@@ -134,13 +134,16 @@ export class Settings {
     return make("div", { class: "replay-field replay-action" }, make("button", { type: "button", class: "button", onclick: press }, label));
   }
 
-  #pose({ name, label }) {
+  #pose({ name, label, turns }) {
     const output = make("output", {});
     this.#shown[name] = (text) => {
       const [x, y, angle] = text.split(",").map(Number);
-      output.textContent = `x = ${decimal(x, 2)}, y = ${decimal(y, 2)}, θ = ${decimal((angle * 180) / Math.PI, 0)}°`;
+      const heading = turns ? `, θ = ${decimal((angle * 180) / Math.PI, 0)}°` : "";
+      output.textContent = `x = ${decimal(x, 2)}, y = ${decimal(y, 2)}${heading}`;
     };
-    const help = make("span", { class: "help" }, "Tirez-le sur le dessin ; tirez sa pointe, ou tournez la molette avec Maj, pour l’orienter. Au clavier : ", make("kbd", {}, "←"), " ", make("kbd", {}, "↑"), " ", make("kbd", {}, "→"), " ", make("kbd", {}, "↓"), ", puis ", make("kbd", {}, "["), " et ", make("kbd", {}, "]"), ".");
+    const keys = (...names) => names.flatMap((one) => [make("kbd", {}, one), " "]);
+    const help = make("span", { class: "help" }, "À tirer sur le dessin, ou avec les touches ", ...keys("←", "↑", "→", "↓"));
+    if (turns) help.append("; pour l’orienter, tirez sa pointe, ou touches ", ...keys("[", "]"));
     return make("div", { class: "replay-field replay-pose" }, make("span", { class: "replay-name" }, label), output, help);
   }
 }
@@ -149,4 +152,9 @@ function asText(value) {
   if (value === null) return "-1";
   if (typeof value === "boolean") return value ? "1" : "0";
   return Array.isArray(value) ? value.map((one) => String(Number(one.toFixed(6)))).join(",") : String(value);
+}
+
+function suffix(unit, value) {
+  if (unit === "°" || unit === "") return unit;
+  return `\u00a0${unit === "case" && Math.abs(value) >= 2 ? "cases" : unit}`;
 }

@@ -39,7 +39,7 @@ export class Drag {
     const [x, y, angle] = this.pose;
     const stride = (event.shiftKey ? 20 : 5) * this.parameter.step;
     const turn = { "[": -1, "]": 1 }[event.key];
-    if (turn) this.#move(x, y, angle + 2 * turn * this.parameter.turn);
+    if (turn && this.parameter.turns) this.#move(x, y, angle + 2 * turn * this.parameter.turn);
     else if (KEYS[event.key]) {
       const [right, down] = KEYS[event.key];
       this.#move(x + stride * right, y + stride * down * this.stage.paper.turn, angle);
@@ -60,7 +60,7 @@ export class Drag {
     const [dx, dy] = [px - paper.x(x), py - paper.y(y)];
     const radius = Math.max(10, 0.4 * paper.scale);
     const tip = [Math.cos(angle), paper.turn * Math.sin(angle)].map((part) => 1.25 * radius * part);
-    const turning = Math.hypot(dx - tip[0], dy - tip[1]) < 0.75 * radius;
+    const turning = this.parameter.turns && Math.hypot(dx - tip[0], dy - tip[1]) < 0.75 * radius;
     if (!turning && Math.hypot(dx, dy) > Math.max(REACH, radius)) return;
     this.#held = { turning, offset: [dx, dy], wish: null };
     this.stage.canvas.setPointerCapture(event.pointerId);
@@ -89,7 +89,7 @@ export class Drag {
   }
 
   #wheel(event) {
-    if (!this.parameter || !event.shiftKey) return;
+    if (!this.parameter?.turns || !event.shiftKey) return;
     event.preventDefault();
     const [x, y, angle] = this.pose;
     this.#move(x, y, angle + 2 * this.parameter.turn * Math.sign(event.deltaY || event.deltaX));

@@ -6,22 +6,24 @@ import { cells, rows } from "./decode.js";
 const TAU = 2 * Math.PI;
 const pictures = new WeakMap();
 
-function picture(layer, colours) {
+function picture(layer, colours, shown) {
   const known = pictures.get(layer);
-  if (known?.colours === colours) return known.canvas;
+  if (known?.colours === colours && known.shown === shown) return known.canvas;
   const canvas = document.createElement("canvas");
   canvas.width = layer.w;
   canvas.height = layer.h;
   const context = canvas.getContext("2d");
   const image = context.createImageData(layer.w, layer.h);
   const table = ramp(layer.palette, colours);
-  cells(layer).forEach((byte, i) => image.data.set(table.subarray(4 * byte, 4 * byte + 4), 4 * i));
+  cells(layer).forEach((byte, i) => {
+    if (byte <= shown) image.data.set(table.subarray(4 * byte, 4 * byte + 4), 4 * i);
+  });
   context.putImageData(image, 0, 0);
-  pictures.set(layer, { canvas, colours });
+  pictures.set(layer, { canvas, colours, shown });
   return canvas;
 }
 
-function grid(ctx, paper, layer, colours) {
+function grid(ctx, paper, layer, colours, shown) {
   const [left, low] = layer.corner;
   const [x, y] = [paper.x(left), paper.y(low)];
   const side = layer.cell * paper.scale;
@@ -29,7 +31,7 @@ function grid(ctx, paper, layer, colours) {
   ctx.imageSmoothingEnabled = false;
   ctx.translate(x, y);
   ctx.scale(side, side * paper.turn);
-  ctx.drawImage(picture(layer, colours), 0, 0);
+  ctx.drawImage(picture(layer, colours, shown), 0, 0);
   ctx.restore();
 }
 
@@ -85,6 +87,16 @@ function pose(ctx, paper, layer, colours) {
     ctx.lineTo(radius, 0);
     ctx.lineTo(0.35 * radius, 0.5 * radius);
     ctx.stroke();
+    return;
+  }
+  if (layer.style === "target") {
+    for (const part of [1, 0.45]) {
+      ctx.beginPath();
+      ctx.arc(0, 0, part * radius, 0, TAU);
+      ctx.fillStyle = css(part < 1 ? colours[layer.color] : colours.paper, part < 1 ? 1 : 0.7);
+      ctx.fill();
+      ctx.stroke();
+    }
     return;
   }
   ctx.beginPath();
