@@ -14,7 +14,9 @@ from server.sandbox.child import drawing, template
 from server.sandbox.install import DRAWING, import_set, installation
 from tests.quick import one_in
 
+from . import test_canaries
 from .family import probed
+from .test_canaries import CANARIES
 from .test_hostile import HURRIED, KITS, PROGRAMS, outcome
 from .test_hostile import POLICY as HOSTILE
 
@@ -63,6 +65,19 @@ def test_figures_are_few_and_bounded(studio: Sandbox) -> None:
     width, height = size(picture)
     assert width * height <= drawing.MAX_PIXELS
     assert len(picture) <= drawing.MAX_BYTES
+
+
+@pytest.mark.parametrize("namespaces", [True, False])
+def test_dates_glyphs_and_styles_draw_and_name_no_file_of_ours(namespaces: bool) -> None:
+    source = PYPLOT + (
+        "import datetime\nplt.style.use('ggplot')\nplt.plot([datetime.date(2026, 1, 1)], [1])\nplt.title('日')\n"
+        "plt.figure().add_subplot(projection='3d')\nplt.figure()\nplt.contourf([[1, 2], [3, 4]])"
+    )
+    with Sandbox({}, POLICY, spares=0, namespaces=namespaces) as sandbox:
+        pictures, printed = drawn(sandbox, source)
+    assert len(pictures) == 3
+    assert printed.startswith("UserWarning: Glyph 26085")
+    assert "/" not in printed
 
 
 def test_a_program_that_draws_nothing_has_no_figures(studio: Sandbox) -> None:
@@ -171,6 +186,14 @@ def test_two_programs_share_nothing(studio: Sandbox) -> None:
 def test_the_walls_are_the_same() -> None:
     reports = {report.name: report.status for report in probe(slow=False, imports=DRAWING)}
     assert reports == {name: report.status for name, report in probed().items()}
+
+
+@pytest.mark.parametrize("canary", one_in(4, CANARIES), ids=lambda canary: str(canary[0]))
+def test_the_corpus_sees_that_a_wall_is_missing_here_too(
+    monkeypatch: pytest.MonkeyPatch, canary: tuple[str, str, tuple[str, ...]]
+) -> None:
+    monkeypatch.setattr(test_canaries, "Sandbox", Allowing)
+    test_canaries.test_the_corpus_sees_that_a_wall_is_missing(*canary)
 
 
 class Allowing(Sandbox):

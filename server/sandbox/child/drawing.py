@@ -6,12 +6,14 @@ rebuilds it.
 
 from __future__ import annotations
 
+import datetime
 import importlib.util
 import io
 import os
 import subprocess
 import sys
 import threading
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, NoReturn
@@ -74,6 +76,7 @@ def warm_up() -> None:
     axes.imshow(np.eye(2))
     axes.set_title(r"$\theta_0$")
     axes.legend()
+    pyplot.figure().add_subplot().plot([datetime.date(2000, 1, 1)], [0])  # looks for the time zones, and finds none
     figures()
     pyplot.close("all")
 
@@ -83,12 +86,16 @@ def offered() -> bool:
 
 
 def figures() -> tuple[Array, ...]:
-    """The open figures, the first ones at most; says so where that leaves some out."""
+    """The open figures, the first ones at most; says so where that leaves some out, and what drawing them warns of."""
     pyplot: Any = sys.modules["matplotlib.pyplot"]
     opened = pyplot.get_fignums()
     if len(opened) > MAX_FIGURES:
         print(f"({len(opened)} figures sont ouvertes : seules les {MAX_FIGURES} premières sont montrées.)")
-    return tuple(np.frombuffer(_png(pyplot.figure(number)), np.uint8) for number in opened[:MAX_FIGURES])
+    with warnings.catch_warnings(record=True) as heard:
+        files = [_png(pyplot.figure(number)) for number in opened[:MAX_FIGURES]]
+    for warning in dict.fromkeys(f"{one.category.__name__}: {one.message}" for one in heard):
+        print(warning)
+    return tuple(np.frombuffer(file, np.uint8) for file in files)
 
 
 def _png(figure: Any) -> bytes:
