@@ -32,6 +32,7 @@ class Cell {
   build() {
     this.run = button("Exécuter", () => this.execute(), "primary");
     this.run.title = "Ctrl+Entrée";
+    this.run.setAttribute("aria-keyshortcuts", "Control+Enter");
     this.modify = button("Modifier", () => this.edit(true));
     this.reset = button("Rétablir", () => this.restore());
     this.reset.title = "Revenir au code de départ";
@@ -137,7 +138,7 @@ class Cell {
 
   parts({ stdout, truncated, fault, figures }) {
     const parts = [];
-    if (stdout) parts.push(element("pre", "cell-stdout", stdout));
+    if (stdout) parts.push(printed(stdout));
     if (truncated) parts.push(paragraph("cell-note", "L’affichage est coupé ici : il est trop long."));
     figures.forEach((address, index) => parts.push(this.figure(address, figures.length > 1 ? ` (${index + 1})` : "")));
     if (fault) parts.push(explained(fault));
@@ -174,6 +175,13 @@ function plainEditor({ area, text, onChange }) {
     mark: () => {},
     focus: () => field.focus(),
   };
+}
+
+// What is printed may scroll: it is in reach of the keyboard.
+function printed(text) {
+  const pre = element("pre", "cell-stdout", text);
+  pre.tabIndex = 0;
+  return pre;
 }
 
 function explained({ title, message, frames }) {
