@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
@@ -154,10 +155,8 @@ def draw_quadtree(figure: Figure, palette: Palette) -> None:
     leaves = _leaves(states, 0, 0, size)
     shades = {0: palette.faint, 1: palette.paper, 2: palette.ink}
     for x, y, side, state in leaves:
-        edge = palette.truth
-        alpha = 0.25 if state == 0 else 1.0
-        axes.add_patch(Rectangle((x, y), side, side, facecolor=shades[state], alpha=alpha, lw=0))
-        axes.add_patch(Rectangle((x, y), side, side, fill=False, edgecolor=edge, lw=0.7))
+        face = to_rgba(shades[state], 0.25 if state == 0 else 1.0)
+        axes.add_patch(Rectangle((x, y), side, side, facecolor=face, edgecolor=palette.truth, lw=0.7))
     axes.set_xlim(-0.2, size + 0.2)
     axes.set_ylim(24.3, 7.7)
     axes.set_aspect("equal")
