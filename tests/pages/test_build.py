@@ -13,6 +13,7 @@ from starlette.testclient import TestClient
 
 from server.app import create_app
 from server.pages import assets
+from server.paths import ROOT
 from server.settings import Settings
 from tests.pages.conftest import Course
 
@@ -104,3 +105,21 @@ def test_the_lock_names_no_host_to_download_from() -> None:
     lock = (FRONTEND / "package-lock.json").read_text(encoding="utf-8")
     assert '"resolved"' not in lock
     assert '"integrity": "sha512-' in lock
+
+
+def test_a_wheel_holds_all_that_is_read_or_run() -> None:
+    wheel = pytest.importorskip("hatchling.builders.wheel", reason="hatchling is not installed")
+    packed = {Path(one.distribution_path) for one in wheel.WheelBuilder(str(ROOT)).recurse_included_files()}
+    curriculum = {path.relative_to(ROOT) for path in (ROOT / "curriculum").rglob("*") if path.is_file()}
+    missing = {path for path in curriculum if path.suffix in {".md", ".toml", ".py"}} - packed
+    assert missing == set()
+    assert {path.parts[0] for path in packed} >= {"server", "graders", "reference", "curriculum", "templates"}
+    assert not [path for path in packed if "node_modules" in path.parts]
+
+
+def test_files_of_the_course_that_are_run_can_be_imported_by_their_name() -> None:
+    """Where it is installed too, `curriculum` is a package without an `__init__`."""
+    for path in (ROOT / "curriculum").glob("*/figures/*.py"):
+        spec = importlib.util.find_spec(".".join(path.relative_to(ROOT).with_suffix("").parts))
+        assert spec is not None
+        assert spec.origin == str(path)
