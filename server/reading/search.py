@@ -25,6 +25,8 @@ MOST_LETTERS, MOST_WORDS = 200, 8  # what is read of a query
 TITLE_WEIGHT = 6.0
 WORDS_AROUND = 26
 WORD = re.compile(r"[^\W_]+")
+#: How a numbered block begins, « Théorème 1 : », where others only speak of it.
+NUMBERED = re.compile(r"\b\w+\u00a0\d+(?= :)")
 ON, OFF = "\x02", "\x03"
 #: Words that say nothing by themselves, and what an apostrophe leaves of them.
 SMALL = {
@@ -36,13 +38,17 @@ SMALL = {
 
 @dataclass(frozen=True)
 class Passage:
-    """A place that can be found. `part` is its title, `label` and `title` say where it stands."""
+    """A place that can be found. `part` is its title, `label` and `title` say where it stands.
+
+    `names` are other words by which one may look for it, which are not shown.
+    """
 
     href: str
     label: str
     title: str
     part: str
     text: str
+    names: str = ""
 
 
 def find(module: Module, query: str) -> tuple[HitView, ...]:
@@ -63,15 +69,15 @@ class Index:
         self._lock = Lock()
         self._table = sqlite3.connect(":memory:", check_same_thread=False)
         options = "tokenize = 'unicode61 remove_diacritics 2'"
-        self._table.execute(f"CREATE VIRTUAL TABLE passages USING fts5(title, body, {options})")
-        rows = ((number, _clean(one.part), _clean(one.text)) for number, one in enumerate(passages))
-        self._table.executemany("INSERT INTO passages(rowid, title, body) VALUES (?, ?, ?)", rows)
+        self._table.execute(f"CREATE VIRTUAL TABLE passages USING fts5(title, body, names, {options})")
+        rows = ((number, one.part, _clean(one.text), one.names) for number, one in enumerate(passages))
+        self._table.executemany("INSERT INTO passages(rowid, title, body, names) VALUES (?, ?, ?, ?)", rows)
 
     def find(self, query: str, most: int = MOST_HITS) -> tuple[HitView, ...]:
         found = words(query)
         if not found:
             return ()
-        together = " + ".join(f'"{word}"' for word in found) + "*"
+        together = " + ".join([*(f'"{word}"' for word in found[:-1]), _beginning(found[-1])])
         every, some = (joint.join(_beginning(word) for word in found) for joint in (" AND ", " OR "))
         hits = self._hits(together, most) | self._hits(every, most) or self._hits(some, most)
         return tuple(hits.values())[:most]
@@ -79,7 +85,7 @@ class Index:
     def _hits(self, match: str, most: int) -> dict[int, HitView]:
         statement = f"""
             SELECT rowid, snippet(passages, 1, '{ON}', '{OFF}', '…', {WORDS_AROUND})
-            FROM passages WHERE passages MATCH ? ORDER BY bm25(passages, {TITLE_WEIGHT}, 1.0), rowid LIMIT ?
+            FROM passages WHERE passages MATCH ? ORDER BY bm25(passages, {TITLE_WEIGHT}, 1.0, {TITLE_WEIGHT}), rowid LIMIT ?
         """
         with self._lock:
             rows = self._table.execute(statement, (match, most)).fetchall()
@@ -95,8 +101,8 @@ def words(query: str) -> tuple[str, ...]:
 
 
 def _beginning(word: str) -> str:
-    """Numbers are meant as they are: « théorème 1 » is not the tenth."""
-    return f'"{word}"' if word.isdigit() else f'"{word}"*'
+    """Numbers and letters are meant as they are: « théorème 1 » is not the tenth, « A* » is no adverb."""
+    return f'"{word}"' if word.isdigit() or len(word) == 1 else f'"{word}"*'
 
 
 def _singular(word: str) -> str:
@@ -123,7 +129,7 @@ def _passages(module: Module) -> Iterator[Passage]:
 
 
 def _of_term(module: Module, term: Term) -> Passage:
-    return Passage(f"/{module.slug}/glossaire#t-{term.id}", "Glossaire", "", term.word, term.text)
+    return Passage(f"/{module.slug}/glossaire#t-{term.id}", "Glossaire", "", term.word, term.text, term.id)
 
 
 def _of_document(document: Document) -> Iterator[Passage]:
@@ -132,10 +138,12 @@ def _of_document(document: Document) -> Iterator[Passage]:
     yield Passage(href, document.label, document.title, document.title, f"{french(document.summary)} {above}")
     for section in document.sections:
         if section.id:
-            yield Passage(f"{href}#{section.id}", document.label, document.title, section.title, section.text)
+            numbered = " ".join(NUMBERED.findall(section.text))
+            place = f"{href}#{section.id}"
+            yield Passage(place, document.label, document.title, section.title, section.text, numbered)
 
 
 def _of_exercise(exercise: Exercise) -> Passage:
     text = " ".join(f"{section.title} {section.text}" for section in exercise.statement.sections)
     href = f"/{exercise.module}/exercices/{exercise.slug}"
-    return Passage(href, "Exercice", "", exercise.title, f"{french(exercise.summary)} {text}")
+    return Passage(href, "Exercice", "", exercise.title, f"{french(exercise.summary)} {text}", exercise.slug)

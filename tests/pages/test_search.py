@@ -38,7 +38,7 @@ Search = Callable[[str], tuple[HitView, ...]]
 @pytest.fixture
 def search(course: Course) -> Search:
     write_page(course, "une", FILTER)
-    write_page(course, "deux", "## Poids\n\nLe poids d'une chose.\n", folder="seances")
+    write_page(course, "deux", "## Poids\n\nLe poids d'une chose.\n\n## Bref\n\n[](#thm-un).\n", folder="seances")
     course.write("curriculum/m9/glossaire.toml", GLOSSARY)
     module = course.load().modules["m9"]
     return lambda query: find(module, query)
@@ -86,7 +86,7 @@ def test_elisions_and_small_words(search: Search) -> None:
 
 
 def test_words_that_stand_together_come_first(search: Search) -> None:
-    assert hrefs(search("théorème 1"))[0] == "/m9/lire/une#s-autre"
+    assert hrefs(search("théorème 1"))[0] == "/m9/lire/une#s-autre", "the theorem itself, before what speaks of it"
     assert hrefs(search("théorème de Bayes"))[0] == "/m9/lire/une#s-l-odometrie"
 
 
@@ -100,6 +100,21 @@ def test_the_glossary_and_the_exercises_are_found(search: Search) -> None:
     assert set(hrefs(search("Doublez"))) == {"/m9/exercices/a", "/m9/exercices/b"}
     assert search("pose")[0].label == "Glossaire"
     assert {one.label for one in search("multiplier")} == {"Exercice"}
+
+
+def test_a_word_is_found_by_its_short_name_too() -> None:
+    assert hrefs(find_in("neff")) == ["/neff"]
+    assert hrefs(find_in("N_eff")) == ["/neff"]
+    assert hrefs(find_in("A*")) == ["/a-etoile"]
+
+
+def find_in(query: str) -> tuple[HitView, ...]:
+    texts = (
+        Passage("/neff", "Glossaire", "", "nombre effectif", "N_eff = 1/∑ w^2.", "neff"),
+        Passage("/a-etoile", "Glossaire", "", "A*", "Un plus court chemin.", "a-etoile"),
+        Passage("/autre", "Fiche", "", "Autre", "Avancer, aller, arriver."),
+    )
+    return Index(texts).find(query)
 
 
 def test_what_stands_above_the_first_title_leads_to_the_page(search: Search) -> None:
