@@ -25,6 +25,8 @@ COMMAND = (sys.executable, "-P", "-m", "server.cells")
 #: Seconds within which a cell is answered, the start of a template included; later, the process is taken for hung.
 PATIENCE = 45.0
 STOP_SECONDS = 3.0
+#: Seconds without a cell after which the process is let go, and its memory with it.
+IDLE = 900.0
 #: Cells of one reader, running or waiting: nobody fills the queue alone.
 EACH = 3
 YOURS = "Plusieurs de vos cellules sont déjà en cours : attendez que l’une d’elles se termine."
@@ -42,8 +44,9 @@ class Cells:
         *,
         command: Sequence[str] = COMMAND,
         patience: float = PATIENCE,
+        idle: float = IDLE,
     ) -> None:
-        self._settings, self._command, self._patience = settings, command, patience
+        self._settings, self._command, self._patience, self._idle = settings, command, patience, idle
         self._beginning = {"kits": dict(kits), "at_once": settings.cells_at_once}
         self._free = asyncio.Semaphore(settings.cells_at_once)
         self._starting = asyncio.Lock()
@@ -51,6 +54,8 @@ class Cells:
         self._of: Counter[str] = Counter()
         self._process: _Process | None = None
         self._running: set[asyncio.Task[bytes]] = set()
+        self._rest: asyncio.TimerHandle | None = None
+        self._leaving: set[asyncio.Task[None]] = set()
 
     async def run(self, module: str, code: str, *, reader: str) -> bytes:
         """What the page gets, as JSON text. Raises Crowded or Failed.
@@ -69,6 +74,7 @@ class Cells:
             raise
         asked = asyncio.create_task(self._ask({"module": module, "code": code}))
         self._running.add(asked)
+        self._stay()
         asked.add_done_callback(partial(self._over, reader))
         return await asyncio.shield(asked)
 
@@ -88,6 +94,8 @@ class Cells:
         self._running.discard(asked)
         self._free.release()
         self._less(reader)
+        if not self._running:
+            self._rest = asyncio.get_running_loop().call_later(self._idle, self._let_go)
         if not asked.cancelled():
             asked.exception()  # of a run that nobody waits for any more, too
 
@@ -102,10 +110,22 @@ class Cells:
             log.error("a cell was not run: %r", error)
             raise Failed(FAILED) from error
 
+    def _stay(self) -> None:
+        if self._rest is not None:
+            self._rest.cancel()
+            self._rest = None
+
+    def _let_go(self) -> None:
+        process, self._process = self._process, None
+        if process is not None:
+            leaving = asyncio.create_task(process.close())
+            self._leaving.add(leaving)
+            leaving.add_done_callback(self._leaving.discard)
+
     async def close(self) -> None:
-        if self._process is not None:
-            await self._process.close()
-        await asyncio.gather(*self._running, return_exceptions=True)
+        self._let_go()
+        await asyncio.gather(*self._leaving, *self._running, return_exceptions=True)
+        self._stay()
 
 
 class _Process:

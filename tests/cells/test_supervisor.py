@@ -47,12 +47,13 @@ FAKES = {
 
 def played(tmp_path: Path, test: Callable[[Cells], Awaitable[None]], script: str = "", **settings: Any) -> None:
     """Runs a test with the real process, or with a fake one that a `script` is."""
-    patience = settings.pop("patience", 60.0)
+    options = {name: settings.pop(name) for name in ("patience", "idle") if name in settings}
+    if script:
+        options["command"] = (sys.executable, "-c", script)
 
     async def scene() -> None:
         made = Settings(data_dir=tmp_path, workers=0, **settings)
-        options = {"command": (sys.executable, "-c", script)} if script else {}
-        cells = Cells(made, the_course().kits, patience=patience, **options)
+        cells = Cells(made, the_course().kits, **options)
         try:
             await test(cells)
         finally:
@@ -205,6 +206,16 @@ def test_a_cell_that_nobody_waits_for_keeps_its_place_until_it_ends(tmp_path: Pa
         assert json.loads(await next_one)["stdout"] == "suivante\n"
 
     played(tmp_path, test, cells_at_once=1, cells_waiting=4)
+
+
+def test_a_process_without_work_is_let_go_and_comes_back(tmp_path: Path) -> None:
+    async def test(cells: Cells) -> None:
+        await ran(cells, "1")
+        first = process(cells)
+        await eventually(lambda: not alive(first))
+        assert json.loads(await ran(cells, "print('encore')"))["stdout"] == "encore\n"
+
+    played(tmp_path, test, idle=0.2)
 
 
 def test_answers_go_to_their_questions(tmp_path: Path) -> None:
