@@ -15,6 +15,7 @@ from reference.occupancy import InverseSensorModel, probability
 from reference.pose_graph import NormalEquations, PoseGraph, gauge_vectors, gauss_newton
 from reference.registration import icp, icp_to_lines, normals_by_neighbours
 from reference.se2 import transform
+from tests.replays.reading import scene
 
 Floats = NDArray[np.float64]
 
@@ -109,6 +110,28 @@ def test_one_false_closure() -> None:
     false = {name: weight for name, (_, weight) in defis.misled().items()}
     assert states("defis/robuste", false["Huber, δ = 1"], 3)
     assert false["DCS, Φ = 5"] < 1e-7
+
+
+@pytest.mark.parametrize(
+    ("page", "replay", "settings", "said"),
+    [
+        ("cartographier", "occupation", {}, "18,8 %"),
+        ("cartographier", "occupation", {"poses": "vraies"}, "2,2 %"),
+        ("slam", "icp", {"rotation": 60}, "minimum local"),
+        ("slam", "icp", {"rotation": 5, "dx": 0.5, "dy": -0.5, "intrus": 20}, "0,22 case"),
+        ("slam", "icp", {"rotation": 5, "dx": 0.5, "dy": -0.5, "intrus": 20, "elagage": 1}, "0,00 case"),
+        ("slam", "graphe", {"fermetures": 0}, "1,11 case"),
+        ("slam", "graphe", {}, "0,24 case"),
+        ("slam", "graphe", {"fausse": 1}, "4,57 cases"),
+        ("slam", "graphe", {"fausse": 1, "noyau": "huber"}, "0,54 case"),
+        ("slam", "graphe", {"fausse": 1, "noyau": "dcs"}, "0,24 case"),
+    ],
+)
+def test_what_a_caption_says_of_a_replay(page: str, replay: str, settings: dict[str, object], said: str) -> None:
+    summary = " ".join(scene(replay, **settings)["summary"]).replace("\xa0", " ").replace("\u202f", " ")
+    assert said in summary
+    number = said.split(maxsplit=1)[0]
+    assert number == "minimum" or number in (PAGES / "seances" / f"{page}.md").read_text(encoding="utf-8")
 
 
 def test_robots_found_again_and_a_filter_too_sure() -> None:
