@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -11,38 +10,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import settings as hypothesis_settings
-from hypothesis import strategies as st
 
-from graders.core.answers import AnswersGrader, Quantity, numeric
+from graders.core.answers import Quantity, numeric
 from graders.core.answers.interval import around
 from graders.core.answers.numeric import DRAWS, NumericGrader, NumericSheet
 from graders.core.answers.wording import Datum, NumericWording
 from graders.core.grading import Grading
 from graders.core.malformed import MalformedExerciseError
 from graders.core.verdict import Outcome
-from server.catalogue import Exercise
-from tests.quick import the_course
-
-EXERCISES = {name: one for name, one in the_course().exercises.items() if one.kind == "answers"}
-ODOMETRY, QUIZ, PROOF = (f"l20/{slug}" for slug in ("calcul_odometrie", "verification", "demo_1"))
-SEEDS = range(0, 4000, 97)
-
-
-def grader_of(name: str) -> AnswersGrader:
-    grader = EXERCISES[name].answers
-    assert grader is not None
-    return grader
-
-
-def graded(name: str, answers: Any, seed: int = 7) -> Grading:
-    source = answers if isinstance(answers, bytes) else json.dumps(answers).encode()
-    return grader_of(name).grade(source, seed=seed, version="v")
-
-
-def check_of(grading: Grading, name: str) -> dict[str, Any]:
-    return next(one for one in grading.verdict.to_json()["checks"] if one["id"] == name)
+from tests.graders.answered import EXERCISES, ODOMETRY, PROOF, QUIZ, SEEDS, check_of, graded, grader_of
 
 
 @pytest.mark.parametrize("name", EXERCISES)
@@ -261,127 +237,3 @@ def test_one_letter_alone_earns_next_to_nothing(name: str) -> None:
                 answer = piece.id if question.form == "one" else [piece.id]
                 score = graded(name, {question.id: answer}, seed).verdict.score
                 assert score <= (question.points / 20 if question.form != "order" else 0.12)
-
-
-MALFORMED = {
-    b"": Outcome.SYNTAX_ERROR,
-    b"[]": Outcome.SYNTAX_ERROR,
-    b"null": Outcome.SYNTAX_ERROR,
-    b"12": Outcome.SYNTAX_ERROR,
-    b"{": Outcome.SYNTAX_ERROR,
-    b"\xff\xfe": Outcome.SYNTAX_ERROR,
-    b'{"a": 1, "a": 2}': Outcome.SYNTAX_ERROR,
-    b"[" * 60_000: Outcome.SYNTAX_ERROR,
-    b'{"a":' * 9_000: Outcome.SYNTAX_ERROR,
-    b'{"a": "' + b"x" * 70_000 + b'"}': Outcome.SYNTAX_ERROR,
-    b"{}": Outcome.INVALID_OUTPUT,
-    b"\xef\xbb\xbf{}": Outcome.INVALID_OUTPUT,
-    b'{"inconnue": 1}': Outcome.INVALID_OUTPUT,
-}
-
-
-@pytest.mark.parametrize("name", EXERCISES)
-@pytest.mark.parametrize("source", MALFORMED, ids=lambda source: repr(source[:12]))
-def test_a_malformed_file_has_its_outcome_and_no_mark(name: str, source: bytes) -> None:
-    verdict = graded(name, source).verdict
-    assert (verdict.outcome, verdict.score) == (MALFORMED[source], 0)
-    assert all(check.message for check in verdict.checks)
-
-
-@pytest.mark.parametrize("name", EXERCISES)
-def test_one_unknown_question_spoils_even_right_answers(name: str) -> None:
-    verdict = graded(name, {**grader_of(name).right(7), "\ud800zut`<b>": 1}).verdict
-    assert (verdict.outcome, verdict.score) == (Outcome.INVALID_OUTPUT, 0)
-    assert "zut" not in verdict.checks[0].message
-    json.dumps(verdict.to_json(), ensure_ascii=False).encode()
-
-
-HOSTILE = [
-    True, False, [], {}, [[]], {"a": 1}, "\ud800", "\x00", "1\x00", "x" * 5000, "1" * 5000, -1, 3.5, ["a", "a"],
-    ["a", 1], [["a"]], [None], ["z"], ["\ud800"], "zz", "A", "a b", list("abcdefghijklmnopqrstuvwxyz"),
-    ["a"] * 5000, 10**400,
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("name", EXERCISES)
-@pytest.mark.parametrize("value", HOSTILE, ids=lambda value: repr(value)[:30])
-def test_values_of_any_kind_are_judged_never_raised(name: str, value: Any) -> None:
-    grader = grader_of(name)
-    right = dict(grader.right(7))
-    for question in grader.paper(7).questions:
-        source = json.dumps({**right, question.id: value}).encode()
-        verdict = grader.grade(source, seed=7, version="v").verdict
-        assert verdict.outcome in {Outcome.INVALID_OUTPUT, Outcome.WRONG_ANSWER, Outcome.OK}
-        json.dumps(verdict.to_json(), allow_nan=False, ensure_ascii=False).encode()
-        grader.told({**right, question.id: value}, 7)
-        grader.moved({**right, question.id: value}, 7, 8)
-
-
-@pytest.mark.parametrize("name", EXERCISES)
-@pytest.mark.parametrize(
-    "literal", ["NaN", "Infinity", "-Infinity", "1e999", "-1e999", "1" * 4000, "[" * 900 + "]" * 900]
-)
-def test_numbers_that_are_none_and_deep_lists_are_unreadable(name: str, literal: str) -> None:
-    for question in grader_of(name).paper(7).questions:
-        source = f'{{"{question.id}": {literal}}}'.encode()
-        verdict = graded(name, source).verdict
-        assert verdict.outcome in {Outcome.INVALID_OUTPUT, Outcome.SYNTAX_ERROR}
-        json.dumps(verdict.to_json(), allow_nan=False)
-
-
-ANYTHING = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8) | st.sampled_from("abcdefghij"),
-    lambda inner: st.lists(inner, max_size=6) | st.dictionaries(st.text(max_size=4), inner, max_size=4),
-    max_leaves=12,
-)
-
-
-@hypothesis_settings(max_examples=60, deadline=None)
-@given(data=st.data(), seed=st.integers(0, 2**53 - 1))
-@pytest.mark.parametrize("name", EXERCISES)
-def test_nothing_that_json_holds_breaks_the_grader(name: str, data: st.DataObject, seed: int) -> None:
-    names = [question.id for question in grader_of(name).paper(seed).questions]
-    answers = data.draw(st.dictionaries(st.sampled_from(names) | st.text(max_size=3), ANYTHING, max_size=9))
-    grading = graded(name, json.dumps(answers).encode(), seed)
-    text = json.dumps(grading.verdict.to_json(), allow_nan=False, ensure_ascii=False).encode()
-    assert 0 <= grading.verdict.score <= 1
-    assert len(text) < 60_000
-
-
-@hypothesis_settings(max_examples=100, deadline=None)
-@given(st.binary(max_size=200))
-def test_nothing_that_bytes_hold_breaks_the_grader(source: bytes) -> None:
-    assert graded(QUIZ, source).verdict.score <= 1
-
-
-def secrets_of(exercise: Exercise, seed: int) -> list[str]:
-    """What must not leave the server before it is earned."""
-    grader = exercise.answers
-    assert grader is not None
-    if isinstance(grader, NumericGrader):
-        return [f"{value:.6g}" for value in grader.right(seed).values()]
-    sheet = grader.questions if exercise.id == QUIZ else [grader.sheet]  # type: ignore[attr-defined]
-    texts: list[str] = []
-    for one in sheet:
-        pieces = one.options if exercise.id == QUIZ else one.pieces
-        for piece in pieces:
-            texts += [
-                f'"{piece.id}"',
-                *(getattr(piece, key, "")[:40] for key in ("why", "role") if hasattr(piece, key)),
-            ]
-    return texts
-
-
-@pytest.mark.parametrize("name", EXERCISES)
-def test_questions_and_the_verdict_of_a_blank_file_tell_no_secret(name: str) -> None:
-    for seed in range(6):
-        paper = grader_of(name).paper(seed)
-        given_away = repr(paper) + json.dumps(graded(name, {}, seed).verdict.to_json(), ensure_ascii=False)
-        assert [one for one in secrets_of(EXERCISES[name], seed) if one in given_away] == []
-
-
-def test_timings_do_not_depend_on_what_is_right() -> None:
-    """One number in all, of the whole grading: none for a question."""
-    timings = graded(QUIZ, grader_of(QUIZ).right(7)).verdict.timings
-    assert list(timings) == ["total_ms"]
-    assert math.isfinite(timings["total_ms"])

@@ -1,0 +1,29 @@
+"""The exercises answered without code, and the grading of answers to them."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from graders.core.answers import AnswersGrader
+from graders.core.grading import Grading
+from tests.quick import the_course
+
+EXERCISES = {name: one for name, one in the_course().exercises.items() if one.kind == "answers"}
+ODOMETRY, QUIZ, PROOF = (f"l20/{slug}" for slug in ("calcul_odometrie", "verification", "demo_1"))
+SEEDS = range(0, 4000, 97)
+
+
+def grader_of(name: str) -> AnswersGrader:
+    grader = EXERCISES[name].answers
+    assert grader is not None
+    return grader
+
+
+def graded(name: str, answers: Any, seed: int = 7) -> Grading:
+    source = answers if isinstance(answers, bytes) else json.dumps(answers).encode()
+    return grader_of(name).grade(source, seed=seed, version="v")
+
+
+def check_of(grading: Grading, name: str) -> dict[str, Any]:
+    return next(one for one in grading.verdict.to_json()["checks"] if one["id"] == name)
