@@ -93,7 +93,7 @@ function element(tag, name, text = "") {
 
 let headings = 0;
 function heading(text, list) {
-  const made = element("h4", "pieces-title", text);
+  const made = element("h3", "pieces-title", text);
   made.id = `etapes-${(headings += 1)}`;
   list.setAttribute("aria-labelledby", made.id);
   return made;
@@ -144,6 +144,7 @@ function setUpDrag(question, lists, move) {
     let target = null;
     const follow = (moved) => {
       piece.classList.add("dragged");
+      scrollNear(moved.clientY);
       target = under(moved, piece, lists);
       mark(question, target);
     };
@@ -158,6 +159,13 @@ function setUpDrag(question, lists, move) {
     handle.addEventListener("pointerup", end, { once: true });
     handle.addEventListener("pointercancel", end, { once: true });
   });
+}
+
+// A proof may be longer than the window.
+const EDGE = 70;
+function scrollNear(y) {
+  if (y < EDGE) window.scrollBy(0, -EDGE / 4);
+  else if (y > window.innerHeight - EDGE) window.scrollBy(0, EDGE / 4);
 }
 
 // The list under the pointer, and the piece before which it would fall.
