@@ -82,23 +82,39 @@ def syntax_line(text: str, error: tomllib.TOMLDecodeError) -> int:
 def line_of(text: str, location: Location) -> int:
     """The line (from 1) where the field at `location` stands, or the table that should hold it."""
     lines = text.splitlines()
+    name, scope = "", range(len(lines))
     start, end = 0, _next_header(lines, 0)
     for depth, part in enumerate(location):
         if isinstance(part, int):
             continue
         index = location[depth + 1] if depth + 1 < len(location) else None
-        header = _header(lines, part, index if isinstance(index, int) else 0)
+        inner = f"{name}.{part}" if name else part
+        header = _header(lines, inner, index if isinstance(index, int) else 0, scope)
         if header is not None:
+            name, scope = inner, _scope(lines, inner, header, scope)
             start, end = header, _next_header(lines, header + 1)
         elif (key := _key(lines, part, start, end)) is not None:
             return key + 1
     return start + 1
 
 
-def _header(lines: list[str], name: str, occurrence: int) -> int | None:
-    pattern = re.compile(rf"\s*\[\[?\s*{re.escape(name)}\s*\]\]?")
-    found = [number for number, line in enumerate(lines) if pattern.match(line)]
+def _header(lines: list[str], name: str, occurrence: int, scope: range) -> int | None:
+    found = [number for number in scope if _named(lines[number]) == name]
     return found[occurrence] if occurrence < len(found) else None
+
+
+def _scope(lines: list[str], name: str, header: int, scope: range) -> range:
+    """The lines of a table and of those inside it."""
+    inside = f"{name}."
+    headers = ((number, _named(lines[number])) for number in range(header + 1, scope.stop))
+    end = next((number for number, found in headers if found and not found.startswith(inside)), scope.stop)
+    return range(header, end)
+
+
+def _named(line: str) -> str | None:
+    """The name of the table that a line opens."""
+    found = re.match(r"\s*\[\[?\s*([\w.\- ]+?)\s*\]\]?", line)
+    return found[1] if found else None
 
 
 def _next_header(lines: list[str], start: int) -> int:
