@@ -1,0 +1,81 @@
+"""Reading in a real browser: words that explain themselves, what has been read, the search, the paper."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.browser.conftest import NewVisit, sync_api
+
+expect = sync_api.expect
+READ = "/l20/lire/localiser"
+
+
+def test_a_word_shows_its_definition_and_escape_closes_it(visit: NewVisit) -> None:
+    visitor = visit()
+    page = visitor.open(READ)
+    word, definition = page.locator(".term").first, page.get_by_role("tooltip")
+    word.focus()
+    expect(definition).to_be_visible()
+    assert word.get_attribute("aria-describedby") == definition.get_attribute("id")
+    page.keyboard.press("Escape")
+    expect(definition).to_be_hidden()
+    page.locator(".term").nth(1).hover()
+    expect(definition).to_be_visible()
+    definition.hover()
+    page.wait_for_timeout(400)
+    expect(definition).to_be_visible()
+    page.locator("h1").hover()
+    expect(definition).to_be_hidden()
+
+
+def test_a_finger_sees_the_definition_before_it_leaves_the_page(visit: NewVisit) -> None:
+    visitor = visit(width=390, height=844, has_touch=True)
+    page = visitor.open(READ)
+    word = page.locator(".term").first
+    word.tap()
+    expect(page.get_by_role("tooltip")).to_be_visible()
+    assert page.url.endswith(READ)
+    word.tap()
+    page.wait_for_url("**/l20/glossaire#t-*")
+
+
+def test_what_one_has_read_is_remembered_here(visit: NewVisit) -> None:
+    visitor = visit()
+    page = visitor.open(READ)
+    contents = page.get_by_role("navigation", name="Sommaire de la page", exact=True)
+    contents.get_by_role("link").nth(2).click()
+    expect(contents.locator("[aria-current=location]")).to_have_count(1)
+    page.get_by_role("button", name="Tout marquer comme lu").click()
+    expect(page.locator(".read-state")).to_contain_text("Vous avez lu toute cette page.")
+    page.goto(visitor.server.address + "/l20")
+    expect(page.locator("[data-read-of=localiser]")).to_have_text("lue en entier")
+    expect(page.locator("[data-start]")).to_have_text("Continuer : Séance 2")
+    page.locator("[data-start]").click()
+    page.wait_for_url("**/l20/lire/cartographier")
+
+
+def test_a_slash_leads_to_the_search_and_a_hit_to_its_passage(visit: NewVisit) -> None:
+    visitor = visit()
+    page = visitor.open("/l20")
+    page.keyboard.press("/")
+    page.keyboard.type("particule")
+    page.keyboard.press("Enter")
+    page.wait_for_url("**/l20/recherche?q=particule")
+    expect(page.locator("mark").first).to_be_visible()
+    page.locator(".hits a[href*='/lire/'][href*='#']").first.click()
+    expect(page.locator("h2:target, h3:target, h4:target")).to_be_visible()
+
+
+@pytest.mark.parametrize("script", [True, False])
+def test_on_paper_everything_is_unfolded_and_nothing_is_dark(visit: NewVisit, script: bool) -> None:
+    visitor = visit(color_scheme="dark", java_script_enabled=script)
+    page = visitor.open("/l20/lire/exercices-corriges")
+    page.emulate_media(media="print")
+    if script:
+        page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    for one in (".site-head", ".contents-side", ".page-turn", ".figure-dark"):
+        assert page.locator(f"{one}:visible").count() == 0, one
+    height = "details => details.querySelector('summary').nextElementSibling.nextElementSibling.offsetHeight"
+    for details in page.locator("details.block-correction").all():
+        assert details.evaluate(height) > 10
+    assert len(page.pdf(prefer_css_page_size=True)) > 20_000
