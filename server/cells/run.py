@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 import time
 from contextlib import suppress
 from dataclasses import dataclass
@@ -28,6 +29,11 @@ POLICY = Policy(
     file_bytes=1 * MIB,
     folder_bytes=4 * MIB,
     items=1000,
+)
+#: What the sandbox says to the author of an exercise, and what a cell's reader is told instead.
+_INSTEAD = (
+    (r"\s: tout arrive par les arguments", ""),
+    (r"Rien ne se trace pendant l'évaluation.*", "Pour tracer, importez «\u202fmatplotlib.pyplot\u202f»."),
 )
 UNREADABLE = "Une figure ne peut pas être lue : dessinez-la avec les fonctions de matplotlib, et laissez-la ouverte."
 
@@ -79,7 +85,10 @@ def _figures(session: Session) -> tuple[tuple[bytes, ...], ProgramFault | None]:
 
 def _told(fault: ProgramFault) -> FaultOut:
     title, _ = OUTCOMES[fault.kind.value]
-    return FaultOut(title=title, message=fault.message, line=fault.line, frames=[_place(one) for one in fault.frames])
+    message = fault.message
+    for pattern, instead in _INSTEAD:
+        message = re.sub(pattern, instead, message)
+    return FaultOut(title=title, message=message, line=fault.line, frames=[_place(one) for one in fault.frames])
 
 
 def _place(frame: Frame) -> str:

@@ -67,6 +67,20 @@ def test_a_fault_while_a_figure_is_drawn_leaves_the_prints(run: Run) -> None:
     assert shown.fault is not None
 
 
+@pytest.mark.parametrize(
+    ("code", "told"),
+    [
+        ("open('/etc/passwd')", "Fichiers, réseau, processus et fils d'exécution sont hors d'atteinte."),
+        ("open('a.txt')", "Aucun fichier de données n'est fourni."),
+        ("import seaborn", "Pour tracer, importez « matplotlib.pyplot »."),
+    ],
+)
+def test_advice_is_for_a_reader_not_for_a_submission(run: Run, code: str, told: str) -> None:
+    shown = run(code)
+    assert shown.fault is not None
+    assert shown.fault.message.replace("\u202f", " ").endswith(told)
+
+
 def test_what_is_printed_hides_nothing(run: Run) -> None:
     assert run("print('\\x1b[2J\\u202e<b>')").stdout == "␛[2J⟦U+202E⟧<b>\n"
 
