@@ -67,7 +67,7 @@ def _here(request: Request, modules: Mapping[str, Module]) -> HereView | None:
     found = modules.get(request.path_params.get("module", ""))
     if found is None or not found.documents:
         return None
-    return HereView(found.slug, found.number, request.url.path.endswith("/recherche"))
+    return HereView(found.slug, found.number, request.url.path == f"/{found.slug}/recherche")
 
 
 def page(

@@ -66,7 +66,12 @@ def course_home(reader: Reader, module: Module) -> CourseHome:
     placed = {row.href for card in sessions for row in card.exercises}
     left = tuple(row for row in rows.values() if row.href not in placed)
     length = plural(module.sessions, "séance") if module.sessions else ""
-    facts = (("Durée", length), ("Prérequis", ", ".join(module.prerequisites)))
+    around = [f"{word} {number}" for word, number in (("après", module.previous), ("avant", module.next)) if number]
+    facts = (
+        ("Durée", length),
+        ("Prérequis", ", ".join(module.prerequisites)),
+        ("Dans le parcours", ", ".join(around)),
+    )
     return CourseHome(
         slug=module.slug,
         number=module.number,

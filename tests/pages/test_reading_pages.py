@@ -68,7 +68,7 @@ def test_pages_follow_each_other_as_the_course_lists_them(site: Site) -> None:
         seen.append(path.rsplit("/", 1)[1])
         following = re.search(r'rel="next" href="([^"]+)"', site.get(path))
         path = following[1] if following else ""
-    assert seen == ["depart", "arrivee", "memoire", "suites"]
+    assert seen == ["depart", "arrivee", "memoire", "recherche"]
     assert 'rel="prev"' not in site.get(READ)
     assert f'rel="prev" href="{READ}"' in site.get("/m9/lire/arrivee")
 
@@ -160,6 +160,7 @@ def test_an_empty_search_waits_for_a_word(site: Site) -> None:
         assert "Un mot du cours" in page
         assert "Rien ne parle" not in page
     assert 'action="/m9/recherche"' in site.get(READ)
+    assert "head-search" in site.get("/m9/lire/recherche"), "a page may well be called so"
 
 
 @pytest.mark.parametrize("path", ["/m9/lire/rien", "/m8/lire/depart", "/m9/figures/rien.svg", "/m8/glossaire"])

@@ -75,7 +75,7 @@ def with_texts(catalogue: Catalogue) -> Catalogue:
         document("memoire", "fiche", minutes=0, objectives=()),
         document("depart", figures=("dessin",)),
         document("arrivee", label="Séance 2", minutes=120),
-        document("suites", "annexe", label="Annexe", minutes=0, objectives=()),
+        document("recherche", "annexe", label="Annexe", minutes=0, objectives=()),
     )
     words = (term("pose", "pose"), term("etat", "état"), term("amer", "amer", "nulle-part"))
     exercises = tuple(replace(one, seance="depart" if one.slug == "a" else "") for one in module.exercises)
