@@ -26,7 +26,7 @@ TITLE_WEIGHT = 6.0
 WORDS_AROUND = 26
 WORD = re.compile(r"[^\W_]+")
 #: How a numbered block begins, « Théorème 1 : », where others only speak of it.
-NUMBERED = re.compile(r"\b\w+\u00a0\d+(?= :)")
+NUMBERED = re.compile(r"\b[A-ZÉ]\w+\u00a0\d+(?= :)")
 ON, OFF = "\x02", "\x03"
 #: Words that say nothing by themselves, and what an apostrophe leaves of them.
 SMALL = {
@@ -83,9 +83,10 @@ class Index:
         return tuple(hits.values())[:most]
 
     def _hits(self, match: str, most: int) -> dict[int, HitView]:
+        rank = f"bm25(passages, {TITLE_WEIGHT}, 1.0, {TITLE_WEIGHT}), rowid"
         statement = f"""
             SELECT rowid, snippet(passages, 1, '{ON}', '{OFF}', '…', {WORDS_AROUND})
-            FROM passages WHERE passages MATCH ? ORDER BY bm25(passages, {TITLE_WEIGHT}, 1.0, {TITLE_WEIGHT}), rowid LIMIT ?
+            FROM passages WHERE passages MATCH ? ORDER BY {rank} LIMIT ?
         """
         with self._lock:
             rows = self._table.execute(statement, (match, most)).fetchall()
