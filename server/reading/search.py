@@ -22,7 +22,7 @@ from server.reading.schemas import HitView
 
 MOST_HITS = 30
 MOST_LETTERS, MOST_WORDS = 200, 8  # what is read of a query
-TITLE_WEIGHT = 6.0
+TITLE_WEIGHT, NAME_WEIGHT = 6.0, 20.0
 WORDS_AROUND = 26
 WORD = re.compile(r"[^\W_]+")
 #: How a numbered block begins, « Théorème 1 : », where others only speak of it.
@@ -83,7 +83,7 @@ class Index:
         return tuple(hits.values())[:most]
 
     def _hits(self, match: str, most: int) -> dict[int, HitView]:
-        rank = f"bm25(passages, {TITLE_WEIGHT}, 1.0, {TITLE_WEIGHT}), rowid"
+        rank = f"bm25(passages, {TITLE_WEIGHT}, 1.0, {NAME_WEIGHT}), rowid"
         statement = f"""
             SELECT rowid, snippet(passages, 1, '{ON}', '{OFF}', '…', {WORDS_AROUND})
             FROM passages WHERE passages MATCH ? ORDER BY {rank} LIMIT ?
