@@ -78,11 +78,11 @@ def test_without_a_closure_nothing_moves() -> None:
 
 @pytest.mark.parametrize("draw", [1, 2, 3])
 def test_a_false_closure_bends_the_map_unless_a_kernel_resists(draw: int) -> None:
-    plain = errors(tirage=draw, fausse=1)
-    robust = errors(tirage=draw, fausse=1, noyau="dcs")
+    plain = errors(tirage=draw, fausse=1, fermetures=6)
+    robust = errors(tirage=draw, fausse=1, fermetures=6, noyau="dcs")
     assert plain[-1] > 3.0
     assert robust[-1] < 1.0
-    assert robust[-1] == pytest.approx(errors(tirage=draw, noyau="dcs")[-1], abs=0.05)
+    assert robust[-1] == pytest.approx(errors(tirage=draw, fermetures=6, noyau="dcs")[-1], abs=0.05)
     last = scene("graphe", tirage=draw, fausse=1, noyau="dcs")["frames"][-1]
     assert layer(last["layers"], "segments", color="alert")["dashed"]
 

@@ -50,7 +50,7 @@ PARAMETERS = {
         "a-etoile",
     ),
     "rayon": Slider("Rayon du robot", 0.0, 1.5, 0.25, 0.25, "case"),
-    "prudence": Slider("Prix de la proximité des murs", 0, 20, 1, 3),
+    "prudence": Slider("Coût d'inflation, au bord d'un mur", 0, 20, 1, 3),
 }
 PLAN = """
 ########################

@@ -42,10 +42,10 @@ ALT = (
 MOST_CLOSURES = 10
 PARAMETERS = {
     "derive": Slider("Dérive de l'odométrie", 0.2, 2.0, 0.1, 1.2, "%"),
-    "fermetures": Slider("Fermetures de boucle", 0, MOST_CLOSURES, 1, 6),
+    "fermetures": Slider("Fermetures de boucle", 0, MOST_CLOSURES, 1, 1),
     "fausse": Switch("Ajouter une fausse fermeture"),
     "noyau": Choice("Noyau robuste", (("aucun", "aucun"), ("huber", "de Huber"), ("dcs", "DCS")), "aucun"),
-    "tirage": Draw(default=1),
+    "tirage": Draw(default=3),
 }
 START = (3.5, 3.5, 0.0)
 ROUTE = (
@@ -123,7 +123,7 @@ def closures(run: Run, count: int) -> list[tuple[int, int]]:
         (int(min(early[late == j], key=lambda i: away[i, j])), int(j))
         for j in np.unique(late)  # pour chaque pose, le lieu déjà vu le plus proche
     ]
-    chosen = np.unique(np.linspace(0, len(nearest) - 1, count).round().astype(int)) if count else []
+    chosen = np.unique(np.linspace(len(nearest) - 1, 0, count).round().astype(int)) if count else []
     return [nearest[k] for k in chosen]
 
 
@@ -176,9 +176,11 @@ def pictures(run: Run, graph: PoseGraph, states: list[State], mistaken: bool) ->
         if k == 0:
             text = f"On ajoute {pluriel(len(loops), 'fermeture', 'fermetures')} : χ² = {number(state.cost)}."
         else:
-            text = f"Itération {k} : le coût tombe de {number(states[k - 1].cost)} à {number(state.cost)}."
-            if state.cost > states[k - 1].cost:
-                text = f"Itération {k} : le coût monte de {number(states[k - 1].cost)} à {number(state.cost)}."
+            before, now = number(states[k - 1].cost), number(state.cost)
+            verb = "tombe" if state.cost < states[k - 1].cost else "monte"
+            text = f"Itération {k} : le coût {verb} de {before} à {now}."
+            if before == now:
+                text = f"Itération {k} : le coût ne change plus ; il vaut {now}."
         frames.append(Frame(layers(state, scans, graph, loops, mistaken, glide=k > 0), text))
     return frames
 

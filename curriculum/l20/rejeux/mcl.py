@@ -57,6 +57,7 @@ PARAMETERS = {
 REACH, LIDAR_SIGMA = 8.0, 0.1
 FINE = 4
 STRIDE, TURN = 0.7, 0.6
+BEFORE = -0.4  # un déplacement précède la mesure du même pas
 FOUND = 1.0
 ROUTE = ((11.5, 3.5), (11.5, 7.9), (19.5, 7.9), (19.5, 5.6), (21.5, 5.5), (21.5, 1.8), (17.0, 1.8), (17.0, 5.0))
 ELSEWHERE = ((2.0, 14.2), (7.5, 14.2), (7.6, 13.5), (17.5, 13.5), (17.5, 8.0), (12.0, 8.0))
@@ -105,8 +106,9 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
         motion=noise, threshold=values.number("seuil"),
     )  # fmt: skip
     story, truth = Story(), usual[0]
+    story.sizes.append((BEFORE, count))
     story.show(
-        0, 0.0, f"Au départ : {count} particules au hasard, car on ne sait rien.", cloud(robot), Pose(truth, "truth")
+        0, BEFORE, f"Au départ : {count} particules au hasard, car on ne sait rien.", cloud(robot), Pose(truth, "truth")
     )
     for step in range(STEPS + 1):
         if step > 0:
@@ -116,7 +118,7 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
             truth = path[k]
             robot.predict(sample_odometry(np.zeros((1, 3)), move, noise, rng)[0])
             text = f"Pas {step}, déplacement : chaque particule suit l'odométrie, avec son propre bruit."
-            story.show(step, -0.4, text, cloud(robot, glide=True), Pose(truth, "truth", glide=True))
+            story.show(step, BEFORE, text, cloud(robot, glide=True), Pose(truth, "truth", glide=True))
         if step == taken:
             truth = elsewhere[0]
             story.show(

@@ -41,7 +41,7 @@ PARAMETERS = {
     "poses": Choice(
         "Poses utilisées",
         (("vraies", "les vraies"), ("odometrie", "celles de l'odométrie"), ("ecart", "l'écart entre les deux cartes")),
-        "odometrie",
+        "vraies",
     ),
     "derive": Slider("Dérive de l'odométrie", 0.0, 3.0, 0.1, 0.8, "%"),
     "rayons": Slider("Rayons par scan", 8, 120, 4, 60),

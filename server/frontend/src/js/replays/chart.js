@@ -1,7 +1,7 @@
 // Curves under the drawing: what is past stands out, what is to come is faint, and the cursor follows the frame.
 
 import { css } from "./colours.js";
-import { decimal, lowered, make } from "./dom.js";
+import { decimal, lowered, make, mark } from "./dom.js";
 
 const HEIGHT = 132;
 const MARGIN = { top: 8, right: 12, bottom: 20 };
@@ -27,9 +27,13 @@ export class Chart {
     this.#followPointer(seek);
   }
 
-  /** Take other data of the same shape. */
+  /** Take other data, if they go by the same names. */
   update(data) {
+    const curves = ({ series }) => series.flatMap(({ label, style }) => [label, style]);
+    const names = (one) => [one.title, one.xLabel, ...curves(one)].join("|");
+    if (names(data) !== names(this.data)) return false;
     this.data = data;
+    return true;
   }
 
   #followPointer(seek) {
@@ -53,7 +57,8 @@ export class Chart {
     const density = window.devicePixelRatio || 1;
     const width = this.canvas.parentElement.clientWidth;
     const [wide, tall] = [Math.max(1, Math.round(width * density)), Math.round(this.height * density)];
-    if (wide !== this.canvas.width || tall !== this.canvas.height) [this.canvas.width, this.canvas.height] = [wide, tall];
+    const { canvas } = this;
+    if (wide !== canvas.width || tall !== canvas.height) [canvas.width, canvas.height] = [wide, tall];
     ctx.setTransform(density, 0, 0, density, 0, 0);
     ctx.clearRect(0, 0, width, this.height);
     ctx.font = `12px ${getComputedStyle(this.canvas).fontFamily}`;
@@ -73,6 +78,7 @@ export class Chart {
     const xs = [...this.data.series.flatMap((one) => one.x), ...this.data.cursor];
     const ys = [...this.data.series.flatMap((one) => one.y), ...this.data.levels.map((one) => one.y)];
     const [x0, x1] = widened(Math.min(...xs), Math.max(...xs));
+    const whole = this.data.series.every((one) => one.x.every(Number.isInteger));
     const known = ys.filter((y) => y !== null && (!this.data.logarithmic || y > 0));
     const [low, high] = this.data.yRange;
     const [y0, y1] = widened(low ?? Math.min(...known), high ?? Math.max(...known) * 1.04);
@@ -82,10 +88,12 @@ export class Chart {
     const left = Math.max(LEFT, ...labels.map((label) => 10 + ctx.measureText(label).width));
     const [right, bottom] = [width - MARGIN.right, this.height - MARGIN.bottom - (this.data.xLabel ? X_LABEL : 0)];
     const [from, to] = [level(y0), level(y1)];
+    const least = this.data.logarithmic ? y0 : -Infinity;
     this.plot = {
-      left, right, bottom, ticks, labels, xTicks: nice(x0, x1, Math.max(2, Math.floor((right - left) / 80))),
+      left, right, bottom, ticks, labels,
+      xTicks: nice(x0, x1, Math.max(2, Math.floor((right - left) / 60)), whole ? 1 : 0),
       x: (x) => left + ((right - left) * (x - x0)) / (x1 - x0),
-      y: (y) => bottom - ((bottom - MARGIN.top) * (level(Math.max(y, this.data.logarithmic ? y0 : -Infinity)) - from)) / (to - from),
+      y: (y) => bottom - ((bottom - MARGIN.top) * (level(Math.max(y, least)) - from)) / (to - from),
     }; // prettier-ignore
   }
 
@@ -195,17 +203,16 @@ function stroke(ctx, from, to) {
 }
 
 function swatch({ color, style }) {
-  const shape = { dots: "dot", bars: "area", dashed: "dashed" }[style] ?? "line";
-  return make("i", { class: `replay-mark replay-mark-${shape}`, style: `color: var(--replay-${color})` });
+  return mark({ dots: "dot", bars: "area", dashed: "dashed" }[style] ?? "line", color);
 }
 
 function widened(low, high) {
   return high > low ? [low, high] : [low, low + 1];
 }
 
-/** About `wanted` round numbers between two. */
-function nice(low, high, wanted) {
-  const rough = (high - low) / wanted;
+/** About `wanted` round numbers between two, `finest` apart at least. */
+function nice(low, high, wanted, finest = 0) {
+  const rough = Math.max((high - low) / wanted, finest);
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].find((one) => one * power >= rough) * power;
   const first = Math.ceil(low / step - 1e-9);

@@ -1,6 +1,7 @@
 // Colours have names; what they look like is the style sheet's to say, for the theme in force.
 
-const NAMES = ["truth", "estimate", "measure", "alert", "second", "ink", "faint", "accent", "paper", "wall", "unknown", "surface"];
+const MEANINGS = ["truth", "estimate", "measure", "alert", "second", "ink", "faint", "accent"];
+const NAMES = [...MEANINGS, "paper", "wall", "unknown", "surface"];
 
 /** The colours of a replay as [red, green, blue], by name. */
 export function readColours(stage) {

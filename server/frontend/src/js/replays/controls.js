@@ -1,6 +1,6 @@
 // What the reader acts with: the buttons of the player, and the settings that the replay declares.
 
-import { decimal, icon, lowered, make } from "./dom.js";
+import { button, decimal, icon, lowered, make } from "./dom.js";
 
 const ICONS = {
   play: "M7 4.5v15l13-7.5z",
@@ -14,16 +14,19 @@ export class Transport {
   constructor({ toggle, step, seek, speed }) {
     this.play = make("button", { type: "button", class: "replay-play", onclick: toggle });
     this.range = make("input", {
-      type: "range", min: 0, max: 0, step: 1, value: 0, "aria-label": "Image", oninput: () => seek(Number(this.range.value)),
+      type: "range", min: 0, max: 0, step: 1, value: 0, "aria-label": "Image",
+      oninput: () => seek(Number(this.range.value)),
     }); // prettier-ignore
     this.counter = make("output", { class: "replay-counter" });
-    const speeds = SPEEDS.map((one) => make("option", { value: one, selected: one === 1 }, `× ${String(one).replace(".", ",")}`));
+    const speeds = SPEEDS.map((one) =>
+      make("option", { value: one, selected: one === 1 }, `× ${String(one).replace(".", ",")}`),
+    );
     const select = make("select", { "aria-label": "Vitesse", onchange: () => speed(Number(select.value)) }, ...speeds);
     this.element = make(
       "div", { class: "replay-transport" },
-      button("Image précédente", ICONS.back, () => step(-1)),
+      pictured("Image précédente", ICONS.back, () => step(-1)),
       this.play,
-      button("Image suivante", ICONS.on, () => step(1)),
+      pictured("Image suivante", ICONS.on, () => step(1)),
       this.range, this.counter, select,
     ); // prettier-ignore
     this.show(0, 1, false);
@@ -43,8 +46,9 @@ export class Transport {
   }
 }
 
-function button(label, path, onclick) {
-  return make("button", { type: "button", class: "replay-step", "aria-label": label, title: label, onclick }, icon(path));
+function pictured(label, path, onclick) {
+  const look = { class: "replay-step", "aria-label": label, title: label };
+  return make("button", { type: "button", ...look, onclick }, icon(path));
 }
 
 /** The settings. `changed` is called with all of them, `{name: text}`, those left at their defaults aside. */
@@ -58,7 +62,7 @@ export class Settings {
     this.currentStep = currentStep;
     this.#defaults = Object.fromEntries(parameters.map(({ name }) => [name, asText(values[name])]));
     this.#values = { ...this.#defaults };
-    this.reset = make("button", { type: "button", class: "link-button", onclick: () => this.#restore() }, "Réglages de départ");
+    this.reset = button("Réglages de départ", () => this.#restore(), "link-button");
     const fields = parameters.map((one) => this.#field(one)).filter(Boolean);
     this.element = make("div", { class: "replay-settings" }, ...fields, this.reset);
     this.#refresh();
@@ -93,14 +97,21 @@ export class Settings {
 
   #field(parameter) {
     const id = `replay-${crypto.randomUUID?.() ?? Math.random().toString(36).slice(2)}`;
-    const build = { slider: this.#slider, choice: this.#choice, switch: this.#switch, event: this.#event, draw: this.#draw, pose: this.#pose };
-    return build[parameter.kind].call(this, parameter, id);
+    switch (parameter.kind) {
+      case "slider": return this.#slider(parameter, id);
+      case "choice": return this.#choice(parameter, id);
+      case "switch": return this.#switch(parameter, id);
+      case "event": return this.#event(parameter);
+      case "draw": return this.#draw(parameter);
+      case "pose": return this.#pose(parameter);
+    } // prettier-ignore
   }
 
   #slider({ name, label, least, most, step, unit, decimals }, id) {
     const output = make("output", { for: id });
     const words = (text) => `${decimal(Number(text), decimals)}${suffix(unit, Number(text))}`;
-    const input = make("input", { type: "range", id, min: least, max: most, step, oninput: () => this.set(name, input.value) });
+    const bounds = { min: least, max: most, step };
+    const input = make("input", { type: "range", id, ...bounds, oninput: () => this.set(name, input.value) });
     this.#shown[name] = (text) => {
       if (input.value !== text) input.value = text;
       output.textContent = words(text);
@@ -117,21 +128,22 @@ export class Settings {
   }
 
   #switch({ name, label }, id) {
-    const input = make("input", { type: "checkbox", id, role: "switch", onchange: () => this.set(name, input.checked) });
+    const flip = () => this.set(name, input.checked);
+    const input = make("input", { type: "checkbox", id, role: "switch", onchange: flip });
     this.#shown[name] = (text) => (input.checked = text === "1");
     return make("div", { class: "replay-field replay-switch" }, input, make("label", { for: id }, ...lowered(label)));
   }
 
   #event({ name, label, undo, steps }) {
     const press = () => this.set(name, this.#values[name] === "-1" ? Math.min(this.currentStep(), steps - 1) : -1);
-    const element = make("button", { type: "button", class: "button", onclick: press });
+    const element = button("", press);
     this.#shown[name] = (text) => (element.textContent = text === "-1" ? label : undo);
     return make("div", { class: "replay-field replay-action" }, element);
   }
 
   #draw({ name, label, count }) {
     const press = () => this.set(name, (Number(this.#values[name]) + 1) % count);
-    return make("div", { class: "replay-field replay-action" }, make("button", { type: "button", class: "button", onclick: press }, label));
+    return make("div", { class: "replay-field replay-action" }, button(label, press));
   }
 
   #pose({ name, label, turns }) {
@@ -142,9 +154,11 @@ export class Settings {
       output.textContent = `x = ${decimal(x, 2)}, y = ${decimal(y, 2)}${heading}`;
     };
     const keys = (...names) => names.flatMap((one) => [make("kbd", {}, one), " "]);
-    const help = make("span", { class: "help" }, "À tirer sur le dessin, ou avec les touches ", ...keys("←", "↑", "→", "↓"));
+    const help = make("span", { class: "help" }, "À tirer sur le dessin, ou avec les touches ");
+    help.append(...keys("←", "↑", "→", "↓"));
     if (turns) help.append("; pour l’orienter, tirez sa pointe, ou touches ", ...keys("[", "]"));
-    return make("div", { class: "replay-field replay-pose" }, make("span", { class: "replay-name" }, label), output, help);
+    const title = make("span", { class: "replay-name" }, label);
+    return make("div", { class: "replay-field replay-pose" }, title, output, help);
   }
 }
 

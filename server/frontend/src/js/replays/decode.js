@@ -36,7 +36,7 @@ export function cells(grid) {
   });
 }
 
-/** Rows part of the way, 0 to 1, from one array to another of the same shape; the column `angle` turns the short way. */
+/** Rows a part (0 to 1) of the way from one array to another of the same shape; column `angle` turns the short way. */
 export function between(from, to, part, angle = -1) {
   if (from.values.length !== to.values.length) return part < 1 ? from : to;
   const values = Float64Array.from(to.values, (value, i) => {

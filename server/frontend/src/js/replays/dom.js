@@ -12,6 +12,15 @@ export function make(tag, attributes = {}, ...children) {
   return element;
 }
 
+export function button(text, onclick, look = "button") {
+  return make("button", { type: "button", class: look, onclick }, text);
+}
+
+/** A small mark in one of the scene's colours: what it stands for is said beside it. */
+export function mark(symbol, color) {
+  return make("i", { class: `replay-mark replay-mark-${symbol}`, style: `color: var(--replay-${color})` });
+}
+
 const SVG = "http://www.w3.org/2000/svg";
 
 /** A drawing of 24 × 24 made of one path. */

@@ -1,4 +1,4 @@
-// One painter for each kind of layer. `paper` maps the scene to pixels: x(), y(), scale, turn (−1 where y grows upwards).
+// One painter for each kind of layer. `paper` maps the scene to pixels: x(), y(), scale, turn (−1 where y grows up).
 
 import { css, ramp } from "./colours.js";
 import { cells, rows } from "./decode.js";

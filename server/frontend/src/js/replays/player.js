@@ -3,7 +3,7 @@
 import { Chart } from "./chart.js";
 import { onThemeChange, readColours } from "./colours.js";
 import { Settings, Transport } from "./controls.js";
-import { lowered, make } from "./dom.js";
+import { button, lowered, make, mark } from "./dom.js";
 import { Drag } from "./drag.js";
 import { Source } from "./source.js";
 import { Stage } from "./stage.js";
@@ -19,7 +19,8 @@ export class Player {
 
   constructor(figure) {
     this.figure = figure;
-    this.canvas = make("canvas", { class: "replay-canvas", tabindex: "0", role: "img" });
+    const keys = "Space ArrowLeft ArrowRight Home End";
+    this.canvas = make("canvas", { class: "replay-canvas", tabindex: "0", role: "img", "aria-keyshortcuts": keys });
     this.caption = make("p", { class: "replay-caption" });
     this.summary = make("div", { class: "replay-summary", "aria-live": "polite" });
     this.status = make("div", { class: "replay-status", role: "status" }, "Calcul en cours…");
@@ -122,22 +123,20 @@ export class Player {
     this.title.replaceChildren(...lowered(data.title));
     this.canvas.setAttribute("aria-label", data.alt);
     const view = make("div", { class: "replay-view" }, this.canvas, this.caption);
-    this.body.replaceChildren(this.title, this.legend, view, this.transport.element, this.charts, this.settings.element, this.summary);
+    const { title, legend, transport, charts, settings, summary } = this;
+    this.body.replaceChildren(title, legend, view, transport.element, charts, settings.element, summary);
     this.#dress();
   }
 
   #showCharts(charts) {
-    const same = this.plots.length === charts.length && charts.every((one, i) => this.plots[i].data.series.length === one.series.length);
-    if (same) charts.forEach((one, i) => this.plots[i].update(one));
-    else {
-      this.plots = charts.map((one) => new Chart(one, (index) => this.seek(index)));
-      this.charts.replaceChildren(...this.plots.map((plot) => plot.element));
-    }
+    if (this.plots.length === charts.length && charts.every((one, i) => this.plots[i].update(one))) return;
+    this.plots = charts.map((one) => new Chart(one, (index) => this.seek(index)));
+    this.charts.replaceChildren(...this.plots.map((plot) => plot.element));
   }
 
   #showLegend(legend) {
     const keys = legend.map(({ symbol, color, label }) =>
-      make("li", {}, make("i", { class: `replay-mark replay-mark-${symbol}`, style: `color: var(--replay-${color})` }), make("span", {}, ...lowered(label))),
+      make("li", {}, mark(symbol, color), make("span", {}, ...lowered(label))),
     );
     this.legend.replaceChildren(...keys);
   }
@@ -183,10 +182,12 @@ export class Player {
   #key(event) {
     if (event.altKey || event.ctrlKey || event.metaKey || !this.data) return;
     const onCanvas = event.target === this.canvas;
+    const plays = onCanvas || event.target === this.transport.range;
     if (onCanvas && this.drag.key(event)) event.preventDefault();
-    else if (event.key === " " && (onCanvas || event.target === this.transport.range)) this.#caught(event, () => this.toggle());
+    else if (event.key === " " && plays) this.#caught(event, () => this.toggle());
     else if (onCanvas) {
-      const goals = { ArrowRight: this.#index() + 1, ArrowLeft: this.#index() - 1, Home: 0, End: this.data.frames.length - 1 };
+      const [now, last] = [this.#index(), this.data.frames.length - 1];
+      const goals = { ArrowRight: now + 1, ArrowLeft: now - 1, Home: 0, End: last };
       if (event.key in goals) this.#caught(event, () => this.seek(goals[event.key]));
     }
   }
@@ -197,9 +198,10 @@ export class Player {
   }
 
   #fail(error) {
-    const again = make("button", { type: "button", class: "button", onclick: () => this.source.ask(this.settings?.asked() ?? {}) }, "Réessayer");
+    const again = button("Réessayer", () => this.source.ask(this.settings?.asked() ?? {}));
+    const words = make("span", {}, `Cette animation n’a pas pu être chargée. ${error.message}`);
     this.status.hidden = false;
-    this.status.replaceChildren(make("span", {}, `Cette animation n’a pas pu être chargée. ${error.message}`), again);
+    this.status.replaceChildren(words, again);
   }
 }
 

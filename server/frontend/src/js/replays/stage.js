@@ -83,7 +83,8 @@ function moment(frames, index, part) {
   const { layers } = frames[index];
   if (part === 0 || index + 1 >= frames.length) return layers;
   const next = frames[index + 1].layers;
-  return layers.map((layer, i) => (next[i]?.glide && next[i].kind === layer.kind ? glide(layer, next[i], part) : layer));
+  const goes = (layer, i) => next[i]?.glide && next[i].kind === layer.kind;
+  return layers.map((layer, i) => (goes(layer, i) ? glide(layer, next[i], part) : layer));
 }
 
 function glide(from, to, part) {
