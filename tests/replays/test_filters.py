@@ -91,7 +91,7 @@ def test_the_threshold_rules_resampling() -> None:
         for seuil in (0, 0.5, 1)
     }
     assert drawn[0] == 0
-    assert 0 < drawn[0.5] < drawn[1] == 37
+    assert 0 < drawn[0.5] < drawn[1] == 47
 
 
 def test_kidnapping_changes_nothing_of_what_came_before_and_is_noticed() -> None:

@@ -42,7 +42,7 @@ ALT = (
     "le robot, grossissent quand le scan leur donne raison, puis se regroupent autour de lui. Deux courbes suivent la "
     "taille efficace du nuage et l'erreur de position."
 )
-STEPS = 36
+STEPS = 46
 PARAMETERS = {
     "particules": Choice(
         "Nombre de particules N", tuple((str(n), str(n)) for n in (20, 50, 100, 200, 500, 1000, 2000)), "500"
@@ -60,7 +60,7 @@ STRIDE, TURN = 0.7, 0.6
 BEFORE = -0.4  # un déplacement précède la mesure du même pas
 FOUND = 1.0
 ROUTE = ((11.5, 3.5), (11.5, 7.9), (19.5, 7.9), (19.5, 5.6), (21.5, 5.5), (21.5, 1.8), (17.0, 1.8), (17.0, 5.0))
-ELSEWHERE = ((2.0, 14.2), (7.5, 14.2), (7.6, 13.5), (17.5, 13.5), (17.5, 8.0), (12.0, 8.0))
+ELSEWHERE = ((11.5, 13.5), (17.5, 13.5), (17.5, 7.9), (4.5, 7.9), (4.5, 10.6), (7.5, 10.6))
 
 
 @dataclass
@@ -88,7 +88,7 @@ def fine_map() -> GridMap:
 def routes() -> tuple[np.ndarray, np.ndarray]:
     """Deux trajets (STEPS + 1, 3) au moins : celui du robot, et celui qu'il suit là où on l'a porté."""
     drive, found = DifferentialDrive(0.5), []
-    for start, goals in (((3.5, 3.5, 0.0), ROUTE), ((2.0, 10.8, np.pi / 2.0), ELSEWHERE)):
+    for start, goals in (((3.5, 3.5, 0.0), ROUTE), ((11.5, 10.8, np.pi / 2.0), ELSEWHERE)):
         motions = motions_through(start, goals, STRIDE, TURN)
         found.append(integrate(drive, [drive.wheels(one) for one in motions], start))
     return found[0][: STEPS + 1], found[1][: STEPS + 1]
