@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from functools import lru_cache
 from hashlib import blake2b
 from http import HTTPStatus
-from typing import Any
+from typing import Any, TypeVar
 
-from fastapi import Request
+from fastapi import Request, Response
 from fastapi.responses import HTMLResponse
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
@@ -89,13 +89,21 @@ def page(
     body = environment().get_template(template).render(account=account_view(account), **surroundings, **context)
     # A page shows one person's own work: nobody else's cache may keep it.
     kept = {"Cache-Control": "private, no-cache", **(headers or {})}
-    if request.method != "GET" or status != HTTPStatus.OK:
-        return HTMLResponse(body, status, headers=kept)
-    tag = f'W/"{blake2b(body.encode(), digest_size=12).hexdigest()}"'
-    known = tag in request.headers.get("if-none-match", "")
-    return HTMLResponse(
-        "" if known else body, HTTPStatus.NOT_MODIFIED if known else HTTPStatus.OK, headers={**kept, "ETag": tag}
-    )
+    answer = HTMLResponse(body, status, headers=kept)
+    return once(request, answer) if request.method == "GET" and status == HTTPStatus.OK else answer
+
+
+Answer = TypeVar("Answer", bound=Response)
+
+
+def once(request: Request, answer: Answer) -> Answer:
+    """The same answer with a tag of its content; without its content for a browser that has it already."""
+    tag = f'W/"{blake2b(bytes(answer.body), digest_size=12).hexdigest()}"'
+    answer.headers["ETag"] = tag
+    if tag in request.headers.get("if-none-match", ""):
+        answer.status_code, answer.body = HTTPStatus.NOT_MODIFIED, b""
+        del answer.headers["content-length"]
+    return answer
 
 
 def fragment(template: str, account: Account | None, **context: Any) -> HTMLResponse:

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
 from server.pages.dependencies import Reading
-from server.pages.rendering import page
+from server.pages.rendering import once, page
 from server.pages.service import find_module
 from server.reading import service
 from server.reading.downloads import Downloads
@@ -49,7 +49,7 @@ def search(request: Request, module: str, reader: Reading, q: Annotated[str, Que
 async def figure(request: Request, module: str, name: str, theme: Literal["light", "dark"] = "light") -> Response:
     drawings: Drawings = request.app.state.drawings
     picture = await drawings.picture(module, name, theme)
-    return Response(picture, media_type="image/svg+xml", headers=FIGURE_HEADERS)
+    return once(request, Response(picture, media_type="image/svg+xml", headers=FIGURE_HEADERS))
 
 
 @router.get("/{module:module}/fichiers/{name}.zip")

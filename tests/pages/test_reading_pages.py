@@ -98,6 +98,20 @@ def test_a_page_that_has_not_changed_is_not_sent_again(site: Site) -> None:
     assert site.client.get(READ, headers={"If-None-Match": tag}).status_code == 200
 
 
+def test_a_drawing_that_one_has_is_not_sent_again(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Drawings:
+        async def picture(self, *_: str) -> bytes:
+            return b"<svg/>"
+
+    monkeypatch.setattr(site.client.app.state, "drawings", Drawings())
+    path = "/m9/figures/dessin.svg?theme=dark"
+    first = site.client.get(path)
+    assert (first.content, first.headers["content-type"]) == (b"<svg/>", "image/svg+xml")
+    assert "default-src 'none'" in first.headers["content-security-policy"]
+    again = site.client.get(path, headers={"If-None-Match": first.headers["etag"]})
+    assert (again.status_code, again.content) == (304, b"")
+
+
 def test_pages_are_compressed_and_streams_are_not(site: Site) -> None:
     asked = {"Accept-Encoding": "gzip"}
     assert site.client.get(READ, headers=asked).headers["content-encoding"] == "gzip"
