@@ -171,7 +171,7 @@ def attempts_page(reader: Reader, exercise: Exercise) -> AttemptsPage:
         module=module_link(reader.catalogue.modules[exercise.module]),
         exercise_title=exercise.title,
         exercise_href=exercise_href(exercise),
-        attempts=_rows(attempts, len(attempts)),
+        attempts=_rows(exercise, attempts, len(attempts)),
     )
 
 
@@ -196,7 +196,7 @@ def results(
         work=_work(reader.db, exercise, shown, _number(attempts, shown)) if shown else None,
         hints=_hints(reader, exercise, progress),
         solution=_solution(reader, exercise, seed),
-        attempts=_rows(attempts, RECENT_ATTEMPTS),
+        attempts=_rows(exercise, attempts, RECENT_ATTEMPTS),
         all_attempts=f"{exercise_href(exercise)}/essais" if len(attempts) > RECENT_ATTEMPTS else "",
         own=own_state(progress),
     )
@@ -265,11 +265,11 @@ def _solution(reader: Reader, exercise: Exercise, seed: int | None) -> SolutionV
     )
 
 
-def _rows(attempts: Sequence[Submission], most: int) -> tuple[AttemptRow, ...]:
-    return tuple(_row(one, len(attempts) - place) for place, one in enumerate(attempts[:most]))
+def _rows(exercise: Exercise, attempts: Sequence[Submission], most: int) -> tuple[AttemptRow, ...]:
+    return tuple(_row(exercise, one, len(attempts) - place) for place, one in enumerate(attempts[:most]))
 
 
-def _row(one: Submission, number: int) -> AttemptRow:
+def _row(exercise: Exercise, one: Submission, number: int) -> AttemptRow:
     mark = "" if one.score is None or one.outcome == "internal_error" else points(20 * one.score)
     return AttemptRow(
         number=number,
@@ -277,5 +277,5 @@ def _row(one: Submission, number: int) -> AttemptRow:
         when=moment(one.created_at),
         when_text=moment_text(one.created_at),
         points=mark,
-        outcome=verdicts.title_of(one.outcome),
+        outcome=verdicts.title_of(one.outcome, exercise.kind),
     )

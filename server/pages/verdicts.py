@@ -50,7 +50,7 @@ def view(verdict: Mapping[str, Any], figures: str, course: Course | None = None)
     """
     outcome = str(verdict["outcome"])
     marked = course is not None
-    title, sentence = {**OUTCOMES, **(ANSWERS if marked else {})}[outcome]
+    title, sentence = _words("answers" if marked else "code")[outcome]
     return VerdictView(
         outcome=outcome,
         title=title,
@@ -68,9 +68,13 @@ def view(verdict: Mapping[str, Any], figures: str, course: Course | None = None)
     )
 
 
-def title_of(outcome: str | None) -> str:
+def title_of(outcome: str | None, kind: str = "code") -> str:
     """The outcome in words; « en cours » while there is none."""
-    return OUTCOMES[outcome][0] if outcome else "En cours de correction"
+    return _words(kind)[outcome][0] if outcome else "En cours de correction"
+
+
+def _words(kind: str) -> Mapping[str, tuple[str, str]]:
+    return {**OUTCOMES, **ANSWERS} if kind == "answers" else OUTCOMES
 
 
 def _tone(outcome: str, score: float) -> Tone:
