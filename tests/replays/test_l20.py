@@ -21,10 +21,10 @@ def extremes(name: str) -> list[dict[str, str]]:
     """The defaults, each setting at each of its ends, and a few things at once."""
     found: list[dict[str, str]] = [{}]
     all_least, all_most = {}, {}
-    for one in scene(name)["parameters"]:
-        ends = ends_of(one)
-        found += [{one["name"]: end} for end in ends]
-        all_least[one["name"]], all_most[one["name"]] = ends[0], ends[-1]
+    for parameter, one in REPLAYS.find("l20", name).parameters.items():
+        ends = ends_of(one.describe())
+        found += [{parameter: end} for end in ends]
+        all_least[parameter], all_most[parameter] = ends[0], ends[-1]
     return [*found, all_least, all_most]
 
 
