@@ -226,14 +226,13 @@ def summary(states: list[State], count: int, values: Values) -> list[str]:
     )
     if values.flag("fausse"):
         weight = float(last.weights[-1])
+        shown = decimal(weight, 3) if weight >= 0.001 else "moins de 0,001"
         if values.choice("noyau") == "aucun":
             texts.append("La fausse fermeture compte autant que les vraies, et tord toute la carte.")
         elif last.error < max(GOOD, first.error):
-            texts.append(
-                f"Le noyau ne donne plus à la fausse fermeture qu'un poids de {decimal(weight, 3)} : la carte tient."
-            )
+            texts.append(f"Le noyau ne donne plus à la fausse fermeture qu'un poids de {shown} : la carte tient.")
         else:
-            texts.append(f"Le noyau donne à la fausse fermeture un poids de {decimal(weight, 3)} : ce n'est pas assez.")
+            texts.append(f"Le noyau donne à la fausse fermeture un poids de {shown} : ce n'est pas assez.")
     elif last.error < first.error:
         texts.append("Chaque boucle fermée ramène toute la chaîne : la correction se répartit sur les poses.")
     return texts

@@ -48,7 +48,7 @@ PARAMETERS = {
 }
 FIRST, SECOND = np.array([11.0, 4.0, 0.0]), np.array([11.4, 3.9, 0.4])
 BEAMS, REACH = 90, 7.0
-MOST = 40
+MOST = 60
 KEPT = 0.7
 STILL = 2e-3
 NEAR, ALIGNED = 0.3, np.radians(4.0)

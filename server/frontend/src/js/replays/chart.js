@@ -221,6 +221,7 @@ function nice(low, high, wanted, finest = 0) {
 
 function powers(low, high) {
   const [first, last] = [Math.ceil(Math.log10(low) - 1e-9), Math.floor(Math.log10(high) + 1e-9)];
+  if (last - first < 1) return nice(low, high, 4);
   const step = Math.max(1, Math.ceil((last - first) / 4));
   return Array.from({ length: Math.floor((last - first) / step) + 1 }, (_, i) => 10 ** (first + i * step));
 }
