@@ -76,7 +76,15 @@ def the_terminal_submits(
     assert (done.returncode, "20/20" in done.stdout) == (0, True)
     status, told = submit(wrong)
     assert (status, misconception.title in told) == (1, True)
+    answers, broken = folder / "answers.json", folder / "broken.json"
+    answers.write_text('{"ds": NaN, "dtheta": "0,1"}')
+    broken.write_text("[1]")
+    status, told = submit(answers, name="l20/calcul_odometrie")
+    assert (status, "réponse illisible" in told) == (1, True)
     for refused, reason in [
+        (submit(broken, name="l20/calcul_odometrie"), "objet JSON"),
+        (submit(right, name="l20/calcul_odometrie"), "#/answers : valeur manquante"),
+        (submit(answers), "#/code : valeur manquante"),
         (submit(right, token="balise_faux"), "jeton"),
         (submit(right, name="l20/inconnu"), "n’existe pas"),
         (submit(right, server="http://127.0.0.1:1"), "impossible de joindre"),
