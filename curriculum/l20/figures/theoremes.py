@@ -168,7 +168,7 @@ FIGURES = {
     ),
     "fiche-derive": (
         draw_drift,
-        "Cent trajets de 115 mètres qui s'écartent peu à peu d'une ligne droite. La bande à un écart type "
+        "Cent trajets de 115 mètres qui s'écartent peu à peu d'une ligne droite. La bande à un écart-type "
         "s'ouvre jusqu'à 9,9 mètres ; deux droites en tirets, le pire des cas, atteignent 17,1 mètres.",
     ),
 }
