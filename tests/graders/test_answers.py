@@ -207,10 +207,11 @@ def test_every_order_that_respects_the_dependencies_is_right() -> None:
 
     usual = ["definition", "bayes", "markov_mesure", "totales", "markov_etat", "commande", "conclusion"]
     other = ["definition", "bayes", "totales", "commande", "markov_etat", "markov_mesure", "conclusion"]
-    assert placed(*usual).verdict.score == placed(*other).verdict.score == 1
-    early = placed("definition", "totales", "bayes", *usual[2:3], *usual[4:])
+    forward = [*usual[3:6], *usual[:3], "conclusion"]  # the prediction first, as the filter runs
+    assert placed(*usual).verdict.score == placed(*other).verdict.score == placed(*forward).verdict.score == 1
+    early = placed("definition", "markov_mesure", "bayes", *usual[3:])
     assert check_of(early, "debut")["points"] == pytest.approx(9 / 7)
-    assert check_of(early, "debut")["counterexample"]["got"] == f"l'étape {by_name['totales']}"
+    assert check_of(early, "debut")["counterexample"]["got"] == f"l'étape {by_name['markov_mesure']}"
     assert "formule de Bayes" in check_of(early, "debut")["message"]
     assert check_of(early, "etapes")["passed"]
     false = placed(*usual[:3], "sans_commande", *usual[3:])
