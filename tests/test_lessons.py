@@ -115,16 +115,17 @@ def test_one_false_closure() -> None:
 @pytest.mark.parametrize(
     ("page", "replay", "settings", "said"),
     [
-        ("cartographier", "occupation", {}, "18,8 %"),
-        ("cartographier", "occupation", {"poses": "vraies"}, "2,2 %"),
+        ("cartographier", "occupation", {}, "2,2 %"),
+        ("cartographier", "occupation", {"poses": "odometrie"}, "18,8 %"),
         ("slam", "icp", {"rotation": 60}, "minimum local"),
         ("slam", "icp", {"rotation": 5, "dx": 0.5, "dy": -0.5, "intrus": 20}, "0,22 case"),
         ("slam", "icp", {"rotation": 5, "dx": 0.5, "dy": -0.5, "intrus": 20, "elagage": 1}, "0,00 case"),
-        ("slam", "graphe", {"fermetures": 0}, "1,11 case"),
-        ("slam", "graphe", {}, "0,24 case"),
-        ("slam", "graphe", {"fausse": 1}, "4,57 cases"),
-        ("slam", "graphe", {"fausse": 1, "noyau": "huber"}, "0,54 case"),
-        ("slam", "graphe", {"fausse": 1, "noyau": "dcs"}, "0,24 case"),
+        ("slam", "graphe", {"fermetures": 0}, "1,71 case"),
+        ("slam", "graphe", {}, "0,35 case"),
+        ("slam", "graphe", {"fausse": 1}, "6,86 cases"),
+        ("slam", "graphe", {"fausse": 1, "noyau": "huber"}, "2,04 cases"),
+        ("slam", "graphe", {"fausse": 1, "noyau": "dcs"}, "0,34 case"),
+        ("slam", "graphe", {"fausse": 1, "noyau": "huber", "fermetures": 6}, "0,39 case"),
     ],
 )
 def test_what_a_caption_says_of_a_replay(page: str, replay: str, settings: dict[str, object], said: str) -> None:
