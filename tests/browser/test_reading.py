@@ -66,6 +66,15 @@ def test_a_slash_leads_to_the_search_and_a_hit_to_its_passage(visit: NewVisit) -
     expect(page.locator("h2:target, h3:target, h4:target")).to_be_visible()
 
 
+def test_the_button_fetches_every_drawing_before_it_prints(visit: NewVisit) -> None:
+    visitor = visit(color_scheme="dark")
+    page = visitor.open("/l20/lire/formules")
+    page.evaluate("window.print = () => { window.printed = true }")
+    page.get_by_role("button", name="Imprimer").click()
+    page.wait_for_function("window.printed")
+    assert page.locator(".figure-light").evaluate_all("images => images.every(one => one.naturalWidth > 0)")
+
+
 @pytest.mark.parametrize("script", [True, False])
 def test_on_paper_everything_is_unfolded_and_nothing_is_dark(visit: NewVisit, script: bool) -> None:
     visitor = visit(color_scheme="dark", java_script_enabled=script)
