@@ -69,7 +69,7 @@ def test_a_slash_leads_to_the_search_and_a_hit_to_its_passage(visit: NewVisit) -
 def test_the_button_fetches_every_drawing_before_it_prints(visit: NewVisit) -> None:
     visitor = visit(color_scheme="dark")
     page = visitor.open("/l20/lire/formules")
-    page.evaluate("window.print = () => { window.printed = true }")
+    page.evaluate("() => { window.print = () => { window.printed = true } }")
     page.get_by_role("button", name="Imprimer").click()
     page.wait_for_function("window.printed")
     assert page.locator(".figure-light").evaluate_all("images => images.every(one => one.naturalWidth > 0)")

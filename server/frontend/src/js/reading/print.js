@@ -22,16 +22,17 @@ export function setUpPrinting(page) {
   });
 }
 
+// Settled, whatever came: a drawing that cannot be had must not keep the others from being printed.
 function drawingsOnPaper(page) {
-  const images = [...page.querySelectorAll(".figure-light")];
-  return Promise.all(images.map(loaded));
+  return Promise.allSettled([...page.querySelectorAll(".figure-light")].map(fetched));
 }
 
-function loaded(image) {
+// An image that waits to be near the screen says that it is complete: a copy is fetched, which waits for nothing.
+async function fetched(image) {
+  const copy = new Image();
+  copy.src = image.src;
+  await copy.decode();
   image.loading = "eager";
-  if (image.complete) return Promise.resolve();
-  return new Promise((done) => {
-    image.addEventListener("load", done, { once: true });
-    image.addEventListener("error", done, { once: true });
-  });
+  image.src = copy.src;
+  await image.decode();
 }
