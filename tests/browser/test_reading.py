@@ -71,7 +71,7 @@ def test_the_button_fetches_every_drawing_before_it_prints(visit: NewVisit) -> N
     page = visitor.open("/l20/lire/formules")
     page.evaluate("() => { window.print = () => { window.printed = true } }")
     page.get_by_role("button", name="Imprimer").click()
-    page.wait_for_function("window.printed")
+    page.wait_for_function("() => window.printed")
     assert page.locator(".figure-light").evaluate_all("images => images.every(one => one.naturalWidth > 0)")
 
 
