@@ -64,7 +64,7 @@ def exercise(
     found = service.find_exercise(reader.catalogue, module, slug)
     if found.answers is not None:
         return _questions(request, reader, found, reprendre)
-    taken = submissions.get_for(reader.db, reader.account, reprendre).code if reprendre else None
+    taken = service.attempt_at(reader, found, reprendre).code if reprendre else None
     view = service.exercise_page(reader, found, taken)
     return page(request, "exercise.html", reader.account, page=view, results=view.results)
 
@@ -72,8 +72,9 @@ def exercise(
 def _questions(request: Request, reader: Reader, found: Exercise, reprendre: str | None) -> HTMLResponse:
     account = account_or_guest(request, reader.account)
     seed = draws.seed_to_show(request.app.state.database, account, found.id)
-    taken = submissions.get_for(reader.db, account, reprendre) if reprendre else None
-    view = answers.answers_page(replace(reader, account=account), found, seed, taken)
+    reader = replace(reader, account=account)
+    taken = service.attempt_at(reader, found, reprendre) if reprendre else None
+    view = answers.answers_page(reader, found, seed, taken)
     return page(request, "exercise_answers.html", account, page=view, results=view.results)
 
 

@@ -68,6 +68,14 @@ def find_exercise(catalogue: Catalogue, module: str, slug: str) -> Exercise:
     return known
 
 
+def attempt_at(reader: Reader, exercise: Exercise, submission_id: str) -> Submission:
+    """An attempt at this exercise, to be taken up again. Raises NotFound."""
+    sent = submissions.get_for(reader.db, reader.account, submission_id)
+    if sent.exercise != exercise.id:
+        raise NotFound("Cet essai est celui d’un autre exercice.")
+    return sent
+
+
 def exercise_href(exercise: Exercise) -> str:
     return f"/{exercise.module}/exercices/{exercise.slug}"
 

@@ -113,6 +113,13 @@ def test_a_form_without_script_is_sent_judged_and_put_back(
     assert 'data-taken="true"' in page(site, f"{path_of(name)}?reprendre={row.id}")
 
 
+def test_an_attempt_at_one_exercise_is_not_taken_up_in_another(site: Site, catalogue: Catalogue) -> None:
+    sent(site, ODOMETRY, fields_of(ODOMETRY, right(site, catalogue, ODOMETRY)))
+    (row,) = stored(site.database, Submission)
+    for other in (QUIZ, PROOF, "l20/poses"):
+        assert site.client.get(f"{path_of(other)}?reprendre={row.id}").status_code == 404
+
+
 @pytest.mark.parametrize("name", [ODOMETRY, QUIZ, PROOF])
 def test_an_attempt_shows_its_answers_as_they_are_read(
     site: Site, worker: Worker, catalogue: Catalogue, name: str

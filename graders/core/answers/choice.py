@@ -16,6 +16,9 @@ from graders.core.grading import Finding
 from graders.core.malformed import MalformedExerciseError
 from graders.core.verdict import MAX_POINTS
 
+LACKING = "Il manque au moins une bonne réponse."
+TOO_MANY = "Il y a moins de bonnes réponses que de cases cochées."
+
 
 @dataclass(frozen=True)
 class Option:
@@ -174,12 +177,12 @@ def _judged(question: ChoiceQuestion, check: Check, raw: Any, letters: Letters) 
     if isinstance(ticked, str):
         return check.unreadable(ticked, raw)
     options = [question.option(name) for name in ticked]
-    why = "\n\n".join(one.why.strip() for one in options)
     wanted = set(question.right)
+    why = "\n\n".join(one.why.strip() for one in _explained(options, len(wanted)))
     if set(ticked) == wanted:
         return check.passed(why)
     missing = bool(wanted - set(ticked)) and question.several
-    lacking = "Il manque au moins une bonne réponse." if missing else ""
+    lacking = TOO_MANY if len(options) > len(wanted) else LACKING if missing else ""
     hits = sum(one.right for one in options)
     share = max(0, 2 * hits - len(options)) / len(wanted) if question.several else 0.0
     return check.failed(
@@ -190,6 +193,11 @@ def _judged(question: ChoiceQuestion, check: Check, raw: Any, letters: Letters) 
         points=share * check.points,
         slip=next((one.misconception for one in options if one.misconception), None),
     )
+
+
+def _explained(options: Sequence[Option], wanted: int) -> Sequence[Option]:
+    """All that were ticked; of too many, the first wrong one: ticking everything must not explain everything."""
+    return options if len(options) <= wanted else [one for one in options if not one.right][:1]
 
 
 def _plural(count: int) -> str:

@@ -53,8 +53,10 @@ class Quantity:
 
     def same(self, one: float, other: float, times: float = 1.0) -> bool:
         """Whether `one` is `other`, within so many `times` the tolerance on `other`."""
-        gap = math.remainder(one - other, 2.0 * math.pi) if self.angle else one - other
-        return abs(gap) <= times * (self.abs + self.rel * abs(other))
+        gap, size = one - other, other
+        if self.angle:
+            gap, size = (math.remainder(angle, 2.0 * math.pi) for angle in (gap, size))
+        return abs(gap) <= times * (self.abs + self.rel * abs(size))
 
 
 @dataclass(frozen=True)
@@ -154,7 +156,8 @@ class NumericGrader(AnswersGrader):
         inputs = {one.name: drawn.data[one.name] for one in self.sheet.data}
         expected = self._expected(quantity.id, right, seed)
         followed = _computed(quantity.expected, drawn.data, own)
-        if followed is not None and not quantity.same(followed, right) and quantity.same(value, followed):
+        calculated = value != 0.0  # zeros follow from zeros without any calculation
+        if followed is not None and calculated and not quantity.same(followed, right) and quantity.same(value, followed):
             message = (
                 "Votre calcul est juste, mais il part d'une de vos réponses précédentes qui ne l'est pas : "
                 "une partie des points est gagnée."
@@ -175,8 +178,8 @@ class NumericGrader(AnswersGrader):
         return None
 
     def _expected(self, name: str, right: float, seed: int) -> str:
-        """A sign and an interval, drawn once for a draw: trying again tells no more."""
-        low, high = around(right, stream(seed, f"interval {name}"))
+        """A sign and an interval, drawn once for a draw: trying again tells no more; nor does the seed by itself."""
+        low, high = around(right, stream(seed, f"interval {name} {right:.6g}"))
         unit = next(one.unit for one in self.sheet.questions if one.id == name)
         return f"un nombre entre {number(low)} et {number(high)} {unit}".rstrip()
 
@@ -220,7 +223,10 @@ class NumericGrader(AnswersGrader):
 
 @lru_cache(maxsize=512)
 def _drawn(grader: NumericGrader, seed: int) -> Drawn:
-    """The draw of a seed: the first for which no slip gives the right value, nor two slips the same."""
+    """The draw of a seed: the first for which no slip gives the right value, nor two slips the same, and nothing is 0.
+
+    No interval on one side of zero holds zero: it would be guessed at once.
+    """
     for attempt in range(DRAWS):
         drawn = _one_draw(grader, grader.drawing(stream(seed, f"draw {attempt}")))
         if all(_apart(one, drawn) for one in grader.quantities):
@@ -239,7 +245,7 @@ def _one_draw(grader: NumericGrader, data: Data) -> Drawn:
 
 def _apart(quantity: Quantity, drawn: Drawn) -> bool:
     values = [drawn.right[quantity.id], *drawn.slips[quantity.id].values()]
-    if not all(map(math.isfinite, values)):
+    if not all(map(math.isfinite, values)) or quantity.same(values[0], 0.0, APART):
         return False
     pairs = ((one, other) for place, one in enumerate(values) for other in values[:place])
     return not any(quantity.same(one, other, APART) or quantity.same(other, one, APART) for one, other in pairs)
