@@ -156,8 +156,8 @@ class NumericGrader(AnswersGrader):
         inputs = {one.name: drawn.data[one.name] for one in self.sheet.data}
         expected = self._expected(quantity.id, right, seed)
         followed = _computed(quantity.expected, drawn.data, own)
-        calculated = value != 0.0  # zeros follow from zeros without any calculation
-        if followed is not None and calculated and not quantity.same(followed, right) and quantity.same(value, followed):
+        worked = value != 0.0  # zeros follow from zeros without any calculation
+        if worked and followed is not None and not quantity.same(followed, right) and quantity.same(value, followed):
             message = (
                 "Votre calcul est juste, mais il part d'une de vos réponses précédentes qui ne l'est pas : "
                 "une partie des points est gagnée."
