@@ -63,6 +63,7 @@ def test_options_are_ticked_and_explained(visit: NewVisit) -> None:
     check(visitor, "options, attempt")
 
 
+@pytest.mark.slow
 def test_steps_are_moved_by_buttons_keys_and_hand(visit: NewVisit) -> None:
     visitor = visit(width=1280, height=1500)
     page = visitor.open(f"{HOME}/demo_1")

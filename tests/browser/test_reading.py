@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.browser.conftest import NewVisit, sync_api
+from tests.quick import one_in
 
 expect = sync_api.expect
 READ = "/l20/lire/localiser"
@@ -28,6 +29,7 @@ def test_a_word_shows_its_definition_and_escape_closes_it(visit: NewVisit) -> No
     expect(definition).to_be_hidden()
 
 
+@pytest.mark.slow
 def test_a_finger_sees_the_definition_before_it_leaves_the_page(visit: NewVisit) -> None:
     visitor = visit(width=390, height=844, has_touch=True)
     page = visitor.open(READ)
@@ -75,7 +77,7 @@ def test_the_button_fetches_every_drawing_before_it_prints(visit: NewVisit) -> N
     assert page.locator(".figure-light").evaluate_all("images => images.every(one => one.naturalWidth > 0)")
 
 
-@pytest.mark.parametrize("script", [True, False])
+@pytest.mark.parametrize("script", one_in(2, [True, False]))
 def test_on_paper_everything_is_unfolded_and_nothing_is_dark(visit: NewVisit, script: bool) -> None:
     visitor = visit(color_scheme="dark", java_script_enabled=script)
     page = visitor.open("/l20/lire/exercices-corriges")

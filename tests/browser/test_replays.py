@@ -8,6 +8,7 @@ import pytest
 
 from server.replays.service import Replays
 from tests.browser.conftest import NewVisit, Page, Visit, sync_api
+from tests.quick import one_in
 
 expect = sync_api.expect
 NAMES = Replays().names("l20")
@@ -42,7 +43,7 @@ def reading(visitor: Visit, *names: str) -> Page:
     return visitor.page
 
 
-@pytest.mark.parametrize("width", [390, 1280])
+@pytest.mark.parametrize("width", one_in(2, [390, 1280]))
 def test_every_replay_draws_plays_and_follows_the_theme(visit: NewVisit, width: int) -> None:
     page = reading(visit(width=width, color_scheme="light"), *NAMES)
     for name in NAMES:
@@ -88,6 +89,7 @@ def test_the_robot_is_dragged_and_moved_with_keys(visit: NewVisit) -> None:
     expect(where).to_contain_text("x = 11,50, y = 8,20")
 
 
+@pytest.mark.slow
 def test_nothing_moves_by_itself_and_nothing_glides_when_motion_is_not_wanted(visit: NewVisit) -> None:
     page = reading(visit(reduced_motion="reduce"), "lidar")
     expect(page.locator(".replay-counter")).to_have_text("36 / 36")
@@ -97,6 +99,7 @@ def test_nothing_moves_by_itself_and_nothing_glides_when_motion_is_not_wanted(vi
     expect(page.locator(".replay-counter")).to_have_text("36 / 36")
 
 
+@pytest.mark.slow
 def test_a_server_that_fails_is_said_and_can_be_asked_again(visit: NewVisit) -> None:
     visitor = visit(expected="500")
     refuse = {"yes": True}

@@ -124,6 +124,7 @@ def test_the_columns_can_be_resized_from_the_keyboard(visit: NewVisit) -> None:
     assert after["width"] > before["width"] + 50
 
 
+@pytest.mark.slow
 def test_a_refusal_stands_next_to_the_button_and_keeps_the_code(visit: NewVisit) -> None:
     visitor = visit(expected="413")
     page = visitor.open()
@@ -188,6 +189,7 @@ def test_the_theme_is_kept_and_figures_follow(visit: NewVisit) -> None:
     expect(page.get_by_role("button", name="Passer au thème clair")).to_be_visible()
 
 
+@pytest.mark.slow
 def test_no_page_scrolls_sideways(visit: NewVisit) -> None:
     visitor = visit(width=360, height=740)
     page = visitor.open()

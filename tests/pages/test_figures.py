@@ -126,10 +126,15 @@ def test_check_tells_what_does_not_draw_or_changes_size(course: Course) -> None:
     assert '"grand": (grand, "…", (6.4, 9))' in found[1][1]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_drawings_of_the_course_are_drawn_at_their_size() -> None:
-    """In one theme: `balise check` draws both."""
-    assert [str(one) for one in figures.faults(the_course(), ["light"])] == []
+    assert [str(one) for one in figures.faults(the_course())] == []
+
+
+@pytest.mark.parametrize("name", sorted(the_course().modules["l20"].drawings)[::4])
+def test_some_drawings_of_the_course_are_drawn_at_their_size(name: str) -> None:
+    drawing = the_course().modules["l20"].drawings[name]
+    assert figures.size_fault(drawing, figures.draw("l20", drawing, "light", "svg")) == ""
 
 
 @pytest.mark.parametrize("theme", THEMES)

@@ -46,7 +46,12 @@ def ends_of(parameter: dict[str, Any]) -> list[str]:
     raise AssertionError(parameter)
 
 
-CASES = [pytest.param(name, case, id=f"{name}-{case}") for name in NAMES for case in extremes(name)]
+#: The fast suite computes each replay as it opens, and one in six of its extremes.
+CASES = [
+    pytest.param(name, case, id=f"{name}-{case}", marks=[pytest.mark.slow] if k % 6 else [])
+    for name in NAMES
+    for k, case in enumerate(extremes(name))
+]
 
 
 @pytest.mark.parametrize(("name", "settings"), CASES)

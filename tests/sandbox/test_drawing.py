@@ -183,11 +183,13 @@ def test_two_programs_share_nothing(studio: Sandbox) -> None:
     one(session)
 
 
+@pytest.mark.slow
 def test_the_walls_are_the_same() -> None:
     reports = {report.name: report.status for report in probe(slow=False, imports=DRAWING)}
     assert reports == {name: report.status for name, report in probed().items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("canary", one_in(4, CANARIES), ids=lambda canary: str(canary[0]))
 def test_the_corpus_sees_that_a_wall_is_missing_here_too(
     monkeypatch: pytest.MonkeyPatch, canary: tuple[str, str, tuple[str, ...]]

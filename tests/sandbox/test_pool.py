@@ -350,7 +350,9 @@ print("tenu")
 """
 
 
-@pytest.mark.parametrize("namespace", ["-Ur", "-U"], ids=["root of one identity", "nobody, without namespaces"])
+@pytest.mark.parametrize(
+    "namespace", one_in(2, ["-Ur", "-U"]), ids=["root of one identity", "nobody, without namespaces"]
+)
 def test_it_stands_in_a_container_that_has_few_identities(namespace: str) -> None:
     unshare = ["unshare", namespace, "--"]
     if not shutil.which("unshare") or subprocess.run([*unshare, "true"], check=False, capture_output=True).returncode:
