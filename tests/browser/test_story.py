@@ -55,7 +55,7 @@ def test_wrong_then_understood_then_right(visit: NewVisit) -> None:
     expect(page.locator(".cm-content")).not_to_contain_text("a[1] + b[1]")
 
     page.goto(visitor.server.address + "/l20")
-    row = page.locator("li", has=page.locator(f"a[href='{EXERCISE}']"))
+    row = page.locator(".exercise-list > li", has=page.locator(f"a[href='{EXERCISE}']"))
     expect(row.locator(".own-state")).to_contain_text("Réussi")
 
 
