@@ -9,7 +9,7 @@ from collections.abc import Coroutine, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import pytest
 from pwdlib import PasswordHash
@@ -19,6 +19,8 @@ from server.catalogue import Catalogue, load
 from server.database import Database
 from server.database.migrate import upgrade
 from server.settings import Settings
+
+T = TypeVar("T")
 
 
 def one_in(step: int, values: Iterable[Any]) -> list[Any]:
@@ -66,7 +68,7 @@ def weak_hasher() -> PasswordHash:
     return PasswordHash((Argon2Hasher(time_cost=1, memory_cost=8, parallelism=1),))
 
 
-def in_a_loop(scene: Coroutine[None, None, None]) -> None:
+def in_a_loop(scene: Coroutine[Any, Any, T]) -> T:
     """Runs it in a loop and a thread of its own: the browser's tests keep a loop in this one."""
     with ThreadPoolExecutor(1) as thread:
-        thread.submit(asyncio.run, scene).result()
+        return thread.submit(asyncio.run, scene).result()

@@ -24,6 +24,7 @@ from server.submissions import events as events_module
 from server.submissions import service as submissions
 from server.submissions.events import Events, as_sse
 from server.worker.service import Worker
+from tests.quick import in_a_loop
 
 from .conftest import EXERCISE, fake_grade, opened
 
@@ -45,7 +46,7 @@ def run(scenario: Callable[[Switchboard, list[UUID]], Any]) -> None:
         board.bind(asyncio.get_running_loop())
         await scenario(board, told)
 
-    asyncio.run(main())
+    in_a_loop(main())
 
 
 def test_one_idle_worker_is_woken_for_each_submission() -> None:
@@ -143,7 +144,7 @@ def test_watchers_see_each_change_once_and_the_end(monkeypatch: pytest.MonkeyPat
             events.changed(name)
         return await asyncio.wait_for(watching, 20)
 
-    assert asyncio.run(main()) == [0, 1, 2, 3]
+    assert in_a_loop(main()) == [0, 1, 2, 3]
 
 
 def test_a_lost_signal_is_made_up_for(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -153,7 +154,7 @@ def test_a_lost_signal_is_made_up_for(monkeypatch: pytest.MonkeyPatch) -> None:
     async def main() -> list[int]:
         return await asyncio.wait_for(collect(Events().follow(uuid4(), lambda: Count(next(state)))), 20)
 
-    assert asyncio.run(main()) == [0, 1, 3]
+    assert in_a_loop(main()) == [0, 1, 3]
 
 
 def test_those_who_wait_learn_that_the_queue_has_moved(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -168,7 +169,7 @@ def test_those_who_wait_learn_that_the_queue_has_moved(monkeypatch: pytest.Monke
         events.changed(uuid4())
         return await asyncio.wait_for(watching, 20)
 
-    assert asyncio.run(main()) == [2, 3]
+    assert in_a_loop(main()) == [2, 3]
 
 
 def test_nothing_is_kept_of_watchers_who_leave() -> None:
@@ -181,7 +182,7 @@ def test_nothing_is_kept_of_watchers_who_leave() -> None:
         await asyncio.wait([watching])
         return dict(events._watchers)
 
-    assert asyncio.run(main()) == {}
+    assert in_a_loop(main()) == {}
 
 
 def test_a_stopping_server_ends_the_watches() -> None:
@@ -192,7 +193,7 @@ def test_a_stopping_server_ends_the_watches() -> None:
         events.close()
         return await asyncio.wait_for(watching, 20)
 
-    assert asyncio.run(main()) == [0]
+    assert in_a_loop(main()) == [0]
 
 
 def test_an_event_of_several_lines_stays_one_event() -> None:
@@ -202,7 +203,7 @@ def test_an_event_of_several_lines_stays_one_event() -> None:
 
         return [text async for text in as_sse(one(), lambda _: "a\nb", name="x")]
 
-    assert asyncio.run(main()) == ["event: x\ndata: a\ndata: b\n\n"]
+    assert in_a_loop(main()) == ["event: x\ndata: a\ndata: b\n\n"]
 
 
 @pytest.fixture
