@@ -101,6 +101,7 @@ def test_nothing_in_a_statement_can_run(attack: str) -> None:
 
 def test_headings_can_be_linked_to() -> None:
     assert '<h2 id="s-ce-qu-est-une-pose">' in html("## Ce qu’est une pose")
+    assert '<h2 id="s-des-noeuds">' in html("## Des nœuds")
 
 
 def test_boxes_and_tables() -> None:

@@ -94,7 +94,8 @@ def _math_block(state: StateBlock, start: int, end: int, silent: bool) -> bool:
 
 
 def slug(title: str) -> str:
-    plain = unicodedata.normalize("NFKD", title.replace("’", "-")).encode("ascii", "ignore").decode().lower()
+    spelt = title.lower().replace("’", "-").replace("œ", "oe")  # which Unicode does not take apart
+    plain = unicodedata.normalize("NFKD", spelt).encode("ascii", "ignore").decode()
     return "s-" + re.sub(r"[^a-z0-9]+", "-", plain).strip("-")
 
 
