@@ -4,7 +4,7 @@ import asyncio
 
 from fastapi import APIRouter, Request, Response
 
-from server.accounts.dependencies import BrowserAccount
+from server.accounts.dependencies import BrowserAccount, client_address
 from server.catalogue import Catalogue
 from server.cells import service
 from server.cells.schemas import NewRun
@@ -24,8 +24,9 @@ async def run(request: Request, module: str, body: NewRun, account: BrowserAccou
     catalogue: Catalogue = state.catalogue
     if module not in catalogue.modules:
         raise NotFound("Ce module n’existe pas.")
+    code, address = body.code.replace("\r\n", "\n"), client_address(request)
     running = asyncio.ensure_future(
-        service.run(state.cells, database, state.settings, account, module, body.code.replace("\r\n", "\n"))
+        service.run(state.cells, database, state.settings, account, module, code, address=address)
     )
     leaving = asyncio.ensure_future(_gone(request))
     await asyncio.wait((running, leaving), return_when=asyncio.FIRST_COMPLETED)

@@ -13,7 +13,9 @@ from server.submissions.service import encoded
 TOO_FAST = "Vous avez exécuté beaucoup de cellules en peu de temps : la prochaine est possible dans {seconds} s."
 
 
-async def run(cells: Cells, database: Database, settings: Settings, account: Account, module: str, code: str) -> bytes:
+async def run(
+    cells: Cells, database: Database, settings: Settings, account: Account, module: str, code: str, *, address: str
+) -> bytes:
     """What the page gets, as JSON text. Raises Invalid, TooLarge, TooMany, Crowded or Failed."""
     encoded(code, settings.code_bytes)
     key = f"cell:{account.id}"
@@ -28,7 +30,7 @@ async def run(cells: Cells, database: Database, settings: Settings, account: Acc
 
     await run_in_threadpool(take)
     try:
-        return await cells.run(module, code, reader=str(account.id))
+        return await cells.run(module, code, reader=str(account.id), address=address)
     except (Crowded, Failed):
         await run_in_threadpool(give_back)
         raise

@@ -17,6 +17,7 @@ from itertools import count
 from server.cells import wire
 from server.errors import Crowded, Failed
 from server.settings import Settings
+from server.turns import FullError, Turns
 from server.worker.supervisor import environment
 
 log = logging.getLogger(__name__)
@@ -48,27 +49,28 @@ class Cells:
     ) -> None:
         self._settings, self._command, self._patience, self._idle = settings, command, patience, idle
         self._beginning = {"kits": dict(kits), "at_once": settings.cells_at_once}
-        self._free = asyncio.Semaphore(settings.cells_at_once)
+        self._turns = Turns(settings.cells_at_once, settings.cells_waiting)
         self._starting = asyncio.Lock()
-        self._waiting = 0
         self._of: Counter[str] = Counter()
         self._process: _Process | None = None
         self._running: set[asyncio.Task[bytes]] = set()
         self._rest: asyncio.TimerHandle | None = None
         self._leaving: set[asyncio.Task[None]] = set()
 
-    async def run(self, module: str, code: str, *, reader: str) -> bytes:
+    async def run(self, module: str, code: str, *, reader: str, address: str) -> bytes:
         """What the page gets, as JSON text. Raises Crowded or Failed.
 
+        Anybody may become as many guests as they like: it is between addresses that the queue is fair (`Turns`).
         A reader who stops waiting leaves the queue; a cell that already runs keeps its place until it ends.
         """
         if self._of[reader] >= EACH:
             raise Crowded(YOURS, retry_after=2)
-        if self._free.locked() and self._waiting >= self._settings.cells_waiting:
-            raise Crowded(CROWDED, retry_after=5)
         self._of[reader] += 1
         try:
-            await self._place()
+            await self._turns.take(address)
+        except FullError:
+            self._less(reader)
+            raise Crowded(CROWDED, retry_after=5) from None
         except BaseException:
             self._less(reader)
             raise
@@ -78,13 +80,6 @@ class Cells:
         asked.add_done_callback(partial(self._over, reader))
         return await asyncio.shield(asked)
 
-    async def _place(self) -> None:
-        self._waiting += 1
-        try:
-            await self._free.acquire()
-        finally:
-            self._waiting -= 1
-
     def _less(self, reader: str) -> None:
         self._of[reader] -= 1
         if not self._of[reader]:
@@ -92,7 +87,7 @@ class Cells:
 
     def _over(self, reader: str, asked: asyncio.Task[bytes]) -> None:
         self._running.discard(asked)
-        self._free.release()
+        self._turns.give_back()
         self._less(reader)
         if not self._running:
             self._rest = asyncio.get_running_loop().call_later(self._idle, self._let_go)

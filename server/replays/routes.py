@@ -2,47 +2,47 @@
 
 from __future__ import annotations
 
-import asyncio
 import gzip
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import JSONResponse
 from starlette.concurrency import run_in_threadpool
 
+from server.accounts.dependencies import client_address
 from server.errors import ServiceError, TooMany
 from server.problems import problem
 from server.replays.parameters import Values
 from server.replays.service import Answer, Replays, Script
+from server.turns import FullError, Turns
 
-MOST_WAITING = 32
+MOST_WAITING = 32  # with the one that is computed
 GONE = 499  # the reader has left, or asked for something newer: nobody reads this answer
 router = APIRouter(include_in_schema=False)
 
 
 class Desk:
-    """Where readers wait for their turn: one computation at a time, and a queue that is not endless."""
+    """Where readers wait for their turn: one computation at a time, and a queue that has an end."""
 
     def __init__(self, replays: Replays) -> None:
         self.replays = replays
-        self._turn = asyncio.Semaphore(1)
-        self._waiting = 0
+        self._turns = Turns(1, MOST_WAITING - 1)
 
     async def answer(self, request: Request, script: Script, values: Values) -> Answer | None:
         """None when the reader has left in the meantime. Raises TooMany."""
         found = self.replays.remembered(script, values)
         if found is not None:
             return found
-        if self._waiting >= MOST_WAITING:
-            raise TooMany("Beaucoup d’animations se calculent en ce moment. Réessayez.", retry_after=1)
-        self._waiting += 1
         try:
-            async with self._turn:
-                if await request.is_disconnected():
-                    return None
-                found = self.replays.remembered(script, values)
-                return found or await run_in_threadpool(self.replays.compute, script, values)
+            await self._turns.take(client_address(request))
+        except FullError:
+            raise TooMany("Beaucoup d’animations se calculent en ce moment. Réessayez.", retry_after=1) from None
+        try:
+            if await request.is_disconnected():
+                return None
+            found = self.replays.remembered(script, values)
+            return found or await run_in_threadpool(self.replays.compute, script, values)
         finally:
-            self._waiting -= 1
+            self._turns.give_back()
 
 
 @router.get("/{module}/rejeux/{name}")

@@ -64,9 +64,9 @@ def played(tmp_path: Path, test: Callable[[Cells], Awaitable[None]], script: str
     in_a_loop(scene())
 
 
-def ran(cells: Cells, code: str, reader: str = "") -> Coroutine[None, None, bytes]:
+def ran(cells: Cells, code: str, reader: str = "", address: str = "here") -> Coroutine[None, None, bytes]:
     """A cell of a reader's; of a new one's, where it is not said."""
-    return cells.run("l20", code, reader=reader or str(next(READERS)))
+    return cells.run("l20", code, reader=reader or str(next(READERS)), address=address)
 
 
 async def started(cells: Cells, code: str) -> asyncio.Task[bytes]:
@@ -192,6 +192,21 @@ def test_nobody_fills_the_queue_alone(tmp_path: Path) -> None:
             one.cancel()
 
     played(tmp_path, test, SILENT, cells_at_once=1, cells_waiting=9, patience=1.0)
+
+
+def test_guests_of_one_address_do_not_keep_the_others_out(tmp_path: Path) -> None:
+    async def test(cells: Cells) -> None:
+        flood = [await started(cells, str(number)) for number in range(3)]
+        with pytest.raises(Crowded):
+            await ran(cells, "one too many")
+        hers = asyncio.create_task(ran(cells, "hers", address="elsewhere"))
+        with pytest.raises(Crowded):
+            await flood.pop()
+        assert not hers.done()
+        for one in (hers, *flood):
+            one.cancel()
+
+    played(tmp_path, test, SILENT, cells_at_once=1, cells_waiting=2, patience=1.0)
 
 
 def test_a_cell_that_nobody_waits_for_keeps_its_place_until_it_ends(tmp_path: Path) -> None:

@@ -35,7 +35,7 @@ class Echo:
     def __init__(self, raises: Exception | None = None) -> None:
         self.raises, self.asked = raises, []
 
-    async def run(self, module: str, code: str, *, reader: str) -> bytes:
+    async def run(self, module: str, code: str, *, reader: str, address: str) -> bytes:
         self.asked.append((module, code))
         if self.raises:
             raise self.raises
@@ -129,7 +129,7 @@ def test_a_reader_who_leaves_leaves_the_queue(site: Site, play: Callable[[Echo],
     ended = asyncio.Event()
 
     class Endless(Echo):
-        async def run(self, module: str, code: str, *, reader: str) -> bytes:
+        async def run(self, module: str, code: str, *, reader: str, address: str) -> bytes:
             try:
                 await asyncio.sleep(600)
             finally:
