@@ -66,7 +66,7 @@ def test_pages_to_read(visit: NewVisit) -> None:
     for path in ("/l20", "/l20/glossaire", "/l20/recherche?q=poids"):
         page.goto(visitor.server.address + path)
         check(visitor, path)
-    for path in ("/l20/lire/localiser", "/l20/lire/exercices-corriges"):
+    for path in ("/l20/lire/recherche", "/l20/lire/exercices-corriges"):
         page.goto(visitor.server.address + path)
         page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
         for word in page.locator(".term").all()[:1]:

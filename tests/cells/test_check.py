@@ -36,6 +36,7 @@ a = H
 """
 
 
+@pytest.mark.slow
 @pytest.mark.long
 def test_every_cell_of_the_course_runs() -> None:
     assert [str(problem) for problem in check.faults(the_course())] == []

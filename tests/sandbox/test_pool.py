@@ -350,6 +350,7 @@ print("tenu")
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "namespace", one_in(2, ["-Ur", "-U"]), ids=["root of one identity", "nobody, without namespaces"]
 )

@@ -210,7 +210,8 @@ def test_questions_are_told_for_a_seed_and_only_where_there_are_some(capsys: Any
     assert "il manque le fichier" in capsys.readouterr().err
 
 
-def test_check_refuses_an_unknown_exercise(capsys: Any) -> None:
+def test_check_refuses_an_unknown_exercise(catalogue: Catalogue, monkeypatch: Any) -> None:
+    monkeypatch.setattr(check, "load", lambda: catalogue)
     assert main(["check", "l20/inconnu"]) == 2
 
 

@@ -50,6 +50,7 @@ def test_without_landlock_nothing_is_served(tmp_path: Path) -> None:
     assert "remède" in told.stderr
 
 
+@pytest.mark.slow
 def test_where_forks_may_have_no_namespaces_of_their_own_files_are_graded() -> None:
     told = balise(CLONE3, "grade", "l20/poses", str(PROJECT / "graders/l20/poses/solution.py"))
     assert told.returncode == 0, told.stderr
