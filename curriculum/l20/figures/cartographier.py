@@ -184,7 +184,7 @@ def draw_signed_distance(figure: Figure, palette: Palette) -> None:
     axes.plot(r[r < wall + reach], distance[r < wall + reach], color=palette.truth, lw=2.4)
     axes.plot(wall, 0, "o", color=palette.alert, ms=7, zorder=5)
     axes.text(2.3, 1.3, "distance signée tronquée", color=palette.truth, ha="center", va="bottom")
-    axes.text(2.3, -0.75, "log-odds ajoutée", color=palette.estimate, ha="center", va="bottom")
+    axes.text(2.3, -0.75, "log-odds ajouté", color=palette.estimate, ha="center", va="bottom")
     axes.text(wall + 0.5, 1.55, "mur", ha="left")
     axes.text(7.2, 0.1, "inconnu", ha="center")
     axes.set_ylim(-1.5, 1.85)
@@ -214,7 +214,7 @@ def draw_cone(figure: Figure, palette: Palette) -> None:
 FIGURES = {
     "carto-sigmoide": (
         draw_sigmoid,
-        "Courbe en S : la probabilité en fonction de la log-odds. Des pas égaux de 0,847 sur l'axe mènent de 0,5 "
+        "Courbe en S : la probabilité en fonction du log-odds. Des pas égaux de 0,847 sur l'axe mènent de 0,5 "
         "à 0,7, puis 0,845, puis 0,927 : les pas en probabilité sont de plus en plus petits.",
         (6.4, 3.7),
     ),
@@ -251,7 +251,7 @@ FIGURES = {
     ),
     "carto-tsdf": (
         draw_signed_distance,
-        "Le long d'un rayon qui frappe un mur à 5 cases : la log-odds ajoutée est un créneau, la distance signée "
+        "Le long d'un rayon qui frappe un mur à 5 cases : le log-odds ajouté est un créneau, la distance signée "
         "décroît en droite et passe par zéro exactement sur le mur.",
         (6.4, 3.4),
     ),

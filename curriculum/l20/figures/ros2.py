@@ -82,9 +82,9 @@ def draw_nodes(figure: Figure, palette: Palette) -> None:
     _arrow(axes, palette, (6.65, 7.2), (8.25, 7.2), "/map", shift=(0, 0.32))
     _arrow(axes, palette, (6.65, 5.9), (8.4, 6.8), "tf", shift=(-0.1, 0.32))
     _arrow(axes, palette, (9.4, 6.8), (9.4, 5.2), "/plan", shift=(-0.75, 0.0))
-    _arrow(axes, palette, (9.4, 4.4), (9.4, 2.8), "/cmd_vel", shift=(-1.1, 0.0))
+    _arrow(axes, palette, (9.4, 4.4), (9.4, 2.8), "/cmd_vel_voulue", shift=(-1.75, 0.15))
     _arrow(axes, palette, (1.2, 6.8), (8.25, 2.65), "/scan", bend=0.32, shift=(0.6, -2.0))
-    _arrow(axes, palette, (8.25, 2.2), (2.75, 2.2), "/cmd_vel_sûr", shift=(0, -0.35))
+    _arrow(axes, palette, (8.25, 2.2), (2.75, 2.2), "/cmd_vel", shift=(0, -0.35))
     for x, colour, text in ((1.6, sense, "matériel"), (4.9, think, "savoir"), (8.2, act, "agir")):
         axes.plot([x - 0.9, x - 0.45], [0.9, 0.9], color=colour, lw=3)
         axes.text(x - 0.3, 0.9, text, va="center")
