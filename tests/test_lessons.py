@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 import server
 from curriculum.l20.figures import _slam_scenes as scenes
 from curriculum.l20.figures import defis, slam
+from curriculum.l20.figures._kidnapped import INJECTIONS, recovery
 from reference.occupancy import InverseSensorModel, probability
 from reference.pose_graph import NormalEquations, PoseGraph, gauge_vectors, gauss_newton
 from reference.registration import icp, icp_to_lines, normals_by_neighbours
@@ -141,3 +142,10 @@ def test_robots_found_again_and_a_filter_too_sure() -> None:
     claimed, _ = defis.at_rest()
     assert claimed[0] > 9.9
     assert claimed[-1] < 4.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", defis.RECOVERIES)
+def test_kidnapped_robots_are_found_again_as_the_drawing_tells(name: str) -> None:
+    steps = [recovery(INJECTIONS[name], seed) for seed in range(defis.KIDNAPPED)]
+    assert sorted(step for step in steps if step is not None) == list(defis.RECOVERIES[name])
