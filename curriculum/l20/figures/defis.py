@@ -31,8 +31,8 @@ from reference.world.simulation import Lidar
 
 Floats = NDArray[np.float64]
 
-# What `_kidnapped.recovery` gives for seeds 0 to 29, sorted (half a minute of computing, which a test repeats); the missing
-# ones are never found.
+# What `_kidnapped.recovery` gives for seeds 0 to 29, sorted: half a minute of computing, which a test repeats. The
+# missing ones are never found.
 RECOVERIES = {
     "sans injection": (),
     "5 % au hasard": (2, 3, 5, 7, 8, 16, 19, 21, 30, 35, 37, 41, 41, 43, 53, 56, 63, 70, 93, 97, 97),
