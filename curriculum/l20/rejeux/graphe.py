@@ -45,7 +45,7 @@ PARAMETERS = {
     "fermetures": Slider("Fermetures de boucle", 0, MOST_CLOSURES, 1, 1),
     "fausse": Switch("Ajouter une fausse fermeture"),
     "noyau": Choice("Noyau robuste", (("aucun", "aucun"), ("huber", "de Huber"), ("dcs", "DCS")), "aucun"),
-    "tirage": Draw(default=3),
+    "tirage": Draw(default=5),
 }
 START = (3.5, 3.5, 0.0)
 ROUTE = (
