@@ -146,9 +146,16 @@ def common_parts(reader: Reader, exercise: Exercise, attempts: Sequence[Submissi
     }
 
 
+def in_order(module: Module) -> list[Exercise]:
+    """The exercises in the order in which one meets them: those of each page, then those that follow none."""
+    places = {one.slug: place for place, one in enumerate(module.documents)}
+    return sorted(module.exercises, key=lambda one: places.get(one.seance, len(places)))
+
+
 def _neighbours(module: Module, exercise: Exercise) -> tuple[tuple[str, str] | None, tuple[str, str] | None]:
-    place = module.exercises.index(exercise)
-    around = (module.exercises[place - 1] if place else None, *module.exercises[place + 1 : place + 2], None)
+    way = in_order(module)
+    place = way.index(exercise)
+    around = (way[place - 1] if place else None, *way[place + 1 : place + 2], None)
     before, after = ((exercise_href(one), one.title) if one else None for one in around[:2])
     return before, after
 

@@ -67,6 +67,7 @@ class CourseHome:
     objectives: tuple[str, ...]
     references: tuple[str, ...]
     start: PageLink | None
+    resumed: ExerciseRow | None
     sessions: tuple[SessionCard, ...]
     shelves: tuple[Shelf, ...]
     exercises: tuple[ExerciseRow, ...]

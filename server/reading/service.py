@@ -14,7 +14,7 @@ from server.catalogue import Exercise, Module
 from server.catalogue.models import Document, Heading, Kind, Term
 from server.errors import NotFound
 from server.pages.schemas import ExerciseRow, FigureView
-from server.pages.service import NOTHING_YET, Reader, document_href, exercise_row, module_link
+from server.pages.service import NOTHING_YET, Reader, document_href, exercise_row, in_order, module_link
 from server.pages.text import plural
 from server.reading import search
 from server.reading.schemas import (
@@ -60,7 +60,7 @@ def on_the_way(module: Module) -> tuple[Document, ...]:
 
 
 def course_home(reader: Reader, module: Module) -> CourseHome:
-    rows = _rows(reader, module.exercises)
+    rows = _rows(reader, in_order(module))
     way = on_the_way(module)
     sessions = tuple(_session(module, one, _following(module, rows, one)) for one in way if one.kind == "seance")
     placed = {row.href for card in sessions for row in card.exercises}
@@ -69,7 +69,7 @@ def course_home(reader: Reader, module: Module) -> CourseHome:
     around = [f"{word} {number}" for word, number in (("après", module.previous), ("avant", module.next)) if number]
     facts = (
         ("Durée", length),
-        ("Prérequis", ", ".join(module.prerequisites)),
+        ("Prérequis", "\u00a0; ".join(module.prerequisites)),
         ("Dans le parcours", ", ".join(around)),
     )
     return CourseHome(
@@ -82,6 +82,7 @@ def course_home(reader: Reader, module: Module) -> CourseHome:
         objectives=module.objectives,
         references=module.references,
         start=_link(way[0]) if way else None,
+        resumed=_resumed(tuple(rows.values())),
         sessions=sessions,
         shelves=tuple(_shelves(way)),
         exercises=tuple(row for row in left if not row.stars),
@@ -97,6 +98,14 @@ def _rows(reader: Reader, exercises: Sequence[Exercise]) -> dict[str, ExerciseRo
     """One row for each exercise, by its slug."""
     progress: Mapping[str, Progress] = submissions.progress(reader.db, reader.account)
     return {one.slug: exercise_row(one, progress.get(one.id, NOTHING_YET)) for one in exercises}
+
+
+def _resumed(rows: Sequence[ExerciseRow]) -> ExerciseRow | None:
+    """Where one who has come back goes on: the first exercise tried in vain, or else the first to try."""
+    if not any(row.own.attempts for row in rows):
+        return None
+    waiting = [row for row in rows if not row.own.done]
+    return next((row for row in waiting if row.own.attempts), waiting[0] if waiting else None)
 
 
 def _following(module: Module, rows: Mapping[str, ExerciseRow], document: Document) -> tuple[ExerciseRow, ...]:

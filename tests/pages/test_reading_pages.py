@@ -85,8 +85,18 @@ def test_exercises_follow_their_seance_with_ones_own_state(site: Site) -> None:
     assert "À faire" in site.another().get(READ)
 
 
+def test_the_module_tells_who_comes_back_where_to_go_on(site: Site) -> None:
+    assert "Reprendre l’exercice" not in site.get("/m9")
+    site.attempt("x = 1", verdict("wrong_answer", 12.5))
+    assert f'<a href="{PAGE}">Reprendre l’exercice' in site.get("/m9")
+    site.attempt("x = 2", verdict("ok", 20.0))
+    assert '<a href="/m9/exercices/b">Exercice suivant' in site.get("/m9")
+
+
 def test_an_exercise_leads_back_to_its_lesson(site: Site) -> None:
-    assert f'<a href="{READ}">Séance 1</a>' in site.get(PAGE)
+    page = site.get(PAGE)
+    assert f'<a href="{READ}">Séance 1</a>' in page
+    assert f'<a href="{READ}">Relire : Séance 1</a>' in page, "after the verdict too"
     assert "/lire/" not in site.get("/m9/exercices/b")
 
 
