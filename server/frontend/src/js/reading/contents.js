@@ -53,6 +53,7 @@ function mark(places) {
   }
   if (current === shown) return;
   for (const link of places.get(shown) ?? []) link.removeAttribute("aria-current");
+  if (!current) document.querySelector(".contents-side")?.scrollTo(0, 0);
   for (const link of places.get(current) ?? []) {
     link.setAttribute("aria-current", "location");
     follow(link);
