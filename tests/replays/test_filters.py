@@ -62,6 +62,7 @@ def test_twin_rooms_keep_two_bumps_until_the_corridor_tells_them_apart() -> None
     assert max(halves[-1], 1.0 - halves[-1]) > 0.95
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("settings", [{}, {"particules": 20}, {"seuil": 0}, {"seuil": 1}, {"enlevement": 14}])
 def test_the_cloud_keeps_its_number_and_its_effective_size_its_bounds(settings: dict[str, Any]) -> None:
     body = scene("mcl", **settings)

@@ -67,6 +67,7 @@ def test_figures_are_few_and_bounded(studio: Sandbox) -> None:
     assert len(picture) <= drawing.MAX_BYTES
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("namespaces", [True, False])
 def test_dates_glyphs_and_styles_draw_and_name_no_file_of_ours(namespaces: bool) -> None:
     source = PYPLOT + (
