@@ -46,14 +46,14 @@ def draw_sigmoid(figure: Figure, palette: Palette) -> None:
     for count in (0, 1, 2, 3):
         p = float(probability(HIT * count))
         text = f"{p:.3g}".replace(".", ",")
-        axes.text(HIT * count + 0.25, p - 0.045, text, color=palette.ink, fontsize=9)
-    axes.text(5.6, 0.35, "saturé", rotation=90, ha="center", va="center", color=palette.ink, fontsize=9)
-    axes.text(-5.6, 0.65, "saturé", rotation=90, ha="center", va="center", color=palette.ink, fontsize=9)
+        axes.text(HIT * count + 0.25, p - 0.045, text, color=palette.ink, fontsize=9.5)
+    axes.text(5.6, 0.35, "saturé", rotation=90, ha="center", va="center", color=palette.ink, fontsize=9.5)
+    axes.text(-5.6, 0.65, "saturé", rotation=90, ha="center", va="center", color=palette.ink, fontsize=9.5)
     axes.set_xlim(-6.2, 6.2)
     axes.set_ylim(-0.22, 1.05)
     axes.set_yticks([0, 0.25, 0.5, 0.75, 1])
     axes.set_xlabel("log-odds ℓ")
-    axes.set_ylabel("probabilité d'être occupée")
+    axes.set_ylabel("probabilité d’être occupée")
 
 
 def draw_ray(figure: Figure, palette: Palette) -> None:
@@ -102,7 +102,7 @@ def draw_door(figure: Figure, palette: Palette) -> None:
     axes.axhspan(-5, 5, color=palette.faint, alpha=0.25, lw=0)
     axes.axhline(0, color=palette.ink, lw=0.8)
     axes.axvline(20, color=palette.ink, lw=1, ls=":")
-    axes.text(20.4, 16.6, "la porte s'ouvre", ha="left", va="center")
+    axes.text(20.4, 16.6, "la porte s’ouvre", ha="left", va="center")
     axes.plot(times, free, color=palette.second, lw=2)
     axes.plot(times, held, color=palette.estimate, lw=2.4)
     axes.text(13.2, 14.2, "sans borne", color=palette.second, ha="right")
@@ -131,7 +131,7 @@ def draw_drift(figure: Figure, palette: Palette) -> None:
     run = tour()
     stories = (
         ("poses vraies", run.truth, palette.truth),
-        ("poses de l'odométrie", run.odometry, palette.estimate),
+        ("poses de l’odométrie", run.odometry, palette.estimate),
         ("poses corrigées par un SLAM", corrected_poses(), palette.measure),
     )
     *maps, last = panels(figure, 2, 2)
@@ -216,49 +216,49 @@ FIGURES = {
         draw_sigmoid,
         "Courbe en S : la probabilité en fonction du log-odds. Des pas égaux de 0,847 sur l'axe mènent de 0,5 "
         "à 0,7, puis 0,845, puis 0,927 : les pas en probabilité sont de plus en plus petits.",
-        (6.4, 3.7),
+        (5.6, 3.4),
     ),
     "carto-rayon": (
         draw_ray,
         "Un rayon traverse une grille depuis le robot : chaque case traversée reçoit −0,85, la case où il s'arrête "
         "reçoit +0,85, les autres restent inconnues.",
-        (6.4, 3.9),
+        (5.6, 3.5),
     ),
     "carto-porte": (
         draw_door,
         "Log-odds d'une case : vingt « touchés », puis la porte s'ouvre. Bornée à 5, la valeur repasse sous zéro après "
         "6 mesures contraires ; sans borne, elle en demande 20.",
-        (6.4, 3.8),
+        (5.6, 3.4),
     ),
     "carto-croissance": (
         draw_growth,
         "Quatre états de la carte : après 1 scan, une pièce ; après 15, deux pièces ; après 55, le couloir et une "
         "salle ; après 143, presque tout le bâtiment. Le fond gris est inconnu.",
-        (6.8, 5.0),
+        (5.8, 4.4),
     ),
     "carto-derive": (
         draw_drift,
         "La même suite de scans placée sur trois trajets. Poses vraies : murs nets. Odométrie : murs dédoublés et "
         "tournés. Poses corrigées par le SLAM : murs nets de nouveau. Dernier dessin : "
         "les trois trajets superposés.",
-        (6.8, 5.6),
+        (5.8, 4.9),
     ),
     "carto-quadtree": (
         draw_quadtree,
         "La carte du module découpée en carrés emboîtés : de grands carrés là où tout est libre ou inconnu, de petits "
         "carrés le long des murs.",
-        (6.8, 3.6),
+        (5.8, 3.2),
     ),
     "carto-tsdf": (
         draw_signed_distance,
         "Le long d'un rayon qui frappe un mur à 5 cases : le log-odds ajouté est un créneau, la distance signée "
         "décroît en droite et passe par zéro exactement sur le mur.",
-        (6.4, 3.4),
+        (5.6, 3.1),
     ),
     "carto-independance": (
         draw_cone,
         "Probabilité des quatre états de deux cases A et B. La mesure dit : exactement l'une des deux. La grille, qui "
         "multiplie, donne un quart à chaque état, même aux deux impossibles.",
-        (6.4, 3.0),
+        (5.6, 2.7),
     ),
 }

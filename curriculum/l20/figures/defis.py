@@ -48,7 +48,7 @@ FALSE_PAIR = (8, 30)
 def draw_recovery(figure: Figure, palette: Palette) -> None:
     axes = figure.subplots()
     colours = (palette.alert, palette.estimate, palette.measure)
-    places = ((62, 1.3), (60, 18.2), (24, 27.3))
+    places = ((62, 1.3), (56, 19.2), (24, 27.3))
     for (name, steps), colour, place in zip(RECOVERIES.items(), colours, places, strict=True):
         times = np.concatenate([[0], np.sort(steps), [100]])
         found = np.concatenate([[0], np.arange(1, len(steps) + 1), [len(steps)]])
@@ -57,7 +57,7 @@ def draw_recovery(figure: Figure, palette: Palette) -> None:
     axes.axhline(KIDNAPPED, color=palette.ink, lw=0.8, ls=":")
     axes.set_xlim(0, 100)
     axes.set_ylim(-0.8, 32)
-    axes.set_xlabel("pas depuis l'enlèvement")
+    axes.set_xlabel("pas depuis l’enlèvement")
     axes.set_ylabel("robots retrouvés, sur 30")
 
 
@@ -200,7 +200,7 @@ def draw_kernels(figure: Figure, palette: Palette) -> None:
     for height, (name, _, colour) in zip((0.93, 0.83, 0.73, 0.63), kernels, strict=True):
         right.text(6, height, name, color=colour, ha="right")
     for axes in (left, right):
-        axes.set_xlabel("erreur blanchie x = ‖e‖_Ω")
+        axes.set_xlabel(r"erreur blanchie $x = \Vert e \Vert_\Omega$")
 
 
 @cache
@@ -256,11 +256,11 @@ def draw_at_rest(figure: Figure, palette: Palette) -> None:
     claimed, _ = at_rest()
     axes.axhline(10, color=palette.truth, lw=2.2)
     axes.plot(np.arange(1, len(claimed) + 1), claimed, color=palette.estimate, lw=2.4)
-    axes.text(120, 10.35, "ce que l'on sait vraiment", color=palette.truth, ha="center")
-    axes.text(120, claimed[120] + 0.55, "ce que l'EKF prétend", color=palette.estimate, ha="center")
+    axes.text(120, 10.35, "ce que l’on sait vraiment", color=palette.truth, ha="center")
+    axes.text(120, claimed[120] + 0.55, "ce que l’EKF prétend", color=palette.estimate, ha="center")
     axes.set_ylim(0, 11.6)
     axes.set_xlim(0, len(claimed))
-    axes.set_xlabel("observations d'un même amer, robot immobile")
+    axes.set_xlabel("observations d’un même amer, robot immobile")
     axes.set_ylabel("écart-type du cap (degrés)")
 
 
@@ -269,42 +269,42 @@ FIGURES = {
         draw_recovery,
         "Nombre de robots retrouvés, sur 30, au fil des pas. Sans injection : aucun. Avec 5 % de particules au "
         "hasard : 21 en 100 pas. Avec 5 % de particules choisies d'après le scan : tous, en 21 pas.",
-        (6.4, 3.7),
+        (5.6, 3.4),
     ),
     "defi-deux-nuages": (
         draw_two_clouds,
         "Une salle rectangulaire vide. Les particules forment deux nuages : l'un sur le robot, l'autre à son image par "
         "un demi-tour de la salle, avec le cap opposé.",
-        (6.4, 2.9),
+        (5.6, 2.7),
     ),
     "defi-amers": (
         draw_beacons,
         "À gauche, un anneau de 20 poses et 8 balises : l'odométrie s'ouvre, la solution se referme sur la vérité. "
         "À droite, la structure de H : une bande pour les poses, une diagonale de blocs pour les balises.",
-        (6.8, 3.5),
+        (5.8, 3.1),
     ),
     "defi-jauge": (
         draw_eigenvalues,
         "Les 60 valeurs propres de H sur une échelle logarithmique : trois sont nulles aux arrondis près, les autres "
         "sont au-dessus de 1.",
-        (6.4, 3.4),
+        (5.6, 3.1),
     ),
     "defi-noyaux": (
         draw_kernels,
         "Coûts et poids de quatre fonctions. Le carré croît sans frein, poids 1. Huber devient une droite, poids en "
         "1/x. DCS et les contraintes commutables plafonnent, poids en 1/x puissance 4.",
-        (6.8, 3.3),
+        (5.8, 2.9),
     ),
     "defi-fausse-fermeture": (
         draw_misled,
         "Le tour du bâtiment avec une fausse fermeture, en tirets. Moindres carrés : 2,60 cases d'écart, tout est "
         "tordu. Huber : 0,07. DCS avec Φ = 5 : 0,06. DCS avec Φ = 1 : 0,28.",
-        (6.8, 5.2),
+        (5.8, 4.6),
     ),
     "defi-ekf-repos": (
         draw_at_rest,
         "Un robot immobile revoit le même amer. Son cap n'est connu qu'à 10° ; l'écart-type annoncé par l'EKF-SLAM "
         "baisse pourtant, à moins de 4° après 200 observations.",
-        (6.4, 3.3),
+        (5.6, 3.0),
     ),
 }

@@ -172,6 +172,7 @@ FIGURES = {
         "La probabilité en fonction du log-odds : une courbe en S, de 0 à 1, qui passe par un demi en 0. Six "
         "touchés y avancent de pas égaux en abscisse et de plus en plus courts en ordonnée. Deux traits "
         "verticaux marquent les bornes, -5 et 5.",
+        (5.6, 3.6),
     ),
     "fiche-kabsch": (
         draw_centred,

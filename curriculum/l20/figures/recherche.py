@@ -42,7 +42,7 @@ def draw_timeline(figure: Figure, palette: Palette) -> None:
             textcoords="offset points",
             ha="center",
             va="bottom" if above else "top",
-            fontsize=9,
+            fontsize=9.5,
         )
     for line, name in enumerate(LINES):
         axes.plot([1983, 2026], [-line, -line], color=colours[line], lw=1.4, alpha=0.5, zorder=1)
@@ -58,6 +58,6 @@ FIGURES = {
         "Frise de 1985 à 2025 en quatre lignes. Filtres : EKF-SLAM, localisation de Monte-Carlo, FastSLAM. Graphes : "
         "ICP, graphe de poses, g2o, Cartographer, SE-Sync. Cartes : grille d’occupation, KinectFusion, NeRF, nuages de "
         "gaussiennes. Caméras : MonoSLAM, ORB-SLAM, DROID-SLAM.",
-        (6.4, 3.9),
+        (5.6, 3.5),
     ),
 }

@@ -57,7 +57,7 @@ def _arrow(
     )
     if text:
         x, y = (start[0] + end[0]) / 2 + shift[0], (start[1] + end[1]) / 2 + shift[1]
-        axes.text(x, y, text, ha="center", va="center", fontsize=9, family="DejaVu Sans Mono", color=palette.measure)
+        axes.text(x, y, text, ha="center", va="center", fontsize=9.5, family="DejaVu Sans Mono", color=palette.measure)
 
 
 def draw_nodes(figure: Figure, palette: Palette) -> None:
@@ -180,32 +180,32 @@ FIGURES = {
         "Schéma de huit nœuds reliés par des topics. Le scan du lidar va à la localisation et à la sécurité ; "
         "l’odométrie va à la localisation ; la carte et la pose vont au planificateur, puis le chemin au "
         "contrôleur, puis la vitesse à la sécurité, qui la transmet ou non aux moteurs.",
-        (6.4, 4.6),
+        (5.6, 4.1),
     ),
     "ros2-arbre": (
         draw_tree,
         "Arbre : map est le parent d’odom, odom celui de base_link, base_link celui de laser et de imu. La "
         "première transformation vient de la localisation, la deuxième de l’odométrie, les dernières de la "
         "description du robot.",
-        (6.4, 3.9),
+        (5.6, 3.5),
     ),
     "ros2-retard": (
         draw_late_scan,
         "Plan du module avec un scan placé deux fois : à l’heure, les impacts tombent sur les murs ; avec 50 "
         "ms de retard, ils sont tournés autour du robot et s’écartent des murs d’autant plus qu’ils sont "
         "loin.",
-        (6.4, 4.3),
+        (5.6, 3.9),
     ),
     "ros2-inflation": (
         draw_inflation,
         "Plan du module teinté près des murs, avec deux chemins entre les mêmes points : celui sans coût "
         "d’inflation rase les murs, celui avec coût s’en écarte.",
-        (6.4, 4.7),
+        (5.6, 4.2),
     ),
     "ros2-fenetre": (
         draw_window,
         "Un robot entouré d’arcs de cercle : ceux qui touchent un mur sont rouges, les autres gris, celui "
         "qu’il choisit est orange et épais ; une ligne bleue montre tout le trajet jusqu’au but.",
-        (6.4, 4.6),
+        (5.6, 4.1),
     ),
 }

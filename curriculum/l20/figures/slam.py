@@ -114,7 +114,7 @@ def draw_basin(figure: Figure, palette: Palette) -> None:
     axes.set_xticks(np.arange(-180, 181, 60))
     axes.set_yticks(np.arange(-180, 181, 60))
     axes.set_xlabel("erreur de cap au départ (degrés)")
-    axes.set_ylabel("erreur à l'arrivée")
+    axes.set_ylabel("erreur à l’arrivée")
 
 
 def draw_corridor(figure: Figure, palette: Palette) -> None:
@@ -149,7 +149,7 @@ def draw_springs(figure: Figure, palette: Palette) -> None:
     axes = figure.subplots()
     rows = (
         (1.0, np.array([0.0, 2.0, 4.0, 1.0]), "odométrie seule : arrivée en 1, et non en 0", palette.estimate),
-        (0.0, np.array([0, 22, 44, 1]) / 13, "après l'optimisation", palette.truth),
+        (0.0, np.array([0, 22, 44, 1]) / 13, "après l’optimisation", palette.truth),
     )
     for y, x, title, colour in rows:
         heights = y + np.array([0.0, 0.0, 0.0, -0.34])
@@ -264,8 +264,8 @@ def draw_signature(figure: Figure, palette: Palette) -> None:
     left.set_ylabel("distance")
     left.set_xlabel("numéro du rayon")
     left.set_ylim(0, 14.5)
-    left.legend(loc="upper right", ncols=3, fontsize=9, columnspacing=1.0, handlelength=1.6)
-    right.set_ylabel("module |Z_f|")
+    left.legend(loc="upper right", ncols=3, fontsize=9.5, columnspacing=1.0, handlelength=1.6)
+    right.set_ylabel(r"module $|Z_f|$")
     right.set_xlabel("fréquence f (tours)")
     right.set_xticks(np.arange(1, 13))
 
@@ -275,48 +275,48 @@ FIGURES = {
         draw_composition,
         "Trois repères : celui du monde, celui de la pose a, et celui de a ⊕ b. La position de b se lit dans les axes "
         "tournés de a : x₂ le long du premier, y₂ le long du second.",
-        (6.4, 4.2),
+        (5.6, 3.8),
     ),
     "slam-icp": (
         draw_icp,
         "Deux scans de la même pièce, bleu et orange, et les paires de points les plus proches. Au départ les nuages "
         "sont décalés ; l'erreur baisse à chaque étape et les nuages se superposent à la fin.",
-        (6.8, 5.4),
+        (5.8, 4.7),
     ),
     "slam-bassin": (
         draw_basin,
         "Erreur de cap à l'arrivée selon l'erreur au départ. Autour de zéro, une bande où ICP revient à zéro ; "
         "au-delà, il s'arrête sur des alignements faux.",
-        (6.4, 3.8),
+        (5.6, 3.4),
     ),
     "slam-couloir": (
         draw_corridor,
         "Deux murs parallèles et le même nuage décalé. Le coût monte nettement en travers du couloir, et reste presque "
         "plat le long du couloir, avec des creux à chaque point.",
-        (6.8, 3.0),
+        (5.8, 2.7),
     ),
     "slam-ressorts": (
         draw_springs,
         "Quatre poses sur une droite reliées par des ressorts. L'odométrie les place en 0, 2, 4 et 1 ; la fermeture "
         "tire la dernière vers 0 ; à l'équilibre : 0, 1,69, 3,38 et 0,08.",
-        (6.4, 3.7),
+        (5.6, 3.4),
     ),
     "slam-graphe": (
         draw_graph,
         "Le tour du bâtiment comme graphe de poses. Odométrie seule : 2,77 cases d'écart. Avec quatre fermetures : "
         "0,50. Avec en plus l'alignement des scans successifs : 0,06.",
-        (6.8, 5.4),
+        (5.8, 4.7),
     ),
     "slam-creuse": (
         draw_sparsity,
         "Blocs non nuls de la matrice H d'un robot qui quadrille un champ : trois fines bandes. Son facteur L remplit "
         "toute la bande dans l'ordre du trajet, et reste bien plus vide dans un ordre mieux choisi.",
-        (6.8, 2.75),
+        (5.8, 2.5),
     ),
     "slam-signature": (
         draw_signature,
         "En haut, trois scans ; le deuxième est le premier décalé de dix rayons. En bas, les modules de leurs "
         "coefficients de Fourier : les deux premiers sont égaux, le troisième diffère.",
-        (6.4, 5.0),
+        (5.6, 4.5),
     ),
 }

@@ -153,12 +153,14 @@ FIGURES = {
         draw_staircase,
         "La somme des carrés d'ICP sur seize tours, après chaque appariement et chaque déplacement. Elle "
         "descend vite, puis de plus en plus lentement, sans jamais remonter, jusqu'à un palier.",
+        (5.6, 3.6),
     ),
     "fiche-icp-faux-minimum": (
         draw_wrong_minimum,
         "En haut, une clôture de dix poteaux et la même, recalée avec 0,9 intervalle de décalage : neuf "
         "poteaux sont près d'un mauvais voisin, le dernier loin du sien. En bas, la somme en fonction du "
         "décalage : un minimum nul en 0, un faux en 0,9.",
+        (5.6, 3.6),
     ),
     "fiche-chaine-elastique": (
         draw_chain,
@@ -170,5 +172,6 @@ FIGURES = {
         draw_drift,
         "Cent trajets de 115 mètres qui s'écartent peu à peu d'une ligne droite. La bande à un écart-type "
         "s'ouvre jusqu'à 9,9 mètres ; deux droites en tirets, le pire des cas, atteignent 17,1 mètres.",
+        (5.6, 3.6),
     ),
 }
