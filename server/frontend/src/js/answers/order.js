@@ -5,8 +5,8 @@
 import { announce } from "../follow.js";
 
 const HELP =
-  "Flèches haut et bas : déplacer l’étape. Flèche droite : la placer. Flèche gauche : la laisser de côté. " +
-  "On peut aussi la faire glisser.";
+  "Appuyez sur « Placer », ou faites glisser une étape par sa poignée ⠿. " +
+  "Au clavier, sur la poignée : flèche droite pour placer, flèche gauche pour écarter, haut et bas pour déplacer.";
 
 export function setUpOrder(question, onChange) {
   const pool = question.querySelector(".pieces");
