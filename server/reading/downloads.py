@@ -10,8 +10,8 @@ import zipfile
 from threading import Lock
 
 from server.catalogue import Catalogue
+from server.course_code import load_file
 from server.errors import NotFound
-from server.reading.figures import load_module
 
 EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest date that an archive can tell
 
@@ -31,7 +31,7 @@ class Downloads:
             raise NotFound("Ce fichier n’existe pas.")
         with self._lock:
             if (module, name) not in self._made:
-                files: dict[str, bytes] = load_module(module, found.files[name]).files()
+                files: dict[str, bytes] = load_file(found.files[name]).files()
                 self._made[module, name] = archive_of(name, files)
             return self._made[module, name]
 

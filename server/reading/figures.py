@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import asyncio
-import importlib.util
-import sys
 from collections import OrderedDict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from threading import Lock, RLock
-from types import ModuleType
+from threading import Lock
 from typing import Literal
 
 from starlette.concurrency import run_in_threadpool
 
 from server.catalogue import Catalogue
 from server.catalogue.models import Drawing, Problem
+from server.course_code import load_file
 from server.errors import NotFound
 
 Theme = Literal["light", "dark"]
@@ -24,8 +21,6 @@ Key = tuple[str, str, Theme]
 NO_FIGURE = "Cette figure n’existe pas."
 KEPT_BYTES = 32 << 20
 THEMES: tuple[Theme, ...] = ("light", "dark")
-# A page asks for its figures at once: without it, one thread would find the half-made module of another.
-_LOADING = RLock()
 
 
 class Drawings:
@@ -84,7 +79,7 @@ def draw(module: str, drawing: Drawing, theme: str, extension: str) -> Drawn:
     from graders.core.plotting import drawing as new_figure
     from graders.core.plotting import palette, to_bytes
 
-    function = getattr(load_module(module, drawing.path), drawing.function)
+    function = getattr(load_file(drawing.path), drawing.function)
     with new_figure(theme) as figure:
         figure.set_size_inches(drawing.size)
         function(figure, palette(theme))
@@ -112,22 +107,3 @@ def faults(catalogue: Catalogue, themes: Sequence[Theme] = THEMES) -> Iterator[P
                 message = f"la figure « {drawing.name} » ne se dessine pas ({type(error).__name__}: {error})"
             if message:
                 yield Problem(drawing.path, drawing.line, message)
-
-
-def load_module(module: str, path: Path) -> ModuleType:
-    """Import one file of a folder of a module (`figures`, …); its neighbours import it by the same name."""
-    name = f"curriculum.{module}.{path.parent.name}.{path.stem}"
-    with _LOADING:
-        known = sys.modules.get(name)
-        if known is not None and known.__file__ == str(path):
-            return known
-        spec = importlib.util.spec_from_file_location(name, path)
-        assert spec is not None, "a .py file has a loader"
-        assert spec.loader is not None
-        made = sys.modules[name] = importlib.util.module_from_spec(spec)
-        try:
-            spec.loader.exec_module(made)
-        except BaseException:
-            del sys.modules[name]
-            raise
-        return made

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import gzip
 import hashlib
-import importlib.util
 import json
 import re
-import sys
 import zlib
 from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping
@@ -15,12 +13,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from threading import Lock
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from server.catalogue.typography import french
+from server.course_code import load_file
 from server.errors import Invalid, NotFound
 from server.paths import ROOT
 from server.replays.parameters import Draw, Parameter, RefusedError, Value, Values
@@ -134,16 +132,5 @@ def names_in(module: Path) -> tuple[str, ...]:
 @lru_cache(maxsize=256)
 def load(module: Path, name: str) -> Script:
     """A replay read from its file; an error in the file is raised as it is."""
-    source = _imported(module / "rejeux" / f"{name.replace('-', '_')}.py")
+    source = load_file(module / "rejeux" / f"{name.replace('-', '_')}.py")
     return Script(name, source.TITLE, source.ALT, dict(source.PARAMETERS), source.compute)
-
-
-def _imported(path: Path) -> ModuleType:
-    name = f"rejeux_{hashlib.sha256(str(path).encode()).hexdigest()[:12]}_{path.stem}"
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module  # dataclasses look their module up there
-    spec.loader.exec_module(module)
-    return module

@@ -9,7 +9,7 @@ from threading import Event
 
 import pytest
 
-from server.reading.figures import load_module
+from server.course_code import load_file
 
 NAME = "curriculum.l20.figures.slow_to_load"
 
@@ -17,7 +17,8 @@ NAME = "curriculum.l20.figures.slow_to_load"
 def test_a_module_half_loaded_by_one_thread_is_not_given_to_another(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    path = tmp_path / "slow_to_load.py"
+    path = tmp_path / "l20" / "figures" / "slow_to_load.py"
+    path.parent.mkdir(parents=True)
     path.write_text("import sys\nsys.begun.set()\nsys.go_on.wait(0.5)\n\n\ndef draw():\n    pass\n", encoding="utf-8")
     begun, go_on = Event(), Event()
     monkeypatch.setattr(sys, "begun", begun, raising=False)
@@ -26,7 +27,7 @@ def test_a_module_half_loaded_by_one_thread_is_not_given_to_another(
     monkeypatch.delitem(sys.modules, NAME)
 
     def can_draw() -> bool:
-        return hasattr(load_module("l20", path), "draw")
+        return hasattr(load_file(path), "draw")
 
     with ThreadPoolExecutor(2) as threads:
         first = threads.submit(can_draw)
