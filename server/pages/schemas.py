@@ -211,7 +211,9 @@ class Results:
 
 
 @dataclass(frozen=True)
-class ExercisePage:
+class ExerciseFrame:
+    """What the page of an exercise holds, of whatever kind; `action` is where its form is sent."""
+
     id: str
     title: str
     summary: str
@@ -219,18 +221,22 @@ class ExercisePage:
     course: str
     module: ModuleLink
     lesson: tuple[str, str] | None
-    functions: tuple[FunctionView, ...]
     statement: str
-    starter: str
-    code: str
-    taken: bool
     action: str
-    limits: tuple[tuple[str, str], ...]
-    kit_href: str
-    kit_name: str
     results: Results
     previous: tuple[str, str] | None
     following: tuple[str, str] | None
+
+
+@dataclass(frozen=True)
+class ExercisePage(ExerciseFrame):
+    functions: tuple[FunctionView, ...]
+    starter: str
+    code: str
+    taken: bool
+    limits: tuple[tuple[str, str], ...]
+    kit_href: str
+    kit_name: str
 
 
 @dataclass(frozen=True)
@@ -270,21 +276,9 @@ class QuestionView:
 
 
 @dataclass(frozen=True)
-class AnswersPage:
+class AnswersPage(ExerciseFrame):
     """An exercise answered without code, as one account sees it."""
 
-    id: str
-    title: str
-    summary: str
-    stars: int
-    course: str
-    module: ModuleLink
-    lesson: tuple[str, str] | None
-    statement: str
-    action: str
-    results: Results
-    previous: tuple[str, str] | None
-    following: tuple[str, str] | None
     given: tuple[GivenView, ...]
     questions: tuple[QuestionView, ...]
     seed: str
