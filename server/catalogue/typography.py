@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 
 NARROW, WIDE = "\u202f", "\u00a0"
 
@@ -13,3 +14,9 @@ def french(text: str) -> str:
     text = re.sub(r"[ \u00a0](?=[;!?](?:\W|$))", NARROW, text)
     text = re.sub(r"[ \u202f](?=[:»](?:\W|$))", WIDE, text)
     return re.sub(r"«[ \u202f]", "«" + WIDE, text)
+
+
+def unaccented(text: str) -> str:
+    """Small letters of ASCII: « Nœud d’arrêt » without its accents, its ligature taken apart; the rest is dropped."""
+    spelt = text.lower().replace("œ", "oe")  # which Unicode does not take apart
+    return unicodedata.normalize("NFKD", spelt).encode("ascii", "ignore").decode()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import groupby
@@ -12,6 +11,7 @@ from markupsafe import Markup
 
 from server.catalogue import Exercise, Module
 from server.catalogue.models import Document, Heading, Kind, Term
+from server.catalogue.typography import unaccented
 from server.errors import NotFound
 from server.pages.schemas import ExerciseRow, FigureView
 from server.pages.service import NOTHING_YET, Reader, document_href, exercise_row, in_order, module_link
@@ -109,7 +109,12 @@ def _resumed(rows: Sequence[ExerciseRow]) -> ExerciseRow | None:
 
 
 def _following(module: Module, rows: Mapping[str, ExerciseRow], document: Document) -> tuple[ExerciseRow, ...]:
-    return tuple(rows[one.slug] for one in module.exercises if one.seance == document.slug)
+    return tuple(rows[one.slug] for one in exercises_after(module, document))
+
+
+def exercises_after(module: Module, document: Document) -> list[Exercise]:
+    """Those that the page leads to."""
+    return [one for one in module.exercises if one.seance == document.slug]
 
 
 def _session(module: Module, document: Document, exercises: tuple[ExerciseRow, ...]) -> SessionCard:
@@ -156,7 +161,6 @@ def duration(minutes: int) -> str:
 def document_page(reader: Reader, module: Module, document: Document) -> DocumentPage:
     way = on_the_way(module)
     place = way.index(document)
-    following = [one for one in module.exercises if one.seance == document.slug]
     return DocumentPage(
         module=module_link(module),
         slug=document.slug,
@@ -168,7 +172,7 @@ def document_page(reader: Reader, module: Module, document: Document) -> Documen
         objectives=document.objectives,
         html=Markup(document.html),
         contents=contents(document),
-        exercises=tuple(_rows(reader, following).values()),
+        exercises=tuple(_rows(reader, exercises_after(module, document)).values()),
         terms=_terms(module, document),
         previous=_link(way[place - 1]) if place else None,
         following=_link(way[place + 1]) if place + 1 < len(way) else None,
@@ -222,8 +226,7 @@ def _letters(module: Module) -> tuple[Letter, ...]:
 
 def plain(word: str) -> str:
     """A word as a dictionary sorts it: no accent, no capital, no hyphen."""
-    bare = unicodedata.normalize("NFKD", word).encode("ascii", "ignore").decode().lower()
-    return re.sub(r"[^a-z0-9]+", " ", bare).strip()
+    return re.sub(r"[^a-z0-9]+", " ", unaccented(word)).strip()
 
 
 def search_page(module: Module, query: str) -> SearchPage:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -25,7 +24,7 @@ from server.catalogue.markup import blocks
 from server.catalogue.markup.blocks import BadBlock, Block
 from server.catalogue.markup.held import held
 from server.catalogue.markup.text import Fault, Source
-from server.catalogue.typography import french
+from server.catalogue.typography import french, unaccented
 
 INTERRUPTS: RuleOptionsType = {"alt": ["paragraph", "reference", "blockquote", "list"]}
 FIRST_LEVEL, LAST_LEVEL = 2, 4
@@ -94,8 +93,7 @@ def _math_block(state: StateBlock, start: int, end: int, silent: bool) -> bool:
 
 
 def slug(title: str) -> str:
-    spelt = title.lower().replace("’", "-").replace("œ", "oe")  # which Unicode does not take apart
-    plain = unicodedata.normalize("NFKD", spelt).encode("ascii", "ignore").decode()
+    plain = unaccented(title.replace("’", "-"))
     return "s-" + re.sub(r"[^a-z0-9]+", "-", plain).strip("-")
 
 
