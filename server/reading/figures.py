@@ -50,7 +50,7 @@ class Drawings:
         remembered = self._remembered(key)
         if remembered is not None:
             return remembered
-        return self._remember(key, draw(module, found.drawings[name], theme, "svg").picture)
+        return self._remember(key, draw(found.drawings[name], theme, "svg").picture)
 
     def _remembered(self, key: Key) -> bytes | None:
         with self._lock:
@@ -74,7 +74,7 @@ class Drawn:
     size: tuple[float, float]
 
 
-def draw(module: str, drawing: Drawing, theme: str, extension: str) -> Drawn:
+def draw(drawing: Drawing, theme: str, extension: str) -> Drawn:
     """Draw as "svg" or "png". Loads matplotlib. What the drawing function raises goes through."""
     from graders.core.plotting import drawing as new_figure
     from graders.core.plotting import palette, to_bytes
@@ -101,7 +101,7 @@ def faults(catalogue: Catalogue, themes: Sequence[Theme] = THEMES) -> Iterator[P
     for module in catalogue.modules.values():
         for drawing in module.drawings.values():
             try:
-                drawn = [draw(module.slug, drawing, theme, "svg") for theme in themes]
+                drawn = [draw(drawing, theme, "svg") for theme in themes]
                 message = next(filter(None, (size_fault(drawing, one) for one in drawn)), "")
             except Exception as error:  # whatever an author's function raises is reported with its place
                 message = f"la figure « {drawing.name} » ne se dessine pas ({type(error).__name__}: {error})"

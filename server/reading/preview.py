@@ -23,7 +23,7 @@ def main() -> int:
         print("\n".join(found))
         return 0 if arguments.name is None else 2
     drawing = found[arguments.name]
-    drawn = draw(arguments.module, drawing, arguments.theme, arguments.out.suffix.removeprefix(".") or "png")
+    drawn = draw(drawing, arguments.theme, arguments.out.suffix.removeprefix(".") or "png")
     arguments.out.write_bytes(drawn.picture)
     if fault := size_fault(drawing, drawn):
         print(f"✗ {drawing.path}:{drawing.line}: {fault}", file=sys.stderr)

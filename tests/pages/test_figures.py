@@ -73,9 +73,9 @@ def test_drawings_are_remembered_up_to_a_bound(course: Course, monkeypatch: pyte
     drawn: list[str] = []
     draw = figures.draw
 
-    def counted(module: str, drawing: Drawing, theme: str, extension: str) -> figures.Drawn:
+    def counted(drawing: Drawing, theme: str, extension: str) -> figures.Drawn:
         drawn.append(drawing.name)
-        return draw(module, drawing, theme, extension)
+        return draw(drawing, theme, extension)
 
     monkeypatch.setattr(figures, "draw", counted)
     roomy, narrow = Drawings(catalogue), Drawings(catalogue, kept=1)
@@ -91,7 +91,7 @@ def test_a_class_that_looks_together_has_each_drawing_made_once(
     catalogue = catalogue_of(course, FIGURES)
     drawn: list[str] = []
 
-    def slow(_module: str, drawing: Drawing, theme: str, _extension: str) -> figures.Drawn:
+    def slow(drawing: Drawing, theme: str, _extension: str) -> figures.Drawn:
         drawn.append(f"{drawing.name} {theme}")
         time.sleep(0.02)
         return figures.Drawn(drawing.name.encode(), drawing.size)
@@ -134,7 +134,7 @@ def test_the_drawings_of_the_course_are_drawn_at_their_size() -> None:
 @pytest.mark.parametrize("name", sorted(the_course().modules["l20"].drawings)[::4])
 def test_some_drawings_of_the_course_are_drawn_at_their_size(name: str) -> None:
     drawing = the_course().modules["l20"].drawings[name]
-    assert figures.size_fault(drawing, figures.draw("l20", drawing, "light", "svg")) == ""
+    assert figures.size_fault(drawing, figures.draw(drawing, "light", "svg")) == ""
 
 
 @pytest.mark.parametrize("theme", THEMES)
