@@ -1,5 +1,5 @@
 """Graders: what is asked of a submission, and what its answers mean. Runs on the trusted side only."""
 
-from graders.catalogue import Discovery, Problem, discover
+from graders.discovery import Discovery, Problem, discover
 
 __all__ = ["Discovery", "Problem", "discover"]

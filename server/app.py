@@ -13,15 +13,18 @@ from fastapi import FastAPI
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware.gzip import GZipMiddleware
 
-from server import middleware, problems
-from server.accounts import service as accounts
-from server.accounts.routes import router as accounts_router
 from server.api.documentation import with_problem_schema
 from server.api.routes import router as api_router
-from server.catalogue import Catalogue, load
+from server.base import middleware
+from server.base.settings import Settings
 from server.cells.routes import router as cells_router
 from server.cells.supervisor import Cells
+from server.course import Course, load
 from server.database import Database
+from server.grading.results import give_up_with
+from server.grading.supervisor import WORKER_COMMAND, Supervisor
+from server.identity import service as accounts
+from server.pages.accounts import router as accounts_router
 from server.pages.routes import router as pages_router
 from server.queue import service as queue
 from server.queue.owner import Owner, owner_of
@@ -34,11 +37,9 @@ from server.reading.routes import router as reading_router
 from server.replays.routes import Desk
 from server.replays.routes import router as replays_router
 from server.replays.service import Replays
-from server.settings import Settings
 from server.submissions.events import Events
 from server.submissions.figures import Figures
-from server.worker.results import give_up_with
-from server.worker.supervisor import WORKER_COMMAND, Supervisor
+from server.web import problems
 
 log = logging.getLogger(__name__)
 
@@ -52,7 +53,7 @@ class Services:
     """What lives as long as the application."""
 
     settings: Settings
-    catalogue: Catalogue
+    course: Course
     worker_command: Sequence[str]
 
     @cached_property
@@ -75,12 +76,12 @@ class Services:
 
     @cached_property
     def cells(self) -> Cells:
-        return Cells(self.settings, self.catalogue.kits)
+        return Cells(self.settings, self.course.kits)
 
     def take_back(self, owner: Owner) -> None:
         """A local worker has died: its submission goes back to the queue at once."""
         with self.database.write() as db:
-            queue.release(db, owner, give_up_with(self.catalogue))
+            queue.release(db, owner, give_up_with(self.course))
 
     def tidy(self) -> None:
         with self.database.write() as db:
@@ -89,7 +90,7 @@ class Services:
     def recover(self) -> None:
         """Leases that have run out, or whose holder died with another server."""
         with self.database.write() as db:
-            queue.recover(db, owner_of(os.getpid()), give_up_with(self.catalogue))
+            queue.recover(db, owner_of(os.getpid()), give_up_with(self.course))
 
     async def keep_recovering(self) -> None:
         while True:
@@ -126,10 +127,10 @@ class Services:
 
 
 def create_app(
-    settings: Settings, *, catalogue: Catalogue | None = None, worker_command: Sequence[str] = WORKER_COMMAND
+    settings: Settings, *, course: Course | None = None, worker_command: Sequence[str] = WORKER_COMMAND
 ) -> FastAPI:
     """The application. Its database must be at the current schema (see `server.database.migrate`)."""
-    services = Services(settings, catalogue or load(render=False, check=True), tuple(worker_command))
+    services = Services(settings, course or load(render=False, check=True), tuple(worker_command))
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
@@ -157,13 +158,13 @@ def create_app(
 
 def _share(app: FastAPI, services: Services) -> None:
     app.state.settings = services.settings
-    app.state.catalogue = services.catalogue
+    app.state.course = services.course
     app.state.database = services.database
     app.state.events = services.events
     app.state.cells = services.cells
-    app.state.figures = Figures(services.catalogue)
-    app.state.drawings = Drawings(services.catalogue)
-    app.state.downloads = Downloads(services.catalogue)
+    app.state.figures = Figures(services.course)
+    app.state.drawings = Drawings(services.course)
+    app.state.downloads = Downloads(services.course)
     app.state.replays = Desk(Replays())
 
 

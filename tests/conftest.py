@@ -24,5 +24,5 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def remembered_replays() -> Iterator[None]:
     """Gradings of this process share the replays of known mistakes (test_replays.py shows that it changes nothing)."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("graders.core.grading.observe", REPLAYS.observe)
+        patch.setattr("graders.core.code.grading.observe", REPLAYS.observe)
         yield

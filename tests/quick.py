@@ -15,10 +15,10 @@ import pytest
 from pwdlib import PasswordHash
 from pwdlib.hashers.argon2 import Argon2Hasher
 
-from server.catalogue import Catalogue, load
+from server.base.settings import Settings
+from server.course import Course, load
 from server.database import Database
 from server.database.migrate import upgrade
-from server.settings import Settings
 
 T = TypeVar("T")
 
@@ -29,7 +29,7 @@ def one_in(step: int, values: Iterable[Any]) -> list[Any]:
 
 
 @cache
-def the_course() -> Catalogue:
+def the_course() -> Course:
     """The real course, its texts left as they are."""
     return load(render=False)
 

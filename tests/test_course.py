@@ -4,15 +4,15 @@ from collections.abc import Iterator
 
 import pytest
 
-from server.catalogue import Exercise
 from server.cli.check import Case, cases, examine
+from server.course import Exercise
+from server.grading.joint import Grader
 from server.sandbox import Sandbox
-from server.worker.grading import Grader
 from tests.quick import the_course
 
 pytestmark = pytest.mark.usefixtures("remembered_replays")
-CATALOGUE = the_course()
-KNOWN = [(exercise, case) for exercise in CATALOGUE.exercises.values() for case in cases(exercise)]
+COURSE = the_course()
+KNOWN = [(exercise, case) for exercise in COURSE.exercises.values() for case in cases(exercise)]
 NAMES = [f"{exercise.id}-{case.subject}" for exercise, case in KNOWN]
 #: The fast suite leaves out one known mistake of code in two, which `-m slow` and `balise check` try.
 LATER = [
@@ -27,14 +27,14 @@ TRIED = [
 
 @pytest.fixture(scope="module")
 def grader() -> Iterator[Grader]:
-    with Sandbox(CATALOGUE.kits) as sandbox:
-        yield Grader(CATALOGUE, sandbox)
+    with Sandbox(COURSE.kits) as sandbox:
+        yield Grader(COURSE, sandbox)
 
 
 def test_the_course_has_its_exercises_and_no_problem() -> None:
     first = {"poses", "predire2d", "reechantillonnage", "boucles", "kabsch", "slam_graphe"}
-    assert {f"l20/{slug}" for slug in first} <= CATALOGUE.exercises.keys()
-    assert CATALOGUE.problems == ()
+    assert {f"l20/{slug}" for slug in first} <= COURSE.exercises.keys()
+    assert COURSE.problems == ()
 
 
 @pytest.mark.parametrize(("exercise", "case"), TRIED)
@@ -42,7 +42,7 @@ def test_solutions_pass_starters_do_not_and_mistakes_are_named(exercise: Exercis
     assert examine(grader, exercise, case, seed=2026).fault == ""
 
 
-@pytest.mark.parametrize("name", CATALOGUE.exercises)
+@pytest.mark.parametrize("name", COURSE.exercises)
 def test_every_exercise_knows_several_mistakes(name: str) -> None:
-    exercise = CATALOGUE.exercises[name]
+    exercise = COURSE.exercises[name]
     assert len(exercise.grader.mistakes()) >= {"code": 6, "answers": 3}[exercise.kind]

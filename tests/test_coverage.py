@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from server import catalogue
+from server import course
 from tests.quick import the_course
 
-TABLE = Path(catalogue.__file__).parents[2] / "curriculum" / "l20" / "COUVERTURE.md"
+TABLE = Path(course.__file__).parents[2] / "curriculum" / "l20" / "COUVERTURE.md"
 MODULE = the_course().modules["l20"]
 PAGES = {document.slug: document for document in MODULE.documents}
 EXERCISES = {exercise.slug for exercise in MODULE.exercises}

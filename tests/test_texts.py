@@ -13,10 +13,10 @@ import pytest
 from starlette.testclient import TestClient
 
 from server.app import create_app
-from server.catalogue.models import Cell
+from server.base.settings import Settings
 from server.cells.run import run
+from server.course.models import Cell
 from server.sandbox import Sandbox
-from server.settings import Settings
 from tests.quick import migrated, the_course
 
 COURSE = the_course()
@@ -73,7 +73,7 @@ class Page(HTMLParser):
 def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
     settings = Settings(data_dir=Path(tmp_path_factory.mktemp("data")), workers=0)
     database = migrated(settings)
-    with TestClient(create_app(settings, catalogue=COURSE)) as made:
+    with TestClient(create_app(settings, course=COURSE)) as made:
         yield made
     database.close()
 

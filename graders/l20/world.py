@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from graders.core.program import KitSettings
+from graders.core.contract.program import KitSettings
 
 MODULE = "l20"
 RANGE = 12.0

@@ -2,9 +2,9 @@
 
 from fastapi import APIRouter
 
-from server.accounts.dependencies import ApiAccount
 from server.api.documentation import problems
-from server.errors import NotFound
+from server.base.errors import NotFound
+from server.identity.dependencies import ApiAccount
 
 router = APIRouter(tags=["classes"])
 

@@ -5,48 +5,48 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Request
 
 from graders.core.answers import Paper, Question
-from server.accounts.dependencies import ApiAccount
 from server.api.documentation import problems
 from server.api.schemas import ExerciseDetail, ExerciseOut, FunctionOut, GivenOut, LimitsOut, PieceOut, QuestionOut
-from server.catalogue.models import Catalogue, Exercise
+from server.base.errors import NotFound
+from server.course.models import Course, Exercise
 from server.database.dependencies import DatabaseOf
-from server.errors import NotFound
+from server.identity.dependencies import ApiAccount
 from server.submissions import draws
 
 router = APIRouter(tags=["exercises"])
 NO_PAPER = Paper((), ())
 
 
-def get_catalogue(request: Request) -> Catalogue:
-    catalogue: Catalogue = request.app.state.catalogue
-    return catalogue
+def get_course(request: Request) -> Course:
+    course: Course = request.app.state.course
+    return course
 
 
-CatalogueOf = Annotated[Catalogue, Depends(get_catalogue)]
+CourseOf = Annotated[Course, Depends(get_course)]
 
 
-def find(catalogue: Catalogue, exercise_id: str) -> Exercise:
-    exercise = catalogue.exercises.get(exercise_id)
+def find(course: Course, exercise_id: str) -> Exercise:
+    exercise = course.exercises.get(exercise_id)
     if exercise is None:
         raise NotFound(f"L’exercice « {exercise_id} » n’existe pas.")
     return exercise
 
 
 @router.get("/exercises", responses=problems(401))
-def list_exercises(catalogue: CatalogueOf, _account: ApiAccount) -> list[ExerciseOut]:
+def list_exercises(course: CourseOf, _account: ApiAccount) -> list[ExerciseOut]:
     """Every exercise that is served, in the order of the course."""
-    return [_summary(exercise) for exercise in catalogue.exercises.values()]
+    return [_summary(exercise) for exercise in course.exercises.values()]
 
 
 @router.get("/exercises/{module}/{slug}", responses=problems(401, 404))
 def read_exercise(
-    module: str, slug: str, catalogue: CatalogueOf, account: ApiAccount, database: DatabaseOf
+    module: str, slug: str, course: CourseOf, account: ApiAccount, database: DatabaseOf
 ) -> ExerciseDetail:
     """One exercise, with its statement (HTML), the file to start from, and the limits of an execution.
 
     An exercise answered without code comes with the questions that were drawn for this account.
     """
-    exercise = find(catalogue, f"{module}/{slug}")
+    exercise = find(course, f"{module}/{slug}")
     paper = NO_PAPER
     if exercise.answers is not None:
         paper = exercise.answers.paper(draws.seed_to_show(database, account, exercise.id))
@@ -80,7 +80,7 @@ def _summary(exercise: Exercise) -> ExerciseOut:
         title=exercise.title,
         summary=exercise.summary,
         stars=exercise.stars,
-        course=exercise.course,
+        course=exercise.origin,
         version=exercise.version,
         kind=exercise.kind,
         functions=[
@@ -91,7 +91,7 @@ def _summary(exercise: Exercise) -> ExerciseOut:
 
 
 def _limits(exercise: Exercise) -> LimitsOut:
-    from server.worker.grading import policy_of
+    from server.grading.joint import policy_of
 
     policy = policy_of(exercise)
     return LimitsOut(

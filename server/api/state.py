@@ -8,8 +8,8 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.accounts.models import Account
 from server.database import Database
+from server.identity.models import Account
 from server.queue import service as queue
 from server.submissions import service as submissions
 from server.submissions.models import State, Submission

@@ -7,15 +7,15 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
-from server.accounts.dependencies import ApiAccount
-from server.accounts.models import Account
 from server.api.documentation import content, events, problems
-from server.api.exercises import CatalogueOf, find
+from server.api.exercises import CourseOf, find
 from server.api.schemas import NewSubmission, SubmissionOut
 from server.api.state import Resource, reader, resource
-from server.catalogue.models import Exercise
+from server.course.models import Exercise
 from server.database import Database
 from server.database.dependencies import DatabaseOf, Db
+from server.identity.dependencies import ApiAccount
+from server.identity.models import Account
 from server.submissions import service as submissions
 from server.submissions.events import Events, as_sse
 from server.submissions.figures import MEDIA_TYPES, Figures, Format, Theme
@@ -45,11 +45,11 @@ async def create(
     request: Request,
     account: ApiAccount,
     database: DatabaseOf,
-    catalogue: CatalogueOf,
+    course: CourseOf,
     wait: Wait = None,
 ) -> Response:
     """Stores a file, or answers, and queues it. With `wait`, answers as soon as the verdict is there."""
-    _require_its_kind(find(catalogue, body.exercise), body)
+    _require_its_kind(find(course, body.exercise), body)
     current = await run_in_threadpool(_store, database, account, body)
     if wait:
         current = await _wait(request, database, account, current, min(wait, LONGEST_WAIT))

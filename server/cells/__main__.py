@@ -5,7 +5,7 @@ import os
 import socket
 import sys
 
-from server.lifeline import die_with
+from server.base.children import die_with
 
 
 def main(line: int, parent: int) -> None:

@@ -2,18 +2,18 @@
 
 from collections.abc import Iterator
 
-from server.catalogue import Catalogue, Problem
-from server.catalogue.models import Cell
-from server.catalogue.pages import as_text
 from server.cells.run import POLICY, run
 from server.cells.schemas import RunOut
+from server.course import Course, Problem
+from server.course.library import as_text
+from server.course.models import Cell
 from server.sandbox import Sandbox
 
 
-def faults(catalogue: Catalogue) -> Iterator[Problem]:
+def faults(course: Course) -> Iterator[Problem]:
     """Runs every cell of every page as a reader would; a problem for each one that fails. Slow; raises SandboxFault."""
-    with Sandbox(catalogue.kits, POLICY) as sandbox:
-        for module in catalogue.modules.values():
+    with Sandbox(course.kits, POLICY) as sandbox:
+        for module in course.modules.values():
             for document in module.documents:
                 path = as_text(document.text).source.path
                 for cell in document.cells:

@@ -4,12 +4,12 @@ import asyncio
 
 from fastapi import APIRouter, Request, Response
 
-from server.accounts.dependencies import BrowserAccount, client_address
-from server.catalogue import Catalogue
+from server.base.errors import NotFound
 from server.cells import service
 from server.cells.schemas import NewRun
+from server.course import Course
 from server.database.dependencies import DatabaseOf
-from server.errors import NotFound
+from server.identity.dependencies import BrowserAccount, client_address
 
 router = APIRouter(include_in_schema=False)
 NO_STORE = {"Cache-Control": "no-store"}
@@ -21,8 +21,8 @@ LEFT = 499
 async def run(request: Request, module: str, body: NewRun, account: BrowserAccount, database: DatabaseOf) -> Response:
     """The cell's prints, figures and fault, once it has run."""
     state = request.app.state
-    catalogue: Catalogue = state.catalogue
-    if module not in catalogue.modules:
+    course: Course = state.course
+    if module not in course.modules:
         raise NotFound("Ce module n’existe pas.")
     code, address = body.code.replace("\r\n", "\n"), client_address(request)
     running = asyncio.ensure_future(

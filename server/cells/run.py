@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 from server.cells import png
 from server.cells.schemas import FaultOut, RunOut
-from server.pages.text import visible
-from server.pages.verdicts import OUTCOMES
 from server.sandbox import FaultKind, Frame, Kit, Policy, ProgramFault, Sandbox, SandboxFault, Session
 from server.sandbox.install import import_set
+from server.text.plain import visible
+from server.web.verdicts import OUTCOMES
 
 KIB, MIB = 1 << 10, 1 << 20
 FILENAME = "cellule.py"

@@ -2,12 +2,12 @@
 
 from starlette.concurrency import run_in_threadpool
 
-from server.accounts import throttle
-from server.accounts.models import Account
+from server.base.errors import Crowded, Failed
+from server.base.settings import Settings
 from server.cells.supervisor import Cells
 from server.database import Database
-from server.errors import Crowded, Failed
-from server.settings import Settings
+from server.identity.models import Account
+from server.limits import service as throttle
 from server.submissions.service import encoded
 
 TOO_FAST = "Vous avez exécuté beaucoup de cellules en peu de temps : la prochaine est possible dans {seconds} s."

@@ -12,15 +12,15 @@ from argparse import Namespace
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from graders.core.grading import Grading
-from graders.core.protocol import Known
-from graders.core.verdict import Outcome
-from server.catalogue import Exercise, load
+from graders.core.code.grading import Grading
+from graders.core.contract.protocol import Known
+from graders.core.contract.verdict import Outcome
 from server.cells import check as cells
 from server.cli.local import find, local_grader, start_probing
+from server.course import Exercise, load
+from server.grading.joint import Grader
 from server.reading import figures
 from server.submissions.draws import SEED_BITS
-from server.worker.grading import Grader
 
 Judge = Callable[[Grading], str]
 
@@ -50,11 +50,11 @@ class Finding:
 
 def run(arguments: Namespace) -> int:
     logging.basicConfig(level=logging.WARNING, stream=sys.stderr)
-    probing, catalogue = start_probing(slow=False), load()
-    exercises = [find(catalogue, name) for name in arguments.exercises] or list(catalogue.exercises.values())
-    problems = [*catalogue.problems, *(() if arguments.exercises else figures.faults(catalogue))]
-    with local_grader(catalogue, probing) as grader:
-        problems += () if arguments.exercises else cells.faults(catalogue)
+    probing, course = start_probing(slow=False), load()
+    exercises = [find(course, name) for name in arguments.exercises] or list(course.exercises.values())
+    problems = [*course.problems, *(() if arguments.exercises else figures.faults(course))]
+    with local_grader(course, probing) as grader:
+        problems += () if arguments.exercises else cells.faults(course)
         for problem in problems:
             print(f"✗ {problem}")
         faults = sum(_told(finding) for exercise in exercises for finding in findings(grader, exercise))

@@ -4,8 +4,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from server.base.settings import Settings
 from server.cli import CannotRun
-from server.settings import Settings
 
 
 def read_settings(**values: Any) -> Settings:

@@ -6,10 +6,10 @@ import secrets
 import sys
 from argparse import Namespace
 
-from server.catalogue import Exercise
 from server.cli import CannotRun, questions, report
 from server.cli.files import ANSWERS, read_source
-from server.cli.local import find, load_catalogue, local_grader, start_probing
+from server.cli.local import find, load_course, local_grader, start_probing
+from server.course import Exercise
 from server.submissions.draws import SEED_BITS
 
 
@@ -17,17 +17,17 @@ def run(arguments: Namespace) -> int:
     logging.basicConfig(level=logging.WARNING, stream=sys.stderr)
     seed = secrets.randbits(SEED_BITS) if arguments.seed is None else arguments.seed
     if arguments.questions:
-        return _ask(find(load_catalogue(), arguments.exercise), seed)
+        return _ask(find(load_course(), arguments.exercise), seed)
     if arguments.file is None:
         raise CannotRun("il manque le fichier à corriger.")
     source = read_source(arguments.file)
     # Probing takes seconds, beside the reading of the course; answers without code run nowhere.
     probing = None if arguments.file.endswith(ANSWERS) else start_probing(slow=False)
-    catalogue = load_catalogue()
-    exercise = find(catalogue, arguments.exercise)
+    course = load_course()
+    exercise = find(course, arguments.exercise)
     if exercise.kind == "code" and probing is None:
         probing = start_probing(slow=False)
-    with local_grader(catalogue, probing if exercise.kind == "code" else None) as grader:
+    with local_grader(course, probing if exercise.kind == "code" else None) as grader:
         verdict = grader.grade(exercise.id, source, seed).verdict.to_json()
     print(json.dumps(verdict, ensure_ascii=False, allow_nan=False) if arguments.json else report.render(verdict))
     return report.exit_status(verdict)

@@ -4,26 +4,26 @@ from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 
-from server.catalogue import Catalogue, Exercise, load
 from server.cli import CannotRun
+from server.course import Course, Exercise, load
+from server.grading.joint import Grader
 from server.sandbox import Sandbox, WallReport, WallStatus, probe, safe_to_serve
-from server.worker.grading import Grader
 
 
-def load_catalogue() -> Catalogue:
+def load_course() -> Course:
     return load(render=False)
 
 
-def find(catalogue: Catalogue, exercise_id: str) -> Exercise:
-    exercise = catalogue.exercises.get(exercise_id)
+def find(course: Course, exercise_id: str) -> Exercise:
+    exercise = course.exercises.get(exercise_id)
     if exercise is None:
-        raise CannotRun(f"l’exercice « {exercise_id} » n’existe pas. {_known(catalogue)}")
+        raise CannotRun(f"l’exercice « {exercise_id} » n’existe pas. {_known(course)}")
     return exercise
 
 
-def _known(catalogue: Catalogue) -> str:
-    broken = "".join(f"\n  {problem}" for problem in catalogue.problems)
-    return "Exercices : " + ", ".join(catalogue.exercises) + "." + broken
+def _known(course: Course) -> str:
+    broken = "".join(f"\n  {problem}" for problem in course.problems)
+    return "Exercices : " + ", ".join(course.exercises) + "." + broken
 
 
 Probing = Future[list[WallReport]]
@@ -53,9 +53,9 @@ def require_safe_sandbox(probing: Probing) -> None:
 
 
 @contextmanager
-def local_grader(catalogue: Catalogue, probing: Probing | None) -> Iterator[Grader]:
+def local_grader(course: Course, probing: Probing | None) -> Iterator[Grader]:
     """A grader with its own sandbox; refuses where the walls do not stand. None: nothing is going to run in it."""
     if probing is not None:
         require_safe_sandbox(probing)
-    with Sandbox(catalogue.kits) as sandbox:
-        yield Grader(catalogue, sandbox)
+    with Sandbox(course.kits) as sandbox:
+        yield Grader(course, sandbox)

@@ -80,7 +80,7 @@ def _value(name: str, value: Any) -> Iterator[str]:
 
 def _compact(value: Any) -> str:
     """French numbers, as in the messages; `--json` has all their digits."""
-    from graders.core.render import text
+    from graders.core.compare.words import text
 
     return text(value)
 

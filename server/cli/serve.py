@@ -16,15 +16,15 @@ import uvicorn
 from fastapi import FastAPI
 from sqlalchemy.exc import SQLAlchemyError
 
-from server.accounts import service as accounts
 from server.app import create_app
-from server.catalogue import Catalogue, load
+from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
 from server.cli.local import require_safe_sandbox, start_probing
+from server.course import Course, load
 from server.database import Database
 from server.database.migrate import upgrade
-from server.settings import Settings
+from server.identity import service as accounts
 
 GRACE = 2  # seconds left to open connections when the server stops
 BACKLOG = 2048
@@ -39,11 +39,11 @@ def run(arguments: Namespace) -> int:
             signal.signal(number, _leave)
         probing = start_probing()
         _migrate(settings)
-        catalogue = load(render=False, check=True)
+        course = load(render=False, check=True)
         require_safe_sandbox(probing)
-        app = create_app(settings, catalogue=catalogue)
+        app = create_app(settings, course=course)
         gc.freeze()  # what is loaded stays: no collection, while someone waits for an answer, needs to look at it again
-        _serve(app, listener, lambda: _announce(settings, catalogue, _address(listener)))
+        _serve(app, listener, lambda: _announce(settings, course, _address(listener)))
     return 0
 
 
@@ -138,8 +138,8 @@ def _address(listener: socket.socket) -> str:
     return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
 
 
-def _announce(settings: Settings, catalogue: Catalogue, address: str) -> None:
-    for problem in catalogue.problems:
+def _announce(settings: Settings, course: Course, address: str) -> None:
+    for problem in course.problems:
         print(f"À corriger dans le cours — {problem}")
     print(f"\nBalise est prête : {address}/")
     print("  Étudiants : ouvrez cette adresse ; on y travaille comme invité, sans rien créer.")

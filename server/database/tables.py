@@ -1,7 +1,8 @@
 """Imports every table, so that the metadata is whole for whoever needs it whole (migrations, tests)."""
 
-from server.accounts import models as accounts
 from server.database.base import Base
+from server.identity import models as accounts
+from server.limits import models as limits
 from server.submissions import models as submissions
 
 TABLES = (
@@ -9,7 +10,7 @@ TABLES = (
     accounts.BrowserSession,
     accounts.ApiToken,
     accounts.Invitation,
-    accounts.Allowance,
+    limits.Allowance,
     submissions.Submission,
     submissions.Draw,
     submissions.SolutionOpening,

@@ -10,14 +10,14 @@ from starlette.datastructures import FormData
 from graders.core.answers import AnswersGrader, Question
 from graders.core.answers.paper import Told
 from graders.core.answers.reading import UnreadableAnswersError, read_answers, shown
-from server.catalogue import Exercise
-from server.errors import Invalid
+from server.base.errors import Invalid
+from server.course import Exercise
 from server.pages import service
 from server.pages.schemas import AnswersPage, GivenView, PieceView, QuestionView, ToldView
 from server.pages.service import Reader
-from server.pages.text import points
 from server.submissions import service as submissions
 from server.submissions.models import Submission
+from server.web.words import points
 
 FIELD, PLACE = "q.", "place."  # the names of the form's fields: q.<question>, place.<question>.<step>
 SAME_PLACE = "Deux étapes portent le même numéro : revenez en arrière et donnez une place à chacune."

@@ -12,15 +12,13 @@ from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, Stre
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import FormData
 
-from server.accounts.dependencies import BrowserAccount, OptionalAccount, TeacherAccount, account_or_guest
-from server.accounts.models import Account
-from server.catalogue import Exercise
+from server.base.errors import Invalid, NotFound
+from server.course import Exercise
 from server.database import Database
 from server.database.dependencies import Db
-from server.errors import Invalid, NotFound
-from server.pages import answers, assets, service
-from server.pages.dependencies import Reading
-from server.pages.rendering import fragment, page
+from server.identity.dependencies import BrowserAccount, OptionalAccount, TeacherAccount, account_or_guest
+from server.identity.models import Account
+from server.pages import answers, service
 from server.pages.service import Reader
 from server.queue import service as queue
 from server.submissions import draws
@@ -28,6 +26,9 @@ from server.submissions import service as submissions
 from server.submissions.events import as_sse
 from server.submissions.figures import MEDIA_TYPES
 from server.submissions.models import State, Submission
+from server.web import assets
+from server.web.dependencies import Reading
+from server.web.rendering import fragment, page
 
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
@@ -49,7 +50,7 @@ def home(request: Request, reader: Reading) -> HTMLResponse:
 
 @router.get("/{module:module}/kit/{name}.py")
 def kit(module: str, name: str, reader: Reading) -> Response:
-    found = service.find_module(reader.catalogue, module)
+    found = service.find_module(reader.course, module)
     if name != found.slug:
         raise NotFound("Ce fichier n’existe pas.")
     headers = {"Content-Disposition": f'attachment; filename="{found.slug}.py"'}
@@ -61,7 +62,7 @@ def exercise(
     request: Request, module: str, slug: str, reader: Reading, reprendre: Annotated[str | None, Query()] = None
 ) -> HTMLResponse:
     """An exercise answered without code is drawn for an account, so that a visitor becomes a guest here already."""
-    found = service.find_exercise(reader.catalogue, module, slug)
+    found = service.find_exercise(reader.course, module, slug)
     if found.answers is not None:
         return _questions(request, reader, found, reprendre)
     taken = service.attempt_at(reader, found, reprendre).code if reprendre else None
@@ -80,7 +81,7 @@ def _questions(request: Request, reader: Reader, found: Exercise, reprendre: str
 
 @router.get("/{module:module}/exercices/{slug}/essais")
 def attempts(request: Request, module: str, slug: str, reader: Reading) -> HTMLResponse:
-    found = service.find_exercise(reader.catalogue, module, slug)
+    found = service.find_exercise(reader.course, module, slug)
     return page(request, "attempts.html", reader.account, page=service.attempts_page(reader, found))
 
 
@@ -110,7 +111,7 @@ def submit(
     fields: FormFields,
 ) -> Response:
     """A browser without script goes on to the attempt's page; a script gets the addresses to follow."""
-    found = service.find_exercise(request.app.state.catalogue, module, slug)
+    found = service.find_exercise(request.app.state.course, module, slug)
     sent = _sent(db, account, found, fields)
     href = f"/soumissions/{sent.id}"
     if "application/json" not in request.headers.get("accept", ""):
@@ -130,7 +131,7 @@ def submit(
 def open_or_close_solution(
     request: Request, module: str, slug: str, teacher: TeacherAccount, db: Db, ouvrir: Annotated[bool, Form()]
 ) -> RedirectResponse:
-    found = service.find_exercise(request.app.state.catalogue, module, slug)
+    found = service.find_exercise(request.app.state.course, module, slug)
     if ouvrir:
         submissions.open_solution(db, found.id, teacher)
     else:
@@ -141,7 +142,7 @@ def open_or_close_solution(
 @router.get("/soumissions/{submission_id}")
 def attempt(request: Request, submission_id: str, reader: Reading) -> HTMLResponse:
     sent = submissions.get_for(reader.db, reader.account, submission_id)
-    found = service.find_exercise(reader.catalogue, *sent.exercise.split("/"))
+    found = service.find_exercise(reader.course, *sent.exercise.split("/"))
     told = None if found.answers is None else answers.told(found, sent)
     view = service.attempt_page(reader, found, sent, told)
     return page(request, "attempt.html", reader.account, page=view, results=view.results)
@@ -150,7 +151,7 @@ def attempt(request: Request, submission_id: str, reader: Reading) -> HTMLRespon
 @router.get("/soumissions/{submission_id}/verdict")
 def verdict(submission_id: str, reader: Reading) -> HTMLResponse:
     sent = submissions.get_for(reader.db, reader.account, submission_id)
-    found = service.find_exercise(reader.catalogue, *sent.exercise.split("/"))
+    found = service.find_exercise(reader.course, *sent.exercise.split("/"))
     return fragment("fragment.html", reader.account, results=service.attempt_page(reader, found, sent).results)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from server.pages.values import ValueView
+from server.web.values import ValueView
 
 Tone = Literal["good", "partial", "bad", "ours"]
 
@@ -66,7 +66,7 @@ class ExerciseRow:
     title: str
     summary: str
     stars: int
-    course: str
+    origin: str
     own: OwnState
 
 
@@ -109,8 +109,8 @@ class DiagnosisView:
     paragraphs: tuple[str, ...]
 
 
-class Course(Protocol):
-    """What renders the texts of an exercise (`server.catalogue.Exercise`)."""
+class Texts(Protocol):
+    """What renders the texts of an exercise (`server.course.Exercise`)."""
 
     def prose(self, text: str) -> str: ...
     def line(self, text: str) -> str: ...
@@ -120,7 +120,7 @@ class Course(Protocol):
 class VerdictView:
     """A verdict in words. `points` is the mark out of 20 in French; empty when the fault is ours.
 
-    `course` renders its messages, of an exercise answered without code: they are the course's Markdown. `common` is
+    `texts` renders its messages, of an exercise answered without code: they are the course's Markdown. `common` is
     what all the checks say when they all say the same.
     """
 
@@ -136,7 +136,7 @@ class VerdictView:
     timings: tuple[tuple[str, str], ...]
     seed: str
     version: str
-    course: Course | None
+    texts: Texts | None
 
     @property
     def passed(self) -> int:
@@ -218,7 +218,7 @@ class ExerciseFrame:
     title: str
     summary: str
     stars: int
-    course: str
+    origin: str
     module: ModuleLink
     lesson: tuple[str, str] | None
     statement: str

@@ -1,4 +1,4 @@
-"""From the catalogue and the stored submissions to what the templates show."""
+"""From the course and the stored submissions to what the templates show."""
 
 from __future__ import annotations
 
@@ -9,13 +9,11 @@ from typing import Any
 from markupsafe import Markup
 from sqlalchemy.orm import Session
 
-from server.accounts.models import Account
-from server.catalogue import Catalogue, Exercise, Module
-from server.catalogue.models import Document
-from server.errors import NotFound
-from server.pages import verdicts
-from server.pages.limits import limits_of
-from server.pages.rendering import python
+from server.base.errors import NotFound
+from server.course import Course, Exercise, Module
+from server.course.models import Document
+from server.identity.models import Account
+from server.pages.policy import limits_of
 from server.pages.schemas import (
     AttemptPage,
     AttemptRow,
@@ -32,12 +30,14 @@ from server.pages.schemas import (
     ToldView,
     WorkView,
 )
-from server.pages.text import moment, moment_text, plural, points
 from server.queue import service as queue
 from server.submissions import draws
 from server.submissions import service as submissions
 from server.submissions.models import State, Submission
 from server.submissions.service import Progress
+from server.web import verdicts
+from server.web.rendering import python
+from server.web.words import moment, moment_text, plural, points
 
 HINT_OPENS_AFTER = (1, 2, 4)  # changed attempts without success
 RECENT_ATTEMPTS = 8
@@ -49,20 +49,20 @@ class Reader:
     """Who looks, at which course, through which transaction."""
 
     db: Session
-    catalogue: Catalogue
+    course: Course
     account: Account | None
 
 
-def find_module(catalogue: Catalogue, slug: str) -> Module:
+def find_module(course: Course, slug: str) -> Module:
     """Raises NotFound."""
-    if slug not in catalogue.modules:
+    if slug not in course.modules:
         raise NotFound("Ce module n’existe pas.")
-    return catalogue.modules[slug]
+    return course.modules[slug]
 
 
-def find_exercise(catalogue: Catalogue, module: str, slug: str) -> Exercise:
+def find_exercise(course: Course, module: str, slug: str) -> Exercise:
     """Raises NotFound."""
-    known = catalogue.exercises.get(f"{module}/{slug}")
+    known = course.exercises.get(f"{module}/{slug}")
     if known is None:
         raise NotFound("Cet exercice n’existe pas.")
     return known
@@ -86,7 +86,7 @@ def document_href(document: Document) -> str:
 
 def home_page(reader: Reader) -> HomePage:
     progress = submissions.progress(reader.db, reader.account)
-    return HomePage(tuple(module_link(module, progress) for module in reader.catalogue.modules.values()))
+    return HomePage(tuple(module_link(module, progress) for module in reader.course.modules.values()))
 
 
 def module_link(module: Module, progress: dict[str, Progress] | None = None) -> ModuleLink:
@@ -96,7 +96,7 @@ def module_link(module: Module, progress: dict[str, Progress] | None = None) -> 
 
 def exercise_row(exercise: Exercise, progress: Progress) -> ExerciseRow:
     own = own_state(progress)
-    return ExerciseRow(exercise_href(exercise), exercise.title, exercise.summary, exercise.stars, exercise.course, own)
+    return ExerciseRow(exercise_href(exercise), exercise.title, exercise.summary, exercise.stars, exercise.origin, own)
 
 
 def own_state(progress: Progress) -> OwnState:
@@ -128,14 +128,14 @@ def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:
 
 def common_parts(reader: Reader, exercise: Exercise, attempts: Sequence[Submission]) -> dict[str, Any]:
     """What the page of an exercise holds, of whatever kind."""
-    module = reader.catalogue.modules[exercise.module]
+    module = reader.course.modules[exercise.module]
     previous, following = _neighbours(module, exercise)
     return {
         "id": exercise.id,
         "title": exercise.title,
         "summary": exercise.summary,
         "stars": exercise.stars,
-        "course": exercise.course,
+        "origin": exercise.origin,
         "module": module_link(module),
         "lesson": _lesson(module, exercise),
         "statement": exercise.statement_html,
@@ -168,7 +168,7 @@ def attempt_page(
     attempts = submissions.attempts(reader.db, reader.account, exercise.id) if owner else [submission]
     href = exercise_href(exercise)
     return AttemptPage(
-        module=module_link(reader.catalogue.modules[exercise.module]),
+        module=module_link(reader.course.modules[exercise.module]),
         exercise_title=exercise.title,
         exercise_href=href,
         take_href=f"{href}?reprendre={submission.id}",
@@ -183,7 +183,7 @@ def attempt_page(
 def attempts_page(reader: Reader, exercise: Exercise) -> AttemptsPage:
     attempts = submissions.attempts(reader.db, reader.account, exercise.id)
     return AttemptsPage(
-        module=module_link(reader.catalogue.modules[exercise.module]),
+        module=module_link(reader.course.modules[exercise.module]),
         exercise_title=exercise.title,
         exercise_href=exercise_href(exercise),
         attempts=_rows(exercise, attempts, len(attempts)),
@@ -224,13 +224,13 @@ def _number(attempts: Sequence[Submission], shown: Submission) -> int:
 def _work(db: Session, exercise: Exercise, submission: Submission, number: int) -> WorkView:
     href = f"/soumissions/{submission.id}"
     judged = submission.verdict if submission.state == State.done else None
-    course = None if exercise.answers is None else exercise
+    texts = None if exercise.answers is None else exercise
     return WorkView(
         id=str(submission.id),
         number=number,
         status=State(submission.state).value,
         waiting=waiting_text(submission.state, queue.position(db, submission)),
-        verdict=verdicts.view(judged, f"{href}/figures", course) if judged is not None else None,
+        verdict=verdicts.view(judged, f"{href}/figures", texts) if judged is not None else None,
         page=href,
         events=f"{href}/evenements",
         fragment=f"{href}/verdict",

@@ -14,8 +14,8 @@ from uuid import UUID, uuid4
 
 from sqlalchemy.orm import Session
 
-from server.accounts import throttle
 from server.database import utc_now
+from server.limits import service as throttle
 from server.queue import repository
 from server.queue.owner import Owner, is_dead
 from server.queue.port import signals_of

@@ -9,9 +9,9 @@ import io
 import zipfile
 from threading import Lock
 
-from server.catalogue import Catalogue
-from server.course_code import load_file
-from server.errors import NotFound
+from server.base.errors import NotFound
+from server.course import Course
+from server.course.code import load_file
 
 EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest date that an archive can tell
 
@@ -19,14 +19,14 @@ EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest date that an archive can tell
 class Downloads:
     """Archives by module and name. Slow at first (about a second): call it in a thread."""
 
-    def __init__(self, catalogue: Catalogue) -> None:
-        self._catalogue = catalogue
+    def __init__(self, course: Course) -> None:
+        self._course = course
         self._made: dict[tuple[str, str], bytes] = {}
         self._lock = Lock()
 
     def archive(self, module: str, name: str) -> bytes:
         """A ZIP whose files stand in one folder of that name. Raises NotFound."""
-        found = self._catalogue.modules.get(module)
+        found = self._course.modules.get(module)
         if found is None or name not in found.files:
             raise NotFound("Ce fichier n’existe pas.")
         with self._lock:

@@ -11,10 +11,10 @@ from typing import Literal
 
 from starlette.concurrency import run_in_threadpool
 
-from server.catalogue import Catalogue
-from server.catalogue.models import Drawing, Problem
-from server.course_code import load_file
-from server.errors import NotFound
+from server.base.errors import NotFound
+from server.course import Course
+from server.course.code import load_file
+from server.course.models import Drawing, Problem
 
 Theme = Literal["light", "dark"]
 Key = tuple[str, str, Theme]
@@ -26,8 +26,8 @@ THEMES: tuple[Theme, ...] = ("light", "dark")
 class Drawings:
     """Draws in SVG and remembers, up to `kept` bytes. For one event loop."""
 
-    def __init__(self, catalogue: Catalogue, kept: int = KEPT_BYTES) -> None:
-        self._catalogue = catalogue
+    def __init__(self, course: Course, kept: int = KEPT_BYTES) -> None:
+        self._course = course
         self._kept = kept
         self._drawn: OrderedDict[Key, bytes] = OrderedDict()
         self._lock = Lock()
@@ -44,7 +44,7 @@ class Drawings:
     def svg(self, module: str, name: str, theme: Theme) -> bytes:
         """The same, at once. Slow at first (hundreds of ms). Raises NotFound."""
         key = (module, name, theme)
-        found = self._catalogue.modules.get(module)
+        found = self._course.modules.get(module)
         if found is None or name not in found.drawings:
             raise NotFound(NO_FIGURE)
         remembered = self._remembered(key)
@@ -76,8 +76,8 @@ class Drawn:
 
 def draw(drawing: Drawing, theme: str, extension: str) -> Drawn:
     """Draw as "svg" or "png". Loads matplotlib. What the drawing function raises goes through."""
-    from graders.core.plotting import drawing as new_figure
-    from graders.core.plotting import palette, to_bytes
+    from graders.plotting import drawing as new_figure
+    from graders.plotting import palette, to_bytes
 
     function = getattr(load_file(drawing.path), drawing.function)
     with new_figure(theme) as figure:
@@ -96,9 +96,9 @@ def size_fault(drawing: Drawing, drawn: Drawn) -> str:
     return f"la figure « {drawing.name} » change de taille ; annoncez-la dans FIGURES : {announced}"
 
 
-def faults(catalogue: Catalogue, themes: Sequence[Theme] = THEMES) -> Iterator[Problem]:
+def faults(course: Course, themes: Sequence[Theme] = THEMES) -> Iterator[Problem]:
     """Draw everything: what cannot be drawn, or is not of the announced size. Slow."""
-    for module in catalogue.modules.values():
+    for module in course.modules.values():
         for drawing in module.drawings.values():
             try:
                 drawn = [draw(drawing, theme, "svg") for theme in themes]

@@ -6,9 +6,9 @@ import argparse
 import sys
 from pathlib import Path
 
-from server.catalogue import drawings
-from server.catalogue.models import Problem
-from server.paths import ROOT
+from server.base.paths import ROOT
+from server.course import drawings
+from server.course.models import Problem
 from server.reading.figures import draw, size_fault
 
 

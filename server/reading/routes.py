@@ -7,12 +7,12 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
-from server.pages.dependencies import Reading
-from server.pages.rendering import once, page
 from server.pages.service import find_module
 from server.reading import service
 from server.reading.downloads import Downloads
 from server.reading.figures import Drawings
+from server.web.dependencies import Reading
+from server.web.rendering import once, page
 
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 FIGURE_HEADERS = {"Cache-Control": "public, max-age=600", "Content-Security-Policy": FIGURE_POLICY}
@@ -22,26 +22,26 @@ router = APIRouter(include_in_schema=False)
 
 @router.get("/{module:module}")
 def course_home(request: Request, module: str, reader: Reading) -> HTMLResponse:
-    found = find_module(reader.catalogue, module)
+    found = find_module(reader.course, module)
     return page(request, "module.html", reader.account, page=service.course_home(reader, found))
 
 
 @router.get("/{module:module}/lire/{slug}")
 def document(request: Request, module: str, slug: str, reader: Reading) -> HTMLResponse:
-    found = find_module(reader.catalogue, module)
+    found = find_module(reader.course, module)
     view = service.document_page(reader, found, service.find_document(found, slug))
     return page(request, "reading/document.html", reader.account, page=view)
 
 
 @router.get("/{module:module}/glossaire")
 def glossary(request: Request, module: str, reader: Reading) -> HTMLResponse:
-    found = find_module(reader.catalogue, module)
+    found = find_module(reader.course, module)
     return page(request, "reading/glossary.html", reader.account, page=service.glossary_page(found))
 
 
 @router.get("/{module:module}/recherche")
 def search(request: Request, module: str, reader: Reading, q: Annotated[str, Query()] = "") -> HTMLResponse:
-    found = find_module(reader.catalogue, module)
+    found = find_module(reader.course, module)
     return page(request, "reading/search.html", reader.account, page=service.search_page(found, q))
 
 

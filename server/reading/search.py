@@ -15,9 +15,9 @@ from threading import Lock
 
 from markupsafe import Markup, escape
 
-from server.catalogue import Exercise, Module
-from server.catalogue.models import Document, Term
-from server.catalogue.typography import french
+from graders.typography import french
+from server.course import Exercise, Module
+from server.course.models import Document, Term
 from server.reading.schemas import HitView
 
 MOST_HITS = 30

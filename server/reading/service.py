@@ -9,13 +9,12 @@ from itertools import groupby
 
 from markupsafe import Markup
 
-from server.catalogue import Exercise, Module
-from server.catalogue.models import Document, Heading, Kind, Term
-from server.catalogue.typography import unaccented
-from server.errors import NotFound
+from graders.typography import unaccented
+from server.base.errors import NotFound
+from server.course import Exercise, Module
+from server.course.models import Document, Heading, Kind, Term
 from server.pages.schemas import ExerciseRow, FigureView
 from server.pages.service import NOTHING_YET, Reader, document_href, exercise_row, in_order, module_link
-from server.pages.text import plural
 from server.reading import search
 from server.reading.schemas import (
     CourseHome,
@@ -31,6 +30,7 @@ from server.reading.schemas import (
 )
 from server.submissions import service as submissions
 from server.submissions.service import Progress
+from server.web.words import plural
 
 SHELVES: tuple[tuple[Kind, str], ...] = (
     ("cours", "Cours"),

@@ -8,12 +8,12 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import JSONResponse
 from starlette.concurrency import run_in_threadpool
 
-from server.accounts.dependencies import client_address
-from server.errors import ServiceError, TooMany
-from server.problems import problem
-from server.replays.parameters import Values
+from graders.scene.parameters import Values
+from server.base.errors import ServiceError, TooMany
+from server.base.turns import FullError, Turns
+from server.identity.dependencies import client_address
 from server.replays.service import Answer, Replays, Script
-from server.turns import FullError, Turns
+from server.web.problems import problem
 
 MOST_WAITING = 32  # with the one that is computed
 GONE = 499  # the reader has left, or asked for something newer: nobody reads this answer

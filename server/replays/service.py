@@ -17,12 +17,12 @@ from typing import Any
 
 import numpy as np
 
-from server.catalogue.typography import french
-from server.course_code import load_file
-from server.errors import Invalid, NotFound
-from server.paths import ROOT
-from server.replays.parameters import Draw, Parameter, RefusedError, Value, Values
-from server.replays.scene import Replay
+from graders.scene.parameters import Draw, Parameter, RefusedError, Value, Values
+from graders.scene.replay import Replay
+from graders.typography import french
+from server.base.errors import Invalid, NotFound
+from server.base.paths import ROOT
+from server.course.code import load_file
 
 MODULE = re.compile(r"[a-z]+[0-9]+")
 NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")

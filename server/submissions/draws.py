@@ -5,8 +5,8 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.accounts.models import Account
 from server.database import Database
+from server.identity.models import Account
 from server.submissions import repository
 
 SEED_BITS = 53

@@ -7,8 +7,8 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.catalogue.models import Catalogue
-from server.errors import NotFound
+from server.base.errors import NotFound
+from server.course.models import Course
 from server.submissions import repository
 from server.submissions.models import Submission
 
@@ -29,8 +29,8 @@ def figure_data(db: Session, submission: Submission, name: str) -> dict[str, Any
 class Figures:
     """Draws and remembers the latest drawings. Matplotlib is not thread-safe: one drawing at a time."""
 
-    def __init__(self, catalogue: Catalogue, capacity: int = 256) -> None:
-        self._catalogue = catalogue
+    def __init__(self, course: Course, capacity: int = 256) -> None:
+        self._course = course
         self._capacity = capacity
         self._drawn: OrderedDict[tuple[UUID, str, str, str], bytes] = OrderedDict()
         self._lock = Lock()
@@ -47,7 +47,7 @@ class Figures:
             return self._remember(key, self._render(submission.exercise, data, form, theme))
 
     def _render(self, exercise: str, data: dict[str, Any], form: Format, theme: Theme) -> bytes:
-        known = self._catalogue.exercises.get(exercise)
+        known = self._course.exercises.get(exercise)
         if known is None:
             raise NotFound(NO_FIGURE)
         return known.grader.draw(data, theme=theme, extension=form)

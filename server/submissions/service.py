@@ -13,11 +13,11 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from graders.core.answers import canonical
-from server.accounts import throttle
-from server.accounts.models import Account
-from server.errors import Invalid, NotFound, TooLarge
+from server.base.errors import Invalid, NotFound, TooLarge
+from server.base.settings import Settings
+from server.identity.models import Account
+from server.limits import service as throttle
 from server.queue import service as queue
-from server.settings import Settings
 from server.submissions import draws, repository
 from server.submissions.draws import SEED_BITS
 from server.submissions.models import SolutionOpening, Submission

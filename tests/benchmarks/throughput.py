@@ -12,9 +12,9 @@ from multiprocessing.synchronize import Barrier
 import numpy as np
 from programs import PROGRAMS
 
-from server.catalogue import load
+from server.course import load
+from server.grading.joint import Grader
 from server.sandbox import Policy, Sandbox
-from server.worker.grading import Grader
 
 EXERCISE = "l20/poses"
 WARM_UP = 5
@@ -35,10 +35,10 @@ def submissions(stack: ExitStack, threads: int) -> Task:
 
 def gradings(stack: ExitStack, threads: int) -> Task:
     """A right answer to a small exercise, with its checks: one session, some dozens of calls, comparisons."""
-    catalogue = load(render=False)
-    sandbox = stack.enter_context(Sandbox(catalogue.kits, spares=threads))
-    grader = Grader(catalogue, sandbox)
-    source = catalogue.exercises[EXERCISE].solution.encode()
+    course = load(render=False)
+    sandbox = stack.enter_context(Sandbox(course.kits, spares=threads))
+    grader = Grader(course, sandbox)
+    source = course.exercises[EXERCISE].solution.encode()
 
     def grade() -> None:
         verdict = grader.grade(EXERCISE, source, 1).verdict

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from server.catalogue import load
 from server.cells import check
+from server.course import load
 from tests.quick import the_course
 
 PAGE = """+++
@@ -52,8 +52,8 @@ def test_a_cell_that_fails_is_told_with_its_place(tmp_path: Path) -> None:
     }.items():
         (module / name).parent.mkdir(parents=True, exist_ok=True)
         (module / name).write_text(text, encoding="utf-8")
-    catalogue = load(tmp_path, render=False)
-    found = [(problem.path, problem.line, problem.message) for problem in check.faults(catalogue)]
+    course = load(tmp_path, render=False)
+    found = [(problem.path, problem.line, problem.message) for problem in check.faults(course)]
     lines = PAGE.splitlines()
     assert [(path, line) for path, line, _ in found] == [
         (module / "seances/page.md", lines.index("1 / 0") + 1),

@@ -14,9 +14,9 @@ from typing import Any
 
 import pytest
 
+from server.base.errors import Crowded, Failed
+from server.base.settings import Settings
 from server.cells.supervisor import EACH, Cells
-from server.errors import Crowded, Failed
-from server.settings import Settings
 from tests.quick import in_a_loop, the_course
 from tests.service.live import alive, children, until
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 
-from graders.core.bench import Bench, Observation, Runner
-from graders.core.exercise import ExerciseGrader, Misconception
-from graders.core.grading import run_check, stream
-from graders.core.program import KitSettings, local_launcher
+from graders.core.code.bench import Bench, Observation, Runner
+from graders.core.code.exercise import ExerciseGrader, Misconception
+from graders.core.code.grading import run_check, stream
+from graders.core.contract.program import KitSettings, local_launcher
 
 KEPT = 600
 
@@ -39,7 +39,7 @@ class Replay:
 
 
 class Replays:
-    """`graders.core.grading.observe`, with a memory of the last replays."""
+    """`graders.core.code.grading.observe`, with a memory of the last replays."""
 
     def __init__(self) -> None:
         self._kept: OrderedDict[tuple[int, str, int], Replay] = OrderedDict()

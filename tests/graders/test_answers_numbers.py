@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graders.core.answers.numbers import DEEPEST, LONGEST, NotANumberError, bounded, read_number
-from graders.core.render import number
+from graders.core.compare.words import number
 
 READ = {
     "0,1": 0.1,

@@ -9,7 +9,7 @@ from graders.core.answers import Quantity
 from graders.core.answers.choice import LACKING, TOO_MANY, ChoiceGrader
 from graders.core.answers.interval import around
 from graders.core.answers.numeric import APART, NumericGrader
-from graders.core.streams import stream
+from graders.core.contract.streams import stream
 from tests.graders.answered import EXERCISES, PROOF, QUIZ, SEEDS, check_of, graded, grader_of
 
 NUMERIC = [name for name in EXERCISES if isinstance(grader_of(name), NumericGrader)]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from graders.core.bench import Bench, Runner
-from graders.core.program import KitSettings, local_launcher
+from graders.core.code.bench import Bench, Runner
+from graders.core.contract.program import KitSettings, local_launcher
 from graders.l20 import world
 from graders.l20.boucles import calibration, family, scenes, walks
 from graders.l20.boucles.calibration import Outcome as Ending

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.bench import Bench, Runner
-from graders.core.checks import Cases, Trial, Untouched
-from graders.core.compare import CloseTo
-from graders.core.exercise import ExerciseGrader, MalformedExerciseError, Misconception, exercise
-from graders.core.grading import grade
-from graders.core.program import (
+from graders.core.code.bench import Bench, Runner
+from graders.core.code.checks import Cases, Trial, Untouched
+from graders.core.code.exercise import ExerciseGrader, MalformedExerciseError, Misconception, exercise
+from graders.core.code.grading import grade
+from graders.core.compare.comparison import CloseTo
+from graders.core.compare.shrinking import shrink_array
+from graders.core.contract.program import (
     Answer,
     KitSettings,
     LocalProgram,
@@ -22,8 +23,7 @@ from graders.core.program import (
     local_launcher,
     one_by_one,
 )
-from graders.core.shrink import shrink_array
-from graders.core.verdict import Outcome, internal_error_verdict
+from graders.core.contract.verdict import Outcome, internal_error_verdict
 from graders.l20 import world
 
 SOLUTION = "def double(x):\n    return 2 * x\n\ndef carre(x):\n    return x * x\n"

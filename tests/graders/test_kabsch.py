@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.grading import Grading, grade
-from graders.core.program import PROJECT, local_launcher
-from graders.core.verdict import Outcome, Verdict
+from graders.core.code.grading import Grading, grade
+from graders.core.contract.program import PROJECT, local_launcher
+from graders.core.contract.verdict import Outcome, Verdict
 from graders.l20.kabsch import cases
 from graders.l20.kabsch.checks import Pairing, Question, simpler_pairings
 from graders.l20.kabsch.grader import GRADER
@@ -227,7 +227,7 @@ def test_the_first_counterexample_is_that_of_the_course() -> None:
 
 
 def test_a_random_counterexample_is_shrunk(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("graders.core.shrink.MAX_SECONDS", 60.0)
+    monkeypatch.setattr("graders.core.compare.shrinking.MAX_SECONDS", 60.0)
     source = SVD.replace("return R, t\n", "return (R, t) if np.all(P == P.round()) or len(P) < 5 else (R, t + 1)\n")
     found = next(check for check in verdict(source, 2).checks if check.id == "bruit")
     assert found.counterexample is not None

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from graders.core.grading import grade
-from graders.core.program import PROJECT, local_launcher
+from graders.core.code.grading import grade
+from graders.core.contract.program import PROJECT, local_launcher
 from graders.l20.poses.grader import GRADER
 
 SEEDS = range(10)

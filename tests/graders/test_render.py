@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graders.core import render
+from graders.core.compare import words as render
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from graders.core import grading
-from graders.core.bench import Observation
-from graders.core.diagnosis import agree
-from graders.core.program import local_launcher
+from graders.core.code import grading
+from graders.core.code.bench import Observation
+from graders.core.code.diagnosis import agree
+from graders.core.contract.program import local_launcher
 from graders.l20.kabsch.grader import GRADER as KABSCH
 from graders.l20.poses.grader import GRADER as POSES
 from graders.l20.reechantillonnage.grader import GRADER as RESAMPLING

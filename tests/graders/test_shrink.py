@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graders.core.shrink import MAX_CALLS, angle_complexity, complexity, shrink, shrink_array, shrink_pose
+from graders.core.compare.shrinking import MAX_CALLS, angle_complexity, complexity, shrink, shrink_array, shrink_pose
 
 poses = st.tuples(st.floats(-50, 50), st.floats(-50, 50), st.floats(-math.pi, math.pi)).map(np.array)
 

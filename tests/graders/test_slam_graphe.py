@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from graders.core.grading import Grading, grade
-from graders.core.program import PROJECT, local_launcher
-from graders.core.verdict import Outcome, Verdict
+from graders.core.code.grading import Grading, grade
+from graders.core.contract.program import PROJECT, local_launcher
+from graders.core.contract.verdict import Outcome, Verdict
 from graders.l20.slam_graphe.grader import GRADER
 from tests.quick import one_in
 

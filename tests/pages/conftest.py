@@ -1,4 +1,4 @@
-"""A small course written to a temporary folder, with graders that are made up: the catalogue's own behaviour shows."""
+"""A small course written to a temporary folder, with graders that are made up: the loader's own behaviour shows."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 from starlette.testclient import TestClient
 
-from graders.catalogue import Discovery
-from graders.core.exercise import ExerciseGrader
-from graders.core.program import KitSettings
+from graders.core.code.exercise import ExerciseGrader
+from graders.core.contract.program import KitSettings
+from graders.discovery import Discovery
 from server.app import create_app
-from server.catalogue import Catalogue, load
-from server.settings import Settings
+from server.base.settings import Settings
+from server.course import Course, load
 from tests.pages.site import Site
 from tests.quick import migrated, weak_hasher
 
@@ -32,7 +32,7 @@ SOLUTION = "def double(x):\n    return 2 * x\n"
 
 
 @dataclass(frozen=True)
-class Course:
+class CourseFolder:
     """The folders of a course: `root/curriculum` and, for versions, `root/graders` and `root/reference`."""
 
     root: Path
@@ -58,7 +58,7 @@ class Course:
         self.write(f"{folder}/indices.md", HINTS)
         self.write(f"graders/m9/{slug}/solution.py", SOLUTION)
 
-    def load(self, discovery: Discovery | None = None, **options: bool) -> Catalogue:
+    def load(self, discovery: Discovery | None = None, **options: bool) -> Course:
         return load(self.curriculum, code=self.root, discovery=discovery or graders("a", "b"), **options)
 
 
@@ -80,9 +80,9 @@ def graders(*slugs: str) -> Discovery:
 
 
 @pytest.fixture
-def course(tmp_path: Path) -> Course:
+def course_folder(tmp_path: Path) -> CourseFolder:
     """Two well-formed exercises, `a` and `b`."""
-    made = Course(tmp_path)
+    made = CourseFolder(tmp_path)
     made.write("curriculum/m9/module.toml", MODULE)
     made.write("curriculum/m9/kit/m9.py", "def configurer():\n    return {}\n")
     made.write("graders/core/checks.py", "")
@@ -93,11 +93,11 @@ def course(tmp_path: Path) -> Course:
 
 
 @pytest.fixture
-def site(course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Site]:
-    monkeypatch.setattr("server.accounts.secrets._hasher", weak_hasher)
+def site(course_folder: CourseFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Site]:
+    monkeypatch.setattr("server.identity.secrets._hasher", weak_hasher)
     settings = Settings(data_dir=tmp_path / "data", workers=0, submission_burst=8, submission_refill_seconds=1000)
     database = migrated(settings)
-    app = create_app(settings, catalogue=course.load())
+    app = create_app(settings, course=course_folder.load())
     with TestClient(app) as client:
         yield Site(client, database)
     database.close()

@@ -8,8 +8,8 @@ from typing import Any
 
 from starlette.testclient import TestClient
 
-from server.accounts import service as accounts
 from server.database import Database
+from server.identity import service as accounts
 from server.queue import service as queue
 from server.queue.owner import owner_of
 

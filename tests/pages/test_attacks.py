@@ -10,15 +10,15 @@ from xml.etree import ElementTree
 
 import pytest
 
-from graders.core.grading import Grading
-from server.pages import verdicts
-from server.pages.rendering import environment
+from graders.core.code.grading import Grading
+from server.grading.joint import Grader
 from server.sandbox import Sandbox
-from server.worker.grading import Grader
+from server.web import verdicts
+from server.web.rendering import environment
 from tests.pages.site import Site
 from tests.quick import the_course
 
-CATALOGUE = the_course()
+COURSE = the_course()
 SHOW = '{% from "verdict.html" import show_verdict %}{{ show_verdict(verdict, 1) }}'
 TEXT = (
     "'<script>alert(1)</script></pre><img src=x onerror=alert(2)>`<b>`{{ 7*7 }}{% raw %}&#60;i&#62;"
@@ -55,14 +55,14 @@ os.write(1, b"\\xff\\x1b[2J</pre><script>alert(3)</script>")
 
 
 def attack(exercise: str, value: str) -> bytes:
-    functions = CATALOGUE.exercises[exercise].grader.functions
+    functions = COURSE.exercises[exercise].grader.functions
     return (HEAD + "".join(f"def {name}(*_):\n    return {value}\n" for name in functions)).encode()
 
 
 @pytest.fixture(scope="module")
 def grader() -> Iterator[Grader]:
-    with Sandbox(CATALOGUE.kits) as sandbox:
-        yield Grader(CATALOGUE, sandbox)
+    with Sandbox(COURSE.kits) as sandbox:
+        yield Grader(COURSE, sandbox)
 
 
 class Tags(HTMLParser):
@@ -109,7 +109,7 @@ def test_odd_numbers_can_be_drawn(grader: Grader, value: str) -> None:
     grading = grader.grade("l20/poses", attack("l20/poses", VALUES[value]), seed=3)
     assert grading.figures
     name, data = next(iter(grading.figures.items()))
-    drawn = CATALOGUE.exercises["l20/poses"].grader.draw(json.loads(json.dumps(data, allow_nan=False)))
+    drawn = COURSE.exercises["l20/poses"].grader.draw(json.loads(json.dumps(data, allow_nan=False)))
     assert ElementTree.fromstring(drawn).tag.endswith("svg"), name
 
 

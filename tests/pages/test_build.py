@@ -12,10 +12,10 @@ import pytest
 from starlette.testclient import TestClient
 
 from server.app import create_app
-from server.pages import assets
-from server.paths import ROOT
-from server.settings import Settings
-from tests.pages.conftest import Course
+from server.base.paths import ROOT
+from server.base.settings import Settings
+from server.web import assets
+from tests.pages.conftest import CourseFolder
 
 FRONTEND = assets.SERVER / "frontend"
 
@@ -91,8 +91,8 @@ def unbuilt(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("unbuilt")
-def test_sources_are_served_as_they_are_where_nothing_was_built(course: Course, tmp_path: Path) -> None:
-    app = create_app(Settings(data_dir=tmp_path / "data", workers=0), catalogue=course.load())
+def test_sources_are_served_as_they_are_where_nothing_was_built(course_folder: CourseFolder, tmp_path: Path) -> None:
+    app = create_app(Settings(data_dir=tmp_path / "data", workers=0), course=course_folder.load())
     client = TestClient(app)
     page = client.get("/l20-absent").text
     assert "katex.min.css" not in page

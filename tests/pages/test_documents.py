@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from server.catalogue.models import Module
-from tests.pages.conftest import EXERCISE, Course
+from server.course.models import Module
+from tests.pages.conftest import EXERCISE, CourseFolder
 from tests.pages.texts_on_disk import FIGURES, FRONT, GLOSSARY, page, problems, write_page
 
 FULL = """+++
@@ -22,14 +22,14 @@ THEOREM = "::: theoreme #{0}\nA\n:::\n\n$$\na\n$$ (eq-{0})\n\nVoir [](#{1}) et [
 WIDE = "\u00a0"
 
 
-def module(course: Course) -> Module:
-    return course.load(render=False).modules["m9"]
+def module(course_folder: CourseFolder) -> Module:
+    return course_folder.load(render=False).modules["m9"]
 
 
-def test_front_matter(course: Course) -> None:
-    course.write("curriculum/m9/seances/localiser.md", FULL)
-    assert problems(course) == []
-    document = page(course, "localiser")
+def test_front_matter(course_folder: CourseFolder) -> None:
+    course_folder.write("curriculum/m9/seances/localiser.md", FULL)
+    assert problems(course_folder) == []
+    document = page(course_folder, "localiser")
     assert (document.module, document.slug, document.kind) == ("m9", "localiser", "seance")
     assert (document.title, document.label, document.summary) == ("Localiser : où suis-je ?", "Séance 1", "Une phrase.")
     assert (document.order, document.minutes) == (10, 120)
@@ -53,47 +53,49 @@ BAD_FRONT = {
 
 
 @pytest.mark.parametrize(("content", "line", "message"), BAD_FRONT.values(), ids=BAD_FRONT.keys())
-def test_bad_front_matter_keeps_that_page_out(course: Course, content: str | bytes, line: int, message: str) -> None:
-    path = course.write("curriculum/m9/seances/localiser.md", "")
+def test_bad_front_matter_keeps_that_page_out(
+    course_folder: CourseFolder, content: str | bytes, line: int, message: str
+) -> None:
+    path = course_folder.write("curriculum/m9/seances/localiser.md", "")
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    write_page(course, "une", "Du texte.\n")
+    write_page(course_folder, "une", "Du texte.\n")
     for render in (False, True):
-        (problem,) = problems(course, render=render)
+        (problem,) = problems(course_folder, render=render)
         assert (problem.path, problem.line) == (path, line)
         assert message in problem.message
-    assert [one.slug for one in module(course).documents] == ["une"]
+    assert [one.slug for one in module(course_folder).documents] == ["une"]
 
 
-def test_pages_come_in_the_order_of_reading(course: Course) -> None:
+def test_pages_come_in_the_order_of_reading(course_folder: CourseFolder) -> None:
     for folder, kind in (
         ("annexes", "annexe"), ("cours", "cours"), ("defis", "defi"), ("fiches", "fiche"), ("seances", "seance"),
         ("tp", "tp"),
     ):  # fmt: skip
-        write_page(course, f"{kind}-b", "A\n", folder=folder, order=20)
-        write_page(course, f"{kind}-a", "A\n", folder=folder, order=30)
-        write_page(course, f"{kind}-c", "A\n", folder=folder, order=20)
-    course.write("curriculum/m9/COUVERTURE.md", "Pas une page.")
-    course.write("curriculum/m9/seances/_brouillon.md", "Pas une page.")
-    assert problems(course) == []
+        write_page(course_folder, f"{kind}-b", "A\n", folder=folder, order=20)
+        write_page(course_folder, f"{kind}-a", "A\n", folder=folder, order=30)
+        write_page(course_folder, f"{kind}-c", "A\n", folder=folder, order=20)
+    course_folder.write("curriculum/m9/COUVERTURE.md", "Pas une page.")
+    course_folder.write("curriculum/m9/seances/_brouillon.md", "Pas une page.")
+    assert problems(course_folder) == []
     kinds = ("fiche", "seance", "cours", "tp", "defi", "annexe")
-    assert [one.slug for one in module(course).documents] == [f"{kind}-{end}" for kind in kinds for end in "bca"]
+    assert [one.slug for one in module(course_folder).documents] == [f"{kind}-{end}" for kind in kinds for end in "bca"]
 
 
-def test_numbers_run_over_the_whole_module(course: Course) -> None:
-    write_page(course, "deux", THEOREM.format("b", "a"), folder="seances")
-    write_page(course, "une", THEOREM.format("a", "b"), folder="fiches")
-    write_page(course, "zero", THEOREM.format("c", "c"), folder="fiches", order=5)
-    assert problems(course) == []
-    une, deux = page(course, "une").html, page(course, "deux").html
+def test_numbers_run_over_the_whole_module(course_folder: CourseFolder) -> None:
+    write_page(course_folder, "deux", THEOREM.format("b", "a"), folder="seances")
+    write_page(course_folder, "une", THEOREM.format("a", "b"), folder="fiches")
+    write_page(course_folder, "zero", THEOREM.format("c", "c"), folder="fiches", order=5)
+    assert problems(course_folder) == []
+    une, deux = page(course_folder, "une").html, page(course_folder, "deux").html
     assert f"Théorème{WIDE}2" in une
     assert f'<a href="/m9/lire/deux#b">théorème{WIDE}3</a> et <a href="/m9/lire/deux#eq-b">(3)</a>' in une
     assert f'<a href="/m9/lire/une#a">théorème{WIDE}2</a> et <a href="/m9/lire/une#eq-a">(2)</a>' in deux
 
 
-def test_a_label_that_another_page_has(course: Course) -> None:
-    write_page(course, "une", "::: theoreme #a\nA\n:::\n")
-    write_page(course, "deux", "A\n\n::: piege #a\nA\n:::\n", folder="tp")
-    (problem,) = problems(course, render=False, check=True)
+def test_a_label_that_another_page_has(course_folder: CourseFolder) -> None:
+    write_page(course_folder, "une", "::: theoreme #a\nA\n:::\n")
+    write_page(course_folder, "deux", "A\n\n::: piege #a\nA\n:::\n", folder="tp")
+    (problem,) = problems(course_folder, render=False, check=True)
     assert (problem.path.name, problem.line) == ("deux.md", FRONT.count("\n") + 3)
     assert problem.message == "étiquette déjà prise par la page « une » : « #a »"
 
@@ -107,19 +109,19 @@ def test_a_label_that_another_page_has(course: Course) -> None:
         ("seance/deux.md", "dossier de pages inconnu"),
     ],
 )
-def test_a_page_that_has_no_address(course: Course, path: str, message: str) -> None:
-    write_page(course, "une", "A\n")
-    found = course.write(f"curriculum/m9/{path}", FULL)
-    (problem,) = problems(course, render=False)
+def test_a_page_that_has_no_address(course_folder: CourseFolder, path: str, message: str) -> None:
+    write_page(course_folder, "une", "A\n")
+    found = course_folder.write(f"curriculum/m9/{path}", FULL)
+    (problem,) = problems(course_folder, render=False)
     assert problem.path == found
     assert message in problem.message
 
 
-def test_the_glossary(course: Course) -> None:
-    write_page(course, "une", "::: theoreme #thm-un\nA\n:::\n")
-    course.write("curriculum/m9/glossaire.toml", GLOSSARY)
-    assert problems(course) == []
-    term = module(course).glossary["pose"]
+def test_the_glossary(course_folder: CourseFolder) -> None:
+    write_page(course_folder, "une", "::: theoreme #thm-un\nA\n:::\n")
+    course_folder.write("curriculum/m9/glossaire.toml", GLOSSARY)
+    assert problems(course_folder) == []
+    term = module(course_folder).glossary["pose"]
     assert (term.id, term.word, term.page) == ("pose", "pose", "une")
     assert term.text == f"Un triplet (x, y, θ), voir théorème{WIDE}1."
     assert term.html.startswith("Un triplet ")
@@ -138,59 +140,61 @@ BAD_GLOSSARY = {
 
 
 @pytest.mark.parametrize(("entry", "line", "message"), BAD_GLOSSARY.values(), ids=BAD_GLOSSARY.keys())
-def test_a_bad_entry_leaves_the_others(course: Course, entry: str, line: int, message: str) -> None:
-    write_page(course, "une", "::: theoreme #thm-un\nA\n:::\n")
-    path = course.write("curriculum/m9/glossaire.toml", GLOSSARY + entry)
-    (problem,) = problems(course, render=False, check=True)
+def test_a_bad_entry_leaves_the_others(course_folder: CourseFolder, entry: str, line: int, message: str) -> None:
+    write_page(course_folder, "une", "::: theoreme #thm-un\nA\n:::\n")
+    path = course_folder.write("curriculum/m9/glossaire.toml", GLOSSARY + entry)
+    (problem,) = problems(course_folder, render=False, check=True)
     assert (problem.path, problem.line) == (path, line), problem
     assert message in problem.message
-    assert "pose" in module(course).glossary
+    assert "pose" in module(course_folder).glossary
 
 
-def test_a_glossary_that_cannot_be_read(course: Course) -> None:
-    path = course.write("curriculum/m9/glossaire.toml", 'mot = "x"\n')
-    assert [(one.path, one.line) for one in problems(course)] == [(path, 1)]
+def test_a_glossary_that_cannot_be_read(course_folder: CourseFolder) -> None:
+    path = course_folder.write("curriculum/m9/glossaire.toml", 'mot = "x"\n')
+    assert [(one.path, one.line) for one in problems(course_folder)] == [(path, 1)]
     path.write_text("[[terme]]\nid =\n", encoding="utf-8")
-    assert [(one.path, one.line) for one in problems(course)] == [(path, 2)]
+    assert [(one.path, one.line) for one in problems(course_folder)] == [(path, 2)]
 
 
-def test_an_exercise_follows_a_page_that_exists(course: Course) -> None:
-    path = course.exercise("a") / "exercise.toml"
+def test_an_exercise_follows_a_page_that_exists(course_folder: CourseFolder) -> None:
+    path = course_folder.exercise("a") / "exercise.toml"
     path.write_text(EXERCISE.replace("order = 10", 'order = 10\nseance = "une"'), encoding="utf-8")
-    (problem,) = problems(course)
+    (problem,) = problems(course_folder)
     assert (problem.path, problem.line, problem.message) == (path, 4, "« seance » : page inconnue « une »")
-    assert "m9/a" in course.load().exercises
-    write_page(course, "une", "A\n", folder="seances")
-    assert problems(course) == []
-    assert course.load().exercises["m9/a"].seance == "une"
+    assert "m9/a" in course_folder.load().exercises
+    write_page(course_folder, "une", "A\n", folder="seances")
+    assert problems(course_folder) == []
+    assert course_folder.load().exercises["m9/a"].seance == "une"
 
 
-def test_pages_do_not_change_the_version_of_an_exercise(course: Course) -> None:
-    before = {name: one.version for name, one in course.load(render=False).exercises.items()}
-    write_page(course, "une", "A\n")
-    course.write("curriculum/m9/glossaire.toml", GLOSSARY)
-    course.write("curriculum/m9/figures/dessins.py", FIGURES)
-    course.write("curriculum/m9/rejeux/mcl.py", "")
-    assert {name: one.version for name, one in course.load(render=False).exercises.items()} == before
+def test_pages_do_not_change_the_version_of_an_exercise(course_folder: CourseFolder) -> None:
+    before = {name: one.version for name, one in course_folder.load(render=False).exercises.items()}
+    write_page(course_folder, "une", "A\n")
+    course_folder.write("curriculum/m9/glossaire.toml", GLOSSARY)
+    course_folder.write("curriculum/m9/figures/dessins.py", FIGURES)
+    course_folder.write("curriculum/m9/rejeux/mcl.py", "")
+    assert {name: one.version for name, one in course_folder.load(render=False).exercises.items()} == before
 
 
-def test_nothing_is_read_before_it_is_asked_for(course: Course, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_read_before_it_is_asked_for(course_folder: CourseFolder, monkeypatch: pytest.MonkeyPatch) -> None:
     """A command that only grades loads the course at each start."""
 
     def refuse(*_: object) -> None:
         raise AssertionError("a text was read")
 
-    write_page(course, "une", "A\n")
-    course.write("curriculum/m9/glossaire.toml", GLOSSARY)
-    monkeypatch.setattr("server.catalogue.markup.parser.markdown", refuse)
-    assert len(module(course).documents) == 1
+    write_page(course_folder, "une", "A\n")
+    course_folder.write("curriculum/m9/glossaire.toml", GLOSSARY)
+    monkeypatch.setattr("server.text.markup.parser.markdown", refuse)
+    assert len(module(course_folder).documents) == 1
 
 
-def test_no_formula_is_drawn_when_the_service_starts(course: Course, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_formula_is_drawn_when_the_service_starts(
+    course_folder: CourseFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def refuse(*_: object, **__: object) -> str:
         raise AssertionError("a formula was drawn")
 
-    write_page(course, "une", "Un $x$.\n")
-    monkeypatch.setattr("server.catalogue.katex.render", refuse)
-    monkeypatch.setattr("server.catalogue.katex.prepare", refuse)
-    assert problems(course, render=False, check=True) == []
+    write_page(course_folder, "une", "Un $x$.\n")
+    monkeypatch.setattr("server.text.katex.render", refuse)
+    monkeypatch.setattr("server.text.katex.prepare", refuse)
+    assert problems(course_folder, render=False, check=True) == []

@@ -9,7 +9,7 @@ from threading import Event
 
 import pytest
 
-from server.course_code import load_file
+from server.course.code import load_file
 
 NAME = "curriculum.l20.figures.slow_to_load"
 

@@ -10,14 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from graders.core.plotting import THEMES, palette
-from server.catalogue import Catalogue
-from server.catalogue.models import Drawing
-from server.errors import NotFound
-from server.paths import ROOT
+from graders.plotting import THEMES, palette
+from server.base.errors import NotFound
+from server.base.paths import ROOT
+from server.course import Course
+from server.course.models import Drawing
 from server.reading import figures
 from server.reading.figures import Drawings
-from tests.pages.conftest import Course
+from tests.pages.conftest import CourseFolder
 from tests.pages.texts_on_disk import FIGURES, problems
 from tests.quick import in_a_loop, the_course
 
@@ -36,40 +36,42 @@ BAD = {
 
 
 @pytest.mark.parametrize(("content", "line", "message"), BAD.values(), ids=BAD.keys())
-def test_a_badly_announced_figure_is_told_with_its_line(course: Course, content: str, line: int, message: str) -> None:
-    path = course.write(PATH, content)
-    (problem,) = problems(course, render=False)
+def test_a_badly_announced_figure_is_told_with_its_line(
+    course_folder: CourseFolder, content: str, line: int, message: str
+) -> None:
+    path = course_folder.write(PATH, content)
+    (problem,) = problems(course_folder, render=False)
     assert (problem.path, problem.line) == (path, line)
     assert message in problem.message
 
 
-def test_what_is_announced_is_known_without_running_it(course: Course) -> None:
-    course.write(PATH, FIGURES + "\nraise SystemExit\n")
-    course.write("curriculum/m9/figures/_aide.py", "raise SystemExit\n")
-    drawings = course.load(render=False).modules["m9"].drawings
+def test_what_is_announced_is_known_without_running_it(course_folder: CourseFolder) -> None:
+    course_folder.write(PATH, FIGURES + "\nraise SystemExit\n")
+    course_folder.write("curriculum/m9/figures/_aide.py", "raise SystemExit\n")
+    drawings = course_folder.load(render=False).modules["m9"].drawings
     assert {name: (one.alt, one.size) for name, one in drawings.items()} == {
         "trace": ("Une ligne qui monte & l'axe.", (6.4, 4.0)),
         "bande": ("Une bande.", (6.4, 2.0)),
     }
 
 
-def catalogue_of(course: Course, text: str) -> Catalogue:
-    course.write(PATH, text)
-    return course.load(render=False)
+def catalogue_of(course_folder: CourseFolder, text: str) -> Course:
+    course_folder.write(PATH, text)
+    return course_folder.load(render=False)
 
 
-def test_a_drawing_is_the_same_each_time_and_not_in_the_other_theme(course: Course) -> None:
-    catalogue = catalogue_of(course, FIGURES)
-    light = Drawings(catalogue).svg("m9", "trace", "light")
+def test_a_drawing_is_the_same_each_time_and_not_in_the_other_theme(course_folder: CourseFolder) -> None:
+    course = catalogue_of(course_folder, FIGURES)
+    light = Drawings(course).svg("m9", "trace", "light")
     assert light.startswith(b"<?xml")
-    assert Drawings(catalogue).svg("m9", "trace", "light") == light
-    dark = Drawings(catalogue).svg("m9", "trace", "dark")
+    assert Drawings(course).svg("m9", "trace", "light") == light
+    dark = Drawings(course).svg("m9", "trace", "dark")
     assert palette("dark").paper.encode() in dark
     assert palette("dark").paper.encode() not in light
 
 
-def test_drawings_are_remembered_up_to_a_bound(course: Course, monkeypatch: pytest.MonkeyPatch) -> None:
-    catalogue = catalogue_of(course, FIGURES)
+def test_drawings_are_remembered_up_to_a_bound(course_folder: CourseFolder, monkeypatch: pytest.MonkeyPatch) -> None:
+    course = catalogue_of(course_folder, FIGURES)
     drawn: list[str] = []
     draw = figures.draw
 
@@ -78,7 +80,7 @@ def test_drawings_are_remembered_up_to_a_bound(course: Course, monkeypatch: pyte
         return draw(drawing, theme, extension)
 
     monkeypatch.setattr(figures, "draw", counted)
-    roomy, narrow = Drawings(catalogue), Drawings(catalogue, kept=1)
+    roomy, narrow = Drawings(course), Drawings(course, kept=1)
     for drawings in (roomy, narrow):
         for name in ("trace", "trace", "bande", "trace"):
             drawings.svg("m9", name, "light")
@@ -86,9 +88,9 @@ def test_drawings_are_remembered_up_to_a_bound(course: Course, monkeypatch: pyte
 
 
 def test_a_class_that_looks_together_has_each_drawing_made_once(
-    course: Course, monkeypatch: pytest.MonkeyPatch
+    course_folder: CourseFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    catalogue = catalogue_of(course, FIGURES)
+    course = catalogue_of(course_folder, FIGURES)
     drawn: list[str] = []
 
     def slow(drawing: Drawing, theme: str, _extension: str) -> figures.Drawn:
@@ -99,7 +101,7 @@ def test_a_class_that_looks_together_has_each_drawing_made_once(
     monkeypatch.setattr(figures, "draw", slow)
 
     async def look() -> list[bytes]:
-        drawings = Drawings(catalogue)
+        drawings = Drawings(course)
         return await asyncio.gather(*(drawings.picture("m9", name, "dark") for name in ("trace", "bande") * 20))
 
     assert in_a_loop(look()) == [b"trace", b"bande"] * 20
@@ -107,20 +109,20 @@ def test_a_class_that_looks_together_has_each_drawing_made_once(
 
 
 @pytest.mark.parametrize(("module", "name"), [("m9", "absente"), ("m8", "trace"), ("m9", "../../etc/passwd")])
-def test_what_is_not_announced_is_not_drawn(course: Course, module: str, name: str) -> None:
+def test_what_is_not_announced_is_not_drawn(course_folder: CourseFolder, module: str, name: str) -> None:
     with pytest.raises(NotFound):
-        Drawings(catalogue_of(course, FIGURES)).svg(module, name, "light")
+        Drawings(catalogue_of(course_folder, FIGURES)).svg(module, name, "light")
 
 
-def test_check_tells_what_does_not_draw_or_changes_size(course: Course) -> None:
-    catalogue = catalogue_of(
-        course,
+def test_check_tells_what_does_not_draw_or_changes_size(course_folder: CourseFolder) -> None:
+    course = catalogue_of(
+        course_folder,
         "def panne(figure, palette):\n    1 / 0\n"
         "def grand(figure, palette):\n    figure.set_size_inches(6.4, 9)\n"
         "def juste(figure, palette):\n    figure.subplots()\n"
         'FIGURES = {\n    "panne": (panne, "A"),\n    "grand": (grand, "A"),\n    "juste": (juste, "A"),\n}\n',
     )
-    found = [(one.line, one.message) for one in figures.faults(catalogue)]
+    found = [(one.line, one.message) for one in figures.faults(course)]
     assert [line for line, _ in found] == [8, 9]
     assert "« panne » ne se dessine pas (ZeroDivisionError" in found[0][1]
     assert '"grand": (grand, "…", (6.4, 9))' in found[1][1]

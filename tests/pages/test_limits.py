@@ -8,11 +8,11 @@ from dataclasses import fields
 
 import pytest
 
-from server.catalogue.schemas import Limits
-from server.pages.limits import LINES, limits_of
+from server.course.schemas import Limits
+from server.grading.joint import policy_of
+from server.pages.policy import LINES, limits_of
 from server.sandbox import Policy
-from server.worker.grading import policy_of
-from tests.pages.conftest import EXERCISE, Course
+from tests.pages.conftest import EXERCISE, CourseFolder
 from tests.pages.site import PAGE, Site
 
 POLICY = [field.name for field in fields(Policy)]
@@ -54,12 +54,12 @@ def test_the_page_shows_every_limit(site: Site) -> None:
 
 
 @pytest.mark.parametrize("field", OWN)
-def test_an_exercises_own_limit_binds_and_shows(course: Course, field: str) -> None:
+def test_an_exercises_own_limit_binds_and_shows(course_folder: CourseFolder, field: str) -> None:
     value, told = OWN[field]
-    course.write("curriculum/m9/exercices/a/exercise.toml", EXERCISE + f"\n[limits]\n{field} = {value}\n")
-    catalogue = course.load()
-    assert not catalogue.problems
-    own, usual = (catalogue.exercises[f"m9/{slug}"] for slug in ("a", "b"))
+    course_folder.write("curriculum/m9/exercices/a/exercise.toml", EXERCISE + f"\n[limits]\n{field} = {value}\n")
+    course = course_folder.load()
+    assert not course.problems
+    own, usual = (course.exercises[f"m9/{slug}"] for slug in ("a", "b"))
     assert getattr(policy_of(own), field) == value
     changed = set(limits_of(own)) - set(limits_of(usual))
     assert changed == {(LINES[field][0], told)}

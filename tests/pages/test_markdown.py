@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from server.catalogue import katex
-from server.catalogue.markup import Source, Text
-from server.catalogue.typography import french
-from server.pages import assets
+from graders.typography import french
+from server.text import katex
+from server.text.markup import Source, Text
+from server.web import assets
 
 needs_katex = pytest.mark.skipif(not assets.is_built(), reason="the front end is not built here")
 

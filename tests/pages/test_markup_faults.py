@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from server.catalogue.markup import Names, Picture, Source, Text
-from server.pages import assets
-from tests.pages.conftest import Course
+from server.text.markup import Names, Picture, Source, Text
+from server.web import assets
+from tests.pages.conftest import CourseFolder
 from tests.pages.texts_on_disk import FIGURES, GLOSSARY, faults, page, problems, write_page
 
 needs_katex = pytest.mark.skipif(not assets.is_built(), reason="the front end is not built here")
@@ -74,21 +74,21 @@ BAD = {
 
 
 @pytest.mark.parametrize(("body", "line", "message"), BAD.values(), ids=BAD.keys())
-def test_a_fault_is_told_with_its_line(course: Course, body: str, line: int, message: str) -> None:
-    course.write("curriculum/m9/figures/dessins.py", FIGURES)
-    found = faults(course, body)
+def test_a_fault_is_told_with_its_line(course_folder: CourseFolder, body: str, line: int, message: str) -> None:
+    course_folder.write("curriculum/m9/figures/dessins.py", FIGURES)
+    found = faults(course_folder, body)
     assert any(where == line and message in said for where, said in found), found
     assert len({where for where, _ in found}) <= 2, "one mistake is not told all over the page"
 
 
 @pytest.mark.parametrize(("body", "line", "message"), BAD.values(), ids=BAD.keys())
 def test_a_page_at_fault_is_told_without_drawing_formulas_and_still_reads(
-    course: Course, body: str, line: int, message: str
+    course_folder: CourseFolder, body: str, line: int, message: str
 ) -> None:
-    write_page(course, "une", body + "\n\nLa fin.\n")
-    assert problems(course, render=False) == []
-    assert any(message in one.message for one in problems(course, render=False, check=True))
-    assert "La fin." in page(course, "une").html
+    write_page(course_folder, "une", body + "\n\nLa fin.\n")
+    assert problems(course_folder, render=False) == []
+    assert any(message in one.message for one in problems(course_folder, render=False, check=True))
+    assert "La fin." in page(course_folder, "une").html
 
 
 @needs_katex
@@ -105,37 +105,37 @@ def test_a_page_at_fault_is_told_without_drawing_formulas_and_still_reads(
         ("A[^a]\n\n[^a]: B\n    $\\inconnu$\n", 4),
     ],
 )
-def test_bad_tex_is_told_with_its_line_and_stands_as_it_is(course: Course, body: str, line: int) -> None:
-    ((where, message),) = faults(course, body)
+def test_bad_tex_is_told_with_its_line_and_stands_as_it_is(course_folder: CourseFolder, body: str, line: int) -> None:
+    ((where, message),) = faults(course_folder, body)
     assert (where, message[:15]) == (line, "formule refusée")
-    assert problems(course, render=False, check=True) == []
-    assert '<code class="fault">' in page(course, "une").html
+    assert problems(course_folder, render=False, check=True) == []
+    assert '<code class="fault">' in page(course_folder, "une").html
 
 
-def test_a_statement_has_no_label_and_none_of_what_a_page_brings_to_life(course: Course) -> None:
+def test_a_statement_has_no_label_and_none_of_what_a_page_brings_to_life(course_folder: CourseFolder) -> None:
     for body in (
         "::: theoreme #a\nA\n:::\n",
         "$$\na\n$$ (eq-a)\n",
         "::: figure trace\nA\n:::\n",
         "```python cellule a\nx\n```\n",
     ):
-        path = course.write("curriculum/m9/exercices/a/enonce.md", f"A\n\n{body}")
-        found = problems(course)
+        path = course_folder.write("curriculum/m9/exercices/a/enonce.md", f"A\n\n{body}")
+        found = problems(course_folder)
         assert {(one.path, one.line) for one in found} == {(path, 3)}
         assert any("n’a sa place que dans une page à lire" in one.message for one in found)
 
 
-def test_statements_and_hints_may_speak_of_pages(course: Course) -> None:
-    course.write("curriculum/m9/glossaire.toml", GLOSSARY)
-    write_page(course, "une", "::: theoreme #thm-un\nA\n:::\n")
-    path = course.exercise("a") / "enonce.md"
+def test_statements_and_hints_may_speak_of_pages(course_folder: CourseFolder) -> None:
+    course_folder.write("curriculum/m9/glossaire.toml", GLOSSARY)
+    write_page(course_folder, "une", "::: theoreme #thm-un\nA\n:::\n")
+    path = course_folder.exercise("a") / "enonce.md"
     path.write_text("[](#thm-un) [](page:une) [x](terme:pose) [](exo:b)\n", encoding="utf-8")
-    assert problems(course) == []
-    html = course.load(render=False).exercises["m9/a"].statement_html
+    assert problems(course_folder) == []
+    html = course_folder.load(render=False).exercises["m9/a"].statement_html
     for href in ("/m9/lire/une#thm-un", "/m9/lire/une", "/m9/glossaire#t-pose", "/m9/exercices/b"):
         assert f'href="{href}"' in html
     path.write_text("A\n\n[](#thm-deux)\n", encoding="utf-8")
-    (problem,) = problems(course)
+    (problem,) = problems(course_folder)
     assert (problem.path, problem.line) == (path, 3)
 
 
@@ -223,10 +223,10 @@ class Tags(HTMLParser):
         "| <script>alert(1)</script> |\n|---|\n| <img src=x onerror=alert(1)> |",
     ],
 )
-def test_nothing_in_a_page_can_run(course: Course, attack: str) -> None:
-    write_page(course, "une", attack)
+def test_nothing_in_a_page_can_run(course_folder: CourseFolder, attack: str) -> None:
+    write_page(course_folder, "une", attack)
     tags = Tags()
-    tags.feed(page(course, "une").html)
+    tags.feed(page(course_folder, "une").html)
     assert not {tag for tag, _ in tags.seen} & {"script", "iframe", "object", "embed", "form"}
     for _, attributes in tags.seen:
         assert not [name for name in attributes if name.startswith("on")]
@@ -234,8 +234,8 @@ def test_nothing_in_a_page_can_run(course: Course, attack: str) -> None:
             assert not str(attributes.get(name) or "").lower().startswith(("javascript:", "data:"))
 
 
-def test_a_text_needs_no_page_around_it(course: Course) -> None:
+def test_a_text_needs_no_page_around_it(course_folder: CourseFolder) -> None:
     """What an author of another kind of question may write: one paragraph, no place of its own."""
-    text = Text(Source("Le *mot* [x](page:une)", course.root), inline=True)
+    text = Text(Source("Le *mot* [x](page:une)", course_folder.root), inline=True)
     assert text.html == 'Le <em>mot</em> <a class="fault">x</a>'
     assert [one.message for one in text.faults(formulas=True)] == ["page inconnue : « une »"]

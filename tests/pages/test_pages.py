@@ -8,7 +8,7 @@ from uuid import uuid4
 import pytest
 
 from server.pages.service import HINT_OPENS_AFTER
-from server.pages.verdicts import OUTCOMES
+from server.web.verdicts import OUTCOMES
 from tests.pages.site import CHECK, PAGE, Site, verdict
 
 

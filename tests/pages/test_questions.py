@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-from graders.catalogue import Discovery
 from graders.core.answers import choice, numeric, order
 from graders.core.answers.numeric import Quantity
-from server.catalogue import Catalogue
-from tests.pages.conftest import HINTS, Course, graders
+from graders.discovery import Discovery
+from server.course import Course
+from tests.pages.conftest import HINTS, CourseFolder, graders
 
 CARD = 'title = "Choisir"\nsummary = "Une question."\norder = 10\nkind = "answers"\n'
 CHOICE = """[[question]]
@@ -69,8 +69,8 @@ text = "Que vaut $2 \\\\times {{a}}$ ?"
 """
 
 
-def definitions(course: Course) -> dict[str, Any]:
-    file = str(course.root / "graders/m9/c/grader.py")
+def definitions(course_folder: CourseFolder) -> dict[str, Any]:
+    file = str(course_folder.root / "graders/m9/c/grader.py")
     asked = Quantity("q", 20, lambda data, _: 2 * data["a"])
     return {
         "choice": choice(file, "m9/c"),
@@ -79,24 +79,26 @@ def definitions(course: Course) -> dict[str, Any]:
     }
 
 
-def loaded(course: Course, form: str, questions: str | None, card: str = CARD) -> Catalogue:
+def loaded(course_folder: CourseFolder, form: str, questions: str | None, card: str = CARD) -> Course:
     folder = "curriculum/m9/exercices/c"
-    course.write(f"{folder}/exercise.toml", card)
-    course.write(f"{folder}/enonce.md", "Répondez.\n")
-    course.write(f"{folder}/indices.md", HINTS)
+    course_folder.write(f"{folder}/exercise.toml", card)
+    course_folder.write(f"{folder}/enonce.md", "Répondez.\n")
+    course_folder.write(f"{folder}/indices.md", HINTS)
     if questions is not None:
-        course.write(f"{folder}/questions.toml", questions)
-    return course.load(Discovery({**graders("a", "b").graders, "m9/c": definitions(course)[form]}, ()))
+        course_folder.write(f"{folder}/questions.toml", questions)
+    return course_folder.load(Discovery({**graders("a", "b").graders, "m9/c": definitions(course_folder)[form]}, ()))
 
 
 @pytest.mark.parametrize(("form", "text"), [("choice", CHOICE), ("order", ORDER), ("numeric", NUMERIC)])
-def test_well_formed_questions_are_served_without_starter_nor_functions(course: Course, form: str, text: str) -> None:
-    catalogue = loaded(course, form, text)
-    assert catalogue.problems == ()
-    exercise = catalogue.exercises["m9/c"]
+def test_well_formed_questions_are_served_without_starter_nor_functions(
+    course_folder: CourseFolder, form: str, text: str
+) -> None:
+    course = loaded(course_folder, form, text)
+    assert course.problems == ()
+    exercise = course.exercises["m9/c"]
     assert (exercise.kind, exercise.functions) == ("answers", ())
     assert exercise.answers is exercise.grader
-    assert catalogue.exercises["m9/a"].kind == "code"
+    assert course.exercises["m9/a"].kind == "code"
 
 
 BROKEN: dict[str, tuple[str, str, int | None, str]] = {
@@ -131,42 +133,42 @@ BROKEN: dict[str, tuple[str, str, int | None, str]] = {
 
 @pytest.mark.parametrize(("form", "text", "line", "message"), BROKEN.values(), ids=BROKEN.keys())
 def test_a_malformed_sheet_is_reported_with_its_place(
-    course: Course, form: str, text: str, line: int | None, message: str
+    course_folder: CourseFolder, form: str, text: str, line: int | None, message: str
 ) -> None:
-    catalogue = loaded(course, form, text)
-    (problem,) = catalogue.problems
+    course = loaded(course_folder, form, text)
+    (problem,) = course.problems
     assert (problem.line, message in problem.message) == (line, True), str(problem)
     assert problem.path.name in {"questions.toml", "grader.py", "misconceptions.toml"}
-    assert list(catalogue.exercises) == ["m9/a", "m9/b"]
+    assert list(course.exercises) == ["m9/a", "m9/b"]
 
 
-def test_a_missing_sheet_and_a_wrong_kind_are_reported(course: Course) -> None:
-    assert [one.path.name for one in loaded(course, "choice", None).problems] == ["questions.toml"]
+def test_a_missing_sheet_and_a_wrong_kind_are_reported(course_folder: CourseFolder) -> None:
+    assert [one.path.name for one in loaded(course_folder, "choice", None).problems] == ["questions.toml"]
     code = CARD.replace('kind = "answers"\n', "")
-    (problem,) = loaded(course, "choice", CHOICE, card=code).problems
+    (problem,) = loaded(course_folder, "choice", CHOICE, card=code).problems
     assert "autre sorte" in problem.message
     functions = CARD + '\n[[functions]]\nname = "f"\nsignature = "f()"\n'
-    (problem,) = loaded(course, "choice", CHOICE, card=functions).problems
+    (problem,) = loaded(course_folder, "choice", CHOICE, card=functions).problems
     assert "aucune fonction" in problem.message
 
 
-def test_an_exercise_of_code_still_needs_functions(course: Course) -> None:
-    card = course.exercise("a") / "exercise.toml"
+def test_an_exercise_of_code_still_needs_functions(course_folder: CourseFolder) -> None:
+    card = course_folder.exercise("a") / "exercise.toml"
     card.write_text(card.read_text(encoding="utf-8").split("[[functions]]")[0], encoding="utf-8")
-    (problem,) = course.load().problems
+    (problem,) = course_folder.load().problems
     assert (problem.path, problem.line) == (card, 1)
     assert "functions" in problem.message
 
 
-def test_the_version_covers_the_questions(course: Course) -> None:
-    before = loaded(course, "choice", CHOICE).exercises["m9/c"].version
-    assert loaded(course, "choice", CHOICE.replace("Comptez", "Recomptez")).exercises["m9/c"].version != before
+def test_the_version_covers_the_questions(course_folder: CourseFolder) -> None:
+    before = loaded(course_folder, "choice", CHOICE).exercises["m9/c"].version
+    assert loaded(course_folder, "choice", CHOICE.replace("Comptez", "Recomptez")).exercises["m9/c"].version != before
 
 
-def test_specimens_are_named_as_the_course_names_its_options(course: Course) -> None:
-    course.write("graders/m9/c/specimens/wrong_answer/trois.json", '{"q": "trois", "r": "quatre"}')
-    course.write("graders/m9/c/specimens/syntax_error/rien.json", "[")
-    grader = loaded(course, "choice", CHOICE).exercises["m9/c"].grader
+def test_specimens_are_named_as_the_course_names_its_options(course_folder: CourseFolder) -> None:
+    course_folder.write("graders/m9/c/specimens/wrong_answer/trois.json", '{"q": "trois", "r": "quatre"}')
+    course_folder.write("graders/m9/c/specimens/syntax_error/rien.json", "[")
+    grader = loaded(course_folder, "choice", CHOICE).exercises["m9/c"].grader
     found = {one.subject: one for one in grader.known() if one.subject.startswith("spécimen")}
     assert len(found) == 2
     for one in found.values():

@@ -11,9 +11,9 @@ import pytest
 from starlette.testclient import TestClient
 
 from server.app import create_app
+from server.base.settings import Settings
 from server.reading.service import duration, plain
-from server.settings import Settings
-from tests.pages.conftest import Course
+from tests.pages.conftest import CourseFolder
 from tests.pages.site import PAGE, Site, verdict
 from tests.pages.texts import with_texts
 from tests.quick import migrated, weak_hasher
@@ -22,11 +22,11 @@ READ = "/m9/lire/depart"
 
 
 @pytest.fixture
-def site(course: Course, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Site]:
-    monkeypatch.setattr("server.accounts.secrets._hasher", weak_hasher)
+def site(course_folder: CourseFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Site]:
+    monkeypatch.setattr("server.identity.secrets._hasher", weak_hasher)
     settings = Settings(data_dir=tmp_path / "data", workers=0)
     database = migrated(settings)
-    app = create_app(settings, catalogue=with_texts(course.load()))
+    app = create_app(settings, course=with_texts(course_folder.load()))
     with TestClient(app) as client:
         yield Site(client, database)
     database.close()
@@ -141,10 +141,10 @@ def test_the_module_opens_on_its_course(site: Site) -> None:
     assert "/m9/figures/dessin.svg?theme=dark" in page
 
 
-def test_a_module_without_texts_lists_its_exercises(course: Course, tmp_path: Path) -> None:
+def test_a_module_without_texts_lists_its_exercises(course_folder: CourseFolder, tmp_path: Path) -> None:
     settings = Settings(data_dir=tmp_path / "data", workers=0)
     migrated(settings).close()
-    with TestClient(create_app(settings, catalogue=course.load())) as client:
+    with TestClient(create_app(settings, course=course_folder.load())) as client:
         page = client.get("/m9").text
         assert ">Exercices</h2>" in page
         for absent in ("Commencer", "Séances", "head-search", "glossaire"):

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from server.reading.schemas import HitView
 from server.reading.search import Index, Passage, find, words
-from tests.pages.conftest import Course
+from tests.pages.conftest import CourseFolder
 from tests.pages.texts_on_disk import GLOSSARY, write_page
 
 FILTER = """Avant tout titre.
@@ -36,11 +36,13 @@ Search = Callable[[str], tuple[HitView, ...]]
 
 
 @pytest.fixture
-def search(course: Course) -> Search:
-    write_page(course, "une", FILTER)
-    write_page(course, "deux", "## Poids\n\nLe poids d'une chose.\n\n## Bref\n\n[](#thm-un).\n", folder="seances")
-    course.write("curriculum/m9/glossaire.toml", GLOSSARY)
-    module = course.load().modules["m9"]
+def search(course_folder: CourseFolder) -> Search:
+    write_page(course_folder, "une", FILTER)
+    write_page(
+        course_folder, "deux", "## Poids\n\nLe poids d'une chose.\n\n## Bref\n\n[](#thm-un).\n", folder="seances"
+    )
+    course_folder.write("curriculum/m9/glossaire.toml", GLOSSARY)
+    module = course_folder.load().modules["m9"]
     return lambda query: find(module, query)
 
 

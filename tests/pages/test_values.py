@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from server.pages.rendering import environment, ticks
-from server.pages.text import plural, points, visible
-from server.pages.values import MAX_ROWS, ValueView, replay, view
+from server.text.plain import visible
+from server.web.rendering import environment, ticks
+from server.web.values import MAX_ROWS, ValueView, replay, view
+from server.web.words import plural, points
 
 SHOW = '{% from "values.html" import show %}{{ show(value) }}'
 numbers = (

@@ -6,12 +6,12 @@ import json
 
 import pytest
 
-from graders.catalogue import discover
-from graders.core.exercise import ExerciseGrader
-from graders.core.grading import grade
-from graders.core.program import local_launcher
-from server.pages import verdicts
-from server.pages.rendering import environment
+from graders.core.code.exercise import ExerciseGrader
+from graders.core.code.grading import grade
+from graders.core.contract.program import local_launcher
+from graders.discovery import discover
+from server.web import verdicts
+from server.web.rendering import environment
 
 GRADERS = {name: one for name, one in discover().graders.items() if isinstance(one, ExerciseGrader)}
 SHOW = '{% from "verdict.html" import show_verdict %}{{ show_verdict(verdict, 1) }}'

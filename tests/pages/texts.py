@@ -7,8 +7,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from server.catalogue import Catalogue
-from server.catalogue.models import Cell, Document, Drawing, Heading, Kind, Section, Term
+from server.course import Course
+from server.course.models import Cell, Document, Drawing, Heading, Kind, Section, Term
 
 BODY = """
 <h2 id="s-un">Un <em>début</em></h2>
@@ -68,9 +68,9 @@ def term(name: str, word: str, page: str = "depart") -> Term:
     return Term(name, word, page, Made(f"Le sens de <em>{word}</em>.", (), (Section("", "", f"Le sens de {word}."),)))
 
 
-def with_texts(catalogue: Catalogue) -> Catalogue:
+def with_texts(course: Course) -> Course:
     """The same course with a séance, a fiche before it, an annex after it, and a glossary of three words."""
-    module = catalogue.modules["m9"]
+    module = course.modules["m9"]
     documents = (
         document("memoire", "fiche", minutes=0, objectives=()),
         document("depart", figures=("dessin",)),
@@ -86,4 +86,4 @@ def with_texts(catalogue: Catalogue) -> Catalogue:
         exercises=exercises,
         drawings={"dessin": Drawing("dessin", "Un dessin.", (6.4, 4.0), Path("dessin.py"), 1, "draw")},
     )
-    return Catalogue(MappingProxyType({"m9": changed}), catalogue.problems)
+    return Course(MappingProxyType({"m9": changed}), course.problems)

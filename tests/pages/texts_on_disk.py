@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
-from server.catalogue.models import Document, Problem
-from tests.pages.conftest import Course
+from server.course.models import Document, Problem
+from tests.pages.conftest import CourseFolder
 
 FRONT = """+++
 title = "Titre de {slug}"
@@ -32,30 +32,30 @@ FIGURES = {
 """
 
 
-def write_page(course: Course, slug: str, body: str, folder: str = "fiches", order: int = 10) -> None:
-    course.write(f"curriculum/m9/{folder}/{slug}.md", FRONT.format(slug=slug, order=order) + body)
+def write_page(course_folder: CourseFolder, slug: str, body: str, folder: str = "fiches", order: int = 10) -> None:
+    course_folder.write(f"curriculum/m9/{folder}/{slug}.md", FRONT.format(slug=slug, order=order) + body)
 
 
-def read_page(course: Course, body: str) -> Document:
+def read_page(course_folder: CourseFolder, body: str) -> Document:
     """The page `une` with this body, which has no fault."""
-    write_page(course, "une", body)
-    assert problems(course) == []
-    return page(course, "une")
+    write_page(course_folder, "une", body)
+    assert problems(course_folder) == []
+    return page(course_folder, "une")
 
 
-def page(course: Course, slug: str) -> Document:
-    (found,) = (one for one in course.load(render=False).modules["m9"].documents if one.slug == slug)
+def page(course_folder: CourseFolder, slug: str) -> Document:
+    (found,) = (one for one in course_folder.load(render=False).modules["m9"].documents if one.slug == slug)
     return found
 
 
-def problems(course: Course, *, render: bool = True, check: bool = False) -> list[Problem]:
-    return list(course.load(render=render, check=check).problems)
+def problems(course_folder: CourseFolder, *, render: bool = True, check: bool = False) -> list[Problem]:
+    return list(course_folder.load(render=render, check=check).problems)
 
 
-def faults(course: Course, body: str) -> list[tuple[int, str]]:
+def faults(course_folder: CourseFolder, body: str) -> list[tuple[int, str]]:
     """What is wrong with the page `une`; lines count from the body's first one."""
-    write_page(course, "une", body)
-    return [((one.line or 0) - BODY_LINE + 1, one.message) for one in problems(course)]
+    write_page(course_folder, "une", body)
+    return [((one.line or 0) - BODY_LINE + 1, one.message) for one in problems(course_folder)]
 
 
 def without_formulas(html: str) -> str:

@@ -8,7 +8,7 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 
-from server.replays.layers import Color
+from graders.scene.layers import Color
 from server.replays.service import Replays
 from tests.replays.reading import REPLAYS, scene, size, unpacked
 

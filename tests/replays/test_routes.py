@@ -16,16 +16,16 @@ import pytest
 from starlette.requests import Request
 from starlette.testclient import TestClient
 
+from graders.scene.parameters import Values
 from server.app import create_app
-from server.errors import Invalid, NotFound, TooMany
-from server.replays.parameters import Values
+from server.base.errors import Invalid, NotFound, TooMany
+from server.base.settings import Settings
 from server.replays.routes import MOST_WAITING, Desk
 from server.replays.service import Answer, Replays, Script
-from server.settings import Settings
 from tests.quick import migrated
 
 SCRIPT = """
-from server.replays.scene import *
+from graders.scene.replay import *
 TITLE, ALT = "L'essai", "Un point"
 PARAMETERS = {"n": Slider("Nombre", 1, 9, 1, 3), "tirage": Draw()}
 def compute(values, rng):

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from server.replays.packing import packed, picture, rounded
-from server.replays.parameters import Choice, Dragged, Draw, Event, RefusedError, Slider, Switch
-from server.replays.scene import (
+from graders.scene.packing import packed, picture, rounded
+from graders.scene.parameters import Choice, Dragged, Draw, Event, RefusedError, Slider, Switch
+from graders.scene.replay import (
     Chart,
     Ellipse,
     Frame,

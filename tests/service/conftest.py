@@ -16,17 +16,17 @@ import pytest
 from sqlalchemy import create_engine, text
 from starlette.testclient import TestClient
 
-from graders.core.verdict import CheckResult, Outcome, Verdict
-from server.accounts import service as accounts
-from server.accounts.models import Account, Role
+from graders.core.contract.verdict import CheckResult, Outcome, Verdict
 from server.app import create_app
-from server.catalogue import Catalogue
+from server.base.settings import Settings
+from server.course import Course
 from server.database import Database
 from server.database.tables import metadata
+from server.grading.results import recorded
+from server.grading.worker import Worker
+from server.identity import service as accounts
+from server.identity.models import Account, Role
 from server.queue.service import Lease
-from server.settings import Settings
-from server.worker.results import recorded
-from server.worker.service import Worker
 from tests.quick import migrated, the_course, weak_hasher
 
 EXERCISE = "l20/poses"
@@ -49,7 +49,7 @@ def fake_grade(lease: Lease) -> dict[str, Any]:
 
 @pytest.fixture(autouse=True)
 def _passwords_are_hashed_quickly(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.accounts.secrets._hasher", weak_hasher)
+    monkeypatch.setattr("server.identity.secrets._hasher", weak_hasher)
 
 
 @pytest.fixture(scope="session")
@@ -122,7 +122,7 @@ def sqlite(settings: Settings) -> Iterator[Database]:
 
 
 @pytest.fixture(scope="session")
-def catalogue() -> Catalogue:
+def course() -> Course:
     return the_course()
 
 
@@ -165,7 +165,7 @@ class Site:
 
 
 @pytest.fixture
-def site(sqlite: Database, settings: Settings, catalogue: Catalogue) -> Iterator[Site]:
-    app = create_app(settings, catalogue=catalogue)
+def site(sqlite: Database, settings: Settings, course: Course) -> Iterator[Site]:
+    app = create_app(settings, course=course)
     with TestClient(app, follow_redirects=False, raise_server_exceptions=False) as client:
         yield Site(client, app.state.database, settings)

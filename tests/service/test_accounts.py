@@ -10,11 +10,11 @@ import pytest
 from sqlalchemy import select, update
 from starlette.testclient import TestClient
 
-from server.accounts import secrets, service
-from server.accounts.models import Account, ApiToken, BrowserSession, Invitation, Role
-from server.accounts.schemas import RefusedForm, new_account
+from server.base.errors import Conflict
 from server.database import utc_now
-from server.errors import Conflict
+from server.identity import secrets, service
+from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
+from server.identity.schemas import RefusedForm, new_account
 from server.submissions.models import Submission
 
 from .conftest import Site

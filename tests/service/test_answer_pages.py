@@ -9,14 +9,14 @@ from typing import Any
 
 import pytest
 
-from server.accounts import service as accounts
-from server.catalogue import Catalogue
+from server.course import Course
+from server.grading.joint import Grader
+from server.grading.results import recorded
+from server.grading.worker import Worker
+from server.identity import service as accounts
 from server.pages.answers import FIELD, PLACE
 from server.sandbox import Sandbox
 from server.submissions.models import Draw, Submission
-from server.worker.grading import Grader
-from server.worker.results import recorded
-from server.worker.service import Worker
 
 from .conftest import Site
 from .test_answers import ODOMETRY, PROOF, QUIZ, stored
@@ -51,9 +51,9 @@ class Form(HTMLParser):
 
 
 @pytest.fixture
-def worker(site: Site, catalogue: Catalogue) -> Any:
-    with Sandbox(catalogue.kits) as sandbox:
-        grader = Grader(catalogue, sandbox)
+def worker(site: Site, course: Course) -> Any:
+    with Sandbox(course.kits) as sandbox:
+        grader = Grader(course, sandbox)
 
         def grade(lease: Any) -> dict[str, Any]:
             found = grader.grade(lease.exercise, lease.source, lease.seed)
@@ -79,10 +79,10 @@ def fields_of(name: str, answers: Mapping[str, Any]) -> dict[str, Any]:
     return {FIELD + key: value for key, value in answers.items()}
 
 
-def right(site: Site, catalogue: Catalogue, name: str) -> dict[str, Any]:
+def right(site: Site, course: Course, name: str) -> dict[str, Any]:
     page(site, path_of(name))
     draw = next(one for one in stored(site.database, Draw) if one.exercise == name)
-    grader = catalogue.exercises[name].answers
+    grader = course.exercises[name].answers
     assert grader is not None
     return dict(grader.right(draw.seed))
 
@@ -95,9 +95,9 @@ def sent(site: Site, name: str, fields: Mapping[str, Any], status: int = 303) ->
 
 @pytest.mark.parametrize("name", [ODOMETRY, QUIZ, PROOF])
 def test_a_form_without_script_is_sent_judged_and_put_back(
-    site: Site, worker: Worker, catalogue: Catalogue, name: str
+    site: Site, worker: Worker, course: Course, name: str
 ) -> None:
-    answers = right(site, catalogue, name)
+    answers = right(site, course, name)
     fields = fields_of(name, answers)
     assert fields.keys() <= Form(page(site, path_of(name))).names
     attempt = sent(site, name, fields)
@@ -113,18 +113,16 @@ def test_a_form_without_script_is_sent_judged_and_put_back(
     assert 'data-taken="true"' in page(site, f"{path_of(name)}?reprendre={row.id}")
 
 
-def test_an_attempt_at_one_exercise_is_not_taken_up_in_another(site: Site, catalogue: Catalogue) -> None:
-    sent(site, ODOMETRY, fields_of(ODOMETRY, right(site, catalogue, ODOMETRY)))
+def test_an_attempt_at_one_exercise_is_not_taken_up_in_another(site: Site, course: Course) -> None:
+    sent(site, ODOMETRY, fields_of(ODOMETRY, right(site, course, ODOMETRY)))
     (row,) = stored(site.database, Submission)
     for other in (QUIZ, PROOF, "l20/poses"):
         assert site.client.get(f"{path_of(other)}?reprendre={row.id}").status_code == 404
 
 
 @pytest.mark.parametrize("name", [ODOMETRY, QUIZ, PROOF])
-def test_an_attempt_shows_its_answers_as_they_are_read(
-    site: Site, worker: Worker, catalogue: Catalogue, name: str
-) -> None:
-    attempt = sent(site, name, fields_of(name, right(site, catalogue, name)))
+def test_an_attempt_shows_its_answers_as_they_are_read(site: Site, worker: Worker, course: Course, name: str) -> None:
+    attempt = sent(site, name, fields_of(name, right(site, course, name)))
     worker.step()
     text = page(site, attempt).split("Réponses envoyées")[1]
     assert '{"' not in text
@@ -134,9 +132,9 @@ def test_an_attempt_shows_its_answers_as_they_are_read(
 
 @pytest.mark.parametrize("name", [ODOMETRY, QUIZ, PROOF])
 def test_the_correction_opens_with_success_and_not_before(
-    site: Site, worker: Worker, catalogue: Catalogue, name: str
+    site: Site, worker: Worker, course: Course, name: str
 ) -> None:
-    answers = right(site, catalogue, name)
+    answers = right(site, course, name)
     sent(site, name, {})
     worker.step()
     before = page(site, path_of(name))
@@ -149,13 +147,13 @@ def test_the_correction_opens_with_success_and_not_before(
 
 
 def test_a_teacher_reads_the_correction_of_the_draw_that_is_looked_at(
-    site: Site, worker: Worker, catalogue: Catalogue
+    site: Site, worker: Worker, course: Course
 ) -> None:
-    right(site, catalogue, ODOMETRY)
+    right(site, course, ODOMETRY)
     attempt = sent(site, ODOMETRY, {f"{FIELD}ds": "1"})
     worker.step()
     seed = stored(site.database, Submission)[0].seed
-    grader: Any = catalogue.exercises[ODOMETRY].answers
+    grader: Any = course.exercises[ODOMETRY].answers
     with site.database.write() as db:
         token = accounts.invite_first_teacher(db)
     site.client.cookies.clear()
@@ -166,11 +164,11 @@ def test_a_teacher_reads_the_correction_of_the_draw_that_is_looked_at(
 
 
 @pytest.mark.parametrize("name", [QUIZ, PROOF])
-def test_a_page_and_a_blank_verdict_tell_no_secret(site: Site, worker: Worker, catalogue: Catalogue, name: str) -> None:
+def test_a_page_and_a_blank_verdict_tell_no_secret(site: Site, worker: Worker, course: Course, name: str) -> None:
     page(site, path_of(name))
     attempt = sent(site, name, {})
     worker.step()
-    grader: Any = catalogue.exercises[name].answers
+    grader: Any = course.exercises[name].answers
     pieces = [one for q in grader.questions for one in q.options] if name == QUIZ else grader.sheet.pieces
     public = {one.id for one in grader.questions} if name == QUIZ else set()
     names = {one.id for one in pieces} - public

@@ -12,18 +12,18 @@ import pytest
 from sqlalchemy import select
 
 from graders.core.answers.numeric import NumericGrader
-from server.accounts import service as accounts
-from server.accounts.models import Account, Role
-from server.catalogue import Catalogue
+from server.course import Course
 from server.database import Database
+from server.grading.joint import Grader
+from server.grading.results import recorded
+from server.grading.worker import Worker
+from server.identity import service as accounts
+from server.identity.models import Account, Role
 from server.queue.service import Lease
 from server.sandbox import Sandbox
 from server.submissions import draws
 from server.submissions import service as submissions
 from server.submissions.models import Draw, Submission
-from server.worker.grading import Grader
-from server.worker.results import recorded
-from server.worker.service import Worker
 
 from .conftest import EXERCISE, Site, new_account
 
@@ -34,10 +34,10 @@ FORM = {"name": "Ada L.", "login": "ada@example.org", "password": "une phrase as
 
 
 @pytest.fixture
-def grading(site: Site, catalogue: Catalogue) -> Iterator[Worker]:
+def grading(site: Site, course: Course) -> Iterator[Worker]:
     """A worker that grades in earnest; answers never reach the sandbox."""
-    with Sandbox(catalogue.kits) as sandbox:
-        grader = Grader(catalogue, sandbox)
+    with Sandbox(course.kits) as sandbox:
+        grader = Grader(course, sandbox)
 
         def grade(lease: Lease) -> dict[str, Any]:
             found = grader.grade(lease.exercise, lease.source, lease.seed)
@@ -66,12 +66,12 @@ def send(site: Site, headers: dict[str, str], answers: Any, name: str = ODOMETRY
 
 
 @pytest.mark.parametrize("name", [ODOMETRY, QUIZ, PROOF])
-def test_from_the_questions_to_the_verdict(site: Site, grading: Worker, catalogue: Catalogue, name: str) -> None:
+def test_from_the_questions_to_the_verdict(site: Site, grading: Worker, course: Course, name: str) -> None:
     headers = site.token()
     shown = detail(site, headers, name)
     assert shown["kind"] == "answers"
     (draw,) = stored(site.database, Draw)
-    exercise = catalogue.exercises[name]
+    exercise = course.exercises[name]
     assert exercise.answers is not None
     right = dict(exercise.answers.right(draw.seed))
     assert set(right) == {one["id"] for one in shown["questions"]}
@@ -84,7 +84,7 @@ def test_from_the_questions_to_the_verdict(site: Site, grading: Worker, catalogu
     assert detail(site, headers, name) == shown
 
 
-def test_a_row_alone_is_what_is_graded(site: Site, catalogue: Catalogue) -> None:
+def test_a_row_alone_is_what_is_graded(site: Site, course: Course) -> None:
     headers = site.token()
     sent = send(site, headers, {"dtheta": "0,1", "ds": 1})
     (row,) = stored(site.database, Submission)

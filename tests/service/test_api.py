@@ -14,11 +14,11 @@ from uuid import uuid4
 import pytest
 import uvicorn
 
-from server.accounts.models import Role
 from server.app import create_app
-from server.catalogue import Catalogue
+from server.base.settings import Settings
+from server.course import Course
 from server.database import Database
-from server.settings import Settings
+from server.identity.models import Role
 
 from .conftest import EXERCISE, Site
 
@@ -35,7 +35,7 @@ def problem(answer: Any, status: int) -> dict[str, Any]:
 
 
 class Drawing:
-    """A catalogue's exercise whose grader counts what it draws."""
+    """An exercise whose grader counts what it draws."""
 
     def __init__(self) -> None:
         self.drawn: list[tuple[object, str, str]] = []
@@ -207,7 +207,7 @@ def test_an_unexpected_failure_is_a_problem_too(site: Site, monkeypatch: pytest.
 
 def test_figures_are_drawn_once_when_they_are_looked_at(site: Site) -> None:
     drawing = Drawing()
-    site.client.app.state.figures._catalogue = drawn_by(drawing)  # type: ignore[attr-defined]
+    site.client.app.state.figures._course = drawn_by(drawing)  # type: ignore[attr-defined]
     headers = site.token()
     sent = site.submit(headers)
     problem(site.client.get(f"{sent['url']}/figures/b.svg", headers=headers), 404)
@@ -243,10 +243,10 @@ def test_openapi_documents_every_route_and_its_problems(site: Site) -> None:
 
 
 @pytest.fixture
-def address(sqlite: Database, settings: Settings, catalogue: Catalogue) -> Iterator[str]:
+def address(sqlite: Database, settings: Settings, course: Course) -> Iterator[str]:
     """The application behind a real socket, in a thread."""
-    app = create_app(settings.model_copy(update={"submission_refill_seconds": 0.0}), catalogue=catalogue)
-    app.state.figures._catalogue = drawn_by(Drawing())
+    app = create_app(settings.model_copy(update={"submission_refill_seconds": 0.0}), course=course)
+    app.state.figures._course = drawn_by(Drawing())
     server = uvicorn.Server(uvicorn.Config(app, port=0, log_level="warning", timeout_graceful_shutdown=1))
     thread = threading.Thread(target=server.run)
     thread.start()

@@ -13,10 +13,10 @@ import pytest
 from starlette.testclient import TestClient
 from starlette.types import Message
 
-from server.accounts.dependencies import COOKIE
+from server.base.errors import Crowded, Failed
+from server.base.settings import Settings
 from server.cells.supervisor import Cells
-from server.errors import Crowded, Failed
-from server.settings import Settings
+from server.identity.dependencies import COOKIE
 from tests.quick import in_a_loop
 from tests.service.conftest import Site
 

@@ -12,20 +12,20 @@ from typing import Any
 
 import pytest
 
-from server.catalogue import Catalogue
 from server.cli import check, main, report
 from server.cli.files import read_text
+from server.course import Course
+from server.grading.joint import Grader
 from server.sandbox import Sandbox, WallReport, WallStatus
-from server.worker.grading import Grader
 
 from .conftest import EXERCISE
 from .live import balise, environment
 
 
 @pytest.fixture
-def right(tmp_path: Path, catalogue: Catalogue) -> Path:
+def right(tmp_path: Path, course: Course) -> Path:
     path = tmp_path / "right.py"
-    path.write_text(catalogue.exercises[EXERCISE].solution)
+    path.write_text(course.exercises[EXERCISE].solution)
     return path
 
 
@@ -50,8 +50,8 @@ def test_a_file_is_graded_in_another_process_without_a_trace(right: Path, tmp_pa
 
 
 @pytest.mark.usefixtures("walls_that_stand")
-def test_a_wrong_file_is_explained_in_french(tmp_path: Path, catalogue: Catalogue, capsys: Any) -> None:
-    misconception = catalogue.exercises[EXERCISE].grader.misconceptions[0]
+def test_a_wrong_file_is_explained_in_french(tmp_path: Path, course: Course, capsys: Any) -> None:
+    misconception = course.exercises[EXERCISE].grader.misconceptions[0]
     wrong = tmp_path / "wrong.py"
     wrong.write_text(misconception.source)
     assert main(["grade", EXERCISE, str(wrong)]) == 1
@@ -163,11 +163,11 @@ class Shifted:
 
 
 @pytest.mark.usefixtures("remembered_replays")
-def test_check_passes_the_course_and_notices_what_is_wrong(catalogue: Catalogue, monkeypatch: Any) -> None:
+def test_check_passes_the_course_and_notices_what_is_wrong(course: Course, monkeypatch: Any) -> None:
     monkeypatch.setattr("server.cli.check.secrets.randbits", lambda _: 2026)  # one seed: replays are shared
-    exercise = catalogue.exercises[EXERCISE]
-    with Sandbox(catalogue.kits) as sandbox:
-        grader = Grader(catalogue, sandbox)
+    exercise = course.exercises[EXERCISE]
+    with Sandbox(course.kits) as sandbox:
+        grader = Grader(course, sandbox)
         good = list(check.findings(grader, exercise))
         assert [one for one in good if one.fault] == []
         assert len(good) == 2 + len(exercise.grader.misconceptions) + len(list(exercise.grader.specimens()))
@@ -186,8 +186,8 @@ def test_check_passes_the_course_and_notices_what_is_wrong(catalogue: Catalogue,
 ANSWERED = "l20/calcul_odometrie"
 
 
-def test_answers_are_graded_from_a_file_without_any_wall(tmp_path: Path, catalogue: Catalogue, capsys: Any) -> None:
-    grader = catalogue.exercises[ANSWERED].answers
+def test_answers_are_graded_from_a_file_without_any_wall(tmp_path: Path, course: Course, capsys: Any) -> None:
+    grader = course.exercises[ANSWERED].answers
     assert grader is not None
     file = tmp_path / "réponses.json"
     file.write_text(json.dumps(grader.right(12)))
@@ -210,17 +210,17 @@ def test_questions_are_told_for_a_seed_and_only_where_there_are_some(capsys: Any
     assert "il manque le fichier" in capsys.readouterr().err
 
 
-def test_check_refuses_an_unknown_exercise(catalogue: Catalogue, monkeypatch: Any) -> None:
-    monkeypatch.setattr(check, "load", lambda: catalogue)
+def test_check_refuses_an_unknown_exercise(course: Course, monkeypatch: Any) -> None:
+    monkeypatch.setattr(check, "load", lambda: course)
     assert main(["check", "l20/inconnu"]) == 2
 
 
 @pytest.mark.usefixtures("walls_that_stand")
 def test_a_broken_exercise_is_a_failure_of_check(monkeypatch: Any, tmp_path: Path, capsys: Any) -> None:
-    from server.catalogue import Problem
     from server.cli import check as command
+    from server.course import Problem
 
-    broken = Catalogue({}, (Problem(tmp_path / "exercise.toml", 3, "titre manquant"),))
+    broken = Course({}, (Problem(tmp_path / "exercise.toml", 3, "titre manquant"),))
     monkeypatch.setattr(command, "load", lambda: broken)
     assert command.run(Namespace(exercises=[])) == 1
     assert "exercise.toml:3: titre manquant" in capsys.readouterr().out

@@ -10,10 +10,11 @@ from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from sqlalchemy import select
 
-from server.accounts.models import Account, Allowance
 from server.database import Database, after_commit
 from server.database.migrate import upgrade
 from server.database.tables import metadata
+from server.identity.models import Account
+from server.limits.models import Allowance
 
 
 def test_migrations_from_an_empty_database_give_the_models_schema(database: Database) -> None:

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from server.catalogue import Catalogue
+from server.course import Course
 
 from .conftest import EXERCISE
 from .live import AUDIT, Live, alive, children, count, environment, rows, until
@@ -156,8 +156,8 @@ def end(pid: int) -> None:
 
 
 @pytest.fixture
-def field(tmp_path: Path, catalogue: Catalogue) -> Iterator[Field]:
-    code = "import time\ntime.sleep(0.3)\n" + catalogue.exercises[EXERCISE].solution
+def field(tmp_path: Path, course: Course) -> Iterator[Field]:
+    code = "import time\ntime.sleep(0.3)\n" + course.exercises[EXERCISE].solution
     one = Field(tmp_path / "data", code)
     yield one
     for process in (one.live.process, one.remote):

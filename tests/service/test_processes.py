@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from server.catalogue import Catalogue, Exercise
 from server.cli import main
+from server.course import Course, Exercise
 
 from .conftest import EXERCISE
 from .live import AUDIT, Live, alive, balise, children, count, rows, until
@@ -31,10 +31,10 @@ def data(tmp_path: Path) -> Iterator[Path]:
 
 @pytest.mark.long
 def test_a_service_in_real_processes(
-    data: Path, tmp_path: Path, catalogue: Catalogue, capsys: pytest.CaptureFixture[str]
+    data: Path, tmp_path: Path, course: Course, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """One story, as starting a server takes seconds: the terminal, kill -9 of a worker, of the server, a clean stop."""
-    exercise = catalogue.exercises[EXERCISE]
+    exercise = course.exercises[EXERCISE]
     live = Live(data, BALISE_WORKERS="2")
     live.sign_up_teacher()
     token = live.token()

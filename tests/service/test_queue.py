@@ -14,14 +14,14 @@ from uuid import uuid4
 import pytest
 from sqlalchemy import select
 
-from server.accounts.models import Account
-from server.catalogue import Catalogue
+from server.course import Course
 from server.database import Database, utc_now
+from server.grading.results import give_up_with
+from server.identity.models import Account
 from server.queue import service as queue
 from server.queue.owner import is_dead, owner_of, parse
 from server.queue.service import MAX_ATTEMPTS, Lease
 from server.submissions.models import State, Submission
-from server.worker.results import give_up_with
 
 from .conftest import EXERCISE, fake_grade
 
@@ -63,9 +63,9 @@ def state(database: Database, row: Submission) -> Submission:
         return found
 
 
-def recover(database: Database, catalogue: Catalogue) -> int:
+def recover(database: Database, course: Course) -> int:
     with database.write() as db:
-        return queue.recover(db, HERE, give_up_with(catalogue))
+        return queue.recover(db, HERE, give_up_with(course))
 
 
 def test_oldest_first_and_places_follow(database: Database, ada: Account) -> None:
@@ -110,58 +110,58 @@ def test_a_result_is_recorded_once_and_by_the_holder_only(database: Database, ad
 
 
 def test_a_lease_that_ran_out_is_taken_back_and_its_late_result_dropped(
-    database: Database, ada: Account, catalogue: Catalogue
+    database: Database, ada: Account, course: Course
 ) -> None:
     (row,) = enqueue(database, ada)
     late = claimed(database, seconds=-1)
-    assert recover(database, catalogue) == 1
+    assert recover(database, course) == 1
     second = claimed(database)
     assert not finish(database, late)
     assert finish(database, second)
     assert state(database, row).attempts == 2
 
 
-def test_a_heartbeat_keeps_the_lease(database: Database, ada: Account, catalogue: Catalogue) -> None:
+def test_a_heartbeat_keeps_the_lease(database: Database, ada: Account, course: Course) -> None:
     enqueue(database, ada)
     lease = claimed(database, seconds=-1)
     with database.write() as db:
         assert queue.heartbeat(db, lease, 60)
-    assert recover(database, catalogue) == 0
+    assert recover(database, course) == 0
     assert finish(database, lease)
     with database.write() as db:
         assert not queue.heartbeat(db, lease, 60)
 
 
 def test_a_dead_holder_on_this_machine_loses_its_lease_at_once(
-    database: Database, ada: Account, catalogue: Catalogue
+    database: Database, ada: Account, course: Course
 ) -> None:
     enqueue(database, ada, 2)
     claimed(database, GONE)
     alive = claimed(database, HERE)
-    assert recover(database, catalogue) == 1
+    assert recover(database, course) == 1
     assert finish(database, alive)
 
 
-def test_a_worker_s_death_frees_its_own_leases_only(database: Database, ada: Account, catalogue: Catalogue) -> None:
+def test_a_worker_s_death_frees_its_own_leases_only(database: Database, ada: Account, course: Course) -> None:
     enqueue(database, ada, 2)
     mine, other = claimed(database, GONE), claimed(database, HERE)
     with database.write() as db:
-        assert queue.release(db, GONE, give_up_with(catalogue)) == 1
+        assert queue.release(db, GONE, give_up_with(course)) == 1
     assert not finish(database, mine)
     assert finish(database, other)
 
 
 def test_what_kills_its_worker_again_and_again_ends_as_our_error(
-    database: Database, ada: Account, catalogue: Catalogue, caplog: pytest.LogCaptureFixture
+    database: Database, ada: Account, course: Course, caplog: pytest.LogCaptureFixture
 ) -> None:
     (row,) = enqueue(database, ada)
     for _ in range(MAX_ATTEMPTS):
         claimed(database, GONE)
-        assert recover(database, catalogue) == 1
+        assert recover(database, course) == 1
     done = state(database, row)
     assert (done.state, done.outcome, done.score) == (State.done, "internal_error", None)
     assert done.verdict is not None
-    assert done.verdict["exercise_version"] == catalogue.exercises[EXERCISE].version
+    assert done.verdict["exercise_version"] == course.exercises[EXERCISE].version
     assert claim(database) is None
     assert str(row.id) in caplog.text
     assert f"seed {done.seed}," in caplog.text
@@ -177,14 +177,14 @@ def test_what_is_given_back_has_not_been_tried(database: Database, ada: Account)
     assert not finish(database, lease)
 
 
-def test_a_lease_of_another_machine_waits_for_its_end(database: Database, ada: Account, catalogue: Catalogue) -> None:
+def test_a_lease_of_another_machine_waits_for_its_end(database: Database, ada: Account, course: Course) -> None:
     enqueue(database, ada)
     lease = claimed(database, replace(GONE, host="elsewhere"))
-    assert recover(database, catalogue) == 0
+    assert recover(database, course) == 0
     with database.write() as db:
         row = db.execute(select(Submission)).scalar_one()
         row.lease_until = utc_now() - timedelta(seconds=1)
-    assert recover(database, catalogue) == 1
+    assert recover(database, course) == 1
     assert not finish(database, lease)
 
 

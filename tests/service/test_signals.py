@@ -13,17 +13,17 @@ from uuid import UUID, uuid4
 
 import pytest
 
-from server.accounts.models import Account
+from server.base.settings import Settings
 from server.database import Database
+from server.grading.worker import Worker
+from server.identity.models import Account
 from server.queue.channel import Channel
 from server.queue.polling import Polling
 from server.queue.postgres import Listener, PostgresSignals, PostgresSource
 from server.queue.switchboard import Switchboard
-from server.settings import Settings
 from server.submissions import events as events_module
 from server.submissions import service as submissions
 from server.submissions.events import Events, as_sse
-from server.worker.service import Worker
 from tests.quick import in_a_loop
 
 from .conftest import EXERCISE, fake_grade, opened

@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.accounts.models import Account, Role
+from server.base.errors import Invalid, NotFound, TooLarge, TooMany
+from server.base.settings import Settings
 from server.database import Database
-from server.errors import Invalid, NotFound, TooLarge, TooMany
-from server.settings import Settings
+from server.grading.worker import Worker
+from server.identity.models import Account, Role
 from server.submissions import service
 from server.submissions.models import Submission
-from server.worker.service import Worker
 
 from .conftest import EXERCISE, fake_grade, new_account
 

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.accounts import throttle
-from server.accounts.models import Allowance
+from server.base.errors import TooMany
+from server.base.settings import Bucket
 from server.database import Database, utc_now
-from server.errors import TooMany
-from server.settings import Bucket
+from server.limits import service as throttle
+from server.limits.models import Allowance
 
 SLOW = Bucket(burst=3, refill_seconds=1000)
 

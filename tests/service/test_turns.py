@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 
 import pytest
 
-from server.turns import FullError, Turns
+from server.base.turns import FullError, Turns
 from tests.quick import in_a_loop
 
 

@@ -15,18 +15,18 @@ from uuid import uuid4
 import pytest
 from sqlalchemy import select
 
-from graders.core.verdict import Outcome
-from server.accounts.models import Account
-from server.catalogue import Catalogue
+from graders.core.contract.verdict import Outcome
+from server.base.settings import Settings
+from server.course import Course
 from server.database import Database
+from server.grading import joint as grading
+from server.grading.joint import Grader
+from server.grading.worker import Stop, Worker
+from server.identity.models import Account
 from server.queue.service import Lease
 from server.sandbox import FaultKind, Sandbox, SandboxFault
-from server.settings import Settings
 from server.submissions import service as submissions
 from server.submissions.models import State, Submission
-from server.worker import grading
-from server.worker.grading import Grader
-from server.worker.service import Stop, Worker
 
 from .conftest import EXERCISE, fake_grade
 
@@ -90,25 +90,25 @@ def test_the_heartbeat_extends_the_lease_while_grading(sqlite: Database, setting
 
 
 @pytest.fixture(scope="module")
-def sandbox(catalogue: Catalogue) -> Iterator[Sandbox]:
-    with Sandbox(catalogue.kits) as one:
+def sandbox(course: Course) -> Iterator[Sandbox]:
+    with Sandbox(course.kits) as one:
         yield one
 
 
 @pytest.fixture
-def grader(catalogue: Catalogue, sandbox: Sandbox) -> Grader:
-    return Grader(catalogue, sandbox)
+def grader(course: Course, sandbox: Sandbox) -> Grader:
+    return Grader(course, sandbox)
 
 
-def test_the_reference_gets_full_marks_through_the_sandbox(grader: Grader, catalogue: Catalogue) -> None:
-    exercise = catalogue.exercises[EXERCISE]
+def test_the_reference_gets_full_marks_through_the_sandbox(grader: Grader, course: Course) -> None:
+    exercise = course.exercises[EXERCISE]
     verdict = grader.grade(EXERCISE, exercise.solution.encode(), seed=7).verdict
     assert (verdict.outcome, verdict.score, verdict.seed) == (Outcome.OK, 1.0, 7)
     assert verdict.exercise_version == exercise.version
 
 
-def test_the_same_seed_gives_the_same_verdict(grader: Grader, catalogue: Catalogue) -> None:
-    source = catalogue.exercises[EXERCISE].grader.misconceptions[0].source.encode()
+def test_the_same_seed_gives_the_same_verdict(grader: Grader, course: Course) -> None:
+    source = course.exercises[EXERCISE].grader.misconceptions[0].source.encode()
     one, two = (grader.grade(EXERCISE, source, seed=11).verdict.to_json() for _ in range(2))
     for verdict in (one, two):
         verdict.pop("timings")
@@ -151,22 +151,22 @@ class Failing:
 
 @pytest.mark.parametrize(("failures", "outcome"), [(1, Outcome.OK), (99, Outcome.INTERNAL_ERROR)])
 def test_our_own_fault_is_retried_once_logged_and_never_a_zero(
-    failures: int, outcome: Outcome, sandbox: Sandbox, catalogue: Catalogue, caplog: pytest.LogCaptureFixture
+    failures: int, outcome: Outcome, sandbox: Sandbox, course: Course, caplog: pytest.LogCaptureFixture
 ) -> None:
     failing = Failing(sandbox, failures)
-    source = catalogue.exercises[EXERCISE].solution.encode()
+    source = course.exercises[EXERCISE].solution.encode()
     with caplog.at_level(logging.ERROR):
         one = uuid4()
-        result = Grader(catalogue, failing).grade(EXERCISE, source, 123, submission=one)  # type: ignore[arg-type]
+        result = Grader(course, failing).grade(EXERCISE, source, 123, submission=one)  # type: ignore[arg-type]
     assert result.verdict.outcome is outcome
     assert len(caplog.records) == min(failures, grading.TRIES)
-    version, digest = catalogue.exercises[EXERCISE].version, hashlib.sha256(source).hexdigest()
+    version, digest = course.exercises[EXERCISE].version, hashlib.sha256(source).hexdigest()
     for told in ("the template is dead", "Traceback", EXERCISE, version, "seed 123", str(one), digest):
         assert told in caplog.text
 
 
 def test_sigterm_stops_a_worker_in_its_main_thread() -> None:
-    from server.worker.process import stop_on_signals
+    from server.grading.process import stop_on_signals
 
     before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
     try:

@@ -11,7 +11,7 @@ from matplotlib.patches import Circle
 from numpy.typing import ArrayLike, NDArray
 
 from curriculum.l20.kit import l20 as kit
-from graders.core.plotting import Palette
+from graders.plotting import Palette
 from reference.world.grid_map import GridMap
 
 Floats = NDArray[np.float64]

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from curriculum.l20.kit import l20
-from graders.core.plotting import Palette
+from graders.plotting import Palette
 from reference.occupancy import OccupancyGrid
 from reference.odometry import DifferentialDrive
 from reference.pose_graph import PoseGraph, gauss_newton

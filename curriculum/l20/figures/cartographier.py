@@ -22,7 +22,7 @@ from curriculum.l20.figures._slam_scenes import (
     tour,
     world,
 )
-from graders.core.plotting import Palette
+from graders.plotting import Palette
 from reference.occupancy import InverseSensorModel, probability
 from reference.world.ray_cells import crossed_cells
 

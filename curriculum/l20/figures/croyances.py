@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from curriculum.l20.figures._plan import RANGE, draw_robot, draw_walls, french, module_map
-from graders.core.plotting import Palette
+from graders.plotting import Palette
 from reference import se2
 from reference.localisation.grid_filter import GridFilter, GridWorld, sample_move
 from reference.localisation.mcl import MonteCarloLocalization, uniform_poses

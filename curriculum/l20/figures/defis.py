@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from curriculum.l20.figures._slam_scenes import CLOSURE_INFORMATION, bare, draw_walls, frame_map, graph, panels
-from graders.core.plotting import Palette
+from graders.plotting import Palette
 from reference.ekf_slam import EkfSlam, SlamNoise
 from reference.localisation.mcl import likely_poses
 from reference.pose_graph import (

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc
 from numpy.typing import NDArray
 
-from graders.core.plotting import Palette
+from graders.plotting import Palette
 from reference import se2
 from reference.occupancy import log_odds, probability
 from reference.odometry import DifferentialDrive

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from curriculum.l20.figures._plan import french
-from graders.core.plotting import Palette
+from graders.plotting import Palette
 from reference.filters.corridor import Corridor
 from reference.filters.histogram import HistogramFilter
 from reference.filters.unscented import SigmaPoints, Spread

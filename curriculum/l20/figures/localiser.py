@@ -20,7 +20,7 @@ from curriculum.l20.figures._plan import (
     module_map,
     ray_ends,
 )
-from graders.core.plotting import Palette
+from graders.plotting import Palette
 from reference.odometry import LateralDrift
 from reference.world.scan import turn_angles
 

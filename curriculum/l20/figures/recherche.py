@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from graders.core.plotting import Palette
+from graders.plotting import Palette
 
 #: Year, what came then, and its line: filters, graphs, maps, cameras.
 LINES = ("filtres", "graphes", "cartes", "caméras")

@@ -9,7 +9,7 @@ from matplotlib.patches import FancyBboxPatch
 from numpy.typing import NDArray
 
 from curriculum.l20.figures._plan import draw_impacts, draw_robot, draw_walls, french, module_map, ray_ends
-from graders.core.plotting import Palette
+from graders.plotting import Palette
 from reference.planning.dynamic_window import DynamicWindow, Limits, drive, navigate
 from reference.planning.grid_search import SearchGrid
 from reference.planning.inflation import inflate

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from curriculum.l20.figures._slam_scenes import bare, draw_walls, frame_map, graph, panels, world
-from graders.core.plotting import Palette
+from graders.plotting import Palette
 from reference.loop_closure import fourier_signature
 from reference.pose_graph import NormalEquations, PoseGraph, gauss_newton
 from reference.pose_graph.factor import factorise

@@ -17,7 +17,7 @@ from curriculum.l20.figures._plan import (
     module_map,
     ray_ends,
 )
-from graders.core.plotting import Palette
+from graders.plotting import Palette
 from reference.world.grid_map import GridMap
 from reference.world.scan import turn_angles
 

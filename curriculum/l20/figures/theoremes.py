@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from graders.core.plotting import Palette
+from graders.plotting import Palette
 from reference import se2
 from reference.odometry import DifferentialDrive, LateralDrift, integrate
 from reference.registration.rigid import kabsch, squared_residual

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
+from graders.scene.replay import Grid, Segments, View, decimal
 from reference.world.grid_map import GridMap
-from server.replays.scene import Grid, Segments, View, decimal
 
 KIT = Path(__file__).parents[1] / "kit" / "l20.py"
 

@@ -8,10 +8,7 @@ from functools import cache
 import numpy as np
 
 from curriculum.l20.rejeux._carte import en_cases
-from reference.planning import Inflated, Route, SearchGrid, UnreachableError, inflate
-from reference.world.distance_map import distance_to
-from reference.world.grid_map import GridMap
-from server.replays.scene import (
+from graders.scene.replay import (
     Chart,
     Choice,
     Dragged,
@@ -29,6 +26,9 @@ from server.replays.scene import (
     View,
     decimal,
 )
+from reference.planning import Inflated, Route, SearchGrid, UnreachableError, inflate
+from reference.world.distance_map import distance_to
+from reference.world.grid_map import GridMap
 
 TITLE = "A* cherche un chemin"
 ALT = (

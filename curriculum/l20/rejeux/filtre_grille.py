@@ -9,9 +9,7 @@ import numpy as np
 from scipy.ndimage import label
 
 from curriculum.l20.rejeux._carte import carte, pluriel
-from reference.localisation.grid_filter import COMMANDS, Belief, Cell, GridWorld, correct, predict, sample_move
-from reference.world.grid_map import GridMap
-from server.replays.scene import (
+from graders.scene.replay import (
     Chart,
     Choice,
     Circles,
@@ -29,6 +27,8 @@ from server.replays.scene import (
     View,
     decimal,
 )
+from reference.localisation.grid_filter import COMMANDS, Belief, Cell, GridWorld, correct, predict, sample_move
+from reference.world.grid_map import GridMap
 
 TITLE = "Le filtre bayésien sur une grille"
 ALT = (

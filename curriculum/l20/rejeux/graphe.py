@@ -7,12 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from curriculum.l20.rejeux._carte import carte, contours, en_cases, pluriel
-from reference.metrics import absolute_trajectory_error
-from reference.odometry import DifferentialDrive
-from reference.pose_graph import DCS, Huber, Kernel, PoseGraph, chi2, edge_chi2, gauss_newton, robust_gauss_newton
-from reference.se2 import relative, transform
-from reference.world.simulation import Lidar, Run, motions_through, simulate
-from server.replays.scene import (
+from graders.scene.replay import (
     Chart,
     Choice,
     Circles,
@@ -31,6 +26,11 @@ from server.replays.scene import (
     View,
     decimal,
 )
+from reference.metrics import absolute_trajectory_error
+from reference.odometry import DifferentialDrive
+from reference.pose_graph import DCS, Huber, Kernel, PoseGraph, chi2, edge_chi2, gauss_newton, robust_gauss_newton
+from reference.se2 import relative, transform
+from reference.world.simulation import Lidar, Run, motions_through, simulate
 
 TITLE = "Le graphe de poses se referme"
 ALT = (

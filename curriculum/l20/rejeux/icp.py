@@ -8,10 +8,7 @@ from functools import cache
 import numpy as np
 
 from curriculum.l20.rejeux._carte import carte, contours, en_cases, pluriel
-from reference.registration import IcpResult, Pairing, icp
-from reference.se2 import transform, wrap_angle
-from reference.world.simulation import Lidar
-from server.replays.scene import (
+from graders.scene.replay import (
     Chart,
     Draw,
     Frame,
@@ -29,6 +26,9 @@ from server.replays.scene import (
     View,
     decimal,
 )
+from reference.registration import IcpResult, Pairing, icp
+from reference.se2 import transform, wrap_angle
+from reference.world.simulation import Lidar
 
 TITLE = "ICP : recaler un scan sur un autre"
 ALT = (

@@ -7,9 +7,7 @@ import math
 import numpy as np
 
 from curriculum.l20.rejeux._carte import carte, murs, pluriel, plus_proche_libre, vue
-from reference.world.scan import turn_angles
-from reference.world.simulation import Lidar
-from server.replays.scene import (
+from graders.scene.replay import (
     Chart,
     Dragged,
     Draw,
@@ -25,6 +23,8 @@ from server.replays.scene import (
     Values,
     decimal,
 )
+from reference.world.scan import turn_angles
+from reference.world.simulation import Lidar
 
 TITLE = "Ce que voit le lidar"
 ALT = (

@@ -8,15 +8,7 @@ from functools import cache
 import numpy as np
 
 from curriculum.l20.rejeux._carte import carte, en_cases, murs, pluriel, vue
-from reference.localisation.mcl import MonteCarloLocalization, likely_poses, uniform_poses
-from reference.localisation.odometry_motion import OdometryNoise, sample_odometry
-from reference.odometry import DifferentialDrive, integrate
-from reference.se2 import relative
-from reference.sensors.likelihood_field import LikelihoodField
-from reference.world.grid_map import GridMap
-from reference.world.scan import Scan
-from reference.world.simulation import Lidar, motions_through
-from server.replays.scene import (
+from graders.scene.replay import (
     Chart,
     Choice,
     Draw,
@@ -34,6 +26,14 @@ from server.replays.scene import (
     Slider,
     Values,
 )
+from reference.localisation.mcl import MonteCarloLocalization, likely_poses, uniform_poses
+from reference.localisation.odometry_motion import OdometryNoise, sample_odometry
+from reference.odometry import DifferentialDrive, integrate
+from reference.se2 import relative
+from reference.sensors.likelihood_field import LikelihoodField
+from reference.world.grid_map import GridMap
+from reference.world.scan import Scan
+from reference.world.simulation import Lidar, motions_through
 
 TITLE = "La localisation de Monte-Carlo"
 ALT = (

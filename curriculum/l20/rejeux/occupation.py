@@ -8,11 +8,7 @@ from functools import cache
 import numpy as np
 
 from curriculum.l20.rejeux._carte import carte, contours, en_cases, pluriel
-from reference.occupancy import InverseSensorModel, OccupancyGrid, log_odds
-from reference.odometry import DifferentialDrive
-from reference.se2 import wrap_angle
-from reference.world.simulation import Lidar, Run, motions_through, simulate
-from server.replays.scene import (
+from graders.scene.replay import (
     Chart,
     Choice,
     Draw,
@@ -30,6 +26,10 @@ from server.replays.scene import (
     View,
     decimal,
 )
+from reference.occupancy import InverseSensorModel, OccupancyGrid, log_odds
+from reference.odometry import DifferentialDrive
+from reference.se2 import wrap_angle
+from reference.world.simulation import Lidar, Run, motions_through, simulate
 
 TITLE = "La carte d'occupation, scan après scan"
 ALT = (

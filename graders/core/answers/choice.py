@@ -12,9 +12,9 @@ from graders.core.answers.letters import MOST, Letters
 from graders.core.answers.mistakes import same_mistakes
 from graders.core.answers.paper import Paper, Piece, Question, Told
 from graders.core.answers.reading import is_blank, shown
-from graders.core.grading import Finding
-from graders.core.malformed import MalformedExerciseError
-from graders.core.verdict import MAX_POINTS
+from graders.core.code.grading import Finding
+from graders.core.contract.malformed import MalformedExerciseError
+from graders.core.contract.verdict import MAX_POINTS
 
 LACKING = "Il manque au moins une bonne réponse."
 TOO_MANY = "Il y a moins de bonnes réponses que de cases cochées."

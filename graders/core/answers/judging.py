@@ -13,9 +13,9 @@ from typing import Any, ClassVar
 from graders.core.answers.mistakes import Mistake, read_mistakes
 from graders.core.answers.paper import Paper, Told
 from graders.core.answers.reading import UnreadableAnswersError, canonical, is_blank, read_answers, shown
-from graders.core.grading import Finding, Grading
-from graders.core.protocol import Known, Run
-from graders.core.verdict import CheckResult, Counterexample, Diagnosis, Outcome, Verdict, overall_outcome
+from graders.core.code.grading import Finding, Grading
+from graders.core.contract.protocol import Known, Run
+from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Outcome, Verdict, overall_outcome
 
 Answers = Mapping[str, Any]
 ROUNDS = 25  # seeds on which a known answer is tried by `balise check`

@@ -11,7 +11,7 @@ from functools import cached_property
 from hashlib import sha256
 from string import ascii_lowercase
 
-from graders.core.streams import stream
+from graders.core.contract.streams import stream
 
 MOST = len(ascii_lowercase)
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from graders.core.malformed import MalformedExerciseError
-from graders.core.verdict import Diagnosis
+from graders.core.contract.malformed import MalformedExerciseError
+from graders.core.contract.verdict import Diagnosis
 
 FIELDS = {"id", "title", "explanation", "question"}
 

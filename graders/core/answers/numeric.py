@@ -18,11 +18,11 @@ from graders.core.answers.numbers import NotANumberError, bounded, read_number
 from graders.core.answers.paper import Given, Paper, Question, Told
 from graders.core.answers.reading import is_blank, shown
 from graders.core.answers.wording import NumericSheet
-from graders.core.grading import Finding
-from graders.core.malformed import MalformedExerciseError
-from graders.core.render import number
-from graders.core.streams import stream
-from graders.core.verdict import MAX_POINTS
+from graders.core.code.grading import Finding
+from graders.core.compare.words import number
+from graders.core.contract.malformed import MalformedExerciseError
+from graders.core.contract.streams import stream
+from graders.core.contract.verdict import MAX_POINTS
 
 Data = Mapping[str, float]
 Values = Mapping[str, float]

@@ -12,8 +12,8 @@ from graders.core.answers.letters import MOST, Letters
 from graders.core.answers.mistakes import same_mistakes
 from graders.core.answers.paper import Paper, Piece, Question, Told
 from graders.core.answers.reading import is_blank, shown
-from graders.core.grading import Finding
-from graders.core.malformed import MalformedExerciseError
+from graders.core.code.grading import Finding
+from graders.core.contract.malformed import MalformedExerciseError
 
 ORDER = "ordre"  # the name of the only question
 STEPS = Check("etapes", "Les bonnes étapes, sans intrus", 5)

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from graders.core.render import number
+from graders.core.compare.words import number
 
 PLACEHOLDER = re.compile(r"\{\{(\w+)\}\}")
 FORMULAS = re.compile(r"(\$\$.*?\$\$|\$.*?\$)", re.DOTALL)

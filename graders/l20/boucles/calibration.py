@@ -12,8 +12,8 @@ import math
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from graders.core.bench import Bench
-from graders.core.values import UnreadableError, Value, read_indices
+from graders.core.code.bench import Bench
+from graders.core.contract.values import UnreadableError, Value, read_indices
 from graders.l20.boucles.readings import is_mask
 from graders.l20.boucles.walks import GAP, Walk
 

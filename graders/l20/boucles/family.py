@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from graders.core.values import Floats
+from graders.core.contract.values import Floats
 from graders.l20 import world
 
 Descriptor = Callable[[Floats], Floats]

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from graders.core import render
-from graders.core.plotting import EXPECTED, OBTAINED, ink_of
+from graders.core.compare import words as render
+from graders.plotting import EXPECTED, OBTAINED, ink_of
 from reference.loop_closure import fourier_signature
 
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graders.core import render
-from graders.core.bench import Bench
-from graders.core.checks import Rejection
-from graders.core.values import Floats, UnreadableError, Value, holds_text, read_array
-from graders.core.verdict import Outcome
+from graders.core.code.bench import Bench
+from graders.core.code.checks import Rejection
+from graders.core.compare import words as render
+from graders.core.contract.values import Floats, UnreadableError, Value, holds_text, read_array
+from graders.core.contract.verdict import Outcome
 
 FUNCTION = "signature"
 ROUNDING = 1e-5

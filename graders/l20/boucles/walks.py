@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from graders.core.values import Floats
+from graders.core.contract.values import Floats
 from graders.l20.boucles.family import DISTANCES
 from graders.l20.boucles.places import BEAMS, NOISE, Pool, Rng, noisy, signatures_of
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from graders.core.values import Floats
+from graders.core.contract.values import Floats
 from graders.l20.kabsch.checks import Pairing
 from reference.registration import kabsch
 from reference.se2 import rotation

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from graders.core.plotting import EXPECTED, OBTAINED, ink_of
+from graders.plotting import EXPECTED, OBTAINED, ink_of
 
 Floats = NDArray[np.float64]
 

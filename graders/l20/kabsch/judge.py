@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graders.core import render
-from graders.core.compare import Mismatch, unreadable
-from graders.core.values import Floats, UnreadableError, Value, read_array
+from graders.core.compare import words as render
+from graders.core.compare.comparison import Mismatch, unreadable
+from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from reference.registration import RigidAlignment, squared_residual
 
 ORTHONORMAL = 1e-8

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from graders.core.plotting import EXPECTED, OBTAINED, ink_of
+from graders.plotting import EXPECTED, OBTAINED, ink_of
 
 
 def draw_frames(figure: Figure, data: dict[str, Any]) -> None:

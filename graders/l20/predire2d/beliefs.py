@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graders.core import render
-from graders.core.compare import TOLERANCE, Mismatch, close, unreadable, wrong_shape
-from graders.core.values import Floats, UnreadableError, Value, read_array
+from graders.core.compare import words as render
+from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, wrong_shape
+from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from reference.localisation.grid_filter import Cell, Grid
 
 FEW = 6

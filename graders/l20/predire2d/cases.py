@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.program import kit_source
-from graders.core.values import Arguments, Floats
+from graders.core.contract.program import kit_source
+from graders.core.contract.values import Arguments, Floats
 from graders.l20 import world
 from graders.l20.predire2d.beliefs import one_hot, spread, weighted
 from reference.localisation.grid_filter import BEAMS, COMMANDS, Cell, Grid, GridWorld

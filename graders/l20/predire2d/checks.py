@@ -8,12 +8,12 @@ from functools import partial
 
 import numpy as np
 
-from graders.core import render
-from graders.core.bench import Bench
-from graders.core.checks import Cases, Check, Failure, FigureData, Rejection, drawable
-from graders.core.program import StudentFault
-from graders.core.shrink import keep
-from graders.core.values import Arguments, Floats, Value
+from graders.core.code.bench import Bench
+from graders.core.code.checks import Cases, Check, Failure, FigureData, Rejection, drawable
+from graders.core.compare import words as render
+from graders.core.compare.shrinking import keep
+from graders.core.contract.program import StudentFault
+from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20 import world
 from graders.l20.predire2d.beliefs import SameBelief, at, in_words, shrink_belief, shrink_scan, support
 from graders.l20.predire2d.cases import module_world

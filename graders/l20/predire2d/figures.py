@@ -10,8 +10,8 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
-from graders.core.plotting import EXPECTED, OBTAINED, THIRD, ink_of
-from graders.core.values import Floats
+from graders.core.contract.values import Floats
+from graders.plotting import EXPECTED, OBTAINED, THIRD, ink_of
 
 GAMMA = 0.5
 

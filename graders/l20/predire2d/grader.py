@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.checks import Trial, Untouched
-from graders.core.exercise import exercise
-from graders.core.values import Arguments
+from graders.core.code.checks import Trial, Untouched
+from graders.core.code.exercise import exercise
+from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.predire2d import cases
 from graders.l20.predire2d.beliefs import spread

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from graders.core.plotting import EXPECTED, OBTAINED, ink_of
+from graders.plotting import EXPECTED, OBTAINED, ink_of
 
 OFFSET = 0.5
 MANY = 12

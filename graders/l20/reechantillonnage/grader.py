@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from graders.core.checks import Cases, Trial, Untouched
-from graders.core.compare import ScalarCloseTo
-from graders.core.exercise import exercise
-from graders.core.values import Arguments, Value
+from graders.core.code.checks import Cases, Trial, Untouched
+from graders.core.code.exercise import exercise
+from graders.core.compare.comparison import ScalarCloseTo
+from graders.core.contract.values import Arguments, Value
 from graders.l20 import world
 from graders.l20.reechantillonnage import trials
 from graders.l20.reechantillonnage.harvest import FUNCTION

@@ -16,9 +16,9 @@ from functools import cache
 
 import numpy as np
 
-from graders.core import render
-from graders.core.checks import FigureData, Rejection
-from graders.core.values import Floats
+from graders.core.code.checks import FigureData, Rejection
+from graders.core.compare import words as render
+from graders.core.contract.values import Floats
 from graders.l20.reechantillonnage.harvest import FUNCTION, Counts, Finding, Harvest, Scenario
 from reference.localisation.resampling import comb
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 
-from graders.core.bench import Bench
-from graders.core.values import Arguments, Floats
+from graders.core.code.bench import Bench
+from graders.core.contract.values import Arguments, Floats
 from graders.l20.reechantillonnage.harvest import FUNCTION, REACH, STEP, Finding, Harvest, Scenario, harvest
 from graders.l20.reechantillonnage.judge import bias, inexact, out_of_bounds, weightless_copied
 

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from graders.core.plotting import EXPECTED, OBTAINED, THIRD, ink_of
+from graders.plotting import EXPECTED, OBTAINED, THIRD, ink_of
 
 BAR = 0.38
 MAX_TICKS = 12

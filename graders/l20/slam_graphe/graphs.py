@@ -14,7 +14,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from graders.core.values import Floats, Value
+from graders.core.contract.values import Floats, Value
 from reference import pose_graph
 from reference.pose_graph import PoseGraph
 from reference.se2 import compose, relative, wrap_angle

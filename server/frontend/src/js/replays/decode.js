@@ -1,4 +1,4 @@
-// What server/replays/packing.py wrote, read back once for each array.
+// What graders/scene/packing.py wrote, read back once for each array.
 
 const decoded = new WeakMap();
 

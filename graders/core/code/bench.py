@@ -1,0 +1,199 @@
+"""The bench: where one check calls the student's functions, and where what it saw is written down.
+
+Observations are what a diagnosis works on: the same check run on a known mistake makes the same list of observations,
+so that two programs can be compared by their outputs alone.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from graders.core.contract.program import Answer, KitSettings, Launcher, Program, Reply, StudentFault
+from graders.core.contract.values import Arguments, Value
+from graders.core.contract.verdict import Outcome
+
+MAX_LAUNCHES = 12
+
+Key = tuple[str, tuple[tuple[str, tuple[int, ...], bytes], ...]]
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What a function gave on one graded input (a value, or the name of the fault), and whether that was right."""
+
+    check: str
+    index: int
+    function: str
+    value: Value
+    fault: str | None
+    ok: bool
+
+
+class Runner:
+    """Keeps a program alive over the checks of one grading; a program that died is launched anew.
+
+    A function that exhausted a limit or killed its process is not called again. `replaying` says that only the
+    observations are wanted: no counterexample is shrunk.
+    """
+
+    def __init__(self, launch: Launcher, kit: KitSettings, *, replaying: bool = False) -> None:
+        self.replaying = replaying
+        self._launch = launch
+        self._kit = kit
+        self._launches = 0
+        self._program: Program | None = None
+        self._dead: dict[str, StudentFault] = {}
+        self.observations: list[Observation] = []
+        self.stdout = ""
+
+    @property
+    def program(self) -> Program:
+        """The program on the main map. Raises StudentFault when its file does not load."""
+        if self._program is None:
+            self._program = self._start(self._kit)
+        return self._program
+
+    def _start(self, kit: KitSettings) -> Program:
+        self._launches += 1
+        if self._launches > MAX_LAUNCHES:
+            raise StudentFault(Outcome.RUNTIME_ERROR, "Votre programme s'est arrêté trop souvent.", fatal=True)
+        return self._launch(kit)
+
+    def call(self, program: Program | None, function: str, args: Arguments, *, keep: bool) -> Reply:
+        """Call a function of a program (None: of the main one)."""
+        refused = self._refused(function)
+        if refused is not None:
+            raise refused
+        try:
+            return (program or self.program).call(function, *args, return_arguments=keep)
+        except StudentFault as fault:
+            self._mourn(program, function, fault)
+            raise
+
+    def call_many(
+        self, program: Program | None, function: str, calls: Iterable[Arguments], *, faults: int | None
+    ) -> Iterator[Answer]:
+        """As `Program.call_many`, of a program (None: of the main one)."""
+        for answer in self._answers(program, function, calls, faults):
+            if isinstance(answer, StudentFault):
+                self._mourn(program, function, answer)
+            yield answer
+
+    def _answers(
+        self, program: Program | None, function: str, calls: Iterable[Arguments], faults: int | None
+    ) -> Iterator[Answer]:
+        refused = self._refused(function)
+        if refused is not None:
+            return iter((refused,))
+        try:
+            return (program or self.program).call_many(function, calls, faults=faults)
+        except StudentFault as fault:
+            return iter((fault,))
+
+    def _refused(self, function: str) -> StudentFault | None:
+        """The fault that answers for a function that is not called again."""
+        before = self._dead.get(function)
+        if before is None:
+            return None
+        return StudentFault(before.outcome, f"{function} n'est pas rappelée : {before.message}", fatal=True)
+
+    def _mourn(self, program: Program | None, function: str, fault: StudentFault) -> None:
+        if fault.fatal:
+            self._dead[function] = fault
+            self._drop(program)
+
+    def _drop(self, program: Program | None) -> None:
+        if self._program is not None and program in (None, self._program):
+            self.close()
+
+    @contextmanager
+    def other(self, kit: KitSettings) -> Iterator[Program]:
+        """The same file launched on another map, for as long as the block lasts."""
+        program = self._start(kit)
+        try:
+            yield program
+        finally:
+            program.close()
+
+    def close(self) -> None:
+        """Keep what was printed and give the main program back."""
+        if self._program is not None:
+            self.stdout = self.stdout or self._program.stdout()
+            self._program.close()
+            self._program = None
+
+
+@dataclass
+class Bench:
+    """One check's access to the program: `rng` draws its inputs, `call` asks, `observe` writes down."""
+
+    check: str
+    runner: Runner
+    rng: np.random.Generator
+    kit: KitSettings
+    program: Program | None = None
+    last_call: tuple[str, Arguments] | None = None
+    _count: list[int] = field(default_factory=lambda: [0])
+    _known: dict[Key, deque[Answer]] = field(default_factory=dict)
+
+    def call(self, function: str, *args: Value) -> Value:
+        """Call a function by position and return its value as plain data. Raises StudentFault."""
+        self.last_call = (function, args)
+        known = self._known.get(_key(function, args)) if self._known else None
+        if not known:
+            return self.runner.call(self.program, function, args, keep=False).value
+        answer = known.popleft()
+        if isinstance(answer, StudentFault):
+            raise answer
+        return answer.value
+
+    def ahead(self, function: str, calls: Sequence[Arguments]) -> list[Answer]:
+        """The answers of calls made together before a protocol comes to them, which it then finds with `call`.
+
+        A replay has no time to win: it makes each call in its turn.
+        """
+        if self.runner.replaying:
+            return []
+        answers = [answer for _, answer in self.call_many(function, calls, faults=1)]
+        for args, answer in zip(calls, answers, strict=False):
+            self._known.setdefault(_key(function, args), deque()).append(answer)
+        return answers
+
+    def call_keeping(self, function: str, *args: Value) -> Reply:
+        """As `call`, with the arguments as they are after the call."""
+        self.last_call = (function, args)
+        return self.runner.call(self.program, function, args, keep=True)
+
+    def call_many(
+        self, function: str, calls: Iterable[Arguments], *, faults: int | None = None
+    ) -> Iterator[tuple[Arguments, Answer]]:
+        """The arguments and the answer of each call, in order: calls are made ahead, see `Program.call_many`."""
+        ahead, asked = itertools.tee(calls)
+        answers = self.runner.call_many(self.program, function, ahead, faults=faults)
+        for answer, args in zip(answers, asked, strict=False):
+            self.last_call = (function, args)
+            yield args, answer
+
+    def observe(self, function: str, value: Value, *, ok: bool, fault: StudentFault | None = None) -> None:
+        """Write down what a function gave; a fault is known by its exception's or its outcome's name."""
+        name = (fault.exception or fault.outcome.value) if fault else None
+        self.runner.observations.append(Observation(self.check, self._count[0], function, value, name, ok))
+        self._count[0] += 1
+
+    @contextmanager
+    def on(self, kit: KitSettings) -> Iterator[Bench]:
+        """The same bench with the program launched on another map."""
+        with self.runner.other(kit) as program:
+            yield Bench(self.check, self.runner, self.rng, kit, program, None, self._count)
+
+
+def _key(function: str, args: Arguments) -> Key:
+    """The same for the same call: numbers and arrays are known by their bytes."""
+    arrays = [np.asarray(arg) for arg in args]
+    return function, tuple((array.dtype.str, array.shape, array.tobytes()) for array in arrays)

@@ -1,0 +1,238 @@
+"""Checks: one question asked of a submission, with its points.
+
+`Cases` compares a function with its reference on inputs from the simplest to the most general. `Untouched` sees that
+arguments are left alone. `Trial` runs any protocol: identities, statistics, closed loops.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+
+from graders.core.code.bench import Bench
+from graders.core.compare import words as render
+from graders.core.compare.comparison import Comparator, Mismatch
+from graders.core.compare.shrinking import Shrinker, shrink
+from graders.core.contract.program import Answer, Reply, StudentFault
+from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, same_value
+from graders.core.contract.verdict import Outcome
+
+FigureData = dict[str, Any]
+
+# A function that raised that often has shown enough; each fault may have cost a large part of its time limit.
+MAX_FAULTS = 4
+
+
+class Rejection(Exception):
+    """A check's finding against the submission, with what was given, expected and obtained.
+
+    `message` is French. `inputs` maps argument names to values; `expected` and `got` may be values or French text.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        inputs: dict[str, Value] | None = None,
+        expected: Value = None,
+        got: Value = None,
+        slip: str | None = None,
+        cause: Outcome = Outcome.WRONG_ANSWER,
+        figure: FigureData | None = None,
+    ) -> None:
+        super().__init__(message)
+        self.message = message
+        self.inputs = inputs
+        self.expected = expected
+        self.got = got
+        self.slip = slip
+        self.cause = cause
+        self.figure = figure
+
+
+@dataclass(frozen=True, kw_only=True)
+class Check(ABC):
+    """One check. `functions` are those that it judges; `points` count out of 20; `hint` is a question in French."""
+
+    id: str
+    title: str
+    points: float
+    functions: tuple[str, ...]
+    hint: str
+    needs_another: ClassVar[bool] = False
+    """True when its points are earned only beside another check on the same functions: doing nothing earns nothing."""
+
+    @abstractmethod
+    def run(self, bench: Bench) -> None:
+        """Return when the submission passes; raise Rejection, or let a StudentFault through, when it does not."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trial(Check):
+    """A check made of one function of the bench."""
+
+    protocol: Callable[[Bench], None]
+
+    def run(self, bench: Bench) -> None:
+        self.protocol(bench)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Untouched(Check):
+    """The functions must leave their arguments as they were. `inputs` draws the arguments of each function."""
+
+    needs_another: ClassVar[bool] = True
+
+    names: dict[str, tuple[str, ...]]
+    inputs: Callable[[np.random.Generator], dict[str, Arguments]]
+
+    def run(self, bench: Bench) -> None:
+        for function, args in self.inputs(bench.rng).items():
+            try:
+                reply = bench.call_keeping(function, *args)
+            except StudentFault as fault:
+                raise fault_rejection(fault, inputs=dict(zip(self.names[function], args, strict=True))) from fault
+            after = reply.arguments or ()
+            trio = zip(self.names[function], args, after, strict=True)
+            changed = [name for name, before, now in trio if not same_value(before, now, tolerance=0.0)]
+            bench.observe(function, ",".join(changed), ok=not changed)
+            if changed:
+                raise self._rejection(function, changed[0], args, after)
+
+    def _rejection(self, function: str, name: str, args: Arguments, after: Arguments) -> Rejection:
+        at = self.names[function].index(name)
+        return Rejection(
+            f"{function} modifie son argument {name} : après l'appel, il n'est plus ce qu'il était.",
+            inputs=dict(zip(self.names[function], args, strict=True)),
+            expected=args[at],
+            got=after[at],
+            slip="argument_modifie",
+        )
+
+
+@dataclass(frozen=True)
+class Failure:
+    """One failing case: the arguments, what was expected, what came back or the fault, and why it is wrong."""
+
+    args: Arguments
+    expected: Value
+    got: Value
+    mismatch: Mismatch | None
+    fault: StudentFault | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cases(Check):
+    """Compare one function with its reference on every case; show the simplest failing one, shrunk (but to a replay).
+
+    `cases` yields tuples of arguments, simplest first; `expected` computes the right answer from these;
+    `shrinkers`, one for each argument, simplify a failing case as long as `valid` holds of it;
+    `figure(args, expected, got)` makes the data of a drawing (`got` is None unless it has the expected shape).
+    """
+
+    names: tuple[str, ...]
+    cases: Callable[[np.random.Generator], Iterable[Arguments]]
+    expected: Callable[..., Value]
+    compare: Comparator
+    shrinkers: Sequence[Shrinker] = ()
+    valid: Callable[[Arguments], bool] = field(default=lambda args: True)
+    figure: Callable[[Arguments, Value, Floats | None], FigureData] | None = None
+
+    @property
+    def function(self) -> str:
+        return self.functions[0]
+
+    def run(self, bench: Bench) -> None:
+        first: Failure | None = None
+        for args, answer in bench.call_many(self.function, self.cases(bench.rng), faults=MAX_FAULTS):
+            failure = self._judged(args, answer)
+            if isinstance(answer, StudentFault):
+                bench.observe(self.function, None, ok=False, fault=answer)
+            else:
+                bench.observe(self.function, answer.value, ok=failure is None)
+            first = first or failure
+        if first is not None and not bench.runner.replaying:
+            raise self._rejection(self._shrunk(bench, first))
+
+    def _judged(self, args: Arguments, answer: Answer) -> Failure | None:
+        expected = self.expected(*args)
+        if isinstance(answer, StudentFault):
+            return Failure(args, expected, None, None, answer)
+        mismatch = self.compare(expected, answer.value)
+        return Failure(args, expected, answer.value, mismatch, None) if mismatch else None
+
+    def _shrunk(self, bench: Bench, failure: Failure) -> Failure:
+        if not self.shrinkers or (failure.fault and failure.fault.fatal):
+            return failure
+        found = [failure]
+
+        def still_fails(args: Arguments) -> bool:
+            if (found[-1].fault and found[-1].fault.fatal) or not self.valid(args):
+                return False
+            simpler = self._judged(args, _answer(bench, self.function, args))
+            if simpler is None or not _same_kind(failure, simpler):
+                return False
+            found.append(simpler)
+            return True
+
+        shrink(failure.args, self.shrinkers, still_fails)
+        return found[-1]
+
+    def _rejection(self, failure: Failure) -> Rejection:
+        inputs = dict(zip(self.names, failure.args, strict=True))
+        if failure.fault:
+            return fault_rejection(failure.fault, inputs=inputs, expected=failure.expected)
+        assert failure.mismatch is not None
+        given = " ; ".join(f"{name} = {render.text(value)}" for name, value in inputs.items())
+        wanted, got = render.text(failure.expected), render.text(failure.got)
+        message = f"Pour {given}, on attend {wanted} et {self.function} renvoie {got}."
+        return Rejection(
+            f"{message} {failure.mismatch.message}",
+            inputs=inputs,
+            expected=failure.expected,
+            got=failure.got,
+            slip=failure.mismatch.slip,
+            cause=failure.mismatch.cause,
+            figure=self._figure(failure),
+        )
+
+    def _figure(self, failure: Failure) -> FigureData | None:
+        if self.figure is None:
+            return None
+        return self.figure(failure.args, failure.expected, drawable(failure.got, np.shape(failure.expected)))
+
+
+def _answer(bench: Bench, function: str, args: Arguments) -> Answer:
+    try:
+        return Reply(bench.call(function, *args))
+    except StudentFault as fault:
+        return fault
+
+
+def drawable(value: Value, shape: tuple[int, ...]) -> Floats | None:
+    """The value as an array when it has the shape that a drawing needs and only sane numbers, else None."""
+    try:
+        array = read_array(value)
+    except UnreadableError:
+        return None
+    return array if array.shape == shape and bool(np.all(np.abs(array) < 1e9)) else None
+
+
+def fault_rejection(fault: StudentFault, *, inputs: dict[str, Value] | None, expected: Value = None) -> Rejection:
+    """A fault of the student's program, told as the finding of a check."""
+    where = "".join(f"\n  {frame}" for frame in fault.frames)
+    got = f"aucune valeur ({fault.exception})" if fault.exception else "aucune valeur"
+    return Rejection(fault.message + where, inputs=inputs, expected=expected, got=got, cause=fault.outcome)
+
+
+def _same_kind(one: Failure, other: Failure) -> bool:
+    """A shrunk case must fail as the first one did: by the same exception, or by a wrong value of the same cause."""
+    if one.fault or other.fault:
+        return bool(one.fault and other.fault) and one.fault.exception == other.fault.exception  # type: ignore[union-attr]
+    assert one.mismatch is not None
+    assert other.mismatch is not None
+    return (one.mismatch.slip, one.mismatch.cause) == (other.mismatch.slip, other.mismatch.cause)

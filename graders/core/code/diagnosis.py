@@ -1,0 +1,110 @@
+"""Diagnosis: which known mistake gives the very outputs of this submission?
+
+Every misconception of the exercise is run through the same checks with the same inputs. The one whose outputs coincide
+with the submission's wherever either is wrong, and which explains more failures than any other, names the mistake.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from graders.core.code.bench import Observation
+from graders.core.compare.slips import SLIPS
+from graders.core.contract.values import same_value
+from graders.core.contract.verdict import Diagnosis
+
+if TYPE_CHECKING:
+    from graders.core.code.exercise import Misconception
+
+MIN_AGREEMENT = 0.9
+
+Replay = Callable[["Misconception"], Sequence[Observation]]
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """How well a misconception explains a submission."""
+
+    misconception: Misconception
+    explained: int
+    agreement: float
+
+    @property
+    def rank(self) -> tuple[int, float]:
+        return (self.explained, self.agreement)
+
+
+def diagnose(
+    observations: Sequence[Observation], misconceptions: Sequence[Misconception], replay: Replay
+) -> Diagnosis | None:
+    """Name the misconception that explains the failures better than any other, or None.
+
+    Two mistakes that cannot be told apart on the graded inputs are not named: a wrong name is worse than none.
+    """
+    failing = {o.function for o in observations if not o.ok}
+    candidates = [m for m in misconceptions if failing & set(m.functions)]
+    found = [e for e in (_explain(observations, m, replay(m)) for m in candidates) if e is not None]
+    if not found:
+        return None
+    found.sort(key=lambda e: e.rank, reverse=True)
+    best = found[0]
+    rivals = [e for e in found[1:] if e.rank == best.rank and _compete(e.misconception, best.misconception)]
+    return None if rivals else _diagnosis(best.misconception)
+
+
+def _compete(one: Misconception, other: Misconception) -> bool:
+    return one.id != other.id and bool(set(one.functions) & set(other.functions))
+
+
+def _explain(
+    observations: Sequence[Observation], misconception: Misconception, replayed: Sequence[Observation]
+) -> Explanation | None:
+    pairs = _paired(observations, replayed)
+    relevant = [p for p in pairs if p[0].function in misconception.functions and not (p[0].ok and p[1].ok)]
+    explained = sum(not mine.ok and agree(mine, other) for mine, other in pairs)
+    agreement = sum(agree(*p) for p in relevant) / len(relevant) if relevant else 0.0
+    if agreement < MIN_AGREEMENT or not any(not mine.ok and agree(mine, other) for mine, other in relevant):
+        return None
+    return Explanation(misconception, explained, agreement)
+
+
+def hopeless(
+    observations: Sequence[Observation], misconception: Misconception, replayed: Sequence[Observation]
+) -> bool:
+    """Do the checks replayed so far already rule the misconception out, whatever the others give?"""
+    judged = [o for o in observations if o.function in misconception.functions]
+    pairs = _paired(judged, replayed)
+    differing = sum(not (mine.ok and other.ok) and not agree(mine, other) for mine, other in pairs)
+    return differing > (1.0 - MIN_AGREEMENT) * len(judged) + 1e-9
+
+
+def _paired(mine: Sequence[Observation], replayed: Sequence[Observation]) -> list[tuple[Observation, Observation]]:
+    """What both programs gave at the same place of the same check, of the same function."""
+    theirs = {(o.check, o.index, o.function): o for o in replayed}
+    return [(o, theirs[o.check, o.index, o.function]) for o in mine if (o.check, o.index, o.function) in theirs]
+
+
+def agree(one: Observation, other: Observation) -> bool:
+    """The same value, or the same way of failing."""
+    if one.fault or other.fault:
+        return one.fault == other.fault
+    return one.ok == other.ok and same_value(one.value, other.value)
+
+
+def _diagnosis(misconception: Misconception) -> Diagnosis:
+    explanation = f"{misconception.explanation.strip()}\n\n{misconception.question.strip()}"
+    return Diagnosis(misconception.id, misconception.title, explanation)
+
+
+def slip_diagnosis(slips: Sequence[str | None]) -> Diagnosis | None:
+    """When no misconception of the exercise fits: the usual slip seen in most of the failed checks, if no other was.
+
+    `slips` holds one entry for each failed check, None where no slip explains it.
+    """
+    seen = [slip for slip in slips if slip is not None]
+    if len(set(seen)) != 1 or 2 * len(seen) <= len(slips):
+        return None
+    slip = SLIPS[seen[0]]
+    return Diagnosis(slip.id, slip.title, f"{slip.explanation}\n\n{slip.question}")

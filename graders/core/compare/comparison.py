@@ -1,0 +1,167 @@
+"""Comparators: does what came back agree with what was expected, and if not, in which way?
+
+A comparator is called with the expected and the obtained value and returns None, or a Mismatch that says in French
+what differs. It never raises for a value that a student returned.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from graders.core.compare import words as render
+from graders.core.compare.slips import shape_slip, value_slip
+from graders.core.contract.values import Floats, UnreadableError, Value, read_array, read_indices, read_scalar
+from graders.core.contract.verdict import Outcome
+
+TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """Why two values differ: a French sentence, the slip that it looks like, the outcome that it stands for."""
+
+    message: str
+    slip: str | None = None
+    cause: Outcome = Outcome.WRONG_ANSWER
+
+
+Comparator = Callable[[Value, Value], Mismatch | None]
+
+
+def unreadable(error: UnreadableError) -> Mismatch:
+    """A value that is not what a function must return is an invalid output."""
+    reason = str(error)
+    return Mismatch(reason[0].upper() + reason[1:] + ".", cause=Outcome.INVALID_OUTPUT)
+
+
+def close(expected: Floats, got: Floats, tolerance: float = TOLERANCE) -> bool:
+    """The contract's "same": within `tolerance`, relative or absolute, element by element; NaN is never the same."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        return bool((np.abs(got - expected) <= tolerance * np.maximum(1.0, np.abs(expected))).all())
+
+
+@dataclass(frozen=True)
+class CloseTo:
+    """Arrays or numbers of the same shape and, within the tolerance, the same values."""
+
+    tolerance: float = TOLERANCE
+
+    def __call__(self, expected: Value, got: Value) -> Mismatch | None:
+        wanted = read_array(expected)
+        try:
+            array = read_array(got)
+        except UnreadableError as error:
+            return unreadable(error)
+        if array.shape != wanted.shape:
+            return wrong_shape(wanted, array)
+        if close(wanted, array, self.tolerance):
+            return None
+        return Mismatch(worst_difference(wanted, array), value_slip(wanted, array))
+
+
+@dataclass(frozen=True)
+class ScalarCloseTo:
+    """One number (a float, an int, a numpy scalar, a 0-d array) within the tolerance."""
+
+    tolerance: float = TOLERANCE
+
+    def __call__(self, expected: Value, got: Value) -> Mismatch | None:
+        try:
+            value = read_scalar(got)
+        except UnreadableError as error:
+            return unreadable(error)
+        return CloseTo(self.tolerance)(float(expected), value)
+
+
+@dataclass(frozen=True)
+class SamePose:
+    """Poses (3,): x and y within the tolerance, theta modulo 2 pi but brought back to [-pi, pi].
+
+    With `any_turn`, an angle out of this range is let pass: for checks of a formula, beside one of the range.
+    """
+
+    tolerance: float = TOLERANCE
+    any_turn: bool = False
+
+    def __call__(self, expected: Value, got: Value) -> Mismatch | None:
+        wanted = read_array(expected)
+        try:
+            pose = read_array(got)
+        except UnreadableError as error:
+            return unreadable(error)
+        if pose.shape != (3,):
+            return wrong_shape(wanted, pose)
+        if not np.isfinite(pose).all():
+            return Mismatch("Une des coordonnées n'est pas un nombre fini.", "nan")
+        if not close(wanted[:2], pose[:2], self.tolerance):
+            return Mismatch(self._position_message(wanted, pose))
+        return self._angle_mismatch(float(wanted[2]), float(pose[2]))
+
+    @staticmethod
+    def _position_message(wanted: Floats, pose: Floats) -> str:
+        axes = [axis for axis, a, b in zip("xy", wanted, pose, strict=False) if not close(a, b)]
+        which = f"La coordonnée {axes[0]} est fausse" if len(axes) == 1 else "La position est fausse"
+        return f"{which} : l'écart est de {render.number(math.hypot(*(pose[:2] - wanted[:2])), 3)}."
+
+    def _angle_mismatch(self, wanted: float, theta: float) -> Mismatch | None:
+        if abs(math.remainder(theta - wanted, math.tau)) <= self.tolerance:
+            if self.any_turn or abs(theta) <= math.pi + TOLERANCE:
+                return None
+            return Mismatch(f"L'angle {render.angle(theta)} sort de l'intervalle [−π, π].", "angle_non_ramene")
+        gap = f"Le cap est faux : {render.angle(theta)} au lieu de {render.angle(wanted)}."
+        is_degrees = abs(math.remainder(math.radians(theta) - wanted, math.tau)) <= 1e-6
+        return Mismatch(gap, "degres" if is_degrees else "oppose" if abs(theta + wanted) <= self.tolerance else None)
+
+
+@dataclass(frozen=True)
+class SameIndices:
+    """The same whole numbers in the same order."""
+
+    def __call__(self, expected: Value, got: Value) -> Mismatch | None:
+        try:
+            indices = read_indices(got)
+        except UnreadableError as error:
+            return unreadable(error)
+        wanted = list(expected)
+        if indices == wanted:
+            return None
+        if sorted(indices) == wanted:
+            return Mismatch("Les bons indices y sont, mais pas dans l'ordre croissant.")
+        missing, extra = sorted(set(wanted) - set(indices)), sorted(set(indices) - set(wanted))
+        parts = [
+            f"il manque {_list(missing)}" if missing else "",
+            f"{_list(extra)} {_are(extra)} de trop" if extra else "",
+        ]
+        if not any(parts):
+            return Mismatch("Un indice est répété.")
+        return Mismatch("Parmi les indices, " + " et ".join(p for p in parts if p) + ".")
+
+
+def _list(indices: Sequence[int]) -> str:
+    return ", ".join(str(i) for i in indices[:8]) + ("…" if len(indices) > 8 else "")
+
+
+def _are(items: Sequence[int]) -> str:
+    return "est" if len(items) == 1 else "sont"
+
+
+def wrong_shape(expected: Floats, got: Floats) -> Mismatch:
+    """A mismatch of shapes, with the slip that explains it."""
+    wanted, obtained = render.shape_text(expected.shape), render.shape_text(got.shape)
+    return Mismatch(f"La forme du résultat est {obtained} au lieu de {wanted}.", shape_slip(expected, got))
+
+
+def worst_difference(expected: Floats, got: Floats) -> str:
+    """One sentence on the largest gap between two arrays of the same shape."""
+    if np.any(np.isnan(got)):
+        return "Le résultat contient « nan », qui n'est pas un nombre."
+    with np.errstate(invalid="ignore", over="ignore"):
+        gaps = np.nan_to_num(np.abs(got - expected), nan=np.inf)
+    where = np.unravel_index(int(np.argmax(gaps)), gaps.shape) if gaps.ndim else ()
+    place = f" à l'indice {', '.join(str(int(i)) for i in where)}" if where else ""
+    wanted, obtained = render.number(float(expected[where])), render.number(float(got[where]))
+    return f"L'écart le plus grand est{place} : {obtained} au lieu de {wanted}."

@@ -1,0 +1,106 @@
+"""Shrinking: from an input that fails to a simpler one that still fails.
+
+A shrinker proposes simpler values of one argument, the simplest first. `shrink` walks greedily through these while the
+failure lasts, within a bounded number of calls and a bounded time: a counterexample is read, not proved minimal.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from graders.core.contract.values import Arguments, Value
+
+Shrinker = Callable[[Value], Iterator[Value]]
+
+MAX_CALLS = 80
+MAX_SECONDS = 0.25
+
+
+def keep(value: Value) -> Iterator[Value]:
+    """An argument that is not to be simplified."""
+    return iter(())
+
+
+def shrink_number(value: float) -> Iterator[float]:
+    """0, 1, then the same number with fewer digits."""
+    for candidate in (0.0, 1.0, float(round(value)), round(2.0 * value) / 2.0, round(value, 1)):
+        if complexity(candidate) < complexity(value):
+            yield candidate
+
+
+def shrink_angle(value: float) -> Iterator[float]:
+    """0, then the nearest multiples of a quarter, an eighth and a twelfth of a turn."""
+    for candidate in (0.0, *(_nearest(value, math.pi / k) for k in (2, 4, 6))):
+        if angle_complexity(candidate) < angle_complexity(value):
+            yield candidate
+
+
+def _nearest(value: float, step: float) -> float:
+    nearest = round(value / step) * step
+    return nearest if -math.pi < nearest <= math.pi else math.pi
+
+
+def complexity(value: float) -> float:
+    """How much there is to read in a number: 0 < 1 < small integers < halves < one decimal < anything else."""
+    if not math.isfinite(value):
+        return 100.0
+    rank = next((r for r, k in enumerate((1, 2, 10)) if (value * k) == round(value * k)), 5)
+    return 10.0 * rank + (math.log1p(abs(value)) if value else -1.0) + (0.1 if value < 0 else 0.0)
+
+
+def angle_complexity(value: float) -> float:
+    """As `complexity`, for fractions of a turn."""
+    if value == 0:
+        return -1.0
+    rank = next((r for r, k in enumerate((2, 4, 6)) if math.isclose(value, _nearest(value, math.pi / k))), 5)
+    return 10.0 * rank + abs(value) / 10.0
+
+
+def shrink_array(value: Value) -> Iterator[Value]:
+    """All entries rounded at once, then one entry at a time."""
+    array = np.asarray(value, dtype=np.float64)
+    rounded = np.round(array)
+    if np.any(rounded != array):
+        yield rounded
+    for index in np.ndindex(array.shape):
+        for candidate in shrink_number(float(array[index])):
+            simpler = array.copy()
+            simpler[index] = candidate
+            yield simpler
+
+
+def shrink_pose(value: Value) -> Iterator[Value]:
+    """x and y as numbers, theta as an angle."""
+    pose = np.asarray(value, dtype=np.float64)
+    for index, shrinker in ((0, shrink_number), (1, shrink_number), (2, shrink_angle)):
+        for candidate in shrinker(float(pose[index])):
+            simpler = pose.copy()
+            simpler[index] = candidate
+            yield simpler
+
+
+def shrink(arguments: Arguments, shrinkers: Sequence[Shrinker], still_fails: Callable[[Arguments], bool]) -> Arguments:
+    """The simplest arguments found for which `still_fails` holds; `arguments` themselves are known to fail."""
+    deadline = time.monotonic() + MAX_SECONDS
+    calls = 0
+    improved = True
+    while improved:
+        improved = False
+        for candidate in _neighbours(arguments, shrinkers):
+            if calls >= MAX_CALLS or time.monotonic() > deadline:
+                return arguments
+            calls += 1
+            if still_fails(candidate):
+                arguments, improved = candidate, True
+                break
+    return arguments
+
+
+def _neighbours(arguments: Arguments, shrinkers: Sequence[Shrinker]) -> Iterator[Arguments]:
+    for position, shrinker in enumerate(shrinkers):
+        for candidate in shrinker(arguments[position]):
+            yield (*arguments[:position], candidate, *arguments[position + 1 :])

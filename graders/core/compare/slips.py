@@ -1,0 +1,112 @@
+"""The usual slips, whatever the exercise: recognised by comparing what came back with what was expected."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from graders.core.contract.values import Floats
+
+
+@dataclass(frozen=True)
+class Slip:
+    """A slip by name, said to the student in French; `question` makes them see it."""
+
+    id: str
+    title: str
+    explanation: str
+    question: str
+
+
+SLIPS = {
+    slip.id: slip
+    for slip in (
+        Slip(
+            "forme",
+            "Un résultat de la mauvaise forme",
+            "Les valeurs ne sont pas rangées dans un tableau de la forme demandée.",
+            "Que vaut np.shape(...) pour votre résultat, et que demande l'énoncé ?",
+        ),
+        Slip(
+            "transposee",
+            "Un tableau transposé",
+            "Vos valeurs sont les bonnes, mais lignes et colonnes sont échangées.",
+            "Dans un tableau (H, W), le premier indice désigne-t-il x ou y ?",
+        ),
+        Slip(
+            "nan",
+            "Un résultat qui n'est pas un nombre (NaN)",
+            "Votre calcul produit « nan » : une division 0/0, la racine ou le logarithme d'un nombre négatif.",
+            "Quelle division de votre code peut avoir un dénominateur nul ?",
+        ),
+        Slip(
+            "degres",
+            "Des degrés au lieu de radians",
+            "L'angle renvoyé est exprimé en degrés : le module ne compte qu'en radians.",
+            "Un quart de tour vaut-il 90 ou π/2 dans ce module ?",
+        ),
+        Slip(
+            "radians_doubles",
+            "Des radians convertis une fois de trop",
+            "L'angle reçu est déjà en radians ; votre code le convertit encore.",
+            "L'angle donné vaut-il déjà π/2 pour un quart de tour ?",
+        ),
+        Slip(
+            "oppose",
+            "Le signe opposé",
+            "Votre résultat est exactement l'opposé de celui qui est attendu.",
+            "Dans quel sens faites-vous la soustraction ?",
+        ),
+        Slip(
+            "non_normalise",
+            "Des probabilités qui ne somment pas à 1",
+            "Vos valeurs sont proportionnelles aux bonnes, mais leur somme n'est pas 1.",
+            "Que devient la constante η de la formule de Bayes dans votre code ?",
+        ),
+        Slip(
+            "angle_non_ramene",
+            "Un angle qui n'est pas ramené dans ]−π, π]",
+            "L'angle est juste à un nombre entier de tours près, mais il sort de l'intervalle ]−π, π].",
+            "Que vaut votre angle quand les deux caps ajoutés dépassent un demi-tour ?",
+        ),
+        Slip(
+            "argument_modifie",
+            "Un argument modifié sur place",
+            "Votre fonction change le tableau qu'on lui a donné : celui qui l'appelle perd ses données.",
+            "Faut-il écrire dans le tableau reçu, ou dans une copie ?",
+        ),
+        Slip(
+            "indices_au_lieu_de_copies",
+            "Des indices au lieu des particules",
+            "Votre fonction renvoie les numéros des particules choisies, pas les particules elles-mêmes.",
+            "Que contient particules[indices] ?",
+        ),
+        Slip(
+            "scalaire",
+            "Un seul nombre au lieu d'un tableau",
+            "Votre fonction réduit tout à un seul nombre là où il en faut plusieurs.",
+            "Une somme ou une moyenne s'applique-t-elle ici à tout le tableau ?",
+        ),
+    )
+}
+
+
+def shape_slip(expected: Floats, got: Floats) -> str:
+    """Name the slip behind a wrong shape."""
+    if got.ndim == 2 and got.shape == expected.shape[::-1] and np.allclose(got.T, expected):
+        return "transposee"
+    return "scalaire" if got.ndim == 0 else "forme"
+
+
+def value_slip(expected: Floats, got: Floats) -> str | None:
+    """Name the slip behind wrong values in the right shape, when one explains them all."""
+    if np.any(np.isnan(got)):
+        return "nan"
+    if not np.any(expected) or not np.all(np.isfinite(got)):
+        return None
+    if got.ndim == 2 and got.shape[0] == got.shape[1] and np.allclose(got.T, expected):
+        return "transposee"
+    if np.allclose(got, -expected):
+        return "oppose"
+    return "degres" if got.ndim == 0 and np.allclose(got, np.degrees(expected)) else None

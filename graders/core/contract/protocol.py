@@ -1,0 +1,51 @@
+"""What a server needs of a grader, whatever the kind of exercise; and what is known of an exercise, to check it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from graders.core.code.grading import Grading
+from graders.core.contract.program import Launcher
+from graders.core.contract.verdict import Outcome
+
+#: Starts the program of a file behind the walls; only exercises of code have one.
+Run = Callable[[bytes], Launcher]
+
+
+@dataclass(frozen=True)
+class Known:
+    """A submission of which the verdict is known in advance.
+
+    `write` gives it for a seed. It must get `outcome`, or, where that is None, less than full marks; and be named
+    `diagnosis` where there is one. `rounds`: on how many seeds it is worth trying.
+    """
+
+    subject: str
+    write: Callable[[int], bytes]
+    outcome: Outcome | None = None
+    diagnosis: str | None = None
+    rounds: int = 1
+
+
+class Grader(Protocol):
+    """Grades one exercise."""
+
+    @property
+    def exercise(self) -> str: ...
+
+    def grade(self, source: bytes, run: Run, *, seed: int, version: str) -> Grading:
+        """The verdict of a submission. An exception that leaves it is our own fault."""
+
+    def rehearse(self) -> None:
+        """Do once what is slow the first time."""
+
+    def known(self) -> Iterator[Known]:
+        """The reference first, then every catalogued mistake and every specimen."""
+
+    def mistakes(self) -> frozenset[str]:
+        """The ids of the misconceptions that it can name."""
+
+    def draw(self, data: dict[str, Any], *, theme: str = "light", extension: str = "svg") -> bytes:
+        """Draw the figure whose data a verdict left, as a "svg" or "png" file."""

@@ -1,0 +1,150 @@
+"""What every answer goes through: bounded bodies, refusal of cross-site requests, session cookie, security headers.
+
+Plain ASGI, so that streams (server-sent events) pass through untouched.
+"""
+
+from collections.abc import Awaitable, Callable
+from urllib.parse import urlsplit
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from server.base.errors import Forbidden, ServiceError, TooLarge
+from server.database.dependencies import SAFE_METHODS
+from server.identity.dependencies import COOKIE
+
+CONTENT_SECURITY_POLICY = "; ".join(
+    (
+        "default-src 'self'",
+        "script-src 'self'",
+        "style-src 'self'",
+        "style-src-attr 'unsafe-inline'",  # KaTeX places its glyphs with style attributes
+        "img-src 'self' data:",
+        "object-src 'none'",
+        "base-uri 'none'",
+        "form-action 'self'",
+        "frame-ancestors 'none'",
+    )
+)
+SECURITY_HEADERS = {
+    "Content-Security-Policy": CONTENT_SECURITY_POLICY,
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+}
+API = "/api/"
+Refuse = Callable[[Request, ServiceError], Response]
+
+
+class SecurityHeaders:
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            return await self._app(scope, receive, send)
+
+        async def send_with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(scope=message)
+                for name, value in SECURITY_HEADERS.items():
+                    headers.setdefault(name, value)
+            await send(message)
+
+        await self._app(scope, receive, send_with_headers)
+
+
+class SessionCookie:
+    """Sets the cookie that a dependency asked for with `accounts.dependencies.remember` or `forget`."""
+
+    def __init__(self, app: ASGIApp, max_age: int) -> None:
+        self._app, self._max_age = app, max_age
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            return await self._app(scope, receive, send)
+        state = scope.setdefault("state", {})
+
+        async def send_with_cookie(message: Message) -> None:
+            token = state.get("session_token")
+            if message["type"] == "http.response.start" and token is not None:
+                MutableHeaders(scope=message).append("Set-Cookie", self._cookie(token, scope["scheme"] == "https"))
+            await send(message)
+
+        await self._app(scope, receive, send_with_cookie)
+
+    def _cookie(self, token: str, secure: bool) -> str:
+        age = self._max_age if token else 0
+        cookie = f"{COOKIE}={token}; Max-Age={age}; Path=/; HttpOnly; SameSite=Lax"
+        return cookie + "; Secure" if secure else cookie
+
+
+class SameOrigin:
+    """Refuses unsafe requests that another site has a browser send with our cookie.
+
+    Browsers say where a request comes from (Sec-Fetch-Site, else Origin); a request that says neither is no browser's.
+    The API knows no cookie, so it needs no such check.
+    """
+
+    def __init__(self, app: ASGIApp, refuse: Refuse) -> None:
+        self._app, self._refuse = app, refuse
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "http" and _is_forged(scope):
+            error = Forbidden("Cette demande vient d’un autre site : elle a été refusée.")
+            return await self._refuse(Request(scope), error)(scope, receive, send)
+        await self._app(scope, receive, send)
+
+
+def _is_forged(scope: Scope) -> bool:
+    if scope["method"] in SAFE_METHODS or scope["path"].startswith(API):
+        return False
+    headers = Headers(scope=scope)
+    site = headers.get("sec-fetch-site")
+    if site is not None:
+        return site not in {"same-origin", "none"}
+    origin = headers.get("origin")
+    return origin is not None and urlsplit(origin).netloc != headers.get("host")
+
+
+class BoundedBody:
+    """Refuses a body of more than `most` bytes before anything reads it whole."""
+
+    def __init__(self, app: ASGIApp, most: int, refuse: Refuse) -> None:
+        self._app, self._most, self._refuse = app, most, refuse
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http" or scope["method"] in SAFE_METHODS:
+            return await self._app(scope, receive, send)
+        body = await self._read(receive)
+        if body is None:
+            error = TooLarge(f"Cette demande dépasse {self._most} octets.")
+            return await self._refuse(Request(scope), error)(scope, receive, send)
+        await self._app(scope, _replay(body, receive), send)
+
+    async def _read(self, receive: Receive) -> bytes | None:
+        chunks, size, more = [], 0, True
+        while more:
+            message = await receive()
+            chunk = message.get("body", b"")
+            size += len(chunk)
+            if size > self._most:
+                return None
+            chunks.append(chunk)
+            more = message.get("more_body", False)
+        return b"".join(chunks)
+
+
+def _replay(body: bytes, receive: Receive) -> Callable[[], Awaitable[Message]]:
+    given = False
+
+    async def replay() -> Message:
+        nonlocal given
+        if given:
+            return await receive()
+        given = True
+        return {"type": "http.request", "body": body, "more_body": False}
+
+    return replay

@@ -1,0 +1,6 @@
+"""The course as it is served: modules, exercises, their statements, hints and versions."""
+
+from server.course.models import Course, Exercise, FunctionSpec, Module, Problem
+from server.course.service import load
+
+__all__ = ["Course", "Exercise", "FunctionSpec", "Module", "Problem", "load"]

@@ -1,0 +1,59 @@
+"""`glossaire.toml`: one entry for each word; one that is wrong leaves the others."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping
+from pathlib import Path
+
+from server.course import toml_file
+from server.course.models import CourseFault, Problem, Term
+from server.course.schemas import Glossary, TermEntry
+from server.text.markup import Names, Source, Text
+from server.text.markup.text import SLUG
+
+FILE = "glossaire.toml"
+
+
+def read(path: Path, names: Callable[[], Names], problems: list[Problem]) -> dict[str, Term]:
+    """The words by their id, in the order of the file; none where there is no file."""
+    found: dict[str, Term] = {}
+    if not path.is_file():
+        return found
+    try:
+        text = toml_file.read_text(path)
+        entries = toml_file.parse(text, path, Glossary).terme
+    except CourseFault as fault:
+        problems.append(fault.problem)
+        return found
+    for index, entry in enumerate(entries):
+        try:
+            term = _term(path, text, index, entry, names)
+            if term.id in found:
+                raise _fault(path, text, index, "id", f"mot déjà défini : « {term.id} »")
+            found[term.id] = term
+        except CourseFault as fault:
+            problems.append(fault.problem)
+    return found
+
+
+def lost(path: Path, terms: Mapping[str, Term], pages: Collection[str]) -> Iterator[Problem]:
+    """The words that are said to be explained on a page that does not exist."""
+    missing = [term for term in terms.values() if term.page not in pages]
+    text = toml_file.read_text(path) if missing else ""
+    for term in missing:
+        start = next(match.start() for match in re.finditer(rf'id\s*=\s*"{term.id}"', text))
+        yield Problem(path, text[:start].count("\n") + 1, f"« {term.id} » : page inconnue « {term.page} »")
+
+
+def _term(path: Path, text: str, index: int, values: object, names: Callable[[], Names]) -> Term:
+    entry = toml_file.validated(values, text, path, TermEntry, ("terme", index))
+    if not re.fullmatch(SLUG, entry.id):
+        raise _fault(path, text, index, "id", f"nom mal formé : « {entry.id} »")
+    line = toml_file.line_of(text, ("terme", index, "definition"))
+    source = Source(entry.definition.strip(), path, line, names=names)
+    return Term(entry.id, entry.mot, entry.page, Text(source, inline=True))
+
+
+def _fault(path: Path, text: str, index: int, field: str, message: str) -> CourseFault:
+    return CourseFault(Problem(path, toml_file.line_of(text, ("terme", index, field)), message))

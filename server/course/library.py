@@ -1,0 +1,177 @@
+"""The pages to read of a module and its glossary, and the names by which its texts speak of each other."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import get_args
+
+from server.course import glossary, toml_file
+from server.course.models import CourseFault, Document, Drawing, Kind, Problem
+from server.course.schemas import FrontMatter
+from server.text.markup import Names, PageName, Picture, Source, Target, Text
+from server.text.markup.blocks import EQUATION, KINDS
+from server.text.markup.text import GLOSSARY, SLUG
+
+FOLDERS: Mapping[str, Kind] = {
+    "fiches": "fiche",
+    "seances": "seance",
+    "cours": "cours",
+    "tp": "tp",
+    "defis": "defi",
+    "annexes": "annexe",
+}
+ORDER: tuple[Kind, ...] = tuple(FOLDERS.values())
+NO_PAGES = {"exercices"}
+PIXELS = 100  # a drawing's inch is shown as so many CSS pixels
+FENCE = "+++"
+assert set(ORDER) == set(get_args(Kind))
+
+
+@dataclass(eq=False)
+class Library:
+    """What a module's folder has to read. Texts are read at the first need, all of them for the first name.
+
+    `exercises` (slug to title) is filled in once the exercises are known.
+    """
+
+    folder: Path
+    drawings: Mapping[str, Drawing]
+    problems: list[Problem]
+    exercises: dict[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.documents = tuple(self._documents())
+        self.glossary = glossary.read(self.folder / glossary.FILE, self.names, self.problems)
+        self.files = {path.stem: path for path in sorted((self.folder / "fichiers").glob("[!_.]*.py"))}
+        self.replays = {path.stem.replace("_", "-") for path in (self.folder / "rejeux").glob("[!_.]*.py")}
+
+    def names(self) -> Names:
+        return self._names
+
+    @cached_property
+    def _names(self) -> Names:
+        labels = {one.id: one.target for one in self.labels if one.first}
+        return Names(
+            module=self.folder.name,
+            labels=labels,
+            pages={one.slug: _page_name(one) for one in self.documents},
+            exercises=self.exercises,
+            terms={one.id: one.word for one in self.glossary.values()},
+            pictures={one.name: _picture(one) for one in self.drawings.values()},
+            replays=self.replays,
+            files=self.files,
+        )
+
+    @cached_property
+    def labels(self) -> tuple[Labelled, ...]:
+        return tuple(_numbered(self.documents))
+
+    def _documents(self) -> list[Document]:
+        found: dict[str, Document] = {}
+        for path in sorted(self.folder.glob("*/*.md")):
+            if path.parent.name in NO_PAGES or path.name.startswith((".", "_")):
+                continue
+            try:
+                document = self._document(path)
+                if document.slug in found:
+                    raise CourseFault(Problem(path, None, f"une autre page se nomme déjà « {document.slug} »"))
+                found[document.slug] = document
+            except CourseFault as fault:
+                self.problems.append(fault.problem)
+        return sorted(found.values(), key=lambda one: (ORDER.index(one.kind), one.order, one.slug))
+
+    def _document(self, path: Path) -> Document:
+        kind = FOLDERS.get(path.parent.name)
+        if kind is None:
+            raise CourseFault(Problem(path, None, f"dossier de pages inconnu (connus : {', '.join(FOLDERS)})"))
+        if not re.fullmatch(SLUG, path.stem) or path.stem == GLOSSARY:
+            raise CourseFault(Problem(path, None, "nom de page : minuscules sans accent, chiffres et tirets"))
+        head, body, line = _split(path, toml_file.read_text(path))
+        card = toml_file.parse(head, path, FrontMatter, first_line=2)
+        return Document(
+            module=self.folder.name,
+            slug=path.stem,
+            kind=kind,
+            title=card.title,
+            label=card.label,
+            order=card.order,
+            minutes=card.minutes,
+            summary=card.summary,
+            objectives=tuple(card.objectives),
+            text=Text(Source(body, path, line, page=path.stem, names=self.names)),
+        )
+
+    def check(self, *, formulas: bool) -> Iterator[Problem]:
+        """Everything that is wrong in the texts, but not so wrong that they cannot be served."""
+        for one in self.documents:
+            yield from problems_of(one.text, formulas=formulas)
+        for again in self.labels:
+            if not again.first:
+                message = f"étiquette déjà prise par la page « {self.names().labels[again.id].page} » : « #{again.id} »"
+                yield Problem(again.path, again.target.line, message)
+        for term in self.glossary.values():
+            yield from problems_of(term.definition, formulas=formulas)
+        yield from glossary.lost(self.folder / glossary.FILE, self.glossary, self.names().pages)
+
+
+@dataclass(frozen=True)
+class Labelled:
+    """A label where it stands; `first` is False where another page has it already."""
+
+    id: str
+    target: Target
+    path: Path
+    first: bool
+
+
+def _numbered(documents: tuple[Document, ...]) -> Iterator[Labelled]:
+    """Labels in the order of the pages, each kind counting for itself over the whole module."""
+    counts: Counter[str] = Counter()
+    pages: dict[str, str] = {}
+    for document in documents:
+        text = as_text(document.text)
+        for label in text.outline.labels:
+            kind = EQUATION if label.kind == "equation" else KINDS[label.kind]
+            first = pages.setdefault(label.id, document.slug) == document.slug
+            counts[label.kind] += kind.numbered and first
+            number = counts[label.kind] if kind.numbered else 0
+            target = Target(label.kind, kind.noun, number, document.slug, label.line)
+            yield Labelled(label.id, target, text.source.path, first)
+
+
+def as_text(readable: object) -> Text:
+    assert isinstance(readable, Text), "what a library holds, it has read itself"
+    return readable
+
+
+def problems_of(readable: object, *, formulas: bool) -> Iterator[Problem]:
+    text = as_text(readable)
+    for fault in text.faults(formulas=formulas):
+        yield Problem(text.source.path, fault.line, fault.message)
+
+
+def _page_name(document: Document) -> PageName:
+    outline = as_text(document.text).outline
+    figures = {name: number for number, name in enumerate(outline.figures, 1)}
+    return PageName(document.title, frozenset(outline.anchors), figures)
+
+
+def _picture(drawing: Drawing) -> Picture:
+    width, height = drawing.size
+    return Picture(drawing.alt, round(width * PIXELS), round(height * PIXELS))
+
+
+def _split(path: Path, text: str) -> tuple[str, str, int]:
+    """Front matter, body, and the line of the body's first character."""
+    lines = text.split("\n")
+    if lines[0].rstrip() != FENCE:
+        raise CourseFault(Problem(path, 1, "une page commence par une ligne « +++ »"))
+    end = next((number for number, line in enumerate(lines[1:], 1) if line.rstrip() == FENCE), None)
+    if end is None:
+        raise CourseFault(Problem(path, 1, "il manque la ligne « +++ » qui ferme l’en-tête"))
+    return "\n".join(lines[1:end]), "\n".join(lines[end + 1 :]), end + 2

@@ -1,0 +1,260 @@
+"""What the course holds: modules, exercises, and the problems found while reading them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal, Protocol
+
+from server.text.markup import Cell, Heading, Names, Section
+from server.text.markup.text import no_names
+from server.text.prose import line, prose
+
+if TYPE_CHECKING:
+    from graders.core.answers import AnswersGrader
+    from graders.core.contract.protocol import Grader
+
+__all__ = [
+    "Cell",
+    "Course",
+    "CourseFault",
+    "Document",
+    "Drawing",
+    "Exercise",
+    "FunctionSpec",
+    "Heading",
+    "Kind",
+    "Module",
+    "Problem",
+    "Readable",
+    "Section",
+    "Term",
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A fault in the course's own files. `line` counts from 1; None when the fault is not in one line."""
+
+    path: Path
+    line: int | None
+    message: str
+
+    def __str__(self) -> str:
+        place = str(self.path) if self.line is None else f"{self.path}:{self.line}"
+        return f"{place}: {self.message}"
+
+
+class CourseFault(Exception):
+    """Raised inside the course's loader only: carries the problem to report."""
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(str(problem))
+        self.problem = problem
+
+
+@dataclass(frozen=True)
+class FunctionSpec:
+    """A function (or class) that the student writes. `signature` is shown as it stands."""
+
+    name: str
+    signature: str
+    returns: str
+    doc: str
+
+
+class Readable(Protocol):
+    """A text of the course (see `server.text.markup.Text`): `html` is slow at first, its formulas being drawn."""
+
+    @property
+    def html(self) -> str: ...
+    @property
+    def headings(self) -> tuple[Heading, ...]: ...
+    @property
+    def sections(self) -> tuple[Section, ...]: ...
+    @property
+    def figures(self) -> tuple[str, ...]: ...
+    @property
+    def replays(self) -> tuple[str, ...]: ...
+    @property
+    def cells(self) -> tuple[Cell, ...]: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Exercise:
+    """One exercise, ready to serve. `id` is "module/slug"; `stars` counts the ★ of a challenge (0 to 3).
+
+    `seance` is the slug of the page that it follows.
+    `version` is the first 12 hexadecimal digits of a sha256 over everything that can change a verdict.
+    An exercise answered without code (`answers`) has no function, and neither starter nor solution as files: its grader
+    gives questions and correction. `policy_overrides` replaces fields of `server.sandbox.Policy` by name.
+    """
+
+    module: str
+    slug: str
+    title: str
+    summary: str
+    order: int
+    stars: int
+    origin: str
+    functions: tuple[FunctionSpec, ...]
+    starter: str
+    solution: str
+    statement: Readable
+    hint_texts: tuple[Readable, Readable, Readable]
+    grader: Grader
+    version: str
+    answers: AnswersGrader | None = None
+    names: Callable[[], Names] = no_names
+    seance: str = ""
+    policy_overrides: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def id(self) -> str:
+        return f"{self.module}/{self.slug}"
+
+    @property
+    def kind(self) -> Literal["code", "answers"]:
+        return "code" if self.answers is None else "answers"
+
+    def prose(self, text: str) -> str:
+        """A text of its questions or of its verdicts as HTML."""
+        return prose(text, self.names)
+
+    def line(self, text: str) -> str:
+        """The same, to stand in a line."""
+        return line(text, self.names)
+
+    @property
+    def statement_html(self) -> str:
+        return self.statement.html
+
+    @property
+    def hints(self) -> tuple[str, str, str]:
+        """The three hints as HTML: a question, a pointer to the formula, a commented sketch."""
+        first, second, third = self.hint_texts
+        return first.html, second.html, third.html
+
+
+Kind = Literal["seance", "fiche", "cours", "tp", "defi", "annexe"]
+
+
+@dataclass(frozen=True, eq=False)
+class Document:
+    """A page to read. What its front matter says is here at once; its text is read and rendered at the first need."""
+
+    module: str
+    slug: str
+    kind: Kind
+    title: str
+    label: str
+    order: int
+    minutes: int
+    summary: str
+    objectives: tuple[str, ...]
+    text: Readable
+
+    @property
+    def html(self) -> str:
+        return self.text.html
+
+    @property
+    def headings(self) -> tuple[Heading, ...]:
+        return self.text.headings
+
+    @property
+    def sections(self) -> tuple[Section, ...]:
+        return self.text.sections
+
+    @property
+    def figures(self) -> tuple[str, ...]:
+        """The names of its drawings."""
+        return self.text.figures
+
+    @property
+    def replays(self) -> tuple[str, ...]:
+        return self.text.replays
+
+    @property
+    def cells(self) -> tuple[Cell, ...]:
+        return self.text.cells
+
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """A word of the glossary. `page` is the slug of the page that explains it."""
+
+    id: str
+    word: str
+    page: str
+    definition: Readable
+
+    @property
+    def html(self) -> str:
+        """The definition, as HTML that fits in a paragraph."""
+        return self.definition.html
+
+    @property
+    def text(self) -> str:
+        return " ".join(section.text for section in self.definition.sections)
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A figure of the texts: `function`, in the module at `path`, draws it. `size` is in inches."""
+
+    name: str
+    alt: str
+    size: tuple[float, float]
+    path: Path
+    line: int
+    function: str
+
+
+@dataclass(frozen=True, eq=False)
+class Module:
+    """A module of the course, with its exercises in order, and its pages in the order of reading.
+
+    `number` is its name in the course ("L20"), `sessions` its length; `previous` and `next` are numbers of modules.
+    `kit` is the source text of `kit/<slug>.py`.
+    """
+
+    slug: str
+    title: str
+    number: str
+    summary: str
+    track: str
+    sessions: int
+    prerequisites: tuple[str, ...]
+    objectives: tuple[str, ...]
+    references: tuple[str, ...]
+    previous: str
+    next: str
+    order: int
+    kit: str
+    exercises: tuple[Exercise, ...]
+    documents: tuple[Document, ...] = ()
+    glossary: Mapping[str, Term] = field(default_factory=dict)
+    drawings: Mapping[str, Drawing] = field(default_factory=dict)
+    files: Mapping[str, Path] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """Everything that is served. What is malformed is in `problems` and nowhere else."""
+
+    modules: Mapping[str, Module]
+    problems: tuple[Problem, ...]
+
+    @cached_property
+    def exercises(self) -> Mapping[str, Exercise]:
+        """Exercises by id ("l20/poses"), in the order of the course."""
+        return MappingProxyType({one.id: one for module in self.modules.values() for one in module.exercises})
+
+    @cached_property
+    def kits(self) -> Mapping[str, str]:
+        """Source text of each module's kit, by module."""
+        return MappingProxyType({module.slug: module.kit for module in self.modules.values()})

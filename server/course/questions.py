@@ -1,0 +1,207 @@
+"""`questions.toml`: what students read of an exercise answered without code, strict, with the line of each fault."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any, Generic, TypeVar
+
+from pydantic import BaseModel, Field
+
+from graders.core.answers import AnswersDefinition, AnswersGrader
+from graders.core.answers.choice import ChoiceQuestion, ChoiceSheet, Option
+from graders.core.answers.order import Distractor, OrderSheet, Step
+from graders.core.answers.wording import Datum, NumericSheet, NumericWording
+from graders.core.contract.malformed import MalformedExerciseError
+from server.course import toml_file
+from server.course.models import CourseFault, Problem
+from server.course.schemas import Strict
+from server.course.schemas import Text as Words
+from server.text.markup import Names, Source, Text
+
+F = TypeVar("F", bound=BaseModel)
+Id = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
+FILE = "questions.toml"
+INSTRUCTION = "Mettez dans l’ordre les étapes de la démonstration, et laissez de côté celles qui n’en sont pas."
+PLAIN = frozenset({"id", "title", "unit", "name", "misconception", "after", "symbol"})
+
+
+class DatumEntry(Strict):
+    """A number of the draw: `name` for the grader, `symbol` in TeX, `meaning` in words."""
+
+    name: Id | Annotated[str, Field(pattern=r"^[A-Za-z]\w{0,39}$")]
+    symbol: Words
+    unit: str = ""
+    digits: Annotated[int, Field(ge=0, le=12)] = 2
+    meaning: Words
+
+
+class NumericEntry(Strict):
+    id: Id
+    title: str = ""
+    text: Words
+    unit: str = ""
+    hint: str = ""
+    correction: str = ""
+
+
+class NumericFile(Strict):
+    data: Annotated[list[DatumEntry], Field(min_length=1)]
+    question: Annotated[list[NumericEntry], Field(min_length=1)]
+
+
+class OptionEntry(Strict):
+    id: Id
+    right: bool = False
+    text: Words
+    why: Words
+    misconception: Id | None = None
+
+
+class ChoiceEntry(Strict):
+    id: Id
+    title: str = ""
+    text: Words
+    points: Annotated[float, Field(gt=0)] = 1
+    several: bool = False
+    hint: str = ""
+    option: Annotated[list[OptionEntry], Field(min_length=2)]
+
+
+class ChoiceFile(Strict):
+    question: Annotated[list[ChoiceEntry], Field(min_length=1)]
+
+
+class StepEntry(Strict):
+    id: Id
+    text: Words
+    role: Words
+    after: list[Id] | None = None
+
+
+class DistractorEntry(Strict):
+    id: Id
+    text: Words
+    why: Words
+    misconception: Id | None = None
+
+
+class OrderFile(Strict):
+    instruction: Words = INSTRUCTION
+    step: Annotated[list[StepEntry], Field(min_length=2)]
+    distractor: Annotated[list[DistractorEntry], Field(default_factory=list)]
+
+
+def _title(title: str, place: int) -> str:
+    return title or f"Question {place}"
+
+
+def _numeric(file: NumericFile) -> NumericSheet:
+    data = tuple(Datum(one.name, one.symbol, one.unit, one.digits, one.meaning) for one in file.data)
+    questions = tuple(
+        NumericWording(one.id, _title(one.title, place), one.text, one.unit, one.hint, one.correction)
+        for place, one in enumerate(file.question, 1)
+    )
+    return NumericSheet(data, questions)
+
+
+def _choice(file: ChoiceFile) -> ChoiceSheet:
+    return ChoiceSheet(
+        tuple(
+            ChoiceQuestion(
+                id=one.id,
+                title=_title(one.title, place),
+                text=one.text,
+                points=one.points,
+                several=one.several,
+                hint=one.hint,
+                options=tuple(Option(o.id, o.right, o.text, o.why, o.misconception) for o in one.option),
+            )
+            for place, one in enumerate(file.question, 1)
+        )
+    )
+
+
+def _order(file: OrderFile) -> OrderSheet:
+    steps = []
+    for place, one in enumerate(file.step):
+        before = (file.step[place - 1].id,) if place else ()
+        steps.append(Step(one.id, one.text, one.role, before if one.after is None else tuple(one.after)))
+    false = tuple(Distractor(one.id, one.text, one.why, one.misconception) for one in file.distractor)
+    return OrderSheet(file.instruction, tuple(steps), false)
+
+
+class _Form(Generic[F]):
+    """How one form of `questions.toml` is read."""
+
+    def __init__(self, model: type[F], sheet: Callable[[F], object]) -> None:
+        self.model, self.sheet = model, sheet
+
+
+FORMS: Mapping[str, _Form[Any]] = {
+    "numeric": _Form(NumericFile, _numeric),
+    "choice": _Form(ChoiceFile, _choice),
+    "order": _Form(OrderFile, _order),
+}
+
+
+def bind(definition: AnswersDefinition, path: Path) -> AnswersGrader:
+    """The grader of an exercise, with the wording of `path`. Raises CatalogueFault."""
+    form = FORMS[definition.form]
+    file = toml_file.read(path, form.model)
+    _distinct(path, file)
+    try:
+        return definition.bind(form.sheet(file))
+    except MalformedExerciseError as error:
+        raise CourseFault(Problem(error.path, error.line, error.message)) from error
+
+
+def _distinct(path: Path, file: BaseModel) -> None:
+    """No two tables of one name in the same list."""
+    for location, names in _names(file.model_dump(), ()):
+        for place, name in enumerate(names):
+            if name in names[:place]:
+                line = toml_file.line_of(path.read_text(encoding="utf-8"), (*location, place, "id"))
+                raise CourseFault(Problem(path, line, f"nom donné deux fois : « {name} »"))
+
+
+def _names(value: Any, location: tuple[int | str, ...]) -> Iterator[tuple[tuple[int | str, ...], list[str]]]:
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from _names(item, (*location, key))
+    elif isinstance(value, list) and all(isinstance(item, dict) for item in value):
+        yield location, [str(item.get("id", item.get("name"))) for item in value]
+        for place, item in enumerate(value):
+            yield from _names(item, (*location, place))
+
+
+def problems(path: Path, grader: AnswersGrader, names: Callable[[], Names], *, formulas: bool) -> Iterator[Problem]:
+    """What is wrong with the texts of the questions, with its line."""
+    text = toml_file.read_text(path)
+    for wording in _wordings(tomllib.loads(text)):
+        source = Source(grader.sample(wording), path, _line(text, wording), names=names)
+        for fault in Text(source).faults(formulas=formulas):
+            yield Problem(path, fault.line, fault.message)
+
+
+def _wordings(value: Any, key: str = "") -> Iterator[str]:
+    if isinstance(value, dict):
+        for name, item in value.items():
+            yield from _wordings(item, name)
+    elif isinstance(value, list):
+        for item in value:
+            yield from _wordings(item, key)
+    elif isinstance(value, str) and key == "symbol":
+        yield f"${value}$"
+    elif isinstance(value, str) and key not in PLAIN:
+        yield value
+
+
+def _line(text: str, wording: str) -> int:
+    """Where a text of the file stands: TOML keeps no lines, but a text is found by its first line as it was written."""
+    first = wording.strip("$\n").split("\n", 1)[0]
+    written = (first, first.replace("\\", "\\\\"), first.replace("\\", "\\\\").replace('"', '\\"'))
+    places = [text.find(one) for one in written]
+    found = min((place for place in places if place >= 0), default=0)
+    return text.count("\n", 0, found) + 1

@@ -1,0 +1,279 @@
+"""Discovery of the course: what is well formed is served, what is not is reported with its place."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from graders.core.code.exercise import ExerciseGrader
+from server.course import drawings, questions, toml_file
+from server.course.library import Library, as_text, problems_of
+from server.course.models import Course, CourseFault, Exercise, FunctionSpec, Module, Problem
+from server.course.schemas import ExerciseFile, ModuleFile
+from server.course.version import digest
+from server.text.markup import Names, Source, Text
+from server.text.markup.text import no_names
+
+if TYPE_CHECKING:
+    from graders.discovery import Discovery, Found
+
+T = TypeVar("T")
+ROOT = Path(__file__).parents[2]
+MODULE_SLUG = re.compile(r"[a-z]+[0-9]+")  # addresses start with it, beside /connexion and its like
+EXERCISE_SLUG = re.compile(r"[a-z0-9]+(_[a-z0-9]+)*")
+NOTHING_ANSWERED = "{}\n"
+HINT_TITLE = re.compile(r"^##[ \t]+Indice[ \t]+(\d+)[ \t]*$", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Where an exercise's parts are, what discovery found among the graders, what its texts may speak of."""
+
+    curriculum: Path
+    code: Path
+    discovery: Discovery
+    names: Callable[[], Names] = no_names
+
+
+class Look(Enum):
+    """How closely the texts are looked at while the course is loaded."""
+
+    no = "they are read when they are asked for"
+    read = "what they say of each other is followed, but no formula is drawn"
+    drawn = "all of it"
+
+
+def load(
+    curriculum: Path = ROOT / "curriculum",
+    *,
+    code: Path = ROOT,
+    discovery: Discovery | None = None,
+    render: bool = True,
+    check: bool = False,
+) -> Course:
+    """Read the whole course. Never raises for a malformed module or exercise: see `Course.problems`.
+
+    `code` holds `graders/` and `reference/`, which versions cover. Rendering all the texts takes seconds, most of it
+    for the formulas. With `render=False` a text is rendered when it is looked at, and its faults are not looked for;
+    with `check=True` too, all of its faults are, but for those of formulas.
+    """
+    look = Look.drawn if render else Look.read if check else Look.no
+    if discovery is None:
+        from graders.discovery import discover
+
+        discovery = discover()
+    problems = [Problem(one.path, one.line, one.message) for one in discovery.problems]
+    sources = Sources(curriculum, code, discovery)
+    modules = _each(problems, lambda path: _module(sources, path, problems, look), _modules(curriculum))
+    modules.sort(key=lambda one: (one.order, one.slug))
+    problems.extend(_orphans(sources))
+    return Course(MappingProxyType({one.slug: one for one in modules}), tuple(problems))
+
+
+def _each(problems: list[Problem], build: Callable[[Path], T], paths: list[Path]) -> list[T]:
+    """What `build` makes of each path; where it cannot, its problem is noted and the others go on."""
+    built = []
+    for path in paths:
+        try:
+            built.append(build(path))
+        except CourseFault as fault:
+            problems.append(fault.problem)
+    return built
+
+
+def _modules(curriculum: Path) -> list[Path]:
+    return sorted(path for path in curriculum.iterdir() if path.is_dir() and not path.name.startswith((".", "__")))
+
+
+def _exercises(module: Path) -> list[Path]:
+    folder = module / "exercices"
+    return sorted(path for path in folder.iterdir() if path.is_dir()) if folder.is_dir() else []
+
+
+def _module(sources: Sources, path: Path, problems: list[Problem], look: Look) -> Module:
+    if not MODULE_SLUG.fullmatch(path.name):
+        raise CourseFault(Problem(path, None, "nom de module : des minuscules puis un nombre, comme « l20 »"))
+    card = toml_file.read(path / "module.toml", ModuleFile)
+    kit = _python(path / "kit" / f"{path.name}.py")
+    library = Library(path, drawings.read(path / "figures", problems), problems)
+    sources = replace(sources, names=library.names)
+    exercises = _each(problems, lambda folder: _exercise(sources, path, folder), _exercises(path))
+    exercises.sort(key=lambda one: (one.stars, one.order, one.slug))
+    library.exercises.update({one.slug: one.title for one in exercises})
+    if look is not Look.no:
+        exercises = [one for one in exercises if not _note(problems, _faults(one, look))]
+        _note(problems, library.check(formulas=look is Look.drawn))
+        _note(problems, _lost(path, exercises, library))
+    return Module(
+        slug=path.name,
+        title=card.title,
+        number=card.number,
+        summary=card.summary,
+        track=card.track,
+        sessions=card.sessions,
+        prerequisites=tuple(card.prerequisites),
+        objectives=tuple(card.objectives),
+        references=tuple(card.references),
+        previous=card.previous,
+        next=card.next,
+        order=card.order,
+        kit=kit,
+        exercises=tuple(exercises),
+        documents=library.documents,
+        glossary=MappingProxyType(library.glossary),
+        drawings=MappingProxyType(library.drawings),
+        files=MappingProxyType(library.files),
+    )
+
+
+def _note(problems: list[Problem], found: Iterable[Problem]) -> bool:
+    """True where there were some."""
+    before = len(problems)
+    problems.extend(found)
+    return len(problems) > before
+
+
+def _faults(exercise: Exercise, look: Look) -> Iterator[Problem]:
+    for text in (exercise.statement, *exercise.hint_texts):
+        yield from problems_of(text, formulas=look is Look.drawn)
+    if exercise.answers is not None:
+        path = as_text(exercise.statement).source.path.with_name(questions.FILE)
+        yield from questions.problems(path, exercise.answers, exercise.names, formulas=look is Look.drawn)
+
+
+def _lost(module: Path, exercises: list[Exercise], library: Library) -> Iterator[Problem]:
+    """Exercises that are said to follow a page that does not exist."""
+    pages = {one.slug for one in library.documents}
+    for one in exercises:
+        if one.seance and one.seance not in pages:
+            path = module / "exercices" / one.slug / "exercise.toml"
+            line = toml_file.line_of(toml_file.read_text(path), ("seance",))
+            yield Problem(path, line, f"« seance » : page inconnue « {one.seance} »")
+
+
+def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
+    if not EXERCISE_SLUG.fullmatch(path.name):
+        raise CourseFault(Problem(path, None, "nom d’exercice : minuscules, chiffres et « _ »"))
+    card = toml_file.read(path / "exercise.toml", ExerciseFile)
+    found = sources.discovery.graders.get(f"{module.name}/{path.name}")
+    if found is None:
+        raise CourseFault(_no_grader(sources, module.name, path))
+    kinds = {"code": _code, "answers": _answers}
+    return Exercise(
+        module=module.name,
+        slug=path.name,
+        title=card.title,
+        summary=card.summary,
+        order=card.order,
+        stars=card.stars,
+        origin=card.origin,
+        functions=tuple(FunctionSpec(one.name, one.signature, one.returns, one.doc) for one in card.functions),
+        **kinds[card.kind](sources, path, card, found),
+        statement=Text(Source(toml_file.read_text(path / "enonce.md"), path / "enonce.md", names=sources.names)),
+        hint_texts=_hints(path / "indices.md", sources.names),
+        names=sources.names,
+        version=_version(sources, module, path),
+        seance=card.seance,
+        policy_overrides=MappingProxyType(card.limits.overrides()),
+    )
+
+
+def _code(sources: Sources, path: Path, card: ExerciseFile, found: Found) -> dict[str, Any]:
+    if not isinstance(found, ExerciseGrader):
+        raise CourseFault(_other_kind(path, card))
+    if not card.functions:
+        raise CourseFault(Problem(path / "exercise.toml", 1, "champ manquant : « functions »"))
+    _same_functions(path / "exercise.toml", card, found.functions)
+    solution = sources.code / "graders" / path.parents[1].name / path.name / "solution.py"
+    return {
+        "starter": _python(path / "starter.py"),
+        "solution": _compiles(found.solution, solution),
+        "grader": found,
+    }
+
+
+def _answers(_sources: Sources, path: Path, card: ExerciseFile, found: Found) -> dict[str, Any]:
+    if isinstance(found, ExerciseGrader):
+        raise CourseFault(_other_kind(path, card))
+    if card.functions:
+        raise CourseFault(Problem(path / "exercise.toml", None, "un exercice sans code ne demande aucune fonction"))
+    grader = questions.bind(found, path / questions.FILE)
+    return {"starter": NOTHING_ANSWERED, "solution": "", "grader": grader, "answers": grader}
+
+
+def _other_kind(path: Path, card: ExerciseFile) -> Problem:
+    message = f'kind = "{card.kind}", mais le correcteur est celui d’un exercice de l’autre sorte'
+    return Problem(path / "exercise.toml", None, message)
+
+
+def _no_grader(sources: Sources, module: str, path: Path) -> Problem:
+    folder = sources.code / "graders" / module / path.name
+    cause = next((one for one in sources.discovery.problems if one.path.is_relative_to(folder)), None)
+    why = f" : {cause.path}:{cause.line}: {cause.message}" if cause else ""
+    return Problem(path / "exercise.toml", None, f"exercice sans correcteur utilisable{why}")
+
+
+def _same_functions(path: Path, card: ExerciseFile, graded: Sequence[str]) -> None:
+    announced = [one.name for one in card.functions]
+    for name in set(announced) ^ set(graded):
+        where = "annoncée mais non corrigée" if name in announced else "corrigée mais non annoncée"
+        raise CourseFault(Problem(path, None, f"fonction {where} : « {name} »"))
+
+
+def _python(path: Path) -> str:
+    return _compiles(toml_file.read_text(path), path)
+
+
+def _compiles(source: str, path: Path) -> str:
+    try:
+        ast.parse(source)
+    except (SyntaxError, ValueError) as error:
+        line = error.lineno if isinstance(error, SyntaxError) else None
+        raise CourseFault(Problem(path, line, f"ce fichier Python ne se compile pas ({error})")) from error
+    return source
+
+
+def _hints(path: Path, names: Callable[[], Names]) -> tuple[Text, Text, Text]:
+    text = toml_file.read_text(path)
+    titles = list(HINT_TITLE.finditer(text))
+    if [title[1] for title in titles] != ["1", "2", "3"]:
+        line = text[: titles[-1].start()].count("\n") + 1 if titles else 1
+        raise CourseFault(Problem(path, line, "il faut trois parties : « ## Indice 1 », « 2 » puis « 3 »"))
+    ends = [*(title.start() for title in titles[1:]), len(text)]
+    one, two, three = (_part(path, text, title.end(), end, names) for title, end in zip(titles, ends, strict=True))
+    return one, two, three
+
+
+def _part(path: Path, text: str, start: int, end: int, names: Callable[[], Names]) -> Text:
+    line = text[:start].count("\n") + 1
+    if not text[start:end].strip():
+        raise CourseFault(Problem(path, line, "indice vide"))
+    return Text(Source(text[start:end], path, line, names=names))
+
+
+def _version(sources: Sources, module: Path, path: Path) -> str:
+    graders = sources.code / "graders"
+    shared = sorted((graders / module.name).glob("*.py"))
+    return digest(
+        [
+            ("exercise", path),
+            ("kit", module / "kit"),
+            ("grader", graders / module.name / path.name),
+            ("core", graders / "core"),
+            ("reference", sources.code / "reference"),
+            *((f"module/{one.name}", one) for one in shared),
+        ]
+    )
+
+
+def _orphans(sources: Sources) -> Iterator[Problem]:
+    """Graders without an exercise: a renamed folder must not silently vanish from the course."""
+    for name in sorted(sources.discovery.graders):
+        if not (sources.curriculum / Path(name).parent / "exercices" / Path(name).name).is_dir():
+            yield Problem(sources.code / "graders" / name, None, f"ce correcteur n’a pas d’exercice « {name} »")

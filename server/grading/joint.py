@@ -1,0 +1,117 @@
+"""Joins the sandbox and the graders: a student's file in, a verdict out.
+
+The student's fault becomes a verdict. Ours (the sandbox, a grader, this file) is tried once more, logged whole, and
+ends as `internal_error`.
+"""
+
+import hashlib
+import logging
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from uuid import UUID
+
+from graders.core.code.grading import Grading
+from graders.core.contract.program import Answer, KitSettings, Launcher, Reply, StudentFault
+from graders.core.contract.values import Arguments, Value
+from graders.core.contract.verdict import Outcome, internal_error_verdict
+from server.course.models import Course, Exercise
+from server.grading.results import version_of
+from server.sandbox import Frame, Kit, Policy, ProgramFault, Sandbox, Session
+
+log = logging.getLogger(__name__)
+
+TRIES = 2
+FILENAME = "solution.py"
+
+
+class SandboxProgram:
+    """A student's program behind the walls, as graders see it."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self.functions = frozenset(session.functions)
+
+    def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
+        try:
+            reply = self._session.call(function, *args, return_arguments=return_arguments)
+        except ProgramFault as fault:
+            raise student_fault(fault) from fault
+        return Reply(reply.value, reply.arguments)
+
+    def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
+        for answer in self._session.call_many(function, calls, faults=faults):
+            if isinstance(answer, ProgramFault):
+                yield student_fault(answer)
+            else:
+                yield Reply(answer.value)
+
+    def stdout(self) -> str:
+        return self._session.stdout()
+
+    def close(self) -> None:
+        self._session.close()
+
+
+def student_fault(fault: ProgramFault) -> StudentFault:
+    """The sandbox's account of the student's fault, in the graders' words."""
+    frames = tuple(_frame_text(frame) for frame in fault.frames)
+    return StudentFault(
+        Outcome(fault.kind.value),
+        fault.message,
+        line=fault.line,
+        frames=frames,
+        fatal=fault.fatal,
+        exception=fault.exception,
+    )
+
+
+def _frame_text(frame: Frame) -> str:
+    place = f"ligne {frame.line}, dans {frame.function}"
+    return f"{place} : {frame.source.strip()}" if frame.source else place
+
+
+def policy_of(exercise: Exercise) -> Policy:
+    """The limits of an exercise: the general ones, and what it overrides."""
+    return replace(Policy(), **exercise.policy_overrides)
+
+
+class Grader:
+    """Grades files with one sandbox; thread-safe as far as the sandbox is."""
+
+    def __init__(self, course: Course, sandbox: Sandbox) -> None:
+        self._course = course
+        self._sandbox = sandbox
+
+    def grade(self, exercise_id: str, source: bytes, seed: int, *, submission: UUID | None = None) -> Grading:
+        """Never raises for a reason of ours: after a second failure the verdict is `internal_error`."""
+        version = version_of(self._course, exercise_id)
+        for attempt in range(1, TRIES + 1):
+            try:
+                return self._grade(self._course.exercises[exercise_id], source, seed)
+            except Exception:
+                # All that it takes to grade the same again: the source is in the database, or the caller has it.
+                digest = hashlib.sha256(source).hexdigest()
+                log.exception(
+                    "grading %s (version %s) with seed %d failed, try %d of %d: submission %s, %d bytes, sha256 %s",
+                    *(exercise_id, version, seed, attempt, TRIES, submission or "by hand", len(source), digest),
+                )
+        return Grading(internal_error_verdict(exercise_id, version, seed))
+
+    def _grade(self, exercise: Exercise, source: bytes, seed: int) -> Grading:
+        def run(file: bytes) -> Launcher:
+            return self._launcher(exercise, file)
+
+        return exercise.grader.grade(source, run, seed=seed, version=exercise.version)
+
+    def _launcher(self, exercise: Exercise, source: bytes) -> Launcher:
+        policy = policy_of(exercise)
+
+        def launch(kit: KitSettings) -> SandboxProgram:
+            settings = Kit(kit.module, dict(kit.parameters))
+            try:
+                session = self._sandbox.open(source, kit=settings, policy=policy, filename=FILENAME)
+            except ProgramFault as fault:
+                raise student_fault(fault) from fault
+            return SandboxProgram(session)
+
+        return launch

@@ -1,0 +1,70 @@
+"""What a worker process does first, and how it is put together."""
+
+import gc
+import logging
+import signal
+import threading
+from contextlib import closing
+from types import FrameType
+from typing import Any
+
+from server.base.settings import Settings
+from server.course import Course, load
+from server.database import Database
+from server.grading.joint import Grader
+from server.grading.results import recorded
+from server.grading.worker import Stop, Worker
+from server.queue.port import Signals, WorkSource
+from server.queue.service import Lease
+from server.sandbox import Sandbox, SandboxFault
+
+log = logging.getLogger(__name__)
+
+
+def stop_on_signals(*, interrupt: bool = False) -> None:
+    """SIGTERM raises Stop. Ctrl+C too with `interrupt`; else it belongs to the server, which stops its workers."""
+    signal.signal(signal.SIGTERM, _stop)
+    signal.signal(signal.SIGINT, _stop if interrupt else signal.SIG_IGN)
+
+
+def _stop(_signal: int, _frame: FrameType | None) -> None:
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    raise Stop
+
+
+def start_logging(name: str) -> None:
+    logging.basicConfig(level=logging.INFO, format=f"%(asctime)s %(levelname)s {name} %(name)s: %(message)s")
+
+
+def _warm(sandbox: Sandbox, course: Course) -> None:
+    """Starts the templates, then has the graders load and compile what they use, before the first submission.
+
+    What fails here fails again, and is told, when a submission meets it.
+    """
+    for imports in ("numpy", "scipy"):
+        try:
+            sandbox.warm(imports)
+        except SandboxFault:
+            log.warning("the %s template did not start", imports, exc_info=True)
+    for exercise in course.exercises.values():
+        try:
+            exercise.grader.rehearse()
+        except Exception:
+            log.exception("the grader of %s does not work", exercise.id)
+    gc.freeze()  # what was loaded stays: no collection needs to look at it again
+
+
+def run(settings: Settings, work: WorkSource, signals: Signals) -> None:
+    """Grades with the real course and sandbox until told to stop."""
+    course = load(render=False)
+    gc.freeze()
+    database = Database(settings.url, {"settings": settings, "signals": signals})
+    with closing(database), Sandbox(course.kits) as sandbox:
+        grader = Grader(course, sandbox)
+        threading.Thread(target=_warm, args=(sandbox, course), name="warm-up", daemon=True).start()
+
+        def grade(lease: Lease) -> dict[str, Any]:
+            grading = grader.grade(lease.exercise, lease.source, lease.seed, submission=lease.submission_id)
+            return recorded(grading.verdict, grading.figures)
+
+        Worker(database, settings, grade).run(work)

@@ -1,0 +1,119 @@
+"""Starts the local workers, starts them again when they die, and takes their leases back at once."""
+
+import asyncio
+import logging
+import os
+import signal
+import socket
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+
+from server.base.paths import ROOT
+from server.base.settings import Settings
+from server.queue.owner import Owner, owner_of
+from server.queue.switchboard import Switchboard
+
+log = logging.getLogger(__name__)
+
+WORKER_COMMAND = (sys.executable, "-P", "-m", "server.grading")
+STOP_SECONDS = 3.0
+QUICK_DEATH = 2.0  # seconds: a worker that lives less long than this is started again after a pause
+PAUSE = 1.0
+LAST_WORDS = 0.5
+
+
+@dataclass(frozen=True)
+class Running:
+    """A worker process and what leads to it."""
+
+    process: asyncio.subprocess.Process
+    owner: Owner
+    reader: asyncio.StreamReader
+    writer: asyncio.StreamWriter
+
+
+class Supervisor:
+    """Keeps `settings.workers` processes alive. `on_death` is called in a thread with the dead worker's lease name."""
+
+    def __init__(
+        self,
+        settings: Settings,
+        switchboard: Switchboard,
+        on_death: Callable[[Owner], None],
+        command: Sequence[str] = WORKER_COMMAND,
+    ) -> None:
+        self._settings, self._switchboard, self._on_death, self._command = settings, switchboard, on_death, command
+        self._running: dict[int, Running] = {}
+        self._tasks: list[asyncio.Task[None]] = []
+        self._stopping = False
+
+    async def __aenter__(self) -> "Supervisor":
+        self._tasks = [asyncio.create_task(self._keep(slot)) for slot in range(self._settings.workers)]
+        return self
+
+    async def __aexit__(self, *_exc: object) -> None:
+        self._stopping = True
+        if self._tasks:
+            self._signal(signal.SIGTERM)
+            _, late = await asyncio.wait(self._tasks, timeout=STOP_SECONDS)
+            self._signal(signal.SIGKILL if late else signal.SIGTERM)
+            await asyncio.gather(*self._tasks)
+
+    def _signal(self, number: signal.Signals) -> None:
+        for running in self._running.values():
+            if running.process.returncode is None:
+                with suppress(ProcessLookupError):
+                    running.process.send_signal(number)
+
+    async def _keep(self, slot: int) -> None:
+        while not self._stopping:
+            born = asyncio.get_running_loop().time()
+            running = self._running[slot] = await self._start()
+            code = await self._until_death(running)
+            await asyncio.to_thread(self._on_death, running.owner)
+            await self._pause(code, born)
+
+    async def _until_death(self, running: Running) -> int:
+        listening = asyncio.create_task(self._listen(running))
+        code = await running.process.wait()
+        await asyncio.wait([listening], timeout=LAST_WORDS)  # what it said before dying is still in the socket
+        listening.cancel()
+        self._switchboard.gone(running.writer)
+        running.writer.close()
+        return code
+
+    async def _pause(self, code: int, born: float) -> None:
+        if self._stopping:
+            return
+        log.error("a worker has ended with status %d; starting another", code)
+        if asyncio.get_running_loop().time() - born < QUICK_DEATH:
+            await asyncio.sleep(PAUSE)
+
+    async def _start(self) -> Running:
+        ours, theirs = socket.socketpair()
+        with theirs:
+            arguments = [*self._command, str(theirs.fileno()), str(os.getpid())]
+            process = await asyncio.create_subprocess_exec(
+                *arguments,
+                pass_fds=[theirs.fileno()],
+                env=environment(self._settings),
+                stdin=asyncio.subprocess.DEVNULL,
+            )
+        owner = owner_of(process.pid)
+        reader, writer = await asyncio.open_connection(sock=ours)
+        return Running(process, owner, reader, writer)
+
+    async def _listen(self, running: Running) -> None:
+        with suppress(ConnectionError):
+            while line := await running.reader.readline():
+                self._switchboard.heard(running.writer, line.decode().rstrip("\n"))
+
+
+def environment(settings: Settings) -> dict[str, str]:
+    """This process's environment, with every setting, and the project importable from any folder."""
+    values = {name: value for name, value in settings.model_dump(mode="json").items() if value is not None}
+    path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
+    settings_env = {f"BALISE_{name.upper()}": str(value) for name, value in values.items()}
+    return {**os.environ, **settings_env, "PYTHONPATH": path}

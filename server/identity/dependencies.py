@@ -1,0 +1,81 @@
+"""Who is asking? Each dependency uses a short transaction of its own and gives a detached account."""
+
+from typing import Annotated
+
+from fastapi import Depends, Request, Security
+from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
+
+from server.base.errors import Forbidden, Unauthorised
+from server.base.settings import Settings
+from server.database import Database
+from server.identity import service
+from server.identity.models import Account
+from server.identity.service import Opened
+
+COOKIE = "balise_session"
+
+_bearer = HTTPBearer(auto_error=False, description="Un jeton créé sur la page « Mon compte ».")
+
+
+def client_address(request: Request) -> str:
+    return request.client.host if request.client else "inconnue"
+
+
+def remember(request: Request, opened: Opened) -> None:
+    """Has the cookie of a new session set on this request's answer (by `server.base.middleware.SessionCookie`)."""
+    request.state.session_token = opened.token
+
+
+def forget(request: Request) -> None:
+    request.state.session_token = ""
+
+
+def current_account(request: Request) -> Account | None:
+    """The account of the browser's session, if there is one; nothing is created."""
+    token = request.cookies.get(COOKIE)
+    if not token:
+        return None
+    database: Database = request.app.state.database
+    with database.read() as db:
+        return service.account_of_session(db, token)
+
+
+OptionalAccount = Annotated[Account | None, Depends(current_account)]
+
+
+def account_or_guest(request: Request, account: OptionalAccount) -> Account:
+    """The account of the browser's session; a visitor without one becomes a guest."""
+    if account is not None:
+        return account
+    database: Database = request.app.state.database
+    settings: Settings = request.app.state.settings
+    with database.write() as db:
+        opened = service.new_guest(db, client_address(request), settings)
+    remember(request, opened)
+    return opened.account
+
+
+BrowserAccount = Annotated[Account, Depends(account_or_guest)]
+
+
+def _teacher(account: OptionalAccount) -> Account:
+    if account is None or not account.is_teacher:
+        raise Forbidden("Cette action est réservée aux enseignants.")
+    return account
+
+
+TeacherAccount = Annotated[Account, Depends(_teacher)]
+
+
+def _api(request: Request, credentials: Annotated[HTTPAuthorizationCredentials | None, Security(_bearer)]) -> Account:
+    if credentials is None:
+        raise Unauthorised("Un jeton est attendu dans l’en-tête « Authorization: Bearer … ».")
+    database: Database = request.app.state.database
+    with database.read() as db:
+        account = service.account_of_api_token(db, credentials.credentials)
+    if account is None:
+        raise Unauthorised("Ce jeton n’est pas valable, ou a été révoqué.")
+    return account
+
+
+ApiAccount = Annotated[Account, Depends(_api)]

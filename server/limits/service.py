@@ -1,0 +1,53 @@
+"""Token buckets kept in the database, so that every process and every restart sees the same ones."""
+
+import math
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import Insert, select, update
+from sqlalchemy.dialects import postgresql, sqlite
+from sqlalchemy.orm import Session
+
+from server.base.errors import TooMany
+from server.base.settings import Bucket
+from server.database import utc_now
+from server.limits.models import Allowance
+
+
+def take(db: Session, key: str, bucket: Bucket, refusal: str) -> None:
+    """Takes one token of `key`, or raises TooMany with `refusal` (`{seconds}` is replaced by the wait)."""
+    now = utc_now()
+    allowance = _locked(db, key, bucket, now)
+    tokens = refilled(allowance.tokens, (now - allowance.updated_at).total_seconds(), bucket)
+    if tokens < 1:
+        wait = max(1, math.ceil((1 - tokens) * bucket.refill_seconds))
+        raise TooMany(refusal.format(seconds=wait), retry_after=wait)
+    allowance.tokens, allowance.updated_at = tokens - 1, now
+
+
+def give_back(db: Session, key: str) -> None:
+    """Gives back a token that was taken for nothing; `refilled` keeps the bucket within its bounds."""
+    db.execute(update(Allowance).where(Allowance.key == key).values(tokens=Allowance.tokens + 1))
+
+
+def of_submissions(account_id: UUID) -> str:
+    """The key of the bucket from which an account's submissions are taken."""
+    return f"submit:{account_id}"
+
+
+def refilled(tokens: float, elapsed: float, bucket: Bucket) -> float:
+    """The tokens of a bucket that held `tokens`, `elapsed` seconds later (a clock set back gives nothing)."""
+    if bucket.refill_seconds == 0:
+        return float(bucket.burst)
+    return min(float(bucket.burst), tokens + max(0.0, elapsed) / bucket.refill_seconds)
+
+
+def _locked(db: Session, key: str, bucket: Bucket, now: datetime) -> Allowance:
+    db.execute(_insert_missing(db, {"key": key, "tokens": float(bucket.burst), "updated_at": now}))
+    return db.execute(select(Allowance).where(Allowance.key == key).with_for_update()).scalar_one()
+
+
+def _insert_missing(db: Session, row: dict[str, object]) -> Insert:
+    if db.get_bind().dialect.name == "postgresql":
+        return postgresql.insert(Allowance).values(row).on_conflict_do_nothing()
+    return sqlite.insert(Allowance).values(row).on_conflict_do_nothing()

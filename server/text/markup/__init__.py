@@ -1,0 +1,93 @@
+"""The course's Markdown: blocks with numbers, references that are followed, mathematics, and nothing that could run."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from functools import cached_property
+from threading import RLock
+
+from server.text.markup.outline import Cell, Outline, Section, completed, outline
+from server.text.markup.render import Rendered, render, render_title
+from server.text.markup.text import Fault, Names, PageName, Picture, Source, Target
+
+__all__ = [
+    "Cell", "Fault", "Heading", "Names", "Outline", "PageName", "Picture", "Rendered", "Section", "Source", "Target",
+    "Text",
+]  # fmt: skip
+
+log = logging.getLogger(__name__)
+
+#: A class that opens one page together has it rendered once (formulas are drawn by one thread anyway).
+_RENDERING = RLock()
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A heading of a page (`level` 2 to 4), for its table of contents. `html` may hold formulas."""
+
+    level: int
+    id: str
+    html: str
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class Text:
+    """A text: read at the first need, and rendered (formulas are slow to draw) when somebody looks at it.
+
+    With `inline` it is one paragraph, to stand inside another.
+    """
+
+    source: Source
+    inline: bool = False
+
+    @cached_property
+    def outline(self) -> Outline:
+        return outline(self.source)
+
+    @cached_property
+    def rendered(self) -> Rendered:
+        with _RENDERING:
+            return self.__dict__.get("rendered") or render(self.source, inline=self.inline)
+
+    @cached_property
+    def html(self) -> str:
+        for fault in self.rendered.faults:
+            log.warning("%s:%s: %s", self.source.path, fault.line, fault.message)
+        return self.rendered.html
+
+    @cached_property
+    def sections(self) -> tuple[Section, ...]:
+        """Plain text by heading; needs no formula to be drawn."""
+        return tuple(
+            Section(one.id, self._complete(one.title), self._complete(one.text)) for one in self.outline.sections
+        )
+
+    @cached_property
+    def headings(self) -> tuple[Heading, ...]:
+        return tuple(
+            Heading(one.level, one.id, render_title(self.source, one), self._complete(one.text))
+            for one in self.outline.titles
+        )
+
+    @property
+    def figures(self) -> tuple[str, ...]:
+        return tuple(self.outline.figures)
+
+    @property
+    def replays(self) -> tuple[str, ...]:
+        return tuple(self.outline.replays)
+
+    @property
+    def cells(self) -> tuple[Cell, ...]:
+        return tuple(self.outline.cells)
+
+    def _complete(self, text: str) -> str:
+        return completed(text, self.source.names(), self.source.page)
+
+    def faults(self, *, formulas: bool) -> tuple[Fault, ...]:
+        """What is wrong with it, in the order of the lines; bad TeX only shows when formulas are drawn."""
+        unresolved = self.outline.unresolved(self.source.names(), self.source.page)
+        found = {*self.outline.faults, *unresolved, *(self.rendered.faults if formulas else ())}
+        return tuple(sorted(found, key=lambda one: (one.line, one.message)))

@@ -1,0 +1,97 @@
+"""The blocks of a text, `::: kind #label Title`: what they are called, and how one reads their first line."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from server.text.markup.text import SLUG
+
+LABEL = re.compile(SLUG)
+#: Anchors that are given by the engine: a label may not look like one.
+RESERVED = re.compile(r"(s|fig|rejeu|cellule|t)-|fn(ref)?\d|texte$|titre$|exercices$|objectifs$|definitions$")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """`noun` is how one refers to it (« théorème »), `of` how a proof or an answer is tied to it."""
+
+    title: str
+    noun: str
+    of: str
+    numbered: bool = False
+    element: str = "aside"
+
+
+KINDS = {
+    "definition": Kind("Définition", "définition", "de la ", numbered=True, element="section"),
+    "theoreme": Kind("Théorème", "théorème", "du ", numbered=True, element="section"),
+    "methode": Kind("Méthode", "méthode", "de la ", numbered=True, element="section"),
+    "piege": Kind("Piège", "piège", "du ", numbered=True, element="section"),
+    "exercice": Kind("Exercice", "exercice", "de l’", numbered=True, element="section"),
+    "formule": Kind("Formule", "formule", "de la ", element="section"),
+    "exemple": Kind("Exemple", "exemple", "de l’"),
+    "rappel": Kind("Rappel", "rappel", "du "),
+    "note": Kind("Note", "note", "de la "),
+    "attention": Kind("Attention", "mise en garde", "de la "),
+    "retenir": Kind("À retenir", "résumé", "du "),
+}
+#: How one refers to a numbered equation.
+EQUATION = Kind("Équation", "équation", "de l’", numbered=True)
+#: Folded ones: their label is that of the block that they prove or answer.
+FOLDED = {"preuve": "Démonstration", "correction": "Correction", "repli": ""}
+MEDIA = ("figure", "rejeu")
+ALL = (*KINDS, *FOLDED, *MEDIA)
+
+
+class BadBlock(Exception):
+    """A first line that cannot be read; the message says why."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """A block's first line. `label` is its own, or for a folded block the one that it speaks of.
+
+    `name` is that of a figure or of a replay. `parent` is the label of the block around it.
+    """
+
+    kind: str
+    label: str
+    title: str
+    name: str
+    line: int
+    parent: str = ""
+
+    @property
+    def folded(self) -> bool:
+        return self.kind in FOLDED
+
+
+def read(info: str, line: int, parent: str) -> Block:
+    """Read what follows the colons. Raises BadBlock."""
+    kind, _, rest = info.strip().partition(" ")
+    if kind not in ALL:
+        raise BadBlock(f"encadré inconnu : « {kind} » (connus : {', '.join(ALL)})")
+    if kind in MEDIA:
+        return _medium(kind, rest.strip(), line)
+    label = ""
+    if rest.lstrip().startswith("#"):
+        label, _, rest = rest.lstrip()[1:].partition(" ")
+        check_label(label)
+    title = rest.strip()
+    if kind == "repli" and (label or not title):
+        raise BadBlock("un repli a un titre, et pas d’étiquette : « ::: repli Titre »")
+    return Block(kind, label, title, "", line, parent)
+
+
+def _medium(kind: str, name: str, line: int) -> Block:
+    if not LABEL.fullmatch(name):
+        raise BadBlock(f"il faut un nom et rien d’autre après « {kind} » (la légende va en dessous) : « {name} »")
+    return Block(kind, "", "", name, line)
+
+
+def check_label(label: str) -> None:
+    if not LABEL.fullmatch(label):
+        raise BadBlock(f"étiquette mal formée : « #{label} » (minuscules sans accent, chiffres, tirets)")
+    if RESERVED.match(label):
+        raise BadBlock(f"étiquette réservée : « #{label} »")

@@ -1,0 +1,263 @@
+"""What a page holds, before anything is known of the others: labels, headings, links, plain text, cells."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+from markdown_it.token import Token
+
+from server.text.highlight import is_known
+from server.text.markup import blocks
+from server.text.markup.parser import Job, children, parse
+from server.text.markup.tex import readable
+from server.text.markup.text import SLUG, Fault, Names, Source, Unresolved
+
+#: Around a link that its author left empty: its text depends on the other pages.
+LEFT, RIGHT = "\ue000", "\ue001"
+HEAD = "\ue002"  # right after LEFT: at the head of the block itself
+EMPTY_LINK = re.compile(f"{LEFT}([^{RIGHT}]*){RIGHT}")
+CELL = "cellule"
+
+
+@dataclass(frozen=True)
+class Section:
+    """What stands under one heading, as plain text for the search. `id` and `title` are empty above the first one."""
+
+    id: str
+    title: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Title:
+    """A heading of level 2 to 4, as it was read."""
+
+    level: int
+    id: str
+    text: str
+    inline: Token
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A runnable piece of Python, named uniquely in its page; `line` of the file is its first one."""
+
+    name: str
+    code: str
+    line: int
+
+
+@dataclass(frozen=True)
+class Label:
+    """A block or an equation that has a label, in the order of the page."""
+
+    id: str
+    kind: str
+    line: int
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Something that the text speaks of. `what` is link, figure, rejeu, or bloc (what a proof proves)."""
+
+    what: str
+    target: str
+    line: int
+    empty: bool = False
+
+
+@dataclass
+class Outline:
+    """Lines are lines of the file, as in `faults`."""
+
+    labels: list[Label] = field(default_factory=list)
+    anchors: set[str] = field(default_factory=set)
+    titles: list[Title] = field(default_factory=list)
+    sections: list[Section] = field(default_factory=list)
+    figures: list[str] = field(default_factory=list)
+    replays: list[str] = field(default_factory=list)
+    cells: list[Cell] = field(default_factory=list)
+    references: list[Reference] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=list)
+
+    def unresolved(self, names: Names, page: str) -> Iterator[Fault]:
+        """What the text speaks of and that does not exist."""
+        for one in self.references:
+            if message := missing(one, names, page):
+                yield Fault(one.line, message)
+
+
+def missing(reference: Reference, names: Names, page: str) -> str:
+    """What is wrong with a reference, or nothing."""
+    target = reference.target
+    if reference.what == "figure":
+        return "" if target in names.pictures else f"figure inconnue : « {target} »"
+    if reference.what == "rejeu":
+        return "" if target in names.replays else f"rejeu inconnu : « {target} »"
+    if reference.what == "bloc":
+        return "" if target in names.labels else f"étiquette inconnue : « #{target} »"
+    try:
+        link = names.link(target, page)
+    except Unresolved as error:
+        return str(error)
+    return f"« {target} » n’a pas de numéro : écrivez le texte du lien" if reference.empty and not link.text else ""
+
+
+def completed(text: str, names: Names, page: str) -> str:
+    """Plain text in which the links left empty say where they lead, and blocks their number."""
+
+    def told(match: re.Match[str]) -> str:
+        try:
+            text = names.link(match[1].lstrip(HEAD), page).text
+        except Unresolved:
+            return ""
+        return f"{text.capitalize()} :" if match[1].startswith(HEAD) and text else text
+
+    return EMPTY_LINK.sub(told, text)
+
+
+def outline(source: Source) -> Outline:
+    """Read a page, or a statement (then nothing may have a label)."""
+    job = Job(source)
+    walk = _Walk(job)
+    walk.read(parse(job))
+    walk.found.faults = sorted(job.faults, key=lambda one: one.line)
+    return walk.found
+
+
+class _Walk:
+    def __init__(self, job: Job) -> None:
+        self._job = job
+        self.found = Outline()
+        self._heading = ("", "")
+        self._text: list[str] = []
+
+    def read(self, tokens: Sequence[Token]) -> None:
+        for index, token in enumerate(tokens):
+            if token.type == "heading_open":
+                self._close_section()
+                self._title(token, tokens[index + 1])
+            elif token.type == "inline":
+                self._inline(token, is_title=tokens[index - 1].type == "heading_open")
+            elif token.type == "container_block_open":
+                self._block(token)
+            elif token.type.startswith("math_block"):
+                self._equation(token)
+            elif token.type in {"fence", "code_block"}:
+                self._code(token)
+        self._close_section()
+
+    def _title(self, token: Token, inline: Token) -> None:
+        title = Title(int(token.tag[1]), str(token.attrGet("id") or ""), plain(inline), inline)
+        self._heading = (title.id, title.text)
+        if title.id:  # other levels are faults
+            self._anchor(title.id, token)
+            self.found.titles.append(title)
+
+    def _close_section(self) -> None:
+        text = re.sub(r"\s+", " ", " ".join(self._text)).strip()
+        if text or self._heading[0]:
+            self.found.sections.append(Section(*self._heading, text))
+        self._text = []
+
+    def _anchor(self, anchor: str, token: Token) -> None:
+        if anchor in self.found.anchors:
+            self._fault(token, f"« #{anchor} » figure deux fois dans la page")
+        self.found.anchors.add(anchor)
+
+    def _fault(self, token: Token, message: str) -> None:
+        self._job.fault(token.meta["line"], message)
+
+    def _refer(self, what: str, target: str, token: Token, *, empty: bool = False) -> None:
+        line = self._job.source.first_line + token.meta["line"]
+        self.found.references.append(Reference(what, target, line, empty))
+
+    def _only_in_pages(self, token: Token, what: str) -> bool:
+        if not self._job.source.page:
+            self._fault(token, f"{what} n’a sa place que dans une page à lire")
+        return bool(self._job.source.page)
+
+    def _inline(self, token: Token, *, is_title: bool) -> None:
+        parts = token.children or []
+        for index, child in enumerate(parts):
+            if child.type == "link_open":
+                empty = parts[index + 1].type == "link_close"
+                self._refer("link", str(child.attrGet("href") or ""), child, empty=empty)
+        if not is_title:
+            self._text.append(plain(token))
+
+    def _block(self, token: Token) -> None:
+        block = token.meta["block"]
+        if block is None:
+            return
+        if block.name:
+            self._medium(token, block.kind, block.name)
+        elif block.label and block.folded:
+            self._refer("bloc", block.label, token)
+        elif block.label and self._only_in_pages(token, "une étiquette"):
+            self._label(token, block.label, block.kind)
+            self._text.append(f"{LEFT}{HEAD}#{block.label}{RIGHT}")  # « théorème 1 » can be looked for
+
+    def _medium(self, token: Token, kind: str, name: str) -> None:
+        if not self._only_in_pages(token, "une figure" if kind == "figure" else "un rejeu"):
+            return
+        self._anchor(f"{'fig' if kind == 'figure' else 'rejeu'}-{name}", token)
+        (self.found.figures if kind == "figure" else self.found.replays).append(name)
+        self._refer(kind, name, token)
+
+    def _label(self, token: Token, label: str, kind: str) -> None:
+        self._anchor(label, token)
+        self.found.labels.append(Label(label, kind, self._job.source.first_line + token.meta["line"]))
+
+    def _equation(self, token: Token) -> None:
+        self._text.append(readable(token.content))
+        if token.type == "math_block_label" and self._only_in_pages(token, "une étiquette"):
+            try:
+                blocks.check_label(token.info)
+            except blocks.BadBlock as error:
+                self._fault(token, str(error))
+            else:
+                self._label(token, token.info, "equation")
+
+    def _code(self, token: Token) -> None:
+        self._text.append(token.content)
+        language, *words = token.info.split()[:4] or [""]
+        if language and not is_known(language):
+            self._fault(token, f"langage inconnu : « {language} »")
+        if not words:
+            return
+        if language != "python" or words[0] != CELL or len(words) != 2:
+            self._fault(token, "après le langage, rien, ou « python cellule nom-de-cellule »")
+        elif not re.fullmatch(SLUG, words[1]):
+            self._fault(token, f"nom de cellule mal formé : « {words[1]} » (minuscules sans accent, chiffres, tirets)")
+        elif self._only_in_pages(token, "une cellule"):
+            self._cell(token, words[1])
+
+    def _cell(self, token: Token, name: str) -> None:
+        self._anchor(f"cellule-{name}", token)
+        line = self._job.source.first_line + token.meta["line"] + 1
+        self.found.cells.append(Cell(name, token.content, line))
+        try:
+            ast.parse(token.content)
+        except (SyntaxError, ValueError) as error:
+            inside = (error.lineno or 1) if isinstance(error, SyntaxError) else 1
+            self._job.fault(token.meta["line"] + inside, f"cette cellule ne se compile pas ({error})")
+
+
+def plain(token: Token) -> str:
+    """A paragraph as plain text; links left empty are kept apart for `completed`."""
+    parts = []
+    inside = token.children or []
+    for index, (child, _) in enumerate(children(token)):
+        if child.type in {"text", "code_inline"}:
+            parts.append(child.content)
+        elif child.type.startswith("math"):
+            parts.append(readable(child.content))
+        elif child.type in {"softbreak", "hardbreak"}:
+            parts.append(" ")
+        elif child.type == "link_open" and inside[index + 1].type == "link_close":
+            parts.append(f"{LEFT}{child.attrGet('href')}{RIGHT}")
+    return "".join(parts)

@@ -1,0 +1,293 @@
+"""Tokens to HTML, once everything that a text speaks of is known."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Iterator, Sequence
+from copy import copy
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from markdown_it.token import Token
+
+from graders.typography import french
+from server.text import katex
+from server.text.highlight import highlight
+from server.text.markup import blocks
+from server.text.markup.blocks import Block
+from server.text.markup.outline import CELL, Reference, Title, missing
+from server.text.markup.parser import Job, markdown, parse, parse_inline
+from server.text.markup.text import Fault, Link, Names, Source, Target, Unresolved
+
+NOT_IN_CONTENTS = {"link_open", "link_close", "footnote_ref"}
+QED = '<p class="qed">∎</p>\n'
+Rule = Callable[["Writer", Sequence[Token], int], str]
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """HTML; what is at fault stands there as plain text."""
+
+    html: str
+    faults: tuple[Fault, ...]
+
+
+def render(source: Source, *, inline: bool = False) -> Rendered:
+    """HTML of `source`, or with `inline` of its one paragraph without `<p>`. Faults are told, never raised."""
+    job = Job(source)
+    tokens = parse_inline(job) if inline else parse(job)
+    katex.prepare(_formulas(tokens))
+    written = Writer(job, source.names()).write(tokens)
+    return Rendered(written, tuple(sorted(job.faults, key=lambda one: one.line)))
+
+
+def _formulas(tokens: Sequence[Token]) -> Iterator[katex.Formula]:
+    for token in tokens:
+        for one in (token, *(token.children or ())):
+            if one.type.startswith("math"):
+                yield one.content.strip(), one.type != "math_inline"
+
+
+def render_title(source: Source, title: Title) -> str:
+    """A heading for a table of contents: without the links and the calls of notes that it may hold."""
+    kept = [one for one in title.inline.children or () if one.type not in NOT_IN_CONTENTS]
+    return Writer(Job(source), source.names()).write_inline(kept)
+
+
+@dataclass
+class Writer:
+    """One rendering: markdown-it's own renderer, except where RULES say otherwise."""
+
+    job: Job
+    names: Names
+    figures: int = 0
+
+    @cached_property
+    def _renderer(self) -> Any:
+        made: Any = copy(markdown().renderer)
+        made.rules = {**made.rules, **{name: self._bound(rule) for name, rule in RULES.items()}}
+        return made
+
+    def _bound(self, rule: Rule) -> Callable[..., str]:
+        return lambda tokens, index, _options, _env: rule(self, tokens, index)
+
+    def write(self, tokens: Sequence[Token]) -> str:
+        return str(self._renderer.render(tokens, markdown().options, {}))
+
+    def write_inline(self, tokens: Sequence[Token]) -> str:
+        return str(self._renderer.renderInline(tokens, markdown().options, {}))
+
+    @property
+    def page(self) -> str:
+        return self.job.source.page
+
+    def exists(self, what: str, target: str, token: Token, *, empty: bool = False) -> bool:
+        """False, and told, where the text speaks of what does not exist."""
+        message = missing(Reference(what, target, 0, empty), self.names, self.page)
+        if message:
+            self.job.fault(token.meta["line"], message)
+        return not message
+
+    def formula(self, token: Token, *, display: bool) -> str:
+        tex = token.content
+        try:
+            return katex.render(tex.strip(), display=display)
+        except katex.TexError as error:
+            inside = tex.lstrip("\n")[: error.position or 0].count("\n") + (display and tex.startswith("\n"))
+            self.job.fault(token.meta["line"] + inside, f"formule refusée : {error}")
+            return f'<code class="fault">{html.escape(tex.strip())}</code>'
+
+
+def _math(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+    return writer.formula(tokens[index], display=False)
+
+
+def _math_inside(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+    return writer.formula(tokens[index], display=True)
+
+
+def _math_display(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+    return f'<div class="math-display" tabindex="0">{writer.formula(tokens[index], display=True)}</div>\n'
+
+
+def _equation(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+    label = html.escape(tokens[index].info)
+    known = writer.names.labels.get(tokens[index].info)
+    number = f'<span class="equation-number">{known.name}</span>' if known else ""
+    drawn = writer.formula(tokens[index], display=True)
+    return f'<div class="math-display equation" id="{label}" tabindex="0">{drawn}{number}</div>\n'
+
+
+def _table_open(_writer: Writer, _tokens: Sequence[Token], _index: int) -> str:
+    return '<div class="table-scroll" tabindex="0"><table>\n'
+
+
+def _table_close(_writer: Writer, _tokens: Sequence[Token], _index: int) -> str:
+    return "</table></div>\n"
+
+
+def _link_open(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+    token = tokens[index]
+    target = str(token.attrGet("href") or "")
+    empty = index + 1 < len(tokens) and tokens[index + 1].type == "link_close"
+    if not writer.exists("link", target, token, empty=empty):
+        return f'<a class="fault">{html.escape(target) if empty else ""}'
+    link = writer.names.link(target, writer.page)
+    return f"<a{_attributes(link)}>{html.escape(link.text) if empty else ''}"
+
+
+def _attributes(link: Link) -> str:
+    extra = ""
+    if link.term:
+        extra = f' class="term" data-term="{html.escape(link.term)}"'
+    elif link.external:
+        extra = ' class="external" rel="noopener noreferrer"'
+    return f'{extra} href="{html.escape(link.href)}"'
+
+
+def _code(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+    language, *words = tokens[index].info.split() or [""]
+    drawn = highlight(tokens[index].content, language)
+    if words[:1] == [CELL] and len(words) == 2:
+        return _cell(html.escape(words[1]), f"/{writer.names.module}/cellules", drawn)
+    return f'<div class="code-block">{drawn}</div>\n'
+
+
+def _cell(name: str, action: str, code: str) -> str:
+    opening = f'<section class="cell" id="cellule-{name}" data-name="{name}" data-action="{action}">'
+    return f'{opening}<div class="cell-code">{code}</div></section>\n'
+
+
+def _block_open(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+    block: Block | None = tokens[index].meta["block"]
+    if block is None:
+        return "<div>\n"
+    if block.kind == "figure":
+        return _figure_open(writer, block, tokens[index])
+    if block.kind == "rejeu":
+        return _replay_open(writer, block, tokens[index])
+    if block.folded:
+        state = " open" if block.kind == "preuve" else ""
+        return f'<details class="block block-{block.kind}"{state}>'
+    anchor = f' id="{block.label}"' if block.label else ""
+    return f'<{blocks.KINDS[block.kind].element} class="block block-{block.kind}"{anchor}>'
+
+
+def _block_close(_writer: Writer, tokens: Sequence[Token], index: int) -> str:
+    block: Block | None = tokens[index].meta["block"]
+    if block is None:
+        return "</div>\n"
+    if block.name:
+        return "</figcaption></figure>\n"
+    if block.folded:
+        return f"{QED if block.kind == 'preuve' else ''}</details>\n"
+    return f"</{blocks.KINDS[block.kind].element}>\n"
+
+
+def _title_open(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+    token = tokens[index]
+    block: Block = token.meta["block"]
+    if block.folded:
+        heading = _folded_heading(writer, block, token)
+        return f"<summary>{heading}" + (" — " if heading and block.title else "")
+    kind = blocks.KINDS[block.kind]
+    known = writer.names.labels.get(block.label)
+    number = f"\u00a0{known.number}" if known and known.number else ""
+    return f'<p class="block-title"><span class="block-label">{kind.title}{number}</span> '
+
+
+def _folded_heading(writer: Writer, block: Block, token: Token) -> str:
+    """« Démonstration du théorème 1 »; no need to say it inside the exercise itself."""
+    heading = blocks.FOLDED[block.kind]
+    if not block.label or block.label == block.parent or not writer.exists("bloc", block.label, token):
+        return heading
+    kind, name = _named(writer.names.labels[block.label])
+    return f"{heading} {kind.of}{name}"
+
+
+def _named(target: Target) -> tuple[blocks.Kind, str]:
+    """« théorème 1 », « équation (3) », or « exemple » where there is no number."""
+    if target.kind == "equation":
+        return blocks.EQUATION, f"{blocks.EQUATION.noun}\u00a0{target.name}"
+    kind = blocks.KINDS[target.kind]
+    return kind, target.name or kind.noun
+
+
+def _title_close(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+    block: Block = tokens[index].meta["block"]
+    return f"</summary>\n{_way_back(writer, block)}" if block.folded else "</p>\n"
+
+
+def _way_back(writer: Writer, block: Block) -> str:
+    """A link to what is proved or answered: below the summary, which is a button and cannot hold it."""
+    target = writer.names.labels.get(block.label)
+    if target is None or block.label == block.parent:
+        return ""
+    try:
+        link = writer.names.link(f"#{block.label}", writer.page)
+    except Unresolved:
+        return ""
+    return f'<p class="block-back"><a href="{html.escape(link.href)}">{_named(target)[1]}</a></p>\n'
+
+
+def _header_open(_writer: Writer, tokens: Sequence[Token], index: int) -> str:
+    """An empty corner of a table is no header."""
+    if not tokens[index + 1].children:
+        return "<td>"
+    style = tokens[index].attrGet("style")
+    return f'<th style="{html.escape(str(style))}">' if style else "<th>"
+
+
+def _header_close(writer: Writer, tokens: Sequence[Token], index: int) -> str:
+    return "</th>\n" if tokens[index - 1].children else "</td>\n"
+
+
+def _figure_open(writer: Writer, block: Block, token: Token) -> str:
+    if not writer.exists("figure", block.name, token):
+        return f'<figure class="drawing"><code class="fault">{block.name}</code><figcaption>'
+    writer.figures += 1
+    picture = writer.names.pictures[block.name]
+    alt = html.escape(french(picture.alt))
+    source = f"/{writer.names.module}/figures/{block.name}.svg?theme="
+    images = "".join(
+        f'<img class="figure-{theme}" src="{source}{theme}" alt="{alt}" loading="lazy" '
+        f'width="{picture.width}" height="{picture.height}">'
+        for theme in ("light", "dark")
+    )
+    label = f'<span class="figure-number">Figure\u00a0{writer.figures}\u00a0:</span> '
+    return f'<figure class="drawing" id="fig-{block.name}">{images}<figcaption>{label}'
+
+
+def _replay_open(writer: Writer, block: Block, token: Token) -> str:
+    if not writer.exists("rejeu", block.name, token):
+        return f'<figure class="replay"><code class="fault">{block.name}</code><figcaption>'
+    source = f"/{writer.names.module}/rejeux/{block.name}"
+    opening = f'<figure class="replay" id="rejeu-{block.name}" data-source="{source}">'
+    return f'{opening}<div class="replay-stage"></div><figcaption>'
+
+
+def _footnote_anchor(_writer: Writer, tokens: Sequence[Token], index: int) -> str:
+    meta = tokens[index].meta
+    which = f"{meta['id'] + 1}:{meta['subId']}" if meta.get("subId", 0) else f"{meta['id'] + 1}"
+    return f' <a href="#fnref{which}" class="footnote-backref" aria-label="Retour au texte">↩\ufe0e</a>'
+
+
+RULES: dict[str, Rule] = {
+    "math_inline": _math,
+    "math_inline_double": _math_inside,
+    "math_block": _math_display,
+    "math_block_label": _equation,
+    "table_open": _table_open,
+    "table_close": _table_close,
+    "th_open": _header_open,
+    "th_close": _header_close,
+    "link_open": _link_open,
+    "fence": _code,
+    "code_block": _code,
+    "container_block_open": _block_open,
+    "container_block_close": _block_close,
+    "block_title_open": _title_open,
+    "block_title_close": _title_close,
+    "footnote_anchor": _footnote_anchor,
+}

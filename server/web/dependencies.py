@@ -1,0 +1,34 @@
+"""What every room with pages asks of a request: the module in its address, and who looks."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import Depends, Request
+from starlette.convertors import Convertor, register_url_convertor
+
+from server.database.dependencies import Db
+from server.identity.dependencies import OptionalAccount
+from server.pages.service import Reader
+
+
+class ModuleConvertor(Convertor[str]):
+    """A module's slug, so that `/l20` never stands in the way of `/connexion`."""
+
+    regex = "[a-z]+[0-9]+"
+
+    def convert(self, value: str) -> str:
+        return value
+
+    def to_string(self, value: str) -> str:
+        return value
+
+
+register_url_convertor("module", ModuleConvertor())
+
+
+def _reader(request: Request, db: Db, account: OptionalAccount) -> Reader:
+    return Reader(db, request.app.state.course, account)
+
+
+Reading = Annotated[Reader, Depends(_reader)]

@@ -1,0 +1,113 @@
+"""Templates to answers. Other rooms that have pages (accounts, errors) render theirs here too."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from hashlib import blake2b
+from http import HTTPStatus
+from typing import Any, TypeVar
+
+from fastapi import Request, Response
+from fastapi.responses import HTMLResponse
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+from graders.typography import french
+from server.base.paths import TEMPLATES
+from server.course import Module
+from server.identity.models import Account
+from server.pages.schemas import AccountView, HereView
+from server.text.highlight import highlight
+from server.text.plain import visible
+from server.web import assets, words
+
+
+@lru_cache(maxsize=1)
+def environment() -> Environment:
+    """The one environment: everything is escaped, a name that is not in the context is an error."""
+    jinja = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    jinja.filters.update(french=french, sentence=sentence, visible=visible, ticks=ticks, python=python)
+    jinja.globals.update(static=assets.address, has_katex=assets.is_built, plural=words.plural)
+    return jinja
+
+
+def ticks(message: str) -> Markup:
+    """Plain text in which `…` marks code: everything else is escaped, and its invisible characters shown."""
+    parts = str(escape(visible(message))).split("`")
+    if len(parts) % 2 == 0:
+        return Markup("`".join(parts))
+    return Markup("".join(f"<code>{part}</code>" if odd % 2 else part for odd, part in enumerate(parts)))
+
+
+def sentence(message: str) -> str:
+    """A verdict's message in French typography; the lines below its first are code and traces, left as they are."""
+    first, *rest = message.split("\n")
+    return "\n".join([french(first), *rest])
+
+
+def python(code: str) -> Markup:
+    """Highlighted Python (a student's too: Pygments escapes it)."""
+    return Markup(highlight(visible(code)))
+
+
+def account_view(account: Account | None) -> AccountView:
+    if account is None:
+        return AccountView("visitor", "", "visiteur")
+    return AccountView(account.role, account.name, str(account.id))  # type: ignore[arg-type]
+
+
+def _here(request: Request, modules: Mapping[str, Module]) -> HereView | None:
+    """The module that the address is in, when there is something to search there."""
+    found = modules.get(request.path_params.get("module", ""))
+    if found is None or not found.documents:
+        return None
+    return HereView(found.slug, found.number, request.url.path == f"/{found.slug}/recherche")
+
+
+def page(
+    request: Request,
+    template: str,
+    account: Account | None,
+    *,
+    status: int = 200,
+    headers: Mapping[str, str] | None = None,
+    **context: Any,
+) -> HTMLResponse:
+    """A whole page: `template` extends `base.html`, which shows `account` and the modules of the course."""
+    modules = request.app.state.course.modules
+    surroundings = {
+        "modules": [(one.slug, one.number, one.title) for one in modules.values()],
+        "here": _here(request, modules),
+        "path": request.url.path,
+    }
+    body = environment().get_template(template).render(account=account_view(account), **surroundings, **context)
+    # A page shows one person's own work: nobody else's cache may keep it.
+    kept = {"Cache-Control": "private, no-cache", **(headers or {})}
+    answer = HTMLResponse(body, status, headers=kept)
+    return once(request, answer) if request.method == "GET" and status == HTTPStatus.OK else answer
+
+
+Answer = TypeVar("Answer", bound=Response)
+
+
+def once(request: Request, answer: Answer) -> Answer:
+    """The same answer with a tag of its content; without its content for a browser that has it already."""
+    tag = f'W/"{blake2b(bytes(answer.body), digest_size=12).hexdigest()}"'
+    answer.headers["ETag"] = tag
+    if tag in request.headers.get("if-none-match", ""):
+        answer.status_code, answer.body = HTTPStatus.NOT_MODIFIED, b""
+        del answer.headers["content-length"]
+    return answer
+
+
+def fragment(template: str, account: Account | None, **context: Any) -> HTMLResponse:
+    """A part of a page, for a script that puts it in place."""
+    body = environment().get_template(template).render(account=account_view(account), **context)
+    return HTMLResponse(body, headers={"Cache-Control": "private, no-store"})

@@ -1,0 +1,172 @@
+"""Values of a counterexample (plain JSON, see graders.core.compare.words) as tables and text for a French reader."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from graders.core.compare.words import number
+
+MAX_ROWS, MAX_COLUMNS, MAX_LIST = 24, 40, 24  # a map of the course is 16 × 24, a scan has 36 rays
+SPECIAL = {"nan": "nan", "inf": "∞", "-inf": "\N{MINUS SIGN}∞"}
+Kind = Literal["text", "matrix", "plan", "list", "fields"]
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One number of a matrix; `odd` when it is not what was expected there."""
+
+    text: str
+    odd: bool = False
+
+
+@dataclass(frozen=True)
+class ValueView:
+    """One value: `text` and `plan` have `text`, `matrix` has `rows`, `list` and `fields` have `items`, named in fields.
+
+    `note` is a remark below (a shape, what has been left out).
+    """
+
+    kind: Kind
+    text: str = ""
+    rows: tuple[tuple[Cell, ...], ...] = ()
+    items: tuple[tuple[str, ValueView], ...] = ()
+    note: str = ""
+
+
+def view(value: Any, expected: Any = None) -> ValueView:
+    """Lay out `value`; numbers that differ from those of `expected`, where it has the same shape, are marked."""
+    if isinstance(value, Mapping):
+        return _summary(value) if _is_summary(value) else _fields(value)
+    if isinstance(value, list) and value:
+        return _sequence(value, expected)
+    return ValueView("text", scalar(value))
+
+
+def scalar(value: Any) -> str:
+    """A number, truth value or text in French."""
+    if value is None:
+        return "None"
+    if isinstance(value, bool):
+        return "True" if value else "False"
+    if isinstance(value, int | float):
+        return number(value)
+    if isinstance(value, str):
+        return SPECIAL.get(value, value)
+    return "[ ]" if value == [] else str(value)
+
+
+def _is_summary(value: Mapping[str, Any]) -> bool:
+    """Whether it stands for an array too large to be kept; a dictionary that a program returned may look like one."""
+    parts = [value.get("forme"), value.get("premiers", [])]
+    return value.keys() <= {"forme", "premiers"} and all(isinstance(part, list) for part in parts)
+
+
+def _summary(value: Mapping[str, Any]) -> ValueView:
+    shape = " × ".join(str(size) for size in value["forme"])
+    start = " ; ".join(scalar(item) for item in value.get("premiers", []))
+    return ValueView("text", f"tableau de forme {shape}", note=f"premières valeurs : {start}" if start else "")
+
+
+def _fields(value: Mapping[str, Any]) -> ValueView:
+    return ValueView("fields", items=tuple((str(name), view(item)) for name, item in value.items()))
+
+
+def _sequence(value: list[Any], expected: Any) -> ValueView:
+    if _is_row(value):
+        return _matrix([value], [expected] if isinstance(expected, list) else None)
+    if all(isinstance(row, list) and _is_row(row) for row in value) and len({len(row) for row in value}) == 1:
+        if all(isinstance(item, bool) for row in value for item in row):
+            return _plan(value)
+        return _matrix(value, expected)
+    return _list(value, expected)
+
+
+def _is_row(value: list[Any]) -> bool:
+    return bool(value) and all(_is_number(item) for item in value)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) or (isinstance(value, str) and value in SPECIAL)
+
+
+def _matrix(rows: list[list[Any]], expected: Any) -> ValueView:
+    same = _same_shape(rows, expected)
+    cells = tuple(
+        tuple(Cell(scalar(item), same and _differs(item, expected[i][j])) for j, item in enumerate(row[:MAX_COLUMNS]))
+        for i, row in enumerate(rows[:MAX_ROWS])
+    )
+    cut = len(rows) > MAX_ROWS or len(rows[0]) > MAX_COLUMNS
+    size = f"{len(rows)} × {len(rows[0])}" if len(rows) > 1 else f"{len(rows[0])} valeurs"
+    return ValueView("matrix", rows=cells, note=f"{size}, seul le début est montré" if cut else "")
+
+
+def _same_shape(rows: list[list[Any]], expected: Any) -> bool:
+    if not isinstance(expected, list) or len(expected) != len(rows):
+        return False
+    return all(isinstance(row, list) and len(row) == len(rows[0]) and _is_row(row) for row in expected)
+
+
+def _differs(got: Any, wanted: Any) -> bool:
+    left, right = float(got), float(wanted)
+    if math.isnan(left) or math.isnan(right):
+        return math.isnan(left) != math.isnan(right)
+    return not math.isclose(left, right, rel_tol=1e-6, abs_tol=1e-6)
+
+
+def _plan(rows: list[list[bool]]) -> ValueView:
+    drawing = "\n".join("".join("." if free else "#" for free in row) for row in rows)
+    return ValueView("plan", drawing, note=f"{len(rows)} × {len(rows[0])} ; « . » vaut True, « # » vaut False")
+
+
+def _list(value: list[Any], expected: Any) -> ValueView:
+    wanted = expected if isinstance(expected, list) and len(expected) == len(value) else [None] * len(value)
+    shown = tuple(("", view(item, wish)) for item, wish in zip(value[:MAX_LIST], wanted, strict=False))
+    left = len(value) - MAX_LIST
+    return ValueView("list", items=shown, note=f"et {left} autres" if left > 0 else "")
+
+
+def replay(inputs: Mapping[str, Any]) -> str:
+    """Python lines that give the same inputs again, to try at home; empty when a value has been cut short."""
+    lines = [f"{name} = {_literal(value)}" for name, value in inputs.items() if name.isidentifier()]
+    if len(lines) != len(inputs) or any(_is_cut(value) for value in inputs.values()):
+        return ""
+    return "\n".join(lines)
+
+
+def _is_cut(value: Any) -> bool:
+    return any(isinstance(item, Mapping) and "forme" in item for item in _walk(value))
+
+
+def _walk(value: Any) -> Iterator[Any]:
+    yield value
+    children = value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ()
+    for child in children:
+        yield from _walk(child)
+
+
+def _literal(value: Any) -> str:
+    if not isinstance(value, list) or not value:
+        return _plain(value)
+    if _is_array(value):
+        return f"np.array({_plain(value)})"
+    return "[" + ", ".join(_literal(item) for item in value) + "]"
+
+
+def _is_array(value: list[Any]) -> bool:
+    """Numbers in rows of the same length, however deep."""
+    if _is_row(value):
+        return True
+    if not all(isinstance(item, list) and item and _is_array(item) for item in value):
+        return False
+    return len({len(item) for item in value}) == 1 and len({isinstance(item[0], list) for item in value}) == 1
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, list):
+        return "[" + ", ".join(_plain(item) for item in value) + "]"
+    if isinstance(value, str) and value in SPECIAL:
+        return {"nan": "np.nan", "inf": "np.inf", "-inf": "-np.inf"}[value]
+    return repr(value)

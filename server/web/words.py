@@ -1,0 +1,29 @@
+"""Marks, counts and dates in French words."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+from graders.core.compare.words import number
+
+
+def points(value: float) -> str:
+    """A mark in French, at most two decimals: 12,5."""
+    return number(round(float(value), 2), 4)
+
+
+def plural(count: int, one: str, many: str | None = None) -> str:
+    """« 1 essai », « 3 essais »: zero and one take the singular, as in French."""
+    return f"{count} {one if abs(count) < 2 else many or one + 's'}"
+
+
+def moment(when: datetime) -> str:
+    """A date as ISO text for a `<time>` element: the browser's script shows it in local time."""
+    aware = when if when.tzinfo else when.replace(tzinfo=UTC)
+    return aware.astimezone(UTC).isoformat(timespec="seconds")
+
+
+def moment_text(when: datetime) -> str:
+    """The same date for a reader without script: « 21/11/2026 à 12:05 (UTC) »."""
+    aware = when if when.tzinfo else when.replace(tzinfo=UTC)
+    return aware.astimezone(UTC).strftime("%d/%m/%Y à %H:%M (UTC)")

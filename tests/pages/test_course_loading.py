@@ -1,0 +1,174 @@
+"""Every malformation is reported with its place, and the other exercises still serve."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from graders.discovery import Discovery
+from graders.discovery import Problem as GraderProblem
+from tests.pages.conftest import EXERCISE, HINTS, CourseFolder, grader, graders
+
+
+def test_a_well_formed_course_has_no_problem(course_folder: CourseFolder) -> None:
+    course = course_folder.load()
+    assert not course.problems
+    assert list(course.exercises) == ["m9/a", "m9/b"]
+    exercise = course.exercises["m9/a"]
+    assert [function.signature for function in exercise.functions] == ["double(x)"]
+    assert "Une question" in exercise.hints[0]
+    assert course.kits == {"m9": "def configurer():\n    return {}\n"}
+
+
+BROKEN = {
+    "TOML that does not parse": ("exercise.toml", 'title = "Doubler"\nsummary = \n', 2, "TOML mal formé"),
+    "TOML cut short": ("exercise.toml", 'title = "Doubler', 1, "TOML mal formé"),
+    "unknown field": ("exercise.toml", EXERCISE.replace("order", "ordre = 3\norder"), 3, "ordre"),
+    "wrong type": ("exercise.toml", EXERCISE.replace("order = 10", 'order = "dix"'), 3, "nombre entier"),
+    "true is no number": ("exercise.toml", EXERCISE.replace("order = 10", "order = true"), 3, "nombre entier"),
+    "missing field": ("exercise.toml", EXERCISE.replace("order = 10\n", ""), 1, "champ manquant : « order »"),
+    "field of the second function": (
+        "exercise.toml",
+        EXERCISE + '\n[[functions]]\nname = "deux"\nsignature = 3\n',
+        11,
+        "signature",
+    ),
+    "field missing in the second function": (
+        "exercise.toml",
+        EXERCISE + '\n[[functions]]\nname = "deux"\n',
+        9,
+        "signature",
+    ),
+    "limit out of bounds": ("exercise.toml", EXERCISE + "\n[limits]\nmemory_bytes = 1000\n", 10, "memory_bytes"),
+    "function that the grader does not know": (
+        "exercise.toml",
+        EXERCISE.replace('name = "double"', 'name = "doubler"'),
+        None,
+        "doubl",
+    ),
+    "bad TeX": ("enonce.md", "Texte.\n\nPuis $\\frac{1}{$ ici.\n", 3, "formule refusée"),
+    "bad TeX inside a display": ("enonce.md", "Texte.\n\n$$\nx = 1 \\\\\ny = \\inconnu\n$$\n", 5, "formule refusée"),
+    "unknown box": ("enonce.md", "Texte.\n\n::: sottise\nx\n:::\n", 3, "encadré inconnu"),
+    "heading of level 1": ("enonce.md", "# Titre\n", 1, "niveau 1"),
+    "image": ("enonce.md", "a\n\n![x](https://example.org/x.png)\n", 3, "images"),
+    "not UTF-8": ("enonce.md", b"a\nb\xe9\n", 2, "UTF-8"),
+    "two hints": ("indices.md", "## Indice 1\n\nx\n\n## Indice 2\n\ny\n", 5, "trois parties"),
+    "hints out of order": ("indices.md", HINTS.replace("Indice 2", "Indice 4"), 9, "trois parties"),
+    "empty hint": ("indices.md", HINTS.replace("La formule.", ""), 5, "indice vide"),
+    "bad TeX in a hint": ("indices.md", HINTS.replace("La formule.", "$\\frac{$"), 7, "formule refusée"),
+    "starter that does not compile": ("starter.py", "x = 1\ndef f(:\n", 2, "ne se compile pas"),
+}
+
+
+@pytest.mark.parametrize(("name", "content", "line", "message"), BROKEN.values(), ids=BROKEN.keys())
+def test_a_malformed_file_is_reported_with_its_place(
+    course_folder: CourseFolder, name: str, content: str | bytes, line: int | None, message: str
+) -> None:
+    path = course_folder.exercise("a") / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    course = course_folder.load()
+    (problem,) = course.problems
+    assert (problem.path, problem.line) == (path, line)
+    assert message in problem.message
+    assert list(course.exercises) == ["m9/b"]
+
+
+@pytest.mark.parametrize("name", ["exercise.toml", "enonce.md", "indices.md", "starter.py"])
+def test_a_missing_file_is_reported(course_folder: CourseFolder, name: str) -> None:
+    path = course_folder.exercise("a") / name
+    path.unlink()
+    course = course_folder.load()
+    (problem,) = course.problems
+    assert (problem.path, problem.message) == (path, "fichier manquant")
+    assert list(course.exercises) == ["m9/b"]
+
+
+def test_a_solution_that_does_not_compile_is_reported(course_folder: CourseFolder) -> None:
+    found = Discovery({"m9/a": grader("a", "def double(x):\n  return (\n"), "m9/b": grader("b")}, ())
+    (problem,) = course_folder.load(found).problems
+    assert problem.path == course_folder.root / "graders/m9/a/solution.py"
+    assert problem.line == 2
+
+
+def test_a_grader_that_fails_to_import_is_reported_with_its_line(course_folder: CourseFolder) -> None:
+    place = course_folder.root / "graders/m9/a/grader.py"
+    found = Discovery({"m9/b": grader("b")}, (GraderProblem(place, 7, "NameError: oubli"),))
+    course = course_folder.load(found)
+    assert (course.problems[0].path, course.problems[0].line) == (place, 7)
+    assert any(one.path == course_folder.exercise("a") / "exercise.toml" for one in course.problems)
+    assert list(course.exercises) == ["m9/b"]
+
+
+def test_a_grader_without_exercise_is_reported(course_folder: CourseFolder) -> None:
+    (problem,) = course_folder.load(graders("a", "b", "perdu")).problems
+    assert "m9/perdu" in problem.message
+
+
+def test_a_malformed_module_leaves_the_others(course_folder: CourseFolder) -> None:
+    path = course_folder.write("curriculum/m8/module.toml", "title = 3\n")
+    course = course_folder.load()
+    assert [(one.path, one.line) for one in course.problems] == [(path, 1)]
+    assert list(course.modules) == ["m9"]
+
+
+def test_names_that_would_clash_with_other_addresses_are_refused(course_folder: CourseFolder) -> None:
+    course_folder.write("curriculum/connexion/module.toml", "")
+    assert "nom de module" in course_folder.load().problems[0].message
+
+
+def test_without_rendering_a_statement_is_read_when_it_is_asked_for(course_folder: CourseFolder) -> None:
+    (course_folder.exercise("a") / "enonce.md").write_text("$\\frac{$")
+    assert not course_folder.load(render=False).problems
+
+
+def _versions(course_folder: CourseFolder) -> dict[str, str]:
+    return {name: exercise.version for name, exercise in course_folder.load().exercises.items()}
+
+
+def test_the_version_follows_the_content_and_nothing_else(course_folder: CourseFolder) -> None:
+    before = _versions(course_folder)
+    assert _versions(course_folder) == before
+    for path in course_folder.root.rglob("*.py"):
+        path.touch()
+    course_folder.write("graders/m9/a/__pycache__/grader.cpython-311.pyc", "x")
+    course_folder.write("curriculum/m9/exercices/a/.enonce.md.swp", "x")
+    assert _versions(course_folder) == before
+
+
+@pytest.mark.parametrize(
+    ("path", "changed"),
+    [
+        ("curriculum/m9/exercices/a/enonce.md", {"m9/a"}),
+        ("curriculum/m9/exercices/a/figure.svg", {"m9/a"}),
+        ("graders/m9/a/solution.py", {"m9/a"}),
+        ("graders/m9/world.py", {"m9/a", "m9/b"}),
+        ("graders/core/checks.py", {"m9/a", "m9/b"}),
+        ("curriculum/m9/kit/m9.py", {"m9/a", "m9/b"}),
+        ("reference/se2.py", {"m9/a", "m9/b"}),
+        ("curriculum/m9/module.toml", set()),
+        ("graders/m9/c/grader.py", set()),
+    ],
+)
+def test_what_changes_a_version(course_folder: CourseFolder, path: str, changed: set[str]) -> None:
+    before = _versions(course_folder)
+    place = Path(path)
+    old = (course_folder.root / place).read_text(encoding="utf-8") if (course_folder.root / place).exists() else ""
+    course_folder.write(path, old + "\n#autre\n")
+    after = _versions(course_folder)
+    assert {name for name in after if after[name] != before[name]} == changed
+
+
+def test_renaming_a_file_changes_the_version(course_folder: CourseFolder) -> None:
+    course_folder.write("graders/m9/a/one.py", "x")
+    before = _versions(course_folder)
+    (course_folder.root / "graders/m9/a/one.py").rename(course_folder.root / "graders/m9/a/two.py")
+    assert _versions(course_folder)["m9/a"] != before["m9/a"]
+
+
+def test_the_course_that_is_shipped_is_well_formed() -> None:
+    from server.course import load
+
+    course = load()
+    assert [str(problem) for problem in course.problems] == []
+    assert "l20/poses" in course.exercises
