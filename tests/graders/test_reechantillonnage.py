@@ -19,7 +19,7 @@ from graders.l20.reechantillonnage import trials
 from graders.l20.reechantillonnage.grader import GRADER
 from graders.l20.reechantillonnage.harvest import harvest
 from graders.l20.reechantillonnage.judge import TAIL, is_comb, plausible
-from reference.localisation.resampling import comb, systematic_resampling
+from reference.filters.resampling import comb, systematic_resampling
 from tests.quick import one_in
 
 # Whether a file loads at all is the sandbox's business.
