@@ -11,6 +11,15 @@ from pathlib import Path
 
 from server.sandbox import Sandbox, WallReport, probe
 
+SOURCE = b"def f(x):\n    return x + 1\n"
+LEAVES = b"import os\nos._exit(1)\n"
+
+
+def answers(sandbox: Sandbox) -> None:
+    """It runs an honest program."""
+    with sandbox.open(SOURCE) as session:
+        assert session.call("f", 1).value == 2
+
 
 @cache
 def probed() -> dict[str, WallReport]:

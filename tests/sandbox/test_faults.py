@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from server.sandbox import FaultKind, Policy, ProgramFault, Sandbox
+from server.sandbox import FaultKind, ProgramFault, Sandbox
 from server.sandbox.diagnosis import last_frames
 
 from .limits import only

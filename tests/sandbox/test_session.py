@@ -159,7 +159,12 @@ def test_a_dead_program_repeats_its_fault(sandbox: Sandbox) -> None:
 
 
 def test_usage_is_measured_by_the_kernel(sandbox: Sandbox) -> None:
-    source = b"import time\ndef f():\n    while time.process_time() < 0.2: pass\n    return bytearray(30 << 20) and time.process_time()\n"
+    source = b"""
+import time
+def f():
+    while time.process_time() < 0.2: pass
+    return bytearray(30 << 20) and time.process_time()
+"""
     start = time.monotonic()
     with sandbox.open(source) as session:
         told = session.call("f").value
