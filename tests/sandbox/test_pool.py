@@ -72,7 +72,7 @@ def test_a_killed_template_is_replaced_and_its_sessions_are_our_fault() -> None:
 
 
 def test_a_child_killed_from_outside_is_no_fault_of_the_student() -> None:
-    with Sandbox({}) as sandbox:
+    with Sandbox({}, spares=0) as sandbox:
         answers(sandbox)
         ours = root_and_template()
         with sandbox.open(SOURCE) as session:
