@@ -46,8 +46,8 @@ class Attempt:
 
 #: Only a slow attempt is about time: another one that ran out of it, on a busy machine, would pass for stopped.
 POLICY = Policy(cpu_seconds=20.0, wall_seconds=60.0, memory_bytes=32 * MIB, folder_bytes=1 * MIB)
-#: The kernel counts whole seconds, of which two end the program.
-HURRIED = replace(POLICY, cpu_seconds=0.9)
+#: The kernel counts whole seconds of the processor, of which two end the program.
+HURRIED = replace(POLICY, cpu_seconds=0.9, wall_seconds=300.0)
 #: What stands between a program and a file, a socket or a process whatever the namespaces are.
 _FILTERS = frozenset({"seccomp", "landlock"})
 _ALL_BUT_LANDLOCK = frozenset({"seccomp", "view", "cgroup"})
@@ -93,6 +93,7 @@ def _twice_the_memory(_: ExitStack) -> Value:
 
 
 def _beyond_the_time(_: ExitStack) -> Value:
+    """Seconds of the processor, above those that end a hurried program."""
     return 2.5
 
 

@@ -47,10 +47,9 @@ def walled() -> Iterator[Sandbox]:
 @pytest.fixture(scope="module")
 def bystander() -> Iterator[int]:
     """A process of the same user, to be left in peace."""
-    with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"]) as process:
+    with subprocess.Popen([sys.executable, "-c", "import sys; sys.stdin.read()"], stdin=subprocess.PIPE) as process:
         yield process.pid
         assert process.poll() is None
-        process.kill()
 
 
 def outcome(
