@@ -12,9 +12,9 @@ from argparse import Namespace
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from graders.core.code.grading import Grading
+from graders.core.contract.findings import Grading
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import Known
-from graders.core.contract.verdict import Outcome
 from server.cells import check as cells
 from server.cli.local import find, local_grader, start_probing
 from server.course import Exercise, load
@@ -109,7 +109,7 @@ def examine(grader: Grader, exercise: Exercise, case: Case, seed: int) -> Findin
 
 def not_full_marks(grading: Grading) -> str:
     verdict = grading.verdict
-    if verdict.outcome is Outcome.INTERNAL_ERROR:
+    if not verdict.outcome.counts:
         return "la correction a échoué"
     return "obtient tous les points" if verdict.outcome is Outcome.OK else ""
 

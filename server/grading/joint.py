@@ -10,10 +10,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from uuid import UUID
 
-from graders.core.code.grading import Grading
+from graders.core.contract.findings import Grading
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, KitSettings, Launcher, Reply, StudentFault
 from graders.core.contract.values import Arguments, Value
-from graders.core.contract.verdict import Outcome, internal_error_verdict
+from graders.core.contract.verdict import internal_error_verdict
 from server.course.models import Course, Exercise
 from server.grading.results import version_of
 from server.sandbox import Frame, Kit, Policy, ProgramFault, Sandbox, Session

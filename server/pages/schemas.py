@@ -124,7 +124,6 @@ class VerdictView:
     what all the checks say when they all say the same.
     """
 
-    outcome: str
     title: str
     sentence: str
     tone: Tone

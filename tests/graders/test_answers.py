@@ -15,9 +15,9 @@ from graders.core.answers import Quantity, numeric
 from graders.core.answers.interval import around
 from graders.core.answers.numeric import DRAWS, NumericGrader, NumericSheet
 from graders.core.answers.wording import Datum, NumericWording
-from graders.core.code.grading import Grading
+from graders.core.contract.findings import Grading
 from graders.core.contract.malformed import MalformedExerciseError
-from graders.core.contract.verdict import Outcome
+from graders.core.contract.outcomes import Outcome
 from tests.graders.answered import EXERCISES, ODOMETRY, PROOF, QUIZ, SEEDS, check_of, graded, grader_of
 
 

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from graders.core.code.grading import Grading, grade
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import PROJECT, local_launcher
-from graders.core.contract.verdict import Outcome, Verdict
+from graders.core.contract.verdict import Verdict
 from graders.l20.boucles.grader import GRADER
 from graders.l20.boucles.readings import Unsuitable, read_signature
 from tests.graders.boucles_styles import ARRAY, DESCRIPTORS, DISTANCES, LIST, submission

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from graders.core.compare.comparison import CloseTo, SameIndices, SamePose, ScalarCloseTo
 from graders.core.compare.slips import SLIPS
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import same_value
-from graders.core.contract.verdict import Outcome
 
 plain = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.complex_numbers() | st.text(max_size=5),

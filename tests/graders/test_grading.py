@@ -14,6 +14,7 @@ from graders.core.code.exercise import ExerciseGrader, MalformedExerciseError, M
 from graders.core.code.grading import grade
 from graders.core.compare.comparison import CloseTo
 from graders.core.compare.shrinking import shrink_array
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import (
     Answer,
     KitSettings,
@@ -23,7 +24,7 @@ from graders.core.contract.program import (
     local_launcher,
     one_by_one,
 )
-from graders.core.contract.verdict import Outcome, internal_error_verdict
+from graders.core.contract.verdict import internal_error_verdict
 from graders.l20 import world
 
 SOLUTION = "def double(x):\n    return 2 * x\n\ndef carre(x):\n    return x * x\n"

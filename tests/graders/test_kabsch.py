@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from graders.core.code.grading import Grading, grade
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import PROJECT, local_launcher
-from graders.core.contract.verdict import Outcome, Verdict
+from graders.core.contract.verdict import Verdict
 from graders.l20.kabsch import cases
 from graders.l20.kabsch.checks import Pairing, Question, simpler_pairings
 from graders.l20.kabsch.grader import GRADER

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from graders.core.code.grading import grade
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import PROJECT, KitSettings, LocalProgram, Program, StudentFault, local_launcher
-from graders.core.contract.verdict import Outcome
 from graders.l20.predire2d import cases, trials
 from graders.l20.predire2d.beliefs import SameBelief, in_words, instead, one_hot
 from graders.l20.predire2d.checks import tells_something

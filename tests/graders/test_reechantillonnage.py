@@ -13,8 +13,9 @@ from scipy import stats
 
 from graders.core.code.bench import Bench, Runner
 from graders.core.code.grading import grade, observe, stream
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import PROJECT, local_launcher
-from graders.core.contract.verdict import Outcome, Verdict
+from graders.core.contract.verdict import Verdict
 from graders.l20.reechantillonnage import trials
 from graders.l20.reechantillonnage.grader import GRADER
 from graders.l20.reechantillonnage.harvest import harvest

@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 from graders.core.code.grading import Grading, grade
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import PROJECT, local_launcher
-from graders.core.contract.verdict import Outcome, Verdict
+from graders.core.contract.verdict import Verdict
 from graders.l20.slam_graphe.grader import GRADER
 from tests.quick import one_in
 

@@ -9,6 +9,7 @@ import pytest
 from graders.core.code.exercise import ExerciseGrader
 from graders.core.code.grading import grade
 from graders.core.contract.program import local_launcher
+from graders.core.contract.verdict import Verdict
 from graders.discovery import discover
 from server.web import verdicts
 from server.web.rendering import environment
@@ -21,7 +22,8 @@ SHOW = '{% from "verdict.html" import show_verdict %}{{ show_verdict(verdict, 1)
 def test_a_named_mistake_is_shown_with_all_that_explains_it(grader: ExerciseGrader) -> None:
     mistake = grader.misconceptions[0]
     grading = grade(grader, local_launcher(mistake.source), seed=1, version="0")
-    verdict = verdicts.view(json.loads(json.dumps(grading.verdict.to_json(), allow_nan=False)), "/figures")
+    stored = json.loads(json.dumps(grading.verdict.to_json(), allow_nan=False))
+    verdict = verdicts.view(Verdict.from_json(stored), "/figures")
     html = environment().from_string(SHOW).render(verdict=verdict)
     assert verdict.diagnosis is not None
     assert len(verdict.diagnosis.paragraphs) >= 2

@@ -6,10 +6,12 @@ import json
 import subprocess
 import sys
 from argparse import Namespace
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
+import httpx
 import pytest
 
 from server.cli import check, main, report
@@ -231,3 +233,24 @@ def test_a_token_that_is_none_is_said_in_a_sentence(capsys: Any, tmp_path: Path)
     file.write_text("x = 1")
     assert main(["submit", EXERCISE, str(file), "--server", "http://127.0.0.1:1", "--token", "jeton…"]) == 2
     assert "jeton" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("verdict", "place"), [({}, "« exercise »"), ({"exercise": 3}, "« exercise »"), (None, "lire."), ("ok", "lire.")]
+)
+def test_a_server_that_answers_something_else_than_a_verdict_is_told_in_a_sentence(
+    monkeypatch: Any, tmp_path: Path, capsys: Any, verdict: Any, place: str
+) -> None:
+    def answer(request: httpx.Request) -> httpx.Response:
+        if request.method == "POST":
+            return httpx.Response(202, json={"url": "/api/v1/submissions/1"})
+        return httpx.Response(200, text=f"data: {json.dumps({'status': 'done', 'verdict': verdict})}\n\n")
+
+    client = partial(httpx.Client, transport=httpx.MockTransport(answer))
+    monkeypatch.setattr("server.cli.submit.httpx.Client", client)
+    file = tmp_path / "a.py"
+    file.write_text("x = 1")
+    assert main(["submit", EXERCISE, str(file), "--server", "http://serveur", "--token", "jeton"]) == 2
+    told = capsys.readouterr().err
+    assert "n’est pas un verdict" in told
+    assert place in told

@@ -12,7 +12,7 @@ from graders.core.answers.letters import MOST, Letters
 from graders.core.answers.mistakes import same_mistakes
 from graders.core.answers.paper import Paper, Piece, Question, Told
 from graders.core.answers.reading import is_blank, shown
-from graders.core.code.grading import Finding
+from graders.core.contract.findings import Finding
 from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.verdict import MAX_POINTS
 

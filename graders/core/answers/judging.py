@@ -13,9 +13,10 @@ from typing import Any, ClassVar
 from graders.core.answers.mistakes import Mistake, read_mistakes
 from graders.core.answers.paper import Paper, Told
 from graders.core.answers.reading import UnreadableAnswersError, canonical, is_blank, read_answers, shown
-from graders.core.code.grading import Finding, Grading
+from graders.core.contract.findings import Finding, Grading, verdict_of
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import Known, Run
-from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Outcome, Verdict, overall_outcome
+from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis
 
 Answers = Mapping[str, Any]
 ROUNDS = 25  # seeds on which a known answer is tried by `balise check`
@@ -53,7 +54,7 @@ class Check:
     hint: str | None = None
 
     def passed(self, message: str = "") -> Finding:
-        return Finding(CheckResult(self.id, self.title, self.points, self.points, message=message))
+        return Finding(CheckResult(self.id, self.title, True, self.points, self.points, message))
 
     def failed(
         self,
@@ -67,8 +68,8 @@ class Check:
         slip: str | None = None,
     ) -> Finding:
         found = None if inputs is None else Counterexample(inputs, expected, got)
-        result = CheckResult(self.id, self.title, points, self.points, cause, message, found, self.hint)
-        return Finding(result, slip)
+        result = CheckResult(self.id, self.title, False, points, self.points, message, found, self.hint)
+        return Finding(result, cause, slip)
 
     def unreadable(self, reason: str, value: Any) -> Finding:
         message = f"Cette réponse n'est pas lue : {reason}."
@@ -120,18 +121,9 @@ class AnswersGrader(ABC):
         """The verdict of a file of answers. Nothing runs: `run` is what exercises of code need."""
         started = time.perf_counter()
         findings = self._findings(source, seed)
-        checks = [finding.result for finding in findings]
         took = round(1000.0 * (time.perf_counter() - started), 3)
-        verdict = Verdict(
-            self.exercise,
-            version,
-            overall_outcome(checks),
-            seed,
-            checks,
-            self._diagnosis(findings),
-            timings={"total_ms": took},
-        )
-        return Grading(verdict)
+        diagnosis = self._diagnosis(findings)
+        return Grading(verdict_of(self.exercise, version, seed, findings, diagnosis, timings={"total_ms": took}))
 
     def _findings(self, source: bytes, seed: int) -> Sequence[Finding]:
         try:
@@ -152,7 +144,7 @@ class AnswersGrader(ABC):
 
     def _diagnosis(self, findings: Sequence[Finding]) -> Diagnosis | None:
         """The misconception seen in most of the failed checks; of several, the one that was seen first."""
-        seen = Counter(finding.slip for finding in findings if finding.slip and not finding.result.passed)
+        seen = Counter(finding.slip for finding in findings if finding.slip and not finding.passed)
         return self.catalogue[seen.most_common(1)[0][0]].diagnosis if seen else None
 
     def rehearse(self) -> None:

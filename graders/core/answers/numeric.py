@@ -18,8 +18,8 @@ from graders.core.answers.numbers import NotANumberError, bounded, read_number
 from graders.core.answers.paper import Given, Paper, Question, Told
 from graders.core.answers.reading import is_blank, shown
 from graders.core.answers.wording import NumericSheet
-from graders.core.code.grading import Finding
 from graders.core.compare.words import number
+from graders.core.contract.findings import Finding
 from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.streams import stream
 from graders.core.contract.verdict import MAX_POINTS

@@ -12,7 +12,7 @@ from graders.core.answers.letters import MOST, Letters
 from graders.core.answers.mistakes import same_mistakes
 from graders.core.answers.paper import Paper, Piece, Question, Told
 from graders.core.answers.reading import is_blank, shown
-from graders.core.code.grading import Finding
+from graders.core.contract.findings import Finding
 from graders.core.contract.malformed import MalformedExerciseError
 
 ORDER = "ordre"  # the name of the only question
@@ -173,9 +173,11 @@ class OrderGrader(AnswersGrader):
             message = f"{STOPS} {message}"
         inputs = {"place": place}
         points = BEGINNING.points * beginning.length / len(self.sheet.steps)
-        begins = BEGINNING.failed(message, inputs=inputs, expected=role, got=stands, points=points)
-        if beginning.wanted is None:
-            begins = BEGINNING.passed()
+        begins = (
+            BEGINNING.failed(message, inputs=inputs, expected=role, got=stands, points=points)
+            if beginning.wanted
+            else BEGINNING.passed()
+        )
         whole = WHOLE.failed(
             "La suite est à revoir à partir de cette place.",
             inputs=inputs,

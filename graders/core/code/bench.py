@@ -14,9 +14,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, KitSettings, Launcher, Program, Reply, StudentFault
 from graders.core.contract.values import Arguments, Value
-from graders.core.contract.verdict import Outcome
 
 MAX_LAUNCHES = 12
 

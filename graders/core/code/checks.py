@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -17,11 +17,10 @@ from graders.core.code.bench import Bench
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Comparator, Mismatch
 from graders.core.compare.shrinking import Shrinker, shrink
+from graders.core.contract.findings import FigureData
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, Reply, StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, same_value
-from graders.core.contract.verdict import Outcome
-
-FigureData = dict[str, Any]
 
 # A function that raised that often has shown enough; each fault may have cost a large part of its time limit.
 MAX_FAULTS = 4

@@ -13,11 +13,12 @@ import numpy as np
 
 from graders.core.code import grading
 from graders.core.code.checks import Check
-from graders.core.code.grading import Grading
+from graders.core.contract.findings import Grading
 from graders.core.contract.malformed import MalformedExerciseError
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings
 from graders.core.contract.protocol import Known, Run
-from graders.core.contract.verdict import MAX_POINTS, Outcome
+from graders.core.contract.verdict import MAX_POINTS
 
 __all__ = ["ExerciseGrader", "MalformedExerciseError", "Misconception", "Specimen", "exercise"]
 

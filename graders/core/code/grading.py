@@ -5,38 +5,22 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from graders.core.code.bench import Bench, Observation, Runner
-from graders.core.code.checks import Check, FigureData, Rejection, fault_rejection
+from graders.core.code.checks import Check, Rejection, fault_rejection
 from graders.core.code.diagnosis import diagnose, hopeless, slip_diagnosis
 from graders.core.compare.words import tidy, to_jsonable
+from graders.core.contract.findings import Finding, Grading, verdict_of
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings, Launcher, StudentFault, local_launcher
 from graders.core.contract.streams import stream
-from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Outcome, Verdict, overall_outcome
+from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis
 
 if TYPE_CHECKING:
     from graders.core.code.exercise import ExerciseGrader, Misconception
 
 FIGURE_ITEMS = 20_000
-
-
-@dataclass(frozen=True)
-class Grading:
-    """A verdict, and the data of the figures that it names (JSON; drawn when they are looked at)."""
-
-    verdict: Verdict
-    figures: dict[str, dict[str, Any]] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Finding:
-    """What one check found: its result, the slip that it saw, the data of its figure."""
-
-    result: CheckResult
-    slip: str | None = None
-    figure: FigureData | None = None
 
 
 def grade(grader: ExerciseGrader, launch: Launcher, *, seed: int, version: str) -> Grading:
@@ -53,12 +37,9 @@ def grade(grader: ExerciseGrader, launch: Launcher, *, seed: int, version: str) 
         runner.close()
     graded = time.perf_counter()
     diagnosis = _diagnosis(grader, findings, runner.observations, kit, seed)
-    checks = [finding.result for finding in findings]
     done = time.perf_counter()
     timings = {"checks_ms": _ms(graded - started), "diagnosis_ms": _ms(done - graded), "total_ms": _ms(done - started)}
-    verdict = Verdict(
-        grader.exercise, version, overall_outcome(checks), seed, checks, diagnosis, runner.stdout, timings
-    )
+    verdict = verdict_of(grader.exercise, version, seed, findings, diagnosis, stdout=runner.stdout, timings=timings)
     figures = {f.result.id: to_jsonable(f.figure, limit=FIGURE_ITEMS) for f in findings if f.figure is not None}
     return Grading(verdict, figures)
 
@@ -77,7 +58,7 @@ def _unless_alone(check: Check, finding: Finding, checks: Sequence[Check], findi
     others = [
         f for c, f in zip(checks, findings, strict=True) if c is not check and set(c.functions) & set(check.functions)
     ]
-    if not check.needs_another or not finding.result.passed or any(f.result.passed for f in others):
+    if not check.needs_another or not finding.passed or any(f.passed for f in others):
         return finding
     message = "Rien à reprocher ici, mais ces points ne comptent qu'à partir d'une autre vérification réussie."
     return _finding(
@@ -96,7 +77,7 @@ def run_check(check: Check, bench: Bench) -> Finding:
         if bench.last_call is not None:
             inputs = {f"argument {i + 1}": value for i, value in enumerate(bench.last_call[1])}
         return _finding(check, fault_rejection(fault, inputs=inputs))
-    return Finding(CheckResult(check.id, check.title, check.points, check.points))
+    return Finding(CheckResult(check.id, check.title, True, check.points, check.points))
 
 
 def _finding(check: Check, rejection: Rejection) -> Finding:
@@ -107,15 +88,15 @@ def _finding(check: Check, rejection: Rejection) -> Finding:
     result = CheckResult(
         id=check.id,
         title=check.title,
+        passed=False,
         points=0,
         max_points=check.points,
-        cause=rejection.cause,
         message=rejection.message,
         counterexample=counterexample,
         hint=check.hint,
         figure=check.id if rejection.figure is not None else None,
     )
-    return Finding(result, rejection.slip, rejection.figure)
+    return Finding(result, rejection.cause, rejection.slip, rejection.figure)
 
 
 def _diagnosis(
@@ -125,7 +106,7 @@ def _diagnosis(
     kit: KitSettings,
     seed: int,
 ) -> Diagnosis | None:
-    failed = [finding for finding in findings if not finding.result.passed]
+    failed = [finding for finding in findings if not finding.passed]
     if not failed:
         return None
 
@@ -134,7 +115,7 @@ def _diagnosis(
 
     named = diagnose(observations, grader.misconceptions, replay)
     judged = (Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT)
-    return named or slip_diagnosis([f.slip for f in failed if f.result.cause in judged and f.result.counterexample])
+    return named or slip_diagnosis([f.slip for f in failed if f.cause in judged and f.result.counterexample])
 
 
 def observe(

@@ -14,8 +14,8 @@ import numpy as np
 
 from graders.core.compare import words as render
 from graders.core.compare.slips import shape_slip, value_slip
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array, read_indices, read_scalar
-from graders.core.contract.verdict import Outcome
 
 TOLERANCE = 1e-9
 

@@ -13,8 +13,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Protocol
 
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Arguments, Value
-from graders.core.contract.verdict import Outcome
 
 PROJECT = Path(__file__).resolve().parents[3]
 

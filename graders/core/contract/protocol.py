@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from graders.core.code.grading import Grading
+from graders.core.contract.findings import Grading
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Launcher
-from graders.core.contract.verdict import Outcome
 
 #: Starts the program of a file behind the walls; only exercises of code have one.
 Run = Callable[[bytes], Launcher]

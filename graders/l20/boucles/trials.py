@@ -9,11 +9,12 @@ from itertools import pairwise
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import FigureData, Rejection
+from graders.core.code.checks import Rejection
 from graders.core.compare.comparison import Mismatch, SameIndices
+from graders.core.contract.findings import FigureData
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array, read_indices
-from graders.core.contract.verdict import Outcome
 from graders.l20 import world
 from graders.l20.boucles import calibration
 from graders.l20.boucles.calibration import HUGE, Search, calibrate

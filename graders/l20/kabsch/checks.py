@@ -10,11 +10,12 @@ from typing import NamedTuple
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Check, FigureData, Rejection, fault_rejection
+from graders.core.code.checks import Check, Rejection, fault_rejection
 from graders.core.compare.shrinking import shrink, shrink_number
+from graders.core.contract.findings import FigureData
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats, Value
-from graders.core.contract.verdict import Outcome
 from graders.l20.kabsch.judge import Judgement, judge
 from reference.registration import RigidAlignment, kabsch
 

@@ -9,11 +9,12 @@ from functools import partial
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Cases, FigureData, Rejection, Trial, Untouched
+from graders.core.code.checks import Cases, Rejection, Trial, Untouched
 from graders.core.code.exercise import exercise
 from graders.core.compare import words as render
 from graders.core.compare.comparison import SamePose
 from graders.core.compare.shrinking import shrink_pose
+from graders.core.contract.findings import FigureData
 from graders.core.contract.program import Answer, Reply
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20 import world

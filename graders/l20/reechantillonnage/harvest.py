@@ -12,9 +12,9 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection, fault_rejection
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, unreadable
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
-from graders.core.contract.verdict import Outcome
 
 FUNCTION = "reechantillonner_systematique"
 Counts = NDArray[np.int64]

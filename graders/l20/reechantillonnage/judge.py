@@ -16,8 +16,9 @@ from functools import cache
 
 import numpy as np
 
-from graders.core.code.checks import FigureData, Rejection
+from graders.core.code.checks import Rejection
 from graders.core.compare import words as render
+from graders.core.contract.findings import FigureData
 from graders.core.contract.values import Floats
 from graders.l20.reechantillonnage.harvest import FUNCTION, Counts, Finding, Harvest, Scenario
 from reference.localisation.resampling import comb

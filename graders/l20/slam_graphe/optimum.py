@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Check, FigureData, Rejection, drawable, fault_rejection
+from graders.core.code.checks import Check, Rejection, drawable, fault_rejection
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
 from graders.core.compare.shrinking import shrink
+from graders.core.contract.findings import FigureData
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
-from graders.core.contract.verdict import Outcome
 from graders.l20.slam_graphe.graphs import EIGHTH, QUARTER, Graph, settles
 from reference.pose_graph import DisconnectedGraphError
 from reference.se2 import wrap_angle
