@@ -126,7 +126,7 @@ class Failure:
 
 @dataclass(frozen=True, kw_only=True)
 class Cases(Check):
-    """Compare one function with its reference on every case; show the simplest failing one, shrunk (but to a replay).
+    """Compare one function with its reference on every case; show the simplest failing one, shrunk (but to re-enact).
 
     `cases` yields tuples of arguments, simplest first; `expected` computes the right answer from these;
     `shrinkers`, one for each argument, simplify a failing case as long as `valid` holds of it;
@@ -154,7 +154,7 @@ class Cases(Check):
             else:
                 bench.observe(self.function, answer.value, ok=failure is None)
             first = first or failure
-        if first is not None and not bench.runner.replaying:
+        if first is not None and not bench.runner.reenacting:
             raise self._rejection(self._shrunk(bench, first))
 
     def _judged(self, args: Arguments, answer: Answer) -> Failure | None:
@@ -178,7 +178,7 @@ class Cases(Check):
             found.append(simpler)
             return True
 
-        shrink(failure.args, self.shrinkers, still_fails)
+        shrink(failure.args, self.shrinkers, still_fails, bench.runner.budget)
         return found[-1]
 
     def _rejection(self, failure: Failure) -> Rejection:

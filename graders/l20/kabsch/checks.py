@@ -84,7 +84,7 @@ class Alignments(Check):
         first: Failure | None = None
         for question in drawn(self.pairings, int(bench.rng.integers(2**62))):
             observed = question.pairing.observed
-            if bench.runner.replaying and not observed:
+            if bench.runner.reenacting and not observed:
                 continue
             failure = attempt(bench, question, record=observed)
             first = first or failure
@@ -95,7 +95,7 @@ class Alignments(Check):
 
     @staticmethod
     def _shrunk(bench: Bench, failure: Failure) -> Failure:
-        if bench.runner.replaying or failure.stops or failure.pairing.is_whole or not failure.best.unique:
+        if bench.runner.reenacting or failure.stops or failure.pairing.is_whole or not failure.best.unique:
             return failure
         found = [failure]
 
@@ -109,7 +109,7 @@ class Alignments(Check):
             found.append(simpler)
             return True
 
-        shrink((failure.pairing,), (simpler_pairings,), still_fails)
+        shrink((failure.pairing,), (simpler_pairings,), still_fails, bench.runner.budget)
         return found[-1]
 
 

@@ -141,15 +141,15 @@ class Optimum(Check):
     def run(self, bench: Bench) -> None:
         first: Failure | None = None
         graphs = self.graphs(bench.rng)
-        for graph in _brief(graphs) if bench.runner.replaying else graphs:
+        for graph in _brief(graphs) if bench.runner.reenacting else graphs:
             failure = attempt(bench, graph, record=True)
             if failure and graph.judged:
                 first = first or failure
             if failure and failure.fault and _hopeless(failure.fault):
                 break
         if first is not None:
-            # Nobody reads what a replay finds: only its observations count.
-            raise Rejection("") if bench.runner.replaying else rejection(_shrunk(bench, first))
+            # Nobody reads what a re-enacted mistake finds: only its observations count.
+            raise Rejection("") if bench.runner.reenacting else rejection(_shrunk(bench, first))
 
 
 def _brief(graphs: Sequence[Graph]) -> Sequence[Graph]:
@@ -199,7 +199,7 @@ def _shrunk(bench: Bench, failure: Failure) -> Failure:
         found.append(simpler)
         return True
 
-    shrink((failure.graph,), (simpler_graphs,), still_fails)
+    shrink((failure.graph,), (simpler_graphs,), still_fails, bench.runner.budget)
     return found[-1]
 
 
