@@ -16,6 +16,7 @@ from starlette.middleware.gzip import GZipMiddleware
 from server.api.documentation import with_problem_schema
 from server.api.routes import router as api_router
 from server.base import middleware
+from server.base.provided import check_provided, provide
 from server.base.settings import Settings
 from server.cells.routes import router as cells_router
 from server.cells.supervisor import Cells
@@ -24,6 +25,7 @@ from server.database import Database
 from server.grading.results import give_up_with
 from server.grading.supervisor import WORKER_COMMAND, Supervisor
 from server.identity import service as accounts
+from server.identity.service import Accounts
 from server.pages.accounts import router as accounts_router
 from server.pages.routes import router as pages_router
 from server.queue import service as queue
@@ -37,9 +39,10 @@ from server.reading.routes import router as reading_router
 from server.replays.routes import Desk
 from server.replays.routes import router as replays_router
 from server.replays.service import Replays
+from server.submissions import service as submissions
 from server.submissions.events import Events
 from server.submissions.figures import Figures
-from server.web import problems
+from server.web import errors
 
 log = logging.getLogger(__name__)
 
@@ -151,26 +154,22 @@ def create_app(
     _protect(app, settings)
     for router in (api_router, accounts_router, pages_router, reading_router, cells_router, replays_router):
         app.include_router(router)
-    problems.install(app)
+    errors.install(app)
     _document(app)
     return app
 
 
 def _share(app: FastAPI, services: Services) -> None:
-    app.state.settings = services.settings
-    app.state.course = services.course
-    app.state.database = services.database
-    app.state.events = services.events
-    app.state.cells = services.cells
-    app.state.figures = Figures(services.course)
-    app.state.drawings = Drawings(services.course)
-    app.state.downloads = Downloads(services.course)
-    app.state.replays = Desk(Replays())
+    course = services.course
+    provide(app, services.settings, course, services.database, services.events, services.cells)
+    provide(app, Accounts(services.database, services.settings, adopt=submissions.adopt))
+    provide(app, Figures(course), Drawings(course), Downloads(course), Desk(Replays()))
+    check_provided(app)
 
 
 def _protect(app: FastAPI, settings: Settings) -> None:
-    app.add_middleware(middleware.BoundedBody, most=settings.body_bytes, refuse=problems.refusal)
-    app.add_middleware(middleware.SameOrigin, refuse=problems.refusal)
+    app.add_middleware(middleware.BoundedBody, most=settings.body_bytes, refuse=errors.refusal)
+    app.add_middleware(middleware.SameOrigin, refuse=errors.refusal)
     app.add_middleware(middleware.SessionCookie, max_age=settings.session_days * DAY)
     app.add_middleware(middleware.SecurityHeaders)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=GZIP_LEVEL)

@@ -9,7 +9,7 @@ import pytest
 
 import server
 from reference import se2
-from reference.localisation.resampling import comb, effective_sample_size
+from reference.filters.resampling import comb, effective_sample_size
 from reference.metrics import absolute_trajectory_error
 from reference.occupancy import log_odds, probability
 from reference.odometry import DifferentialDrive, LateralDrift

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.errors import InvalidArgumentError
-from reference.localisation.log_weights import NormalisedWeights, normalise
+from reference.filters.log_weights import NormalisedWeights, normalise
 
 Floats = NDArray[np.float64]
 Control_contra = TypeVar("Control_contra", contravariant=True)

@@ -15,7 +15,7 @@ from reference.errors import InvalidArgumentError
 from reference.filters.bayes import Measurement_contra, reweighted
 from reference.filters.gaussian import checked_vector
 from reference.filters.moments import Flags, weighted_covariance, weighted_mean
-from reference.localisation.resampling import Scheme, effective_sample_size, systematic_resampling
+from reference.filters.resampling import Scheme, effective_sample_size, systematic_resampling
 
 Floats = NDArray[np.float64]
 

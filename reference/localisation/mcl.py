@@ -17,10 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 from reference.errors import InvalidArgumentError
 from reference.filters.bayes import reweighted
 from reference.filters.particles import ParticleFilter
+from reference.filters.resampling import multinomial_resampling, systematic_resampling
 from reference.localisation.kld_sampling import KldSampling
 from reference.localisation.odometry_motion import OdometryNoise, sample_odometry
 from reference.localisation.pose_clusters import Cluster, clusters
-from reference.localisation.resampling import multinomial_resampling, systematic_resampling
 from reference.sensors.rays import ScanSensor
 from reference.world.grid_map import GridMap
 from reference.world.scan import Scan

@@ -1,13 +1,12 @@
 """What there is to solve."""
 
-from typing import Annotated
-
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter
 
 from graders.core.answers import Paper, Question
 from server.api.documentation import problems
 from server.api.schemas import ExerciseDetail, ExerciseOut, FunctionOut, GivenOut, LimitsOut, PieceOut, QuestionOut
 from server.base.errors import NotFound
+from server.course.dependencies import CourseOf
 from server.course.models import Course, Exercise
 from server.database.dependencies import DatabaseOf
 from server.identity.dependencies import ApiAccount
@@ -15,14 +14,6 @@ from server.submissions import draws
 
 router = APIRouter(tags=["exercises"])
 NO_PAPER = Paper((), ())
-
-
-def get_course(request: Request) -> Course:
-    course: Course = request.app.state.course
-    return course
-
-
-CourseOf = Annotated[Course, Depends(get_course)]
 
 
 def find(course: Course, exercise_id: str) -> Exercise:

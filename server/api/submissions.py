@@ -2,23 +2,25 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query, Request
+from fastapi import APIRouter, Depends, Query
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from server.api.documentation import content, events, problems
-from server.api.exercises import CourseOf, find
+from server.api.exercises import find
 from server.api.schemas import NewSubmission, SubmissionOut
 from server.api.state import Resource, reader, resource
+from server.course.dependencies import CourseOf
 from server.course.models import Exercise
 from server.database import Database
 from server.database.dependencies import DatabaseOf, Db
 from server.identity.dependencies import ApiAccount
 from server.identity.models import Account
 from server.submissions import service as submissions
+from server.submissions.dependencies import EventsOf, FiguresOf
 from server.submissions.events import Events, as_sse
-from server.submissions.figures import MEDIA_TYPES, Figures, Format, Theme
+from server.submissions.figures import MEDIA_TYPES, Format, Theme
 
 router = APIRouter(tags=["submissions"])
 
@@ -42,9 +44,9 @@ STREAM = events("Its data is as in `GET /submissions/{id}`; ends when done.", "s
 )
 async def create(
     body: NewSubmission,
-    request: Request,
     account: ApiAccount,
     database: DatabaseOf,
+    hub: EventsOf,
     course: CourseOf,
     wait: Wait = None,
 ) -> Response:
@@ -52,7 +54,7 @@ async def create(
     _require_its_kind(find(course, body.exercise), body)
     current = await run_in_threadpool(_store, database, account, body)
     if wait:
-        current = await _wait(request, database, account, current, min(wait, LONGEST_WAIT))
+        current = await _wait(hub, database, account, current, min(wait, LONGEST_WAIT))
     return _json(current, 200 if current.done else 202)
 
 
@@ -73,8 +75,7 @@ def _store(database: Database, account: Account, body: NewSubmission) -> Resourc
         return resource(db, submissions.submit(db, account, body.exercise, body.code))
 
 
-async def _wait(request: Request, database: Database, account: Account, current: Resource, seconds: float) -> Resource:
-    hub: Events = request.app.state.events
+async def _wait(hub: Events, database: Database, account: Account, current: Resource, seconds: float) -> Resource:
     submission_id = submissions.parse_id(current.members["id"])
     return await hub.until_done(submission_id, reader(database, account, submission_id), seconds)
 
@@ -92,9 +93,8 @@ def read(submission_id: str, account: ApiAccount, db: Db) -> Response:
 @router.get(
     "/submissions/{submission_id}/events", response_class=Response, responses={200: STREAM, **problems(401, 404)}
 )
-async def follow(submission_id: str, request: Request, account: ApiAccount, database: DatabaseOf) -> Response:
+async def follow(submission_id: str, hub: EventsOf, account: ApiAccount, database: DatabaseOf) -> Response:
     """The submission each time that it changes, as server-sent events."""
-    hub: Events = request.app.state.events
     read = reader(database, account, submissions.parse_id(submission_id))
     await run_in_threadpool(read)  # a 404 must come before the stream begins
     stream = as_sse(hub.follow(submissions.parse_id(submission_id), read), Resource.text)
@@ -105,9 +105,9 @@ class FigureRequest:
     """One's own submission, and the name of one of its figures."""
 
     def __init__(
-        self, request: Request, submission_id: str, name: str, account: ApiAccount, db: Db, theme: Theme = "light"
+        self, figures: FiguresOf, submission_id: str, name: str, account: ApiAccount, db: Db, theme: Theme = "light"
     ) -> None:
-        self._figures: Figures = request.app.state.figures
+        self._figures = figures
         self._db, self._name, self._theme = db, name, theme
         self._submission = submissions.get_for(db, account, submission_id)
 

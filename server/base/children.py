@@ -1,9 +1,12 @@
-"""A process of ours ends with the one that started it."""
+"""Processes of ours: what they are given, and that they end with the one that started them."""
 
 import ctypes
 import os
 import signal
 import sys
+
+from server.base.paths import ROOT
+from server.base.settings import Settings
 
 _PR_SET_PDEATHSIG = 1
 
@@ -15,3 +18,11 @@ def die_with(parent: int) -> None:
         raise OSError(ctypes.get_errno(), "prctl(PR_SET_PDEATHSIG)")
     if os.getppid() != parent:
         sys.exit(0)
+
+
+def environment(settings: Settings) -> dict[str, str]:
+    """This process's environment, with every setting, and the project importable from any folder."""
+    values = {name: value for name, value in settings.model_dump(mode="json").items() if value is not None}
+    path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
+    settings_env = {f"BALISE_{name.upper()}": str(value) for name, value in values.items()}
+    return {**os.environ, **settings_env, "PYTHONPATH": path}

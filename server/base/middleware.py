@@ -12,8 +12,7 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.base.errors import Forbidden, ServiceError, TooLarge
-from server.database.dependencies import SAFE_METHODS
-from server.identity.dependencies import COOKIE
+from server.base.request import COOKIE, SAFE_METHODS
 
 CONTENT_SECURITY_POLICY = "; ".join(
     (
@@ -57,7 +56,7 @@ class SecurityHeaders:
 
 
 class SessionCookie:
-    """Sets the cookie that a dependency asked for with `accounts.dependencies.remember` or `forget`."""
+    """Sets the cookie that a dependency asked for with `identity.dependencies.remember` or `forget`."""
 
     def __init__(self, app: ASGIApp, max_age: int) -> None:
         self._app, self._max_age = app, max_age

@@ -1,33 +1,44 @@
 """The address to which pages send their cells."""
 
 import asyncio
+from typing import Annotated
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Depends, Request, Response
 
+from server.base.dependencies import SettingsOf
 from server.base.errors import NotFound
+from server.base.provided import provided
+from server.base.request import client_address
 from server.cells import service
 from server.cells.schemas import NewRun
-from server.course import Course
+from server.cells.supervisor import Cells
+from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf
-from server.identity.dependencies import BrowserAccount, client_address
+from server.identity.dependencies import BrowserAccount
 
 router = APIRouter(include_in_schema=False)
+CellsOf = Annotated[Cells, Depends(provided(Cells))]
 NO_STORE = {"Cache-Control": "no-store"}
 #: A status that nobody reads: the reader has left.
 LEFT = 499
 
 
 @router.post("/{module}/cellules")
-async def run(request: Request, module: str, body: NewRun, account: BrowserAccount, database: DatabaseOf) -> Response:
+async def run(
+    request: Request,
+    module: str,
+    body: NewRun,
+    account: BrowserAccount,
+    course: CourseOf,
+    cells: CellsOf,
+    database: DatabaseOf,
+    settings: SettingsOf,
+) -> Response:
     """The cell's prints, figures and fault, once it has run."""
-    state = request.app.state
-    course: Course = state.course
     if module not in course.modules:
         raise NotFound("Ce module n’existe pas.")
     code, address = body.code.replace("\r\n", "\n"), client_address(request)
-    running = asyncio.ensure_future(
-        service.run(state.cells, database, state.settings, account, module, code, address=address)
-    )
+    running = asyncio.ensure_future(service.run(cells, database, settings, account, module, code, address=address))
     leaving = asyncio.ensure_future(_gone(request))
     await asyncio.wait((running, leaving), return_when=asyncio.FIRST_COMPLETED)
     leaving.cancel()

@@ -2,13 +2,13 @@
 
 from starlette.concurrency import run_in_threadpool
 
+from server.base.encoding import encoded
 from server.base.errors import Crowded, Failed
 from server.base.settings import Settings
 from server.cells.supervisor import Cells
 from server.database import Database
 from server.identity.models import Account
-from server.limits import service as throttle
-from server.submissions.service import encoded
+from server.limits import service as limits
 
 TOO_FAST = "Vous avez exécuté beaucoup de cellules en peu de temps : la prochaine est possible dans {seconds} s."
 
@@ -22,11 +22,11 @@ async def run(
 
     def take() -> None:
         with database.write() as db:
-            throttle.take(db, key, settings.cell_bucket, TOO_FAST)
+            limits.take(db, key, settings.cell_bucket, TOO_FAST)
 
     def give_back() -> None:
         with database.write() as db:
-            throttle.give_back(db, key)
+            limits.give_back(db, key)
 
     await run_in_threadpool(take)
     try:

@@ -14,11 +14,11 @@ from contextlib import suppress
 from functools import partial
 from itertools import count
 
+from server.base.children import environment
 from server.base.errors import Crowded, Failed
 from server.base.settings import Settings
 from server.base.turns import FullError, Turns
 from server.cells import wire
-from server.grading.supervisor import environment
 
 log = logging.getLogger(__name__)
 

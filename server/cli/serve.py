@@ -17,6 +17,7 @@ from fastapi import FastAPI
 from sqlalchemy.exc import SQLAlchemyError
 
 from server.app import create_app
+from server.base.provided import provided_to
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
@@ -25,6 +26,7 @@ from server.course import Course, load
 from server.database import Database
 from server.database.migrate import upgrade
 from server.identity import service as accounts
+from server.submissions.events import Events
 
 GRACE = 2  # seconds left to open connections when the server stops
 BACKLOG = 2048
@@ -73,7 +75,7 @@ def _serve(app: FastAPI, listener: socket.socket, ready: Callable[[], None]) -> 
     config = uvicorn.Config(
         app, log_config=None, access_log=False, timeout_graceful_shutdown=GRACE, server_header=False
     )
-    server = Server(config, ready, app.state.events.close)
+    server = Server(config, ready, provided_to(app, Events).close)
     server.run([listener])
     if not server.started:
         raise CannotRun("le service n’a pas pu démarrer (voir les messages ci-dessus).")

@@ -6,22 +6,17 @@ from typing import Annotated
 from fastapi import Depends, Request
 from sqlalchemy.orm import Session
 
+from server.base.provided import provided
+from server.base.request import SAFE_METHODS
 from server.database.engine import Database
 
-SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+DatabaseOf = Annotated[Database, Depends(provided(Database))]
 
 
-def get_database(request: Request) -> Database:
-    database: Database = request.app.state.database
-    return database
-
-
-def _session(request: Request) -> Iterator[Session]:
-    database = get_database(request)
+def _session(request: Request, database: DatabaseOf) -> Iterator[Session]:
     transaction = database.read() if request.method in SAFE_METHODS else database.write()
     with transaction as db:
         yield db
 
 
 Db = Annotated[Session, Depends(_session, scope="function")]
-DatabaseOf = Annotated[Database, Depends(get_database)]

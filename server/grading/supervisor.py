@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
-from server.base.paths import ROOT
+from server.base.children import environment
 from server.base.settings import Settings
 from server.queue.owner import Owner, owner_of
 from server.queue.switchboard import Switchboard
@@ -109,11 +109,3 @@ class Supervisor:
         with suppress(ConnectionError):
             while line := await running.reader.readline():
                 self._switchboard.heard(running.writer, line.decode().rstrip("\n"))
-
-
-def environment(settings: Settings) -> dict[str, str]:
-    """This process's environment, with every setting, and the project importable from any folder."""
-    values = {name: value for name, value in settings.model_dump(mode="json").items() if value is not None}
-    path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
-    settings_env = {f"BALISE_{name.upper()}": str(value) for name, value in values.items()}
-    return {**os.environ, **settings_env, "PYTHONPATH": path}

@@ -6,19 +6,17 @@ from fastapi import Depends, Request, Security
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 
 from server.base.errors import Forbidden, Unauthorised
-from server.base.settings import Settings
+from server.base.provided import provided
+from server.base.request import COOKIE, client_address
 from server.database import Database
+from server.database.dependencies import DatabaseOf
 from server.identity import service
 from server.identity.models import Account
-from server.identity.service import Opened
-
-COOKIE = "balise_session"
+from server.identity.service import Accounts, Opened
 
 _bearer = HTTPBearer(auto_error=False, description="Un jeton créé sur la page « Mon compte ».")
 
-
-def client_address(request: Request) -> str:
-    return request.client.host if request.client else "inconnue"
+AccountsOf = Annotated[Accounts, Depends(provided(Accounts))]
 
 
 def remember(request: Request, opened: Opened) -> None:
@@ -30,27 +28,27 @@ def forget(request: Request) -> None:
     request.state.session_token = ""
 
 
-def current_account(request: Request) -> Account | None:
+def account_of(request: Request, database: Database) -> Account | None:
     """The account of the browser's session, if there is one; nothing is created."""
     token = request.cookies.get(COOKIE)
     if not token:
         return None
-    database: Database = request.app.state.database
     with database.read() as db:
         return service.account_of_session(db, token)
 
 
-OptionalAccount = Annotated[Account | None, Depends(current_account)]
+def _current(request: Request, database: DatabaseOf) -> Account | None:
+    return account_of(request, database)
 
 
-def account_or_guest(request: Request, account: OptionalAccount) -> Account:
+OptionalAccount = Annotated[Account | None, Depends(_current)]
+
+
+def account_or_guest(request: Request, account: OptionalAccount, accounts: AccountsOf) -> Account:
     """The account of the browser's session; a visitor without one becomes a guest."""
     if account is not None:
         return account
-    database: Database = request.app.state.database
-    settings: Settings = request.app.state.settings
-    with database.write() as db:
-        opened = service.new_guest(db, client_address(request), settings)
+    opened = accounts.welcome(client_address(request))
     remember(request, opened)
     return opened.account
 
@@ -67,10 +65,11 @@ def _teacher(account: OptionalAccount) -> Account:
 TeacherAccount = Annotated[Account, Depends(_teacher)]
 
 
-def _api(request: Request, credentials: Annotated[HTTPAuthorizationCredentials | None, Security(_bearer)]) -> Account:
+def _api(
+    credentials: Annotated[HTTPAuthorizationCredentials | None, Security(_bearer)], database: DatabaseOf
+) -> Account:
     if credentials is None:
         raise Unauthorised("Un jeton est attendu dans l’en-tête « Authorization: Bearer … ».")
-    database: Database = request.app.state.database
     with database.read() as db:
         account = service.account_of_api_token(db, credentials.credentials)
     if account is None:

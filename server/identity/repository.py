@@ -8,7 +8,6 @@ from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
-from server.limits.models import Allowance
 
 
 def by_id(db: Session, account_id: UUID) -> Account | None:
@@ -35,9 +34,8 @@ def by_api_token(db: Session, token_digest: str) -> Account | None:
     return db.execute(query).scalar_one_or_none()
 
 
-def delete_stale(db: Session, sessions_before: datetime, allowances_before: datetime) -> None:
-    db.execute(delete(BrowserSession).where(BrowserSession.expires_at < sessions_before))
-    db.execute(delete(Allowance).where(Allowance.updated_at < allowances_before))
+def delete_ended_sessions(db: Session, now: datetime) -> None:
+    db.execute(delete(BrowserSession).where(BrowserSession.expires_at < now))
 
 
 def teacher_exists(db: Session) -> bool:

@@ -1,10 +1,10 @@
 """Guests, sign-up, log-in, API tokens, and the one-time link of the first teacher.
 
 Functions that take `db` work inside the caller's transaction. Password hashing takes 0.1 s: the two entries that need
-it, `sign_up` and `log_in`, take the `Database` and hash outside of any transaction.
+it, `Accounts.sign_up` and `Accounts.log_in`, hash outside of any transaction.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from datetime import timedelta
 from uuid import UUID
@@ -17,8 +17,7 @@ from server.database import Database, utc_now
 from server.identity import repository, secrets
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
 from server.identity.schemas import NewAccount, RefusedForm, normalised_login, token_label
-from server.limits import service as throttle
-from server.submissions import service as submissions
+from server.limits import service as limits
 
 ALLOWANCES_KEPT = timedelta(days=7)
 GUEST_NAME = "Invité"
@@ -37,59 +36,62 @@ class Opened:
     token: str
 
 
-def new_guest(db: Session, address: str, settings: Settings) -> Opened:
-    """A real account, bound to nothing but the session that is opened for it."""
-    throttle.take(db, f"guest:{address}", settings.guest_bucket, TOO_MANY_GUESTS)
-    account = Account(role=Role.guest, name=GUEST_NAME)
-    db.add(account)
-    db.flush()
-    return open_session(db, account, settings)
+#: Gives what a guest (first id) has done to the account (second id) that the same person has just opened.
+Adopt = Callable[[Session, UUID, UUID], None]
 
 
-def open_session(db: Session, account: Account, settings: Settings) -> Opened:
-    token = secrets.new_token()
-    expires = utc_now() + timedelta(days=settings.session_days)
-    db.add(BrowserSession(token_digest=secrets.digest(token), account_id=account.id, expires_at=expires))
-    return Opened(account, token)
+@dataclass(frozen=True)
+class Accounts:
+    """Comes and goes of people. `adopt` says what follows a guest into an account."""
 
+    database: Database
+    settings: Settings
+    adopt: Adopt
 
-def close_session(db: Session, token: str) -> None:
-    repository.delete_session(db, secrets.digest(token))
+    def welcome(self, address: str) -> Opened:
+        """A new guest: a real account, bound to nothing but the session that is opened for it. Raises TooMany."""
+        with self.database.write() as db:
+            limits.take(db, f"guest:{address}", self.settings.guest_bucket, TOO_MANY_GUESTS)
+            account = Account(role=Role.guest, name=GUEST_NAME)
+            db.add(account)
+            db.flush()
+            return self._open_session(db, account)
 
+    def sign_up(self, wanted: NewAccount, *, visitor: Account | None, invitation: str | None = None) -> Opened:
+        """Makes a named account: a guest `visitor` becomes it, with its work. `invitation` gives its role."""
+        hashed = secrets.hash_password(wanted.password)
+        with self.database.write() as db:
+            role = Role.student if invitation is None else _use_invitation(db, invitation)
+            if repository.by_login(db, wanted.login) is not None:
+                raise RefusedForm({"login": TAKEN})
+            account = _account_to_name(db, visitor)
+            account.role, account.name, account.login, account.password_hash = role, wanted.name, wanted.login, hashed
+            db.flush()
+            repository.delete_sessions_of(db, account.id)
+            return self._open_session(db, account)
 
-def forget_stale(db: Session) -> None:
-    """Removes sessions that have ended, and token buckets that have been full again for long."""
-    now = utc_now()
-    repository.delete_stale(db, sessions_before=now, allowances_before=now - ALLOWANCES_KEPT)
+    def log_in(self, login: str, password: str, *, visitor: Account | None, address: str) -> Opened:
+        """Opens a session; a guest `visitor`'s work joins the account. Raises RefusedForm or TooMany."""
+        login = normalised_login(login)
+        with self.database.write() as db:
+            key = f"login:{secrets.digest(f'{login} {address}')}"
+            limits.take(db, key, self.settings.login_bucket, TOO_MANY_LOGINS)
+            limits.take(db, f"login-from:{address}", self.settings.guest_bucket, TOO_MANY_LOGINS)
+        with self.database.read() as db:
+            known = repository.by_login(db, login)
+        if not secrets.verify_password(password, known.password_hash if known else None) or known is None:
+            raise RefusedForm({"password": WRONG_LOGIN})
+        with self.database.write() as db:
+            if visitor is not None and visitor.is_guest:
+                self.adopt(db, visitor.id, known.id)
+                repository.delete_account(db, visitor.id)
+            return self._open_session(db, known)
 
-
-def account_of_session(db: Session, token: str) -> Account | None:
-    return repository.by_session(db, secrets.digest(token), utc_now())
-
-
-def account_of_api_token(db: Session, token: str) -> Account | None:
-    return repository.by_api_token(db, secrets.digest(token))
-
-
-def sign_up(
-    database: Database,
-    settings: Settings,
-    wanted: NewAccount,
-    *,
-    visitor: Account | None,
-    invitation: str | None = None,
-) -> Opened:
-    """Makes a named account: a guest `visitor` becomes it, with its work. `invitation` gives its role."""
-    hashed = secrets.hash_password(wanted.password)
-    with database.write() as db:
-        role = Role.student if invitation is None else _use_invitation(db, invitation)
-        if repository.by_login(db, wanted.login) is not None:
-            raise RefusedForm({"login": TAKEN})
-        account = _account_to_name(db, visitor)
-        account.role, account.name, account.login, account.password_hash = role, wanted.name, wanted.login, hashed
-        db.flush()
-        repository.delete_sessions_of(db, account.id)
-        return open_session(db, account, settings)
+    def _open_session(self, db: Session, account: Account) -> Opened:
+        token = secrets.new_token()
+        expires = utc_now() + timedelta(days=self.settings.session_days)
+        db.add(BrowserSession(token_digest=secrets.digest(token), account_id=account.id, expires_at=expires))
+        return Opened(account, token)
 
 
 def _account_to_name(db: Session, visitor: Account | None) -> Account:
@@ -99,28 +101,23 @@ def _account_to_name(db: Session, visitor: Account | None) -> Account:
     return account
 
 
-def log_in(
-    database: Database, settings: Settings, login: str, password: str, *, visitor: Account | None, address: str
-) -> Opened:
-    """Opens a session; a guest `visitor`'s submissions join the account. Raises RefusedForm or TooMany."""
-    login = normalised_login(login)
-    with database.write() as db:
-        throttle.take(db, f"login:{secrets.digest(f'{login} {address}')}", settings.login_bucket, TOO_MANY_LOGINS)
-        throttle.take(db, f"login-from:{address}", settings.guest_bucket, TOO_MANY_LOGINS)
-    with database.read() as db:
-        known = repository.by_login(db, login)
-    if not secrets.verify_password(password, known.password_hash if known else None) or known is None:
-        raise RefusedForm({"password": WRONG_LOGIN})
-    with database.write() as db:
-        _join(db, visitor, known)
-        return open_session(db, known, settings)
+def close_session(db: Session, token: str) -> None:
+    repository.delete_session(db, secrets.digest(token))
 
 
-def _join(db: Session, visitor: Account | None, account: Account) -> None:
-    if visitor is None or not visitor.is_guest:
-        return
-    submissions.adopt(db, visitor.id, account.id)
-    repository.delete_account(db, visitor.id)
+def forget_stale(db: Session) -> None:
+    """Removes sessions that have ended, and token buckets that have been full again for long."""
+    now = utc_now()
+    repository.delete_ended_sessions(db, now)
+    limits.forget(db, before=now - ALLOWANCES_KEPT)
+
+
+def account_of_session(db: Session, token: str) -> Account | None:
+    return repository.by_session(db, secrets.digest(token), utc_now())
+
+
+def account_of_api_token(db: Session, token: str) -> Account | None:
+    return repository.by_api_token(db, secrets.digest(token))
 
 
 def invite_first_teacher(db: Session) -> str | None:

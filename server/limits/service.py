@@ -4,7 +4,7 @@ import math
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import Insert, select, update
+from sqlalchemy import Insert, delete, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
@@ -28,6 +28,11 @@ def take(db: Session, key: str, bucket: Bucket, refusal: str) -> None:
 def give_back(db: Session, key: str) -> None:
     """Gives back a token that was taken for nothing; `refilled` keeps the bucket within its bounds."""
     db.execute(update(Allowance).where(Allowance.key == key).values(tokens=Allowance.tokens + 1))
+
+
+def forget(db: Session, before: datetime) -> None:
+    """Removes the buckets that nobody has touched since; they have been full again for long."""
+    db.execute(delete(Allowance).where(Allowance.updated_at < before))
 
 
 def of_submissions(account_id: UUID) -> str:

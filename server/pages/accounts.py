@@ -8,9 +8,10 @@ from fastapi import APIRouter, Form, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
 from server.base.errors import Unauthorised
-from server.database.dependencies import DatabaseOf, Db
+from server.base.request import COOKIE, client_address
+from server.database.dependencies import Db
 from server.identity import service
-from server.identity.dependencies import COOKIE, OptionalAccount, client_address, forget, remember
+from server.identity.dependencies import AccountsOf, OptionalAccount, forget, remember
 from server.identity.models import Account
 from server.identity.schemas import RefusedForm, new_account
 from server.web.rendering import page
@@ -49,7 +50,7 @@ def sign_up_form(request: Request, account: OptionalAccount, suite: str = "/") -
 def sign_up(
     request: Request,
     account: OptionalAccount,
-    database: DatabaseOf,
+    accounts: AccountsOf,
     name: Field = "",
     login: Field = "",
     password: Field = "",
@@ -57,7 +58,7 @@ def sign_up(
 ) -> Response:
     try:
         wanted = new_account(name, login, password)
-        opened = service.sign_up(database, request.app.state.settings, wanted, visitor=account)
+        opened = accounts.sign_up(wanted, visitor=account)
     except RefusedForm as refused:
         return _form(request, "inscription.html", account, refused, name=name, login=login, after=_local(suite))
     remember(request, opened)
@@ -74,7 +75,7 @@ def welcome_form(request: Request, account: OptionalAccount, db: Db, token: str)
 def welcome(
     request: Request,
     account: OptionalAccount,
-    database: DatabaseOf,
+    accounts: AccountsOf,
     token: str,
     name: Field = "",
     login: Field = "",
@@ -82,7 +83,7 @@ def welcome(
 ) -> Response:
     try:
         wanted = new_account(name, login, password)
-        opened = service.sign_up(database, request.app.state.settings, wanted, visitor=account, invitation=token)
+        opened = accounts.sign_up(wanted, visitor=account, invitation=token)
     except RefusedForm as refused:
         return _form(request, "bienvenue.html", account, refused, name=name, login=login)
     remember(request, opened)
@@ -98,15 +99,13 @@ def log_in_form(request: Request, account: OptionalAccount, suite: str = "/") ->
 def log_in(
     request: Request,
     account: OptionalAccount,
-    database: DatabaseOf,
+    accounts: AccountsOf,
     login: Field = "",
     password: Field = "",
     suite: Field = "/",
 ) -> Response:
     try:
-        opened = service.log_in(
-            database, request.app.state.settings, login, password, visitor=account, address=client_address(request)
-        )
+        opened = accounts.log_in(login, password, visitor=account, address=client_address(request))
     except RefusedForm as refused:
         return _form(request, "connexion.html", account, refused, login=login, after=_local(suite))
     remember(request, opened)

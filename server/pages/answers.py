@@ -14,9 +14,9 @@ from server.base.errors import Invalid
 from server.course import Exercise
 from server.pages import service
 from server.pages.schemas import AnswersPage, GivenView, PieceView, QuestionView, ToldView
-from server.pages.service import Reader
 from server.submissions import service as submissions
 from server.submissions.models import Submission
+from server.web.views import Reader
 from server.web.words import points
 
 FIELD, PLACE = "q.", "place."  # the names of the form's fields: q.<question>, place.<question>.<step>

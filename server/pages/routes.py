@@ -14,21 +14,22 @@ from starlette.datastructures import FormData
 
 from server.base.errors import Invalid, NotFound
 from server.course import Exercise
-from server.database import Database
-from server.database.dependencies import Db
-from server.identity.dependencies import BrowserAccount, OptionalAccount, TeacherAccount, account_or_guest
+from server.course.dependencies import CourseOf
+from server.database.dependencies import DatabaseOf, Db
+from server.identity.dependencies import AccountsOf, BrowserAccount, OptionalAccount, TeacherAccount, account_or_guest
 from server.identity.models import Account
 from server.pages import answers, service
-from server.pages.service import Reader
 from server.queue import service as queue
 from server.submissions import draws
 from server.submissions import service as submissions
+from server.submissions.dependencies import EventsOf, FiguresOf
 from server.submissions.events import as_sse
 from server.submissions.figures import MEDIA_TYPES
 from server.submissions.models import State, Submission
 from server.web import assets
 from server.web.dependencies import Reading
 from server.web.rendering import fragment, page
+from server.web.views import Reader, exercise_href, find_exercise, find_module
 
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
@@ -50,7 +51,7 @@ def home(request: Request, reader: Reading) -> HTMLResponse:
 
 @router.get("/{module:module}/kit/{name}.py")
 def kit(module: str, name: str, reader: Reading) -> Response:
-    found = service.find_module(reader.course, module)
+    found = find_module(reader.course, module)
     if name != found.slug:
         raise NotFound("Ce fichier n’existe pas.")
     headers = {"Content-Disposition": f'attachment; filename="{found.slug}.py"'}
@@ -59,29 +60,34 @@ def kit(module: str, name: str, reader: Reading) -> Response:
 
 @router.get("/{module:module}/exercices/{slug}")
 def exercise(
-    request: Request, module: str, slug: str, reader: Reading, reprendre: Annotated[str | None, Query()] = None
+    request: Request,
+    module: str,
+    slug: str,
+    reader: Reading,
+    database: DatabaseOf,
+    accounts: AccountsOf,
+    reprendre: Annotated[str | None, Query()] = None,
 ) -> HTMLResponse:
     """An exercise answered without code is drawn for an account, so that a visitor becomes a guest here already."""
-    found = service.find_exercise(reader.course, module, slug)
+    found = find_exercise(reader.course, module, slug)
     if found.answers is not None:
-        return _questions(request, reader, found, reprendre)
+        account = account_or_guest(request, reader.account, accounts)
+        seed = draws.seed_to_show(database, account, found.id)
+        return _questions(request, replace(reader, account=account), found, seed, reprendre)
     taken = service.attempt_at(reader, found, reprendre).code if reprendre else None
     view = service.exercise_page(reader, found, taken)
     return page(request, "exercise.html", reader.account, page=view, results=view.results)
 
 
-def _questions(request: Request, reader: Reader, found: Exercise, reprendre: str | None) -> HTMLResponse:
-    account = account_or_guest(request, reader.account)
-    seed = draws.seed_to_show(request.app.state.database, account, found.id)
-    reader = replace(reader, account=account)
+def _questions(request: Request, reader: Reader, found: Exercise, seed: int, reprendre: str | None) -> HTMLResponse:
     taken = service.attempt_at(reader, found, reprendre) if reprendre else None
     view = answers.answers_page(reader, found, seed, taken)
-    return page(request, "exercise_answers.html", account, page=view, results=view.results)
+    return page(request, "exercise_answers.html", reader.account, page=view, results=view.results)
 
 
 @router.get("/{module:module}/exercices/{slug}/essais")
 def attempts(request: Request, module: str, slug: str, reader: Reading) -> HTMLResponse:
-    found = service.find_exercise(reader.course, module, slug)
+    found = find_exercise(reader.course, module, slug)
     return page(request, "attempts.html", reader.account, page=service.attempts_page(reader, found))
 
 
@@ -107,11 +113,12 @@ def submit(
     module: str,
     slug: str,
     account: BrowserAccount,
+    course: CourseOf,
     db: Db,
     fields: FormFields,
 ) -> Response:
     """A browser without script goes on to the attempt's page; a script gets the addresses to follow."""
-    found = service.find_exercise(request.app.state.course, module, slug)
+    found = find_exercise(course, module, slug)
     sent = _sent(db, account, found, fields)
     href = f"/soumissions/{sent.id}"
     if "application/json" not in request.headers.get("accept", ""):
@@ -129,20 +136,20 @@ def submit(
 
 @router.post("/{module:module}/exercices/{slug}/corrige")
 def open_or_close_solution(
-    request: Request, module: str, slug: str, teacher: TeacherAccount, db: Db, ouvrir: Annotated[bool, Form()]
+    module: str, slug: str, teacher: TeacherAccount, course: CourseOf, db: Db, ouvrir: Annotated[bool, Form()]
 ) -> RedirectResponse:
-    found = service.find_exercise(request.app.state.course, module, slug)
+    found = find_exercise(course, module, slug)
     if ouvrir:
         submissions.open_solution(db, found.id, teacher)
     else:
         submissions.close_solution(db, found.id)
-    return RedirectResponse(f"{service.exercise_href(found)}#corrige", MOVES_ON)
+    return RedirectResponse(f"{exercise_href(found)}#corrige", MOVES_ON)
 
 
 @router.get("/soumissions/{submission_id}")
 def attempt(request: Request, submission_id: str, reader: Reading) -> HTMLResponse:
     sent = submissions.get_for(reader.db, reader.account, submission_id)
-    found = service.find_exercise(reader.course, *sent.exercise.split("/"))
+    found = find_exercise(reader.course, *sent.exercise.split("/"))
     told = None if found.answers is None else answers.told(found, sent)
     view = service.attempt_page(reader, found, sent, told)
     return page(request, "attempt.html", reader.account, page=view, results=view.results)
@@ -151,7 +158,7 @@ def attempt(request: Request, submission_id: str, reader: Reading) -> HTMLRespon
 @router.get("/soumissions/{submission_id}/verdict")
 def verdict(submission_id: str, reader: Reading) -> HTMLResponse:
     sent = submissions.get_for(reader.db, reader.account, submission_id)
-    found = service.find_exercise(reader.course, *sent.exercise.split("/"))
+    found = find_exercise(reader.course, *sent.exercise.split("/"))
     return fragment("fragment.html", reader.account, results=service.attempt_page(reader, found, sent).results)
 
 
@@ -168,25 +175,25 @@ class Waiting:
 
 
 @router.get("/soumissions/{submission_id}/evenements")
-async def events(request: Request, submission_id: str, account: OptionalAccount) -> StreamingResponse:
-    database: Database = request.app.state.database
-
+async def events(
+    submission_id: str, account: OptionalAccount, database: DatabaseOf, hub: EventsOf
+) -> StreamingResponse:
     def read() -> Waiting:
         with database.read() as db:
             sent = submissions.get_for(db, account, submission_id)
             return Waiting(sent.state, service.waiting_text(sent.state, queue.position(db, sent)))
 
     await run_in_threadpool(read)  # a 404 must come before the stream begins
-    snapshots = request.app.state.events.follow(submissions.parse_id(submission_id), read)
+    snapshots = hub.follow(submissions.parse_id(submission_id), read)
     lines: AsyncIterator[str] = as_sse(snapshots, lambda one: json.dumps({"status": one.status, "text": one.text}))
     return StreamingResponse(lines, media_type="text/event-stream", headers=STREAM_HEADERS)
 
 
 @router.get("/soumissions/{submission_id}/figures/{name}.svg")
 def figure(
-    request: Request, submission_id: str, name: str, reader: Reading, theme: Literal["light", "dark"] = "light"
+    figures: FiguresOf, submission_id: str, name: str, reader: Reading, theme: Literal["light", "dark"] = "light"
 ) -> Response:
     sent = submissions.get_for(reader.db, reader.account, submission_id)
-    picture = request.app.state.figures.draw(reader.db, sent, name, "svg", theme)
+    picture = figures.draw(reader.db, sent, name, "svg", theme)
     headers = {"Cache-Control": "private, max-age=31536000, immutable", "Content-Security-Policy": FIGURE_POLICY}
     return Response(picture, media_type=MEDIA_TYPES["svg"], headers=headers)

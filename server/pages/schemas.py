@@ -1,151 +1,16 @@
-"""What the templates receive: every page's context is one of these types, and nothing else."""
+"""What the pages' templates receive: every page's context is one of these types, and nothing else."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal
 
-from server.web.values import ValueView
-
-Tone = Literal["good", "partial", "bad", "ours"]
-
-
-@dataclass(frozen=True)
-class AccountView:
-    """Who is looking. `key` is stable for one account and safe to show; "visiteur" for nobody yet."""
-
-    role: Literal["visitor", "guest", "student", "teacher"]
-    name: str
-    key: str
-
-    @property
-    def is_teacher(self) -> bool:
-        return self.role == "teacher"
-
-
-@dataclass(frozen=True)
-class HereView:
-    """The module that one is in; `searching` where the page has a search field of its own."""
-
-    slug: str
-    number: str
-    searching: bool
-
-
-@dataclass(frozen=True)
-class ModuleLink:
-    slug: str
-    number: str
-    title: str
-    summary: str
-    exercises: int
-    done: int
+from server.web.schemas import ModuleLink, OwnState, VerdictView
 
 
 @dataclass(frozen=True)
 class HomePage:
     modules: tuple[ModuleLink, ...]
-
-
-@dataclass(frozen=True)
-class OwnState:
-    """Where one stands in an exercise: `done` with full marks, `label` in words, `best` out of 20 or empty."""
-
-    attempts: int
-    best: str
-    done: bool
-
-    @property
-    def kind(self) -> str:
-        return "done" if self.done else "begun" if self.attempts else "new"
-
-
-@dataclass(frozen=True)
-class ExerciseRow:
-    href: str
-    title: str
-    summary: str
-    stars: int
-    origin: str
-    own: OwnState
-
-
-@dataclass(frozen=True)
-class CounterexampleView:
-    """`expected` and `got` are None together: the call failed before it gave anything."""
-
-    inputs: tuple[tuple[str, ValueView], ...]
-    expected: ValueView | None
-    got: ValueView | None
-    replay: str
-
-
-@dataclass(frozen=True)
-class FigureView:
-    """Addresses of the same drawing in both themes, and what it shows in words."""
-
-    light: str
-    dark: str
-    alt: str
-
-
-@dataclass(frozen=True)
-class CheckView:
-    id: str
-    title: str
-    passed: bool
-    points: str
-    max_points: str
-    message: str
-    hint: str
-    counterexample: CounterexampleView | None
-    figure: FigureView | None
-
-
-@dataclass(frozen=True)
-class DiagnosisView:
-    id: str
-    title: str
-    paragraphs: tuple[str, ...]
-
-
-class Texts(Protocol):
-    """What renders the texts of an exercise (`server.course.Exercise`)."""
-
-    def prose(self, text: str) -> str: ...
-    def line(self, text: str) -> str: ...
-
-
-@dataclass(frozen=True)
-class VerdictView:
-    """A verdict in words. `points` is the mark out of 20 in French; empty when the fault is ours.
-
-    `texts` renders its messages, of an exercise answered without code: they are the course's Markdown. `common` is
-    what all the checks say when they all say the same.
-    """
-
-    title: str
-    sentence: str
-    tone: Tone
-    points: str
-    common: str
-    checks: tuple[CheckView, ...]
-    diagnosis: DiagnosisView | None
-    stdout: str
-    timings: tuple[tuple[str, str], ...]
-    seed: str
-    version: str
-    texts: Texts | None
-
-    @property
-    def passed(self) -> int:
-        return sum(check.passed for check in self.checks)
-
-    @property
-    def announcement(self) -> str:
-        """One sentence for screen readers when the verdict arrives."""
-        mark = f"{self.points} sur 20. " if self.points else ""
-        return f"Verdict : {mark}{self.title}."
 
 
 @dataclass(frozen=True)
@@ -312,10 +177,3 @@ class AttemptsPage:
     exercise_title: str
     exercise_href: str
     attempts: tuple[AttemptRow, ...]
-
-
-@dataclass(frozen=True)
-class ErrorPage:
-    status: int
-    title: str
-    detail: str

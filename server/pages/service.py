@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from markupsafe import Markup
@@ -12,21 +11,16 @@ from sqlalchemy.orm import Session
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
 from server.base.errors import NotFound
-from server.course import Course, Exercise, Module
-from server.course.models import Document
-from server.identity.models import Account
+from server.course import Exercise, Module
 from server.pages.policy import limits_of
 from server.pages.schemas import (
     AttemptPage,
     AttemptRow,
     AttemptsPage,
     ExercisePage,
-    ExerciseRow,
     FunctionView,
     HintView,
     HomePage,
-    ModuleLink,
-    OwnState,
     Results,
     SolutionView,
     ToldView,
@@ -39,35 +33,11 @@ from server.submissions.models import State, Submission
 from server.submissions.service import Progress
 from server.web import verdicts
 from server.web.rendering import python
+from server.web.views import NOTHING_YET, Reader, document_href, exercise_href, in_order, module_link, own_state
 from server.web.words import moment, moment_text, plural, points
 
 HINT_OPENS_AFTER = (1, 2, 4)  # changed attempts without success
 RECENT_ATTEMPTS = 8
-NOTHING_YET = Progress(None, 0)
-
-
-@dataclass(frozen=True)
-class Reader:
-    """Who looks, at which course, through which transaction."""
-
-    db: Session
-    course: Course
-    account: Account | None
-
-
-def find_module(course: Course, slug: str) -> Module:
-    """Raises NotFound."""
-    if slug not in course.modules:
-        raise NotFound("Ce module n’existe pas.")
-    return course.modules[slug]
-
-
-def find_exercise(course: Course, module: str, slug: str) -> Exercise:
-    """Raises NotFound."""
-    known = course.exercises.get(f"{module}/{slug}")
-    if known is None:
-        raise NotFound("Cet exercice n’existe pas.")
-    return known
 
 
 def attempt_at(reader: Reader, exercise: Exercise, submission_id: str) -> Submission:
@@ -78,32 +48,9 @@ def attempt_at(reader: Reader, exercise: Exercise, submission_id: str) -> Submis
     return sent
 
 
-def exercise_href(exercise: Exercise) -> str:
-    return f"/{exercise.module}/exercices/{exercise.slug}"
-
-
-def document_href(document: Document) -> str:
-    return f"/{document.module}/lire/{document.slug}"
-
-
 def home_page(reader: Reader) -> HomePage:
     progress = submissions.progress(reader.db, reader.account)
     return HomePage(tuple(module_link(module, progress) for module in reader.course.modules.values()))
-
-
-def module_link(module: Module, progress: dict[str, Progress] | None = None) -> ModuleLink:
-    done = sum((progress or {}).get(one.id, NOTHING_YET).succeeded for one in module.exercises)
-    return ModuleLink(module.slug, module.number, module.title, module.summary, len(module.exercises), done)
-
-
-def exercise_row(exercise: Exercise, progress: Progress) -> ExerciseRow:
-    own = own_state(progress)
-    return ExerciseRow(exercise_href(exercise), exercise.title, exercise.summary, exercise.stars, exercise.origin, own)
-
-
-def own_state(progress: Progress) -> OwnState:
-    best = "" if progress.best is None else points(20 * progress.best)
-    return OwnState(progress.attempts, best, progress.succeeded)
 
 
 def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> ExercisePage:
@@ -146,12 +93,6 @@ def common_parts(reader: Reader, exercise: Exercise, attempts: Sequence[Submissi
         "previous": previous,
         "following": following,
     }
-
-
-def in_order(module: Module) -> list[Exercise]:
-    """The exercises in the order in which one meets them: those of each page, then those that follow none."""
-    places = {one.slug: place for place, one in enumerate(module.documents)}
-    return sorted(module.exercises, key=lambda one: places.get(one.seance, len(places)))
 
 
 def _neighbours(module: Module, exercise: Exercise) -> tuple[tuple[str, str] | None, tuple[str, str] | None]:

@@ -15,7 +15,7 @@ from uuid import UUID, uuid4
 from sqlalchemy.orm import Session
 
 from server.database import utc_now
-from server.limits import service as throttle
+from server.limits import service as limits
 from server.queue import repository
 from server.queue.owner import Owner, is_dead
 from server.queue.port import signals_of
@@ -80,7 +80,7 @@ def _finish(db: Session, submission_id: UUID, token: UUID, result: Result) -> bo
     """Our own failure costs its author nothing: what it took from their allowance comes back with it."""
     recorded = repository.finish(db, submission_id, token, result)
     if recorded and result["outcome"] == INTERNAL_ERROR:
-        throttle.give_back(db, throttle.of_submissions(repository.account_of(db, submission_id)))
+        limits.give_back(db, limits.of_submissions(repository.account_of(db, submission_id)))
     return recorded
 
 

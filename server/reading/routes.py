@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
-from server.pages.service import find_module
+from server.base.provided import provided
 from server.reading import service
 from server.reading.downloads import Downloads
 from server.reading.figures import Drawings
 from server.web.dependencies import Reading
 from server.web.rendering import once, page
+from server.web.views import find_module
 
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 FIGURE_HEADERS = {"Cache-Control": "public, max-age=600", "Content-Security-Policy": FIGURE_POLICY}
+
+DrawingsOf = Annotated[Drawings, Depends(provided(Drawings))]
+DownloadsOf = Annotated[Downloads, Depends(provided(Downloads))]
 
 router = APIRouter(include_in_schema=False)
 
@@ -46,14 +50,14 @@ def search(request: Request, module: str, reader: Reading, q: Annotated[str, Que
 
 
 @router.get("/{module:module}/figures/{name}.svg")
-async def figure(request: Request, module: str, name: str, theme: Literal["light", "dark"] = "light") -> Response:
-    drawings: Drawings = request.app.state.drawings
+async def figure(
+    request: Request, drawings: DrawingsOf, module: str, name: str, theme: Literal["light", "dark"] = "light"
+) -> Response:
     picture = await drawings.picture(module, name, theme)
     return once(request, Response(picture, media_type="image/svg+xml", headers=FIGURE_HEADERS))
 
 
 @router.get("/{module:module}/fichiers/{name}.zip")
-def download(request: Request, module: str, name: str) -> Response:
-    downloads: Downloads = request.app.state.downloads
+def download(downloads: DownloadsOf, module: str, name: str) -> Response:
     headers = {"Content-Disposition": f'attachment; filename="{name}.zip"', "Cache-Control": "public, max-age=600"}
     return Response(downloads.archive(module, name), media_type="application/zip", headers=headers)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from server.pages.schemas import ExerciseRow, FigureView, ModuleLink
+from server.web.schemas import ExerciseRow, FigureView, ModuleLink
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,6 @@ from graders.typography import unaccented
 from server.base.errors import NotFound
 from server.course import Exercise, Module
 from server.course.models import Document, Heading, Kind, Term
-from server.pages.schemas import ExerciseRow, FigureView
-from server.pages.service import NOTHING_YET, Reader, document_href, exercise_row, in_order, module_link
 from server.reading import search
 from server.reading.schemas import (
     CourseHome,
@@ -30,6 +28,8 @@ from server.reading.schemas import (
 )
 from server.submissions import service as submissions
 from server.submissions.service import Progress
+from server.web.schemas import ExerciseRow, FigureView
+from server.web.views import NOTHING_YET, Reader, document_href, exercise_row, in_order, module_link
 from server.web.words import plural
 
 SHELVES: tuple[tuple[Kind, str], ...] = (

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import gzip
+from typing import Annotated
 
-from fastapi import APIRouter, Request, Response
-from fastapi.responses import JSONResponse
+from fastapi import APIRouter, Depends, Request, Response
 from starlette.concurrency import run_in_threadpool
 
 from graders.scene.parameters import Values
 from server.base.errors import ServiceError, TooMany
+from server.base.problems import as_json, of_error
+from server.base.provided import provided
+from server.base.request import client_address
 from server.base.turns import FullError, Turns
-from server.identity.dependencies import client_address
 from server.replays.service import Answer, Replays, Script
-from server.web.problems import problem
 
 MOST_WAITING = 32  # with the one that is computed
 GONE = 499  # the reader has left, or asked for something newer: nobody reads this answer
@@ -45,15 +46,16 @@ class Desk:
             self._turns.give_back()
 
 
+DeskOf = Annotated[Desk, Depends(provided(Desk))]
+
+
 @router.get("/{module}/rejeux/{name}")
-async def replay(request: Request, module: str, name: str) -> Response:
-    desk: Desk = request.app.state.replays
+async def replay(request: Request, desk: DeskOf, module: str, name: str) -> Response:
     try:
         script = await run_in_threadpool(desk.replays.find, module, name)
         answer = await desk.answer(request, script, script.read(request.query_params.multi_items()))
     except ServiceError as error:
-        body = problem(request, int(error.status), error.title, error.detail, slug=error.slug)
-        return JSONResponse(body, body["status"], error.headers, "application/problem+json")
+        return as_json(of_error(request, error), error.headers)
     return Response(status_code=GONE) if answer is None else _sent(request, answer)
 
 

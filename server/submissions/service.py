@@ -13,10 +13,11 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from graders.core.answers import canonical
-from server.base.errors import Invalid, NotFound, TooLarge
+from server.base.encoding import encoded
+from server.base.errors import Invalid, NotFound
 from server.base.settings import Settings
 from server.identity.models import Account
-from server.limits import service as throttle
+from server.limits import service as limits
 from server.queue import service as queue
 from server.submissions import draws, repository
 from server.submissions.draws import SEED_BITS
@@ -57,7 +58,7 @@ def submit_answers(db: Session, account: Account, exercise_id: str, answers: Map
 
 def _store(db: Session, account: Account, exercise_id: str, code: str, source: bytes, seed: int) -> Submission:
     settings = _settings(db)
-    throttle.take(db, throttle.of_submissions(account.id), settings.submission_bucket, TOO_FAST)
+    limits.take(db, limits.of_submissions(account.id), settings.submission_bucket, TOO_FAST)
     submission = Submission(
         account_id=account.id,
         exercise=exercise_id,
@@ -74,20 +75,6 @@ def _settings(db: Session) -> Settings:
     if not isinstance(settings, Settings):
         raise TypeError("the session's context must hold the settings")
     return settings
-
-
-def encoded(code: str, most: int, what: str = "Le code") -> bytes:
-    """The file's bytes in UTF-8. Raises Invalid for what is no text, TooLarge above `most` bytes.
-
-    `what` is the subject of the sentence, in the singular.
-    """
-    try:
-        source = code.encode()
-    except UnicodeEncodeError as error:
-        raise Invalid(f"{what} contient un caractère qui n’existe pas en Unicode.") from error
-    if len(source) > most:
-        raise TooLarge(f"{what} fait {len(source)} octets ; la limite est de {most} octets.")
-    return source
 
 
 def digest(code: str) -> str:

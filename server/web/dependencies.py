@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import Depends, Request
+from fastapi import Depends
 from starlette.convertors import Convertor, register_url_convertor
 
+from server.course.dependencies import CourseOf
 from server.database.dependencies import Db
 from server.identity.dependencies import OptionalAccount
-from server.pages.service import Reader
+from server.web.views import Reader
 
 
 class ModuleConvertor(Convertor[str]):
@@ -27,8 +28,8 @@ class ModuleConvertor(Convertor[str]):
 register_url_convertor("module", ModuleConvertor())
 
 
-def _reader(request: Request, db: Db, account: OptionalAccount) -> Reader:
-    return Reader(db, request.app.state.course, account)
+def _reader(db: Db, course: CourseOf, account: OptionalAccount) -> Reader:
+    return Reader(db, course, account)
 
 
 Reading = Annotated[Reader, Depends(_reader)]

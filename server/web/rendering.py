@@ -15,12 +15,13 @@ from markupsafe import Markup, escape
 
 from graders.typography import french
 from server.base.paths import TEMPLATES
-from server.course import Module
+from server.base.provided import provided_to
+from server.course import Course, Module
 from server.identity.models import Account
-from server.pages.schemas import AccountView, HereView
 from server.text.highlight import highlight
 from server.text.plain import visible
 from server.web import assets, words
+from server.web.schemas import AccountView, HereView
 
 
 @lru_cache(maxsize=1)
@@ -81,7 +82,7 @@ def page(
     **context: Any,
 ) -> HTMLResponse:
     """A whole page: `template` extends `base.html`, which shows `account` and the modules of the course."""
-    modules = request.app.state.course.modules
+    modules = provided_to(request.app, Course).modules
     surroundings = {
         "modules": [(one.slug, one.number, one.title) for one in modules.values()],
         "here": _here(request, modules),

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from graders.core.contract.outcomes import Blame, Kind, Outcome
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Verdict
-from server.pages.schemas import CheckView, CounterexampleView, DiagnosisView, FigureView, Texts, Tone, VerdictView
 from server.web import values
+from server.web.schemas import CheckView, CounterexampleView, DiagnosisView, FigureView, Texts, Tone, VerdictView
 from server.web.words import points
 
 TIMINGS = {

@@ -19,13 +19,13 @@ import numpy as np
 from measure import Contender, figure, interleave, median, table
 
 from reference.ekf_slam import EkfSlam, SlamNoise, Update, rank_two_update, textbook_update
-from reference.localisation.mcl import MonteCarloLocalization, uniform_poses
-from reference.localisation.resampling import (
+from reference.filters.resampling import (
     comb,
     multinomial_resampling,
     residual_resampling,
     stratified_resampling,
 )
+from reference.localisation.mcl import MonteCarloLocalization, uniform_poses
 from reference.sensors.beam import BeamModel, BeamSensor
 from reference.sensors.likelihood_field import LikelihoodField
 from reference.world.scan import Scan

@@ -20,7 +20,7 @@ from graders.core.contract.verdict import Verdict
 from graders.l20.reechantillonnage import trials
 from graders.l20.reechantillonnage.harvest import harvest
 from graders.l20.reechantillonnage.judge import TAIL, is_comb, plausible
-from reference.localisation.resampling import comb, systematic_resampling
+from reference.filters.resampling import comb, systematic_resampling
 from tests.graders.shipped import CODE
 from tests.quick import one_in
 

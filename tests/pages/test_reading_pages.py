@@ -11,7 +11,9 @@ import pytest
 from starlette.testclient import TestClient
 
 from server.app import create_app
+from server.base.provided import provided
 from server.base.settings import Settings
+from server.reading.figures import Drawings
 from server.reading.service import duration, plain
 from tests.pages.conftest import CourseFolder
 from tests.pages.site import PAGE, Site, verdict
@@ -108,12 +110,12 @@ def test_a_page_that_has_not_changed_is_not_sent_again(site: Site) -> None:
     assert site.client.get(READ, headers={"If-None-Match": tag}).status_code == 200
 
 
-def test_a_drawing_that_one_has_is_not_sent_again(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
-    class Drawings:
+def test_a_drawing_that_one_has_is_not_sent_again(site: Site) -> None:
+    class Drawn:
         async def picture(self, *_: str) -> bytes:
             return b"<svg/>"
 
-    monkeypatch.setattr(site.client.app.state, "drawings", Drawings())
+    site.client.app.dependency_overrides[provided(Drawings)] = Drawn  # type: ignore[attr-defined]
     path = "/m9/figures/dessin.svg?theme=dark"
     first = site.client.get(path)
     assert (first.content, first.headers["content-type"]) == (b"<svg/>", "image/svg+xml")

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import logsumexp, softmax
 
-from reference.localisation.log_weights import normalise
-from reference.localisation.resampling import InvalidWeightsError, effective_sample_size
+from reference.filters.log_weights import normalise
+from reference.filters.resampling import InvalidWeightsError, effective_sample_size
 
 logs = st.lists(st.floats(-1e5, 1e5), min_size=1, max_size=50)
 

@@ -10,7 +10,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from reference.errors import InvalidArgumentError
-from reference.localisation.resampling import (
+from reference.filters.resampling import (
     InvalidOffsetError,
     InvalidWeightsError,
     Scheme,

@@ -7,18 +7,20 @@ import re
 import tempfile
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import pytest
+from fastapi import FastAPI
 from sqlalchemy import create_engine, text
 from starlette.testclient import TestClient
 
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 from server.app import create_app
+from server.base.provided import provide, provided_to
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
@@ -27,6 +29,7 @@ from server.grading.results import recorded
 from server.grading.worker import Worker
 from server.identity import service as accounts
 from server.identity.models import Account, Role
+from server.identity.service import Accounts
 from server.queue.service import Lease
 from tests.quick import migrated, the_course, weak_hasher
 
@@ -143,9 +146,22 @@ def ada(database: Database) -> Account:
 class Site:
     """An application in this process, its database, and a worker to be stepped by hand."""
 
+    app: FastAPI
     client: TestClient
-    database: Database
     settings: Settings
+
+    @cached_property
+    def database(self) -> Database:
+        return provided_to(self.app, Database)
+
+    @property
+    def accounts(self) -> Accounts:
+        return provided_to(self.app, Accounts)
+
+    def tighten(self, **limits: float) -> None:
+        """Other settings from now on."""
+        settings = self.settings.model_copy(update=limits)
+        provide(self.app, settings, replace(self.accounts, settings=settings))
 
     @cached_property
     def worker(self) -> Worker:
@@ -169,4 +185,4 @@ class Site:
 def site(sqlite: Database, settings: Settings, course: Course) -> Iterator[Site]:
     app = create_app(settings, course=course)
     with TestClient(app, follow_redirects=False, raise_server_exceptions=False) as client:
-        yield Site(client, app.state.database, settings)
+        yield Site(app, client, settings)

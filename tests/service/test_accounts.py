@@ -103,7 +103,7 @@ def test_wrong_passwords_are_refused_then_throttled(site: Site) -> None:
     site.client.post("/inscription", data=FORM)
     site.client.post("/deconnexion")
     guess = {"login": FORM["login"], "password": "au hasard"}
-    site.client.app.state.settings = site.settings.model_copy(update={"login_burst": 2})  # type: ignore[attr-defined]
+    site.tighten(login_burst=2)
     for _ in range(2):
         assert site.client.post("/connexion", data=guess).status_code == 422
     answer = site.client.post("/connexion", data={**guess, "password": FORM["password"]})
@@ -146,13 +146,13 @@ def test_a_refused_form_does_not_use_the_link(site: Site) -> None:
         db.add(Account(name="Bob", login="bob"))
     wanted = new_account("Ada", "bob", FORM["password"])
     with pytest.raises(RefusedForm):
-        service.sign_up(site.database, site.settings, wanted, visitor=None, invitation=token)
+        site.accounts.sign_up(wanted, visitor=None, invitation=token)
     with site.database.read() as db:
         assert db.execute(select(Invitation.used_at)).scalar_one() is None
     wanted = new_account("Ada", "ada", FORM["password"])
-    service.sign_up(site.database, site.settings, wanted, visitor=None, invitation=token)
+    site.accounts.sign_up(wanted, visitor=None, invitation=token)
     with pytest.raises(Conflict):
-        service.sign_up(site.database, site.settings, wanted, visitor=None, invitation=token)
+        site.accounts.sign_up(wanted, visitor=None, invitation=token)
 
 
 def test_a_teacher_opens_a_solution_and_a_student_may_not(site: Site) -> None:
@@ -245,8 +245,7 @@ def test_ended_sessions_open_nothing_and_are_forgotten(site: Site) -> None:
 
 
 def test_new_visitors_from_one_address_are_bounded(site: Site) -> None:
-    tight = site.settings.model_copy(update={"guest_burst": 2, "guest_refill_seconds": 1000.0})
-    site.client.app.state.settings = tight  # type: ignore[attr-defined]
+    site.tighten(guest_burst=2, guest_refill_seconds=1000.0)
     statuses = []
     for _ in range(3):
         site.client.cookies.clear()

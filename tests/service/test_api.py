@@ -15,10 +15,12 @@ import pytest
 import uvicorn
 
 from server.app import create_app
+from server.base.provided import provided_to
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
 from server.identity.models import Role
+from server.submissions.figures import Figures
 
 from .conftest import EXERCISE, Site
 
@@ -207,7 +209,7 @@ def test_an_unexpected_failure_is_a_problem_too(site: Site, monkeypatch: pytest.
 
 def test_figures_are_drawn_once_when_they_are_looked_at(site: Site) -> None:
     drawing = Drawing()
-    site.client.app.state.figures._course = drawn_by(drawing)  # type: ignore[attr-defined]
+    provided_to(site.app, Figures)._course = drawn_by(drawing)
     headers = site.token()
     sent = site.submit(headers)
     problem(site.client.get(f"{sent['url']}/figures/b.svg", headers=headers), 404)
@@ -246,7 +248,7 @@ def test_openapi_documents_every_route_and_its_problems(site: Site) -> None:
 def address(sqlite: Database, settings: Settings, course: Course) -> Iterator[str]:
     """The application behind a real socket, in a thread."""
     app = create_app(settings.model_copy(update={"submission_refill_seconds": 0.0}), course=course)
-    app.state.figures._course = drawn_by(Drawing())
+    provided_to(app, Figures)._course = drawn_by(Drawing())
     server = uvicorn.Server(uvicorn.Config(app, port=0, log_level="warning", timeout_graceful_shutdown=1))
     thread = threading.Thread(target=server.run)
     thread.start()

@@ -14,9 +14,10 @@ from starlette.testclient import TestClient
 from starlette.types import Message
 
 from server.base.errors import Crowded, Failed
+from server.base.provided import provided, provided_to
+from server.base.request import COOKIE
 from server.base.settings import Settings
 from server.cells.supervisor import Cells
-from server.identity.dependencies import COOKIE
 from tests.quick import in_a_loop
 from tests.service.conftest import Site
 
@@ -45,7 +46,7 @@ class Echo:
 @pytest.fixture
 def play(site: Site) -> Callable[[Echo], Echo]:
     def put(cells: Echo) -> Echo:
-        site.client.app.state.cells = cells  # type: ignore[attr-defined]
+        site.app.dependency_overrides[provided(Cells)] = lambda: cells
         return cells
 
     return put
@@ -100,7 +101,7 @@ def test_runs_are_counted_by_account(
     sqlite: object, settings: Settings, site: Site, play: Callable[[Echo], Echo]
 ) -> None:
     play(Echo())
-    site.client.app.state.settings = settings.model_copy(update={"cell_burst": 2})  # type: ignore[attr-defined]
+    site.tighten(cell_burst=2)
     assert [post(site).status_code for _ in range(2)] == [200, 200]
     answer = post(site)
     assert "possible dans" in refused(answer, 429)["detail"]
@@ -116,7 +117,7 @@ def test_runs_are_counted_by_account(
 def test_a_cell_that_was_not_run_is_told_and_does_not_count(
     site: Site, settings: Settings, play: Callable[[Echo], Echo], error: Exception, status: int, slug: str
 ) -> None:
-    site.client.app.state.settings = settings.model_copy(update={"cell_burst": 1})  # type: ignore[attr-defined]
+    site.tighten(cell_burst=1)
     play(Echo(error))
     for _ in range(3):
         assert refused(post(site), status)["type"].endswith(slug)
@@ -164,7 +165,6 @@ def test_a_reader_who_leaves_leaves_the_queue(site: Site, play: Callable[[Echo],
 
 
 def test_no_process_is_started_before_the_first_cell(site: Site) -> None:
-    cells = site.client.app.state.cells  # type: ignore[attr-defined]
-    assert isinstance(cells, Cells)
+    cells = provided_to(site.app, Cells)
     assert site.client.get("/l20").status_code == 200
     assert cells._process is None

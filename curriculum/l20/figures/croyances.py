@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from curriculum.l20.figures._plan import RANGE, draw_robot, draw_walls, french, module_map
 from graders.plotting import Palette
 from reference import se2
+from reference.filters.resampling import comb
 from reference.localisation.grid_filter import GridFilter, GridWorld, sample_move
 from reference.localisation.mcl import MonteCarloLocalization, uniform_poses
 from reference.localisation.odometry_motion import OdometryNoise
-from reference.localisation.resampling import comb
 from reference.odometry import DifferentialDrive
 from reference.sensors.beam import BeamModel, BeamSensor
 from reference.world.grid_map import GridMap

@@ -13,7 +13,7 @@ from graders.core.contract.values import Arguments, Value
 from graders.l20 import world
 from graders.l20.reechantillonnage import trials
 from graders.l20.reechantillonnage.harvest import FUNCTION
-from reference.localisation.resampling import effective_sample_size
+from reference.filters.resampling import effective_sample_size
 
 
 def simple_weights(rng: np.random.Generator) -> Iterator[Arguments]:

@@ -21,7 +21,7 @@ from graders.core.compare import words as render
 from graders.core.contract.findings import FigureData
 from graders.core.contract.values import Floats
 from graders.l20.reechantillonnage.harvest import FUNCTION, Counts, Finding, Harvest, Scenario
-from reference.localisation.resampling import comb
+from reference.filters.resampling import comb
 
 TAIL = 1e-10
 SHOWN = 24

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference.localisation.resampling import InvalidWeightsError
+from reference.filters.resampling import InvalidWeightsError
 
 Floats = NDArray[np.float64]
 

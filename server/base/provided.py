@@ -1,0 +1,49 @@
+"""What the application was built with, handed to routes by type: a room asks for `Cells` and gets the application's.
+
+What nobody has provided is an error when the application is put together, and never silence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from functools import cache
+from typing import TypeVar
+
+from fastapi import FastAPI
+from starlette.requests import HTTPConnection
+
+T = TypeVar("T")
+
+_asked_for: set[type] = set()
+
+
+@cache
+def provided(kind: type[T]) -> Callable[[HTTPConnection], Awaitable[T]]:
+    """A dependency that gives the application's only object of this very type."""
+    _asked_for.add(kind)
+
+    async def find(connection: HTTPConnection) -> T:  # of the loop's: it is no work for a thread
+        return provided_to(connection.app, kind)
+
+    return find
+
+
+def provide(app: FastAPI, *objects: object) -> None:
+    """Hands these to the application's routes, beside what it has already; a later one of a type replaces it."""
+    known: dict[type, object] = getattr(app.state, "provided", {})
+    app.state.provided = {**known, **{type(each): each for each in objects}}
+
+
+def check_provided(app: FastAPI) -> None:
+    """Raises LookupError where a route asks for what the application does not have."""
+    missing = sorted(kind.__qualname__ for kind in _asked_for - app.state.provided.keys())
+    if missing:
+        raise LookupError(f"the application was built without {', '.join(missing)}")
+
+
+def provided_to(app: FastAPI, kind: type[T]) -> T:
+    """For what is no route: an error's page, the header of every page, a test."""
+    found = app.state.provided[kind]
+    if not isinstance(found, kind):
+        raise TypeError(f"{found!r} stands where a {kind.__qualname__} should")
+    return found

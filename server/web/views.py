@@ -1,0 +1,70 @@
+"""What several rooms show of the course and of where one stands in it: modules, exercises, addresses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from sqlalchemy.orm import Session
+
+from server.base.errors import NotFound
+from server.course import Course, Exercise, Module
+from server.course.models import Document
+from server.identity.models import Account
+from server.submissions.service import Progress
+from server.web.schemas import ExerciseRow, ModuleLink, OwnState
+from server.web.words import points
+
+NOTHING_YET = Progress(None, 0)
+
+
+@dataclass(frozen=True)
+class Reader:
+    """Who looks, at which course, through which transaction."""
+
+    db: Session
+    course: Course
+    account: Account | None
+
+
+def find_module(course: Course, slug: str) -> Module:
+    """Raises NotFound."""
+    if slug not in course.modules:
+        raise NotFound("Ce module n’existe pas.")
+    return course.modules[slug]
+
+
+def find_exercise(course: Course, module: str, slug: str) -> Exercise:
+    """Raises NotFound."""
+    known = course.exercises.get(f"{module}/{slug}")
+    if known is None:
+        raise NotFound("Cet exercice n’existe pas.")
+    return known
+
+
+def exercise_href(exercise: Exercise) -> str:
+    return f"/{exercise.module}/exercices/{exercise.slug}"
+
+
+def document_href(document: Document) -> str:
+    return f"/{document.module}/lire/{document.slug}"
+
+
+def module_link(module: Module, progress: dict[str, Progress] | None = None) -> ModuleLink:
+    done = sum((progress or {}).get(one.id, NOTHING_YET).succeeded for one in module.exercises)
+    return ModuleLink(module.slug, module.number, module.title, module.summary, len(module.exercises), done)
+
+
+def exercise_row(exercise: Exercise, progress: Progress) -> ExerciseRow:
+    own = own_state(progress)
+    return ExerciseRow(exercise_href(exercise), exercise.title, exercise.summary, exercise.stars, exercise.origin, own)
+
+
+def own_state(progress: Progress) -> OwnState:
+    best = "" if progress.best is None else points(20 * progress.best)
+    return OwnState(progress.attempts, best, progress.succeeded)
+
+
+def in_order(module: Module) -> list[Exercise]:
+    """The exercises in the order in which one meets them: those of each page, then those that follow none."""
+    places = {one.slug: place for place, one in enumerate(module.documents)}
+    return sorted(module.exercises, key=lambda one: places.get(one.seance, len(places)))

@@ -1,0 +1,47 @@
+"""What an application was built with is handed on by type, and what lacks is told when it is put together."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import pytest
+from fastapi import Depends, FastAPI
+from starlette.testclient import TestClient
+
+from server.base import provided as room
+from server.base.provided import check_provided, provide, provided, provided_to
+
+
+class Bell:
+    def __init__(self, sound: str) -> None:
+        self.sound = sound
+
+
+@pytest.fixture(autouse=True)
+def _asked_for_here_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(room, "_asked_for", set())
+
+
+def test_a_route_gets_the_object_of_the_type_that_it_asks_for() -> None:
+    app = FastAPI()
+
+    @app.get("/")
+    def ring(bell: Annotated[Bell, Depends(provided(Bell))]) -> str:
+        return bell.sound
+
+    provide(app, Bell("dong"))
+    check_provided(app)
+    assert TestClient(app).get("/").json() == "dong"
+    provide(app, Bell("ding"))
+    assert TestClient(app).get("/").json() == "ding"
+    assert provided_to(app, Bell).sound == "ding"
+
+
+def test_what_lacks_is_an_error_when_the_application_is_put_together() -> None:
+    class Whistle: ...
+
+    app = FastAPI()
+    provided(Whistle)
+    provide(app, Bell("dong"))
+    with pytest.raises(LookupError, match=r"built without .*Whistle"):
+        check_provided(app)
