@@ -280,6 +280,7 @@ def _version(sources: Sources, module: Path, path: Path) -> str:
             ("kit", module / "kit"),
             ("grader", graders / module.name / path.name),
             ("core", graders / "core"),
+            ("robotics", graders / "robotics"),
             ("reference", sources.code / "reference"),
             *((f"module/{one.name}", one) for one in shared),
         ]

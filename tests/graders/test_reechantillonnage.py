@@ -365,7 +365,7 @@ def test_rows_are_recognised_up_to_the_tolerance(n: int, d: int) -> None:
     almost = submission(HONEST["fleche"]).replace("clip(max=N - 1)]", "clip(max=N - 1)] + 5e-10")
     kit = GRADER.kit(stream(1, "kit"))
     found = harvest(Bench("c", Runner(LOCAL, almost.encode(), kit), rng, kit), case)
-    assert found.finding is None
+    assert found.objection is None
     assert np.all((found.copies >= case.low) & (found.copies <= case.high))
 
 

@@ -161,6 +161,7 @@ def test_the_version_follows_the_content_and_nothing_else(course_folder: CourseF
         ("graders/m9/a/solution.py", {"m9/a"}),
         ("graders/m9/world.py", {"m9/a", "m9/b"}),
         ("graders/core/checks.py", {"m9/a", "m9/b"}),
+        ("graders/robotics/poses.py", {"m9/a", "m9/b"}),
         ("curriculum/m9/kit/m9.py", {"m9/a", "m9/b"}),
         ("reference/se2.py", {"m9/a", "m9/b"}),
         ("curriculum/m9/module.toml", set()),
