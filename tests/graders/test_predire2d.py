@@ -167,7 +167,7 @@ def test_the_counterexample_of_a_lost_mass_is_one_wall() -> None:
     assert "au lieu de 1" in check.message
 
 
-def test_a_counterexample_of_another_map_can_be_replayed() -> None:
+def test_a_counterexample_of_another_map_can_be_typed_in_again() -> None:
     check = checks(verdict(mistake("tour_du_bord"), 3))["predire_autre_carte"]
     inputs = check.counterexample.inputs
     assert set(inputs) == {"libres", "bel", "du", "dv"}

@@ -169,11 +169,11 @@ def test_check_passes_the_course_and_notices_what_is_wrong(course: Course, monke
     exercise = course.exercises[EXERCISE]
     with Sandbox(course.kits) as sandbox:
         grader = Grader(course, sandbox)
-        good = list(check.findings(grader, exercise))
+        good = list(check.examinations(grader, exercise))
         assert [one for one in good if one.fault] == []
         assert len(good) == 2 + len(exercise.grader.misconceptions) + len(list(exercise.grader.specimens()))
         all_right, all_wrong = (
-            {one.subject: one.fault for one in islice(check.findings(Shifted(grader, source), exercise), 3)}  # type: ignore[arg-type]
+            {one.subject: one.fault for one in islice(check.examinations(Shifted(grader, source), exercise), 3)}  # type: ignore[arg-type]
             for source in (exercise.solution, "x = 1\n")
         )
     first = f"erreur {exercise.grader.misconceptions[0].id}"
