@@ -20,7 +20,7 @@ from server.cli.local import find, local_grader, start_probing
 from server.course import Exercise, load
 from server.grading.joint import Grader
 from server.reading import figures
-from server.submissions.draws import SEED_BITS
+from server.submissions.deals import SEED_BITS
 
 Judge = Callable[[Grading], str]
 

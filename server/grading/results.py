@@ -1,37 +1,34 @@
-"""What is recorded of a grading: the columns of the submission's row that its result fills."""
+"""What is recorded of a grading."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from datetime import datetime
 from typing import Any
 
-from graders.core.contract.verdict import Outcome, Verdict, internal_error_verdict
+from graders.core.contract.verdict import Outcome, Verdict
 from server.course.models import Course
 from server.database import utc_now
-from server.submissions.models import Submission
+from server.gradebook.schemas import Graded
 
 UNKNOWN_VERSION = "inconnue"
 
 
-def recorded(verdict: Verdict, figures: Mapping[str, Any]) -> dict[str, Any]:
-    """A result; an internal error leaves no score, so that it never counts."""
+def recorded(verdict: Verdict, figures: Mapping[str, Any], started_at: datetime) -> Graded:
+    """A grading that ends now; an internal error leaves no score, so that it never counts."""
     counted = verdict.outcome is not Outcome.INTERNAL_ERROR
-    return {
-        "verdict": verdict.to_json(),
-        "figures": dict(figures),
-        "outcome": verdict.outcome.value,
-        "score": verdict.score if counted else None,
-        "finished_at": utc_now(),
-    }
+    return Graded(
+        exercise_version=verdict.exercise_version,
+        outcome=verdict.outcome,
+        score=verdict.score if counted else None,
+        diagnosis=verdict.diagnosis.id if verdict.diagnosis else None,
+        seed=verdict.seed,
+        started_at=started_at,
+        finished_at=utc_now(),
+        timings=verdict.timings,
+        verdict=verdict.to_json(),
+        figures=figures,
+    )
 
 
 def version_of(course: Course, exercise: str) -> str:
     known = course.exercises.get(exercise)
     return known.version if known else UNKNOWN_VERSION
-
-
-def give_up_with(course: Course) -> Callable[[Submission], dict[str, Any]]:
-    """The result of a submission whose grading has killed its workers."""
-
-    def give_up(row: Submission) -> dict[str, Any]:
-        return recorded(internal_error_verdict(row.exercise, version_of(course, row.exercise), row.seed), {})
-
-    return give_up

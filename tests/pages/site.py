@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from typing import Any
 
 from starlette.testclient import TestClient
 
-from server.database import Database
+from graders.core.contract.verdict import Outcome
+from server.base.provided import provided_to
+from server.base.settings import Settings
+from server.course import Course
+from server.database import Database, utc_now
+from server.gradebook.schemas import Graded
+from server.grading.task import GradingTask, SentFile
 from server.identity import service as accounts
-from server.queue import service as queue
-from server.queue.owner import owner_of
+from server.queue.port import NoSignals
+from server.queue.service import TableQueue
+from server.queue.worker import Worker
+from server.submissions.service import GRADE
 
 PAGE = "/m9/exercices/a"
 CHECK = {
@@ -49,6 +56,23 @@ def verdict(outcome: str = "wrong_answer", points: float = 0.0, **changes: Any) 
     }
 
 
+def graded_as(result: dict[str, Any], sent: SentFile) -> Graded:
+    """What is recorded where a grader has given this verdict."""
+    ours = result["outcome"] == Outcome.INTERNAL_ERROR
+    return Graded(
+        exercise_version=result["exercise_version"],
+        outcome=Outcome(result["outcome"]),
+        score=None if ours else result["score"],
+        diagnosis=result["diagnosis"]["id"] if result["diagnosis"] else None,
+        seed=result["seed"],
+        started_at=sent.started_at,
+        finished_at=utc_now(),
+        timings=result["timings"],
+        verdict=result,
+        figures={},
+    )
+
+
 @dataclass
 class Site:
     """A browser on the application; `grade` plays the worker."""
@@ -68,11 +92,10 @@ class Site:
         return str(answer.json()["page"])
 
     def grade(self, result: dict[str, Any]) -> None:
-        with self.database.write() as db:
-            lease = queue.claim(db, owner_of(os.getpid()), 30)
-            assert lease is not None
-            written = {"outcome": result["outcome"], "score": result["score"], "verdict": result, "figures": {}}
-            assert queue.finish(db, lease, written)
+        app: Any = self.client.app
+        task = GradingTask(provided_to(app, Course), lambda sent: graded_as(result, sent))
+        queue = TableQueue(NoSignals())
+        assert Worker(self.database, queue, provided_to(app, Settings), {GRADE: task}).step()
 
     def attempt(self, code: str, result: dict[str, Any]) -> str:
         page = self.submit(code)
