@@ -109,7 +109,7 @@ def progress(db: Session, account: Account | None, exercise_id: str | None = Non
     if account is None:
         return {}
     kept = standings.of_account(db, account.id, exercise_id)
-    waiting = stored.waiting(db, account.id)
+    waiting = stored.waiting(db, account.id, exercise_id)
     return {
         name: Progress(sums.best_score, sums.attempts + waiting.get(name, 0), sums.first_success_at is not None)
         for name, sums in kept.items()

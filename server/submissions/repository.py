@@ -14,13 +14,14 @@ def by_id(db: Session, submission_id: UUID) -> Submission | None:
     return db.get(Submission, submission_id)
 
 
-def waiting(db: Session, account_id: UUID) -> Mapping[str, int]:
-    """How many of an account's submissions wait for their first grading, by exercise."""
+def waiting(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, int]:
+    """How many of an account's submissions wait for their first grading, by exercise (in all, or in one alone)."""
     query = (
         select(Submission.exercise, func.count())
         .where(Submission.account_id == account_id, Submission.grading_id.is_(None))
         .group_by(Submission.exercise)
     )
+    query = query if exercise is None else query.where(Submission.exercise == exercise)
     return dict(db.execute(query).all())
 
 
