@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import Any
 
 from fastapi import FastAPI
+from sqlalchemy.exc import SQLAlchemyError
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware.gzip import GZipMiddleware
 
@@ -87,9 +88,12 @@ class Services:
         return Cells(self.settings, self.course.kits)
 
     def take_back(self, owner: Owner) -> None:
-        """A local worker has died: its job goes back to the queue at once."""
-        with self.database.write() as db:
-            self.queue.release(db, owner, give_ups(self.course))
+        """A local worker has died: its job goes back to the queue at once, or when lost leases are next looked for."""
+        try:
+            with self.database.write() as db:
+                self.queue.release(db, owner, give_ups(self.course))
+        except SQLAlchemyError:
+            log.exception("the job of a dead worker could not be taken back; trying again later")
 
     def tidy(self) -> None:
         with self.database.write() as db:

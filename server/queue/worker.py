@@ -93,10 +93,21 @@ class Worker:
         lease = self._queue.claim(db, self._owner, self._tasks.keys(), self._settings.lease_seconds)
         if lease is None:
             return None
-        work = self._tasks[lease.kind].read(db, lease)
+        work = self._read(db, lease)
         if work is None:
             self._queue.finish(db, lease)
         return lease, work
+
+    def _read(self, db: Session, lease: Lease) -> Any:
+        """A job that cannot be read is a failed try: else its claim would be undone, and made again for ever."""
+        try:
+            return self._tasks[lease.kind].read(db, lease)
+        except SQLAlchemyError:
+            raise
+        except Exception:
+            log.exception("job %s %s cannot be read, try %d", lease.kind, lease.key, lease.tries)
+            self._queue.fail(db, lease, self._give_ups)
+            return None
 
     def _do(self, lease: Lease, work: Any) -> None:
         self._heartbeat.hold(lease)

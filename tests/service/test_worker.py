@@ -16,6 +16,7 @@ from uuid import uuid4
 
 import pytest
 from sqlalchemy import delete, select
+from sqlalchemy.orm import Session
 
 from graders.core.contract.verdict import Outcome
 from server.base.settings import Settings
@@ -28,7 +29,8 @@ from server.grading.joint import Grader
 from server.grading.task import SentFile
 from server.identity.models import Account
 from server.queue.models import Job
-from server.queue.worker import Stop
+from server.queue.port import Lease
+from server.queue.worker import Stop, Worker
 from server.sandbox import FaultKind, Sandbox, SandboxFault
 from server.submissions.models import Submission
 from server.submissions.service import Submissions
@@ -89,6 +91,38 @@ def test_what_fails_is_tried_again_then_given_up_as_our_error(
     assert [worker.step() for _ in range(4)] == [True, True, True, False]
     assert only(database, Grading).outcome == Outcome.INTERNAL_ERROR
     assert caplog.text.count("RuntimeError: a disk is full") == 3
+
+
+class Broken:
+    """Jobs that say nothing."""
+
+    def __init__(self) -> None:
+        self.given_up = 0
+
+    def read(self, _db: Session, lease: Lease) -> str:
+        return str(lease.payload["what"])
+
+    def run(self, work: str) -> str:
+        return work
+
+    def record(self, _db: Session, _work: str, _result: str) -> None:
+        raise NotImplementedError
+
+    def give_up(self, _db: Session, _lease: Lease) -> None:
+        self.given_up += 1
+
+
+@pytest.mark.parametrize("payload", [{}, {"what": "nothing that can be recorded"}])
+def test_a_job_that_cannot_be_read_or_recorded_stops_nobody_for_ever(
+    database: Database, both: Settings, payload: dict[str, str]
+) -> None:
+    task = Broken()
+    worker = Worker(database, QUIET, both, {"say": task})
+    with database.write() as db:
+        QUIET.put(db, "say", "a", payload)
+    assert [worker.step() for _ in range(4)] == [True, True, True, False]
+    assert task.given_up == 1
+    assert none(database, Job)
 
 
 def test_work_whose_author_has_gone_is_dropped(database: Database, ada: Account, both: Settings) -> None:
