@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.contract.findings import Grading
+from graders.core.contract.findings import Judgement
 from graders.core.contract.local import LOCAL, PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
@@ -59,7 +59,7 @@ def kabsch(P, Q):
 """
 
 
-def graded(source: str, seed: int) -> Grading:
+def graded(source: str, seed: int) -> Judgement:
     return GRADER.grade(source.encode(), LOCAL, seed=seed, version="v")
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from graders.core.contract.findings import Grading
+from graders.core.contract.findings import Judgement
 from graders.core.contract.local import LOCAL, PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
@@ -24,7 +24,7 @@ NUMERIC, VECTORS, COMPOSED = SPECIMENS["numerique_dense"], SPECIMENS["lots_numpy
 SPARSE = SPECIMENS["creux_scipy"]
 
 
-def graded(source: str, seed: int) -> Grading:
+def graded(source: str, seed: int) -> Judgement:
     return GRADER.grade(source.encode(), LOCAL, seed=seed, version="v")
 
 

@@ -19,8 +19,8 @@ from server.base.provided import provided_to
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
+from server.gradebook.figures import Figures
 from server.identity.models import Role
-from server.submissions.figures import Figures
 
 from .conftest import EXERCISE, Site
 
@@ -199,7 +199,7 @@ def test_an_unexpected_failure_is_a_problem_too(site: Site, monkeypatch: pytest.
     def broken(*_: object) -> None:
         raise RuntimeError("a secret of ours")
 
-    monkeypatch.setattr("server.submissions.service.submit", broken)
+    monkeypatch.setattr("server.submissions.service.Submissions.submit", broken)
     answer = site.client.post("/api/v1/submissions", json=BODY, headers=headers)
     assert "secret" not in json.dumps(problem(answer, 500))
     page = site.client.post("/l20/exercices/poses/soumissions", data={"code": "x"})

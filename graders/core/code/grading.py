@@ -19,7 +19,7 @@ from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.reenacting import Reenactor
 from graders.core.compare.shrinking import Budget
 from graders.core.compare.words import tidy, to_jsonable
-from graders.core.contract.findings import Finding, Grading, verdict_of
+from graders.core.contract.findings import Finding, Judgement, verdict_of
 from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings, Programs, StudentFault
@@ -50,7 +50,7 @@ class CodeGrader:
     reenactor: Reenactor = FRESH
     budget: Budget = DEFAULT_BUDGET
 
-    def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Grading:
+    def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Judgement:
         """The verdict of a file: every check is run on the program that `programs` starts of it.
 
         Whatever the student's program does ends in the verdict; an exception that leaves this is our own fault.
@@ -76,7 +76,7 @@ class CodeGrader:
             timings={name: round(1000.0 * (end - start), 3) for name, (start, end) in timings.items()},
         )
         figures = {f.result.id: to_jsonable(f.figure, limit=FIGURE_ITEMS) for f in findings if f.figure is not None}
-        return Grading(verdict, figures)
+        return Judgement(verdict, figures)
 
     def _diagnosis(
         self, findings: Sequence[Finding], observations: Sequence[Observation], kit: KitSettings, seed: int

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from graders.core.contract.findings import Grading
+from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Programs
 
@@ -32,7 +32,7 @@ class Grader(Protocol):
     @property
     def exercise(self) -> str: ...
 
-    def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Grading:
+    def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Judgement:
         """The verdict of a submission. An exception that leaves it is our own fault."""
 
     def rehearse(self) -> None:

@@ -9,8 +9,8 @@ from sqlalchemy.orm import Session
 
 from server.base.errors import NotFound
 from server.course.models import Course
-from server.submissions import repository
-from server.submissions.models import Submission
+from server.gradebook import repository
+from server.gradebook.schemas import Attempt
 
 Format = Literal["svg", "png"]
 Theme = Literal["light", "dark"]
@@ -18,9 +18,9 @@ MEDIA_TYPES = {"svg": "image/svg+xml", "png": "image/png"}
 NO_FIGURE = "Cette figure n’existe pas."
 
 
-def figure_data(db: Session, submission: Submission, name: str) -> dict[str, Any]:
-    """The stored data of a figure of this submission's verdict; raises NotFound."""
-    data = repository.figures_of(db, submission.id).get(name)
+def figure_data(db: Session, attempt: Attempt, name: str) -> dict[str, Any]:
+    """The stored data of a figure of this attempt's verdict; raises NotFound."""
+    data = None if attempt.grading is None else repository.figures_of(db, attempt.grading.id).get(name)
     if not isinstance(data, dict):
         raise NotFound(NO_FIGURE)
     return data
@@ -35,16 +35,16 @@ class Figures:
         self._drawn: OrderedDict[tuple[UUID, str, str, str], bytes] = OrderedDict()
         self._lock = Lock()
 
-    def draw(self, db: Session, submission: Submission, name: str, form: Format, theme: Theme) -> bytes:
+    def draw(self, db: Session, attempt: Attempt, name: str, form: Format, theme: Theme) -> bytes:
         """The picture's bytes. Slow (tens of ms) at first: call it in a thread. Raises NotFound."""
-        key = (submission.id, name, form, theme)
+        key = (attempt.submission.grading_id or attempt.submission.id, name, form, theme)
         with self._lock:
             if key in self._drawn:
                 self._drawn.move_to_end(key)
                 return self._drawn[key]
-        data = figure_data(db, submission, name)
+        data = figure_data(db, attempt, name)
         with self._lock:
-            return self._remember(key, self._render(submission.exercise, data, form, theme))
+            return self._remember(key, self._render(attempt.submission.exercise, data, form, theme))
 
     def _render(self, exercise: str, data: dict[str, Any], form: Format, theme: Theme) -> bytes:
         known = self._course.exercises.get(exercise)
