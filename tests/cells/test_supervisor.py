@@ -8,6 +8,7 @@ import os
 import signal
 import sys
 from collections.abc import Awaitable, Callable, Coroutine
+from dataclasses import replace
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -57,7 +58,7 @@ def played(tmp_path: Path, test: Callable[[Cells], Awaitable[None]], script: str
         try:
             await test(cells)
         finally:
-            last = cells._process and process(cells)
+            last = cells.helper._process and process(cells)
             await cells.close()
         assert not (last and alive(last))
 
@@ -77,8 +78,8 @@ async def started(cells: Cells, code: str) -> asyncio.Task[bytes]:
 
 def process(cells: Cells) -> int:
     """The process that was started last."""
-    assert cells._process is not None
-    return cells._process._process.pid
+    assert cells.helper._process is not None
+    return cells.helper._process.pid
 
 
 async def eventually(condition: Callable[[], bool]) -> None:
@@ -87,7 +88,7 @@ async def eventually(condition: Callable[[], bool]) -> None:
 
 def test_cells_run_and_their_process_is_started_by_the_first(tmp_path: Path) -> None:
     async def test(cells: Cells) -> None:
-        assert cells._process is None
+        assert cells.helper._process is None
         first, second = await asyncio.gather(ran(cells, "print(H)"), ran(cells, "1 / 0"))
         assert json.loads(first)["stdout"] == "16\n"
         assert json.loads(second)["fault"]["line"] == 1
@@ -147,10 +148,11 @@ def test_a_stopped_process_is_killed(tmp_path: Path) -> None:
     async def test(cells: Cells) -> None:
         await ran(cells, "1")
         os.kill(process(cells), signal.SIGSTOP)
-        cells._patience = 0.3
+        patient = cells.helper.program
+        cells.helper.program = replace(patient, patience=0.3)
         with pytest.raises(Failed):
             await ran(cells, "1")
-        cells._patience = 60.0
+        cells.helper.program = patient
         assert json.loads(await ran(cells, "print(1)"))["stdout"] == "1\n"
 
     played(tmp_path, test)
@@ -250,8 +252,8 @@ def test_a_line_that_breaks_ends_the_process_and_its_sandbox(tmp_path: Path) -> 
         first = process(cells)
         below = children(first)
         assert below
-        assert cells._process is not None
-        cells._process._writer.close()
+        assert cells.helper._process is not None
+        cells.helper._process._writer.close()
         await eventually(lambda: not any(map(alive, [first, *below])))
 
     played(tmp_path, test)
