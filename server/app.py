@@ -16,12 +16,17 @@ from starlette.middleware.gzip import GZipMiddleware
 from server.api.documentation import with_problem_schema
 from server.api.routes import router as api_router
 from server.base import middleware
+from server.base.helper import Helper
 from server.base.provided import check_provided, provide
 from server.base.settings import Settings
 from server.cells.routes import router as cells_router
 from server.cells.supervisor import Cells
 from server.course import Course, load
 from server.database import Database
+from server.figures.pictures import Pictures
+from server.figures.program import program
+from server.figures.service import Figures
+from server.figures.store import Store
 from server.grading.results import give_up_with
 from server.grading.supervisor import WORKER_COMMAND, Supervisor
 from server.identity import service as accounts
@@ -34,14 +39,12 @@ from server.queue.port import Signals
 from server.queue.postgres import AllSignals, Listener, PostgresSignals
 from server.queue.switchboard import Switchboard
 from server.reading.downloads import Downloads
-from server.reading.figures import Drawings
 from server.reading.routes import router as reading_router
 from server.replays.routes import Desk
 from server.replays.routes import router as replays_router
 from server.replays.service import Replays
 from server.submissions import service as submissions
 from server.submissions.events import Events
-from server.submissions.figures import Figures
 from server.web import errors
 
 log = logging.getLogger(__name__)
@@ -81,6 +84,11 @@ class Services:
     def cells(self) -> Cells:
         return Cells(self.settings, self.course.kits)
 
+    @cached_property
+    def figures(self) -> Figures:
+        kept = Store(self.settings.data_dir / "figures")
+        return Figures(self.course, self.database, Pictures(Helper(program()), kept))
+
     def take_back(self, owner: Owner) -> None:
         """A local worker has died: its submission goes back to the queue at once."""
         with self.database.write() as db:
@@ -114,6 +122,7 @@ class Services:
             if self.on_postgres:
                 stack.push_async_callback(run_in_threadpool, self._listen())
             stack.push_async_callback(self.cells.close)
+            stack.push_async_callback(self.figures.pictures.close)
             await stack.enter_async_context(
                 Supervisor(self.settings, self.switchboard, self.take_back, self.worker_command)
             )
@@ -163,7 +172,7 @@ def _share(app: FastAPI, services: Services) -> None:
     course = services.course
     provide(app, services.settings, course, services.database, services.events, services.cells)
     provide(app, Accounts(services.database, services.settings, adopt=submissions.adopt))
-    provide(app, Figures(course), Drawings(course), Downloads(course), Desk(Replays()))
+    provide(app, services.figures, Downloads(course), Desk(Replays()))
     check_provided(app)
 
 

@@ -1,0 +1,53 @@
+"""The process that draws: one figure after the other, none of which may take the memory of the machine.
+
+It ends when the service closes the line, and dies with it.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import logging
+import resource
+from pathlib import Path
+from typing import Any
+
+from server.base import frames
+from server.base.line import Line
+from server.figures.lessons import draw_with
+from server.figures.program import LARGEST, MEMORY
+
+log = logging.getLogger(__name__)
+
+
+def serve(line: Line) -> None:
+    """Until the line is closed."""
+    resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
+    for number, asked in line.questions():
+        if number:
+            _answer(line, number, asked)
+
+
+def _answer(line: Line, number: int, asked: bytes) -> None:
+    try:
+        picture = drawn(json.loads(asked))
+    except Exception:
+        log.exception("a figure could not be drawn: %.200r", asked)
+        line.answer(number, frames.FAILED, b"")
+        return
+    if len(picture) > LARGEST:
+        log.error("a figure of %d bytes is too large: %.200r", len(picture), asked)
+        line.answer(number, frames.FAILED, b"")
+    else:
+        line.answer(number, frames.DONE, picture)
+
+
+def drawn(question: dict[str, Any]) -> bytes:
+    """The picture that an `Order` asks for."""
+    theme, form = question["theme"], question["form"]
+    if question["kind"] == "lesson":
+        width, height = question["size"]
+        return draw_with(Path(question["path"]), question["function"], (width, height), theme, form).picture
+    grader = importlib.import_module(f"graders.{question['exercise'].replace('/', '.')}.grader").GRADER
+    picture: bytes = grader.draw(question["data"], theme=theme, extension=form)
+    return picture
