@@ -1,4 +1,4 @@
-"""The process that draws: one figure after the other, none of which may take the memory of the machine.
+"""The process that draws: one figure after the other, none of which may take the memory or the time of the machine.
 
 It ends when the service closes the line, and dies with it.
 """
@@ -9,6 +9,7 @@ import importlib
 import json
 import logging
 import resource
+import signal
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +24,13 @@ log = logging.getLogger(__name__)
 def serve(line: Line) -> None:
     """Until the line is closed."""
     resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
-    for number, asked in line.questions():
-        if number:
-            _answer(line, number, asked)
+    questions = line.questions()
+    _, told = next(questions)
+    allowed = json.loads(told)["cpu_seconds"]
+    for number, asked in questions:
+        signal.setitimer(signal.ITIMER_PROF, allowed)  # its signal ends this process, in the midst of C code too
+        _answer(line, number, asked)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
 
 
 def _answer(line: Line, number: int, asked: bytes) -> None:

@@ -38,6 +38,10 @@ def endless(figure, palette):
         pass
 
 
+def asleep(figure, palette):
+    time.sleep(600)
+
+
 def greedy(figure, palette):
     bytearray(1 << 40)
 
@@ -112,16 +116,28 @@ def test_what_raises_or_takes_too_much_memory_fails_alone(folder: Path) -> None:
     play(scene)
 
 
-def test_what_never_ends_is_killed_and_the_next_is_drawn_by_another(folder: Path) -> None:
+def test_what_takes_too_much_of_the_processor_ends_its_process_and_the_next_is_drawn_by_another(folder: Path) -> None:
+    async def scene(helper: Helper) -> None:
+        with pytest.raises(UnansweredError):
+            await helper.ask(question(folder, "endless"))
+        assert helper._process is not None
+        assert await helper._process._process.wait() == -signal.SIGPROF
+        helper.program = program()
+        assert await helper.ask(question(folder, "right"))
+
+    play(scene, program(cpu_seconds=0.5))
+
+
+def test_a_process_that_hangs_is_killed_and_the_next_is_drawn_by_another(folder: Path) -> None:
     async def scene(helper: Helper) -> None:
         await helper.ask(question(folder, "right"))
         assert helper._process is not None
-        first, patient = helper._process.pid, helper.program
+        first = helper._process.pid
         helper.program = program(patience=0.3)
         with pytest.raises(UnansweredError):
-            await helper.ask(question(folder, "endless"))
+            await helper.ask(question(folder, "asleep"))
         await asyncio.to_thread(until, lambda: not alive(first), "the one that hung is gone")
-        helper.program = patient
+        helper.program = program()
         assert await helper.ask(question(folder, "right"))
 
     play(scene)
