@@ -15,7 +15,6 @@ from typing import Any
 
 from server.base import frames
 from server.base.line import Line
-from server.figures.lessons import draw_with
 from server.figures.program import LARGEST, MEMORY
 
 log = logging.getLogger(__name__)
@@ -51,6 +50,8 @@ def drawn(question: dict[str, Any]) -> bytes:
     """The picture that an `Order` asks for."""
     theme, form = question["theme"], question["form"]
     if question["kind"] == "lesson":
+        from server.figures.lessons import draw_with  # slow to import: who waits for a verdict's figure need not wait
+
         width, height = question["size"]
         return draw_with(Path(question["path"]), question["function"], (width, height), theme, form).picture
     grader = importlib.import_module(f"graders.{question['exercise'].replace('/', '.')}.grader").GRADER
