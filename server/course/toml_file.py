@@ -27,7 +27,7 @@ MESSAGES = {
 
 
 def read_text(path: Path) -> str:
-    """The file's text. Raises CatalogueFault when it is missing or not UTF-8."""
+    """The file's text. Raises CourseFault when it is missing or not UTF-8."""
     try:
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:
@@ -38,17 +38,17 @@ def read_text(path: Path) -> str:
 
 
 def read(path: Path, model: type[M]) -> M:
-    """Read and validate. Raises CatalogueFault with the place of the first fault."""
+    """Read and validate. Raises CourseFault with the place of the first fault."""
     return parse(read_text(path), path, model)
 
 
 def parse(text: str, path: Path, model: type[M], first_line: int = 1) -> M:
-    """Validate a TOML text that stands at `first_line` of a file. Raises CatalogueFault like `read`."""
+    """Validate a TOML text that stands at `first_line` of a file. Raises CourseFault like `read`."""
     return validated(load(text, path, first_line), text, path, model, first_line=first_line)
 
 
 def validated(values: object, text: str, path: Path, model: type[M], at: Location = (), first_line: int = 1) -> M:
-    """Validate what stands at `at` in the TOML text. Raises CatalogueFault with the place of the first fault."""
+    """Validate what stands at `at` in the TOML text. Raises CourseFault with the place of the first fault."""
     try:
         return model.model_validate(values)
     except ValidationError as error:
@@ -58,7 +58,7 @@ def validated(values: object, text: str, path: Path, model: type[M], at: Locatio
 
 
 def load(text: str, path: Path, first_line: int = 1) -> dict[str, Any]:
-    """The values of a TOML text. Raises CatalogueFault when it is not TOML."""
+    """The values of a TOML text. Raises CourseFault when it is not TOML."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

@@ -13,13 +13,14 @@ from pathlib import Path
 
 import pytest
 
+from graders.plotting import counterexample
 from server.base.helper import Helper, Program, UnansweredError
 from server.base.paths import ROOT
 from server.course.models import Drawing
 from server.figures import orders
 from server.figures.lessons import draw
 from server.figures.program import program
-from tests.quick import in_a_loop, the_course
+from tests.quick import in_a_loop
 from tests.service.live import alive, until
 
 DRAWINGS = """import time
@@ -90,12 +91,11 @@ def test_a_figure_of_a_verdict_is_drawn_by_its_exercise() -> None:
     frames = {"a": [0.0, 0.0, 0.0], "b": [1.0, 0.0, 0.5]}
     data = {"kind": "frames", "title": "Essai", "frames": frames, "expected": [1.0, 0.0, 0.5], "got": [1.0, 0.0, 0.0]}
     exercise = "l20/poses"
-    here = the_course().exercises[exercise].grader
 
     async def scene(helper: Helper) -> None:
         for form in ("svg", "png"):
             order = orders.of_verdict(exercise, data, form, "light")
-            assert await helper.ask(order.question) == here.draw(data, theme="light", extension=form)
+            assert await helper.ask(order.question) == counterexample(exercise, data, theme="light", extension=form)
         with pytest.raises(UnansweredError):
             await helper.ask(orders.of_verdict(exercise, {"kind": "rien"}, "svg", "light").question)
 
