@@ -245,9 +245,8 @@ def test_figures_draw(theme: str) -> None:
         figures = graded(mistake(name).source, 1).figures
         assert figures
         for check in {"signature_rotation", "sosies"} & set(figures):
-            assert counterexample(GRADER.exercise, json.loads(json.dumps(figures[check])), theme=theme).startswith(
-                b"<?xml"
-            )
+            data = json.loads(json.dumps(figures[check]))
+            assert counterexample(GRADER.exercise, data, theme=theme).startswith(b"<?xml")
 
 
 def test_absurd_signatures_are_left_out_of_the_figure() -> None:
