@@ -17,14 +17,18 @@ from starlette.middleware.gzip import GZipMiddleware
 from server.api.documentation import with_problem_schema
 from server.api.routes import router as api_router
 from server.base import middleware
+from server.base.helper import Helper
 from server.base.provided import check_provided, provide
 from server.base.settings import Settings
 from server.cells.routes import router as cells_router
 from server.cells.supervisor import Cells
 from server.course import Course, load
 from server.database import Database
+from server.figures.pictures import Pictures
+from server.figures.program import program
+from server.figures.service import Figures
+from server.figures.store import Store
 from server.gradebook import service as gradebook
-from server.gradebook.figures import Figures
 from server.grading.supervisor import WORKER_COMMAND, Supervisor
 from server.grading.task import give_ups
 from server.identity import service as accounts
@@ -37,7 +41,6 @@ from server.queue.postgres import AllSignals, Listener, PostgresSignals
 from server.queue.service import TableQueue
 from server.queue.switchboard import Switchboard
 from server.reading.downloads import Downloads
-from server.reading.figures import Drawings
 from server.reading.routes import router as reading_router
 from server.replays.routes import Desk
 from server.replays.routes import router as replays_router
@@ -87,6 +90,11 @@ class Services:
     def cells(self) -> Cells:
         return Cells(self.settings, self.course.kits)
 
+    @cached_property
+    def figures(self) -> Figures:
+        kept = Store(self.settings.data_dir / "figures")
+        return Figures(self.course, self.database, Pictures(Helper(program()), kept))
+
     def take_back(self, owner: Owner) -> None:
         """A local worker has died: its job goes back to the queue at once, or when lost leases are next looked for."""
         try:
@@ -123,6 +131,7 @@ class Services:
             if self.on_postgres:
                 stack.push_async_callback(run_in_threadpool, self._listen())
             stack.push_async_callback(self.cells.close)
+            stack.push_async_callback(self.figures.pictures.close)
             await stack.enter_async_context(
                 Supervisor(self.settings, self.switchboard, self.take_back, self.worker_command)
             )
@@ -173,7 +182,7 @@ def _share(app: FastAPI, services: Services) -> None:
     provide(app, services.settings, course, services.database, services.events, services.cells)
     provide(app, Accounts(services.database, services.settings, adopt=gradebook.adopt))
     provide(app, Submissions(services.settings, services.queue))
-    provide(app, Figures(course), Drawings(course), Downloads(course), Desk(Replays()))
+    provide(app, services.figures, Downloads(course), Desk(Replays()))
     check_provided(app)
 
 

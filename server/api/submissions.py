@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query
+from fastapi import APIRouter, Depends, Query, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
@@ -12,13 +12,15 @@ from server.api.documentation import content, events, problems
 from server.api.exercises import find
 from server.api.schemas import NewSubmission, SubmissionOut
 from server.api.state import Resource, reader, resource
+from server.base.request import client_address
 from server.course.dependencies import CourseOf
 from server.course.models import Exercise
 from server.database import Database
 from server.database.dependencies import DatabaseOf, Db
+from server.figures.dependencies import FiguresOf
+from server.figures.orders import MEDIA_TYPES, Form, Theme
+from server.figures.service import Wanted
 from server.gradebook import service as gradebook
-from server.gradebook.dependencies import FiguresOf
-from server.gradebook.figures import MEDIA_TYPES, Format, Theme
 from server.gradebook.schemas import Attempt
 from server.identity.dependencies import ApiAccount
 from server.identity.models import Account
@@ -114,32 +116,38 @@ class FigureRequest:
     """One's own submission, and the name of one of its figures."""
 
     def __init__(
-        self, figures: FiguresOf, submission_id: str, name: str, account: ApiAccount, db: Db, theme: Theme = "light"
+        self,
+        request: Request,
+        figures: FiguresOf,
+        submission_id: str,
+        name: str,
+        account: ApiAccount,
+        theme: Theme = "light",
     ) -> None:
-        self._figures = figures
-        self._db, self._name, self._theme = db, name, theme
-        self._attempt = gradebook.find(db, account, submission_id)
+        self._figures, self._account, self._address = figures, account, client_address(request)
+        self._submission_id, self._name, self._theme = submission_id, name, theme
 
-    def answer(self, form: Format) -> Response:
-        picture = self._figures.draw(self._db, self._attempt, self._name, form, self._theme)
+    async def answer(self, form: Form) -> Response:
+        wanted = Wanted(self._submission_id, self._name, form, self._theme)
+        picture = await self._figures.of_verdict(self._account, wanted, self._address)
         return Response(picture, media_type=MEDIA_TYPES[form], headers={"Cache-Control": "private, max-age=86400"})
 
 
 @router.get(
     "/submissions/{submission_id}/figures/{name}.svg",
     response_class=Response,
-    responses={200: content("The figure.", "image/svg+xml"), **problems(401, 404, 422)},
+    responses={200: content("The figure.", "image/svg+xml"), **problems(401, 404, 422, 503)},
 )
-def figure_svg(figure: Annotated[FigureRequest, Depends()]) -> Response:
+async def figure_svg(figure: Annotated[FigureRequest, Depends()]) -> Response:
     """A figure that the verdict names, drawn on demand."""
-    return figure.answer("svg")
+    return await figure.answer("svg")
 
 
 @router.get(
     "/submissions/{submission_id}/figures/{name}.png",
     response_class=Response,
-    responses={200: content("The figure.", "image/png"), **problems(401, 404, 422)},
+    responses={200: content("The figure.", "image/png"), **problems(401, 404, 422, 503)},
 )
-def figure_png(figure: Annotated[FigureRequest, Depends()]) -> Response:
+async def figure_png(figure: Annotated[FigureRequest, Depends()]) -> Response:
     """The same, as a bitmap."""
-    return figure.answer("png")
+    return await figure.answer("png")

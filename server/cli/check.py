@@ -18,8 +18,8 @@ from graders.core.contract.protocol import Known
 from server.cells import check as cells
 from server.cli.local import find, local_grader, start_probing
 from server.course import Exercise, load
+from server.figures import lessons
 from server.grading.joint import Grader
-from server.reading import figures
 from server.submissions.deals import SEED_BITS
 
 Judge = Callable[[Judgement], str]
@@ -52,7 +52,7 @@ def run(arguments: Namespace) -> int:
     logging.basicConfig(level=logging.WARNING, stream=sys.stderr)
     probing, course = start_probing(slow=False), load()
     exercises = [find(course, name) for name in arguments.exercises] or list(course.exercises.values())
-    problems = [*course.problems, *(() if arguments.exercises else figures.faults(course))]
+    problems = [*course.problems, *(() if arguments.exercises else lessons.faults(course))]
     with local_grader(course, probing) as grader:
         problems += () if arguments.exercises else cells.faults(course)
         for problem in problems:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal
+from typing import Annotated
 
 from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, StreamingResponse
@@ -13,12 +13,14 @@ from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import FormData
 
 from server.base.errors import Invalid, NotFound
+from server.base.request import client_address
 from server.course import Exercise
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
+from server.figures.dependencies import FiguresOf
+from server.figures.orders import MEDIA_TYPES, Theme
+from server.figures.service import Wanted
 from server.gradebook import service as gradebook
-from server.gradebook.dependencies import FiguresOf
-from server.gradebook.figures import MEDIA_TYPES
 from server.identity.dependencies import AccountsOf, BrowserAccount, OptionalAccount, TeacherAccount, account_or_guest
 from server.identity.models import Account
 from server.pages import answers, service
@@ -199,10 +201,15 @@ async def events(
 
 
 @router.get("/soumissions/{submission_id}/figures/{name}.svg")
-def figure(
-    figures: FiguresOf, submission_id: str, name: str, reader: Reading, theme: Literal["light", "dark"] = "light"
+async def figure(
+    request: Request,
+    figures: FiguresOf,
+    submission_id: str,
+    name: str,
+    account: OptionalAccount,
+    theme: Theme = "light",
 ) -> Response:
-    sent = gradebook.find(reader.db, reader.account, submission_id)
-    picture = figures.draw(reader.db, sent, name, "svg", theme)
+    wanted = Wanted(submission_id, name, "svg", theme)
+    picture = await figures.of_verdict(account, wanted, client_address(request))
     headers = {"Cache-Control": "private, max-age=31536000, immutable", "Content-Security-Policy": FIGURE_POLICY}
     return Response(picture, media_type=MEDIA_TYPES["svg"], headers=headers)

@@ -11,6 +11,7 @@ from graders.core.contract.findings import Judgement
 from graders.core.contract.local import LOCAL, PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
+from graders.plotting import counterexample
 from tests.graders.shipped import CODE
 from tests.quick import one_in
 
@@ -267,4 +268,4 @@ def test_figures_draw(theme: str) -> None:
         figures = graded(misconception(name), 1).figures
         assert figures
         for data in json.loads(json.dumps([*figures.values()][:1])):
-            assert GRADER.draw(data, theme=theme).startswith(b"<?xml")
+            assert counterexample(GRADER.exercise, data, theme=theme).startswith(b"<?xml")

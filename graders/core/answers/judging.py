@@ -170,9 +170,6 @@ class AnswersGrader(ABC):
         """Answers to one draw as answers to another, where the letters differ."""
         return answers
 
-    def draw(self, data: dict[str, Any], *, theme: str = "light", extension: str = "svg") -> bytes:
-        raise LookupError(f"{self.exercise} draws no figure")
-
 
 def _written(answers: Callable[[int], Answers]) -> Callable[[int], bytes]:
     return lambda seed: canonical(answers(seed)).encode()

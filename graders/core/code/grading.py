@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -110,15 +108,6 @@ class CodeGrader:
     def specimens(self) -> Iterator[Specimen]:
         """The submissions under `specimens/<outcome>/`. Raises MalformedExerciseError."""
         return read_specimens(self.folder)
-
-    def draw(self, data: dict[str, Any], *, theme: str = "light", extension: str = "svg") -> bytes:
-        """Draw the figure whose data a verdict left, as a "svg" or "png" file. Slow: it loads matplotlib."""
-        from graders.plotting import drawing, to_bytes
-
-        module = importlib.import_module(f"graders.{self.exercise.replace('/', '.')}.figures")
-        with drawing(theme) as figure:
-            module.FIGURES[data["kind"]](figure, data)
-            return to_bytes(figure, extension)
 
 
 def _always(source: bytes) -> Callable[[int], bytes]:

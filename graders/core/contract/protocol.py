@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
@@ -43,6 +43,3 @@ class Grader(Protocol):
 
     def mistakes(self) -> frozenset[str]:
         """The ids of the misconceptions that it can name."""
-
-    def draw(self, data: dict[str, Any], *, theme: str = "light", extension: str = "svg") -> bytes:
-        """Draw the figure whose data a verdict left, as a "svg" or "png" file."""
