@@ -88,7 +88,7 @@ class Exercise:
     """One exercise, ready to serve. `id` is "module/slug"; `stars` counts the ★ of a challenge (0 to 3).
 
     `seance` is the slug of the page that it follows.
-    `version` is the first 12 hexadecimal digits of a sha256 over everything that can change a verdict.
+    `version` is a digest of everything that can change a verdict (see `server.course.version`).
     An exercise answered without code (`answers`) has no function, and neither starter nor solution as files: its grader
     gives questions and correction. `policy_overrides` replaces fields of `server.sandbox.Policy` by name.
     """

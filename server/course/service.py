@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from graders.core.code.exercise import ExerciseGrader
 from server.course import drawings, questions, toml_file
+from server.course.closure import Imports
 from server.course.library import Library, as_text, problems_of
 from server.course.models import Course, CourseFault, Exercise, FunctionSpec, Module, Problem
 from server.course.schemas import ExerciseFile, ModuleFile
-from server.course.version import digest
+from server.course.version import version
 from server.text.markup import Names, Source, Text
 from server.text.markup.text import no_names
 
@@ -38,6 +39,7 @@ class Sources:
     curriculum: Path
     code: Path
     discovery: Discovery
+    imports: Imports
     names: Callable[[], Names] = no_names
 
 
@@ -69,7 +71,7 @@ def load(
 
         discovery = discover()
     problems = [Problem(one.path, one.line, one.message) for one in discovery.problems]
-    sources = Sources(curriculum, code, discovery)
+    sources = Sources(curriculum, code, discovery, Imports(code))
     modules = _each(problems, lambda path: _module(sources, path, problems, look), _modules(curriculum))
     modules.sort(key=lambda one: (one.order, one.slug))
     problems.extend(_orphans(sources))
@@ -178,7 +180,7 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
         statement=Text(Source(toml_file.read_text(path / "enonce.md"), path / "enonce.md", names=sources.names)),
         hint_texts=_hints(path / "indices.md", sources.names),
         names=sources.names,
-        version=_version(sources, module, path),
+        version=version(sources.imports, sources.code, path, card),
         seance=card.seance,
         policy_overrides=MappingProxyType(card.limits.overrides()),
     )
@@ -255,21 +257,6 @@ def _part(path: Path, text: str, start: int, end: int, names: Callable[[], Names
     if not text[start:end].strip():
         raise CourseFault(Problem(path, line, "indice vide"))
     return Text(Source(text[start:end], path, line, names=names))
-
-
-def _version(sources: Sources, module: Path, path: Path) -> str:
-    graders = sources.code / "graders"
-    shared = sorted((graders / module.name).glob("*.py"))
-    return digest(
-        [
-            ("exercise", path),
-            ("kit", module / "kit"),
-            ("grader", graders / module.name / path.name),
-            ("core", graders / "core"),
-            ("reference", sources.code / "reference"),
-            *((f"module/{one.name}", one) for one in shared),
-        ]
-    )
 
 
 def _orphans(sources: Sources) -> Iterator[Problem]:
