@@ -17,6 +17,7 @@ from server.course.closure import Imports
 from server.course.library import Library, as_text, problems_of
 from server.course.models import Course, CourseFault, Exercise, FunctionSpec, Module, Problem
 from server.course.schemas import ExerciseFile, ModuleFile
+from server.course.toml_places import line_of
 from server.course.version import version
 from server.text.markup import Names, Source, Text
 from server.text.markup.text import no_names
@@ -155,7 +156,7 @@ def _lost(module: Path, exercises: list[Exercise], library: Library) -> Iterator
     for one in exercises:
         if one.seance and one.seance not in pages:
             path = module / "exercices" / one.slug / "exercise.toml"
-            line = toml_file.line_of(toml_file.read_text(path), ("seance",))
+            line = line_of(toml_file.read_text(path), ("seance",))
             yield Problem(path, line, f"« seance » : page inconnue « {one.seance} »")
 
 

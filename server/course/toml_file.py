@@ -10,9 +10,9 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from server.course.models import CourseFault, Problem
+from server.course.toml_places import Location, line_of
 
 M = TypeVar("M", bound=BaseModel)
-Location = tuple[int | str, ...]
 
 MESSAGES = {
     "missing": "champ manquant : « {field} »",
@@ -27,7 +27,7 @@ MESSAGES = {
 
 
 def read_text(path: Path) -> str:
-    """The file's text. Raises CatalogueFault when it is missing or not UTF-8."""
+    """The file's text. Raises CourseFault when it is missing or not UTF-8."""
     try:
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:
@@ -38,17 +38,17 @@ def read_text(path: Path) -> str:
 
 
 def read(path: Path, model: type[M]) -> M:
-    """Read and validate. Raises CatalogueFault with the place of the first fault."""
+    """Read and validate. Raises CourseFault with the place of the first fault."""
     return parse(read_text(path), path, model)
 
 
 def parse(text: str, path: Path, model: type[M], first_line: int = 1) -> M:
-    """Validate a TOML text that stands at `first_line` of a file. Raises CatalogueFault like `read`."""
+    """Validate a TOML text that stands at `first_line` of a file. Raises CourseFault like `read`."""
     return validated(load(text, path, first_line), text, path, model, first_line=first_line)
 
 
 def validated(values: object, text: str, path: Path, model: type[M], at: Location = (), first_line: int = 1) -> M:
-    """Validate what stands at `at` in the TOML text. Raises CatalogueFault with the place of the first fault."""
+    """Validate what stands at `at` in the TOML text. Raises CourseFault with the place of the first fault."""
     try:
         return model.model_validate(values)
     except ValidationError as error:
@@ -58,7 +58,7 @@ def validated(values: object, text: str, path: Path, model: type[M], at: Locatio
 
 
 def load(text: str, path: Path, first_line: int = 1) -> dict[str, Any]:
-    """The values of a TOML text. Raises CatalogueFault when it is not TOML."""
+    """The values of a TOML text. Raises CourseFault when it is not TOML."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -77,50 +77,3 @@ def syntax_line(text: str, error: tomllib.TOMLDecodeError) -> int:
     """tomllib states the line in its message only ("at line 3, column 5" or "at end of document")."""
     found = re.search(r"at line (\d+)", str(error))
     return int(found[1]) if found else max(1, len(text.splitlines()))
-
-
-def line_of(text: str, location: Location) -> int:
-    """The line (from 1) where the field at `location` stands, or the table that should hold it."""
-    lines = text.splitlines()
-    name, scope = "", range(len(lines))
-    start, end = 0, _next_header(lines, 0)
-    for depth, part in enumerate(location):
-        if isinstance(part, int):
-            continue
-        index = location[depth + 1] if depth + 1 < len(location) else None
-        inner = f"{name}.{part}" if name else part
-        header = _header(lines, inner, index if isinstance(index, int) else 0, scope)
-        if header is not None:
-            name, scope = inner, _scope(lines, inner, header, scope)
-            start, end = header, _next_header(lines, header + 1)
-        elif (key := _key(lines, part, start, end)) is not None:
-            return key + 1
-    return start + 1
-
-
-def _header(lines: list[str], name: str, occurrence: int, scope: range) -> int | None:
-    found = [number for number in scope if _named(lines[number]) == name]
-    return found[occurrence] if occurrence < len(found) else None
-
-
-def _scope(lines: list[str], name: str, header: int, scope: range) -> range:
-    """The lines of a table and of those inside it."""
-    inside = f"{name}."
-    headers = ((number, _named(lines[number])) for number in range(header + 1, scope.stop))
-    end = next((number for number, found in headers if found and not found.startswith(inside)), scope.stop)
-    return range(header, end)
-
-
-def _named(line: str) -> str | None:
-    """The name of the table that a line opens."""
-    found = re.match(r"\s*\[\[?\s*([\w.\- ]+?)\s*\]\]?", line)
-    return found[1] if found else None
-
-
-def _next_header(lines: list[str], start: int) -> int:
-    return next((number for number in range(start, len(lines)) if re.match(r"\s*\[", lines[number])), len(lines))
-
-
-def _key(lines: list[str], name: str, start: int, end: int) -> int | None:
-    pattern = re.compile(rf"\s*[\"']?{re.escape(name)}[\"']?\s*=")
-    return next((number for number in range(start, end) if pattern.match(lines[number])), None)

@@ -135,7 +135,9 @@ BAD_GLOSSARY = {
     "malformed name": (ENTRY.replace('id = "carte"', 'id = "Carte"'), 8, "nom mal formé"),
     "word defined twice": (ENTRY.replace('id = "carte"', 'id = "pose"'), 8, "mot déjà défini"),
     "unknown page": (ENTRY.replace('page = "une"', 'page = "deux"'), 8, "page inconnue « deux »"),
+    "unknown page, quoted otherwise": (ENTRY.replace('"carte"', "'carte'").replace('"une"', "'x'"), 8, "page inconnue"),
     "bad link": (ENTRY.replace("Un plan", "[x](terme:absent)"), 10, "terme inconnu"),
+    "bad link below the quotes": (ENTRY.replace('"Un plan."', '"""\n\nUn\n[x](terme:absent)"""'), 13, "terme inconnu"),
 }
 
 

@@ -112,6 +112,8 @@ BROKEN: dict[str, tuple[str, str, int | None, str]] = {
     "bad TeX in a question": ("choice", CHOICE.replace("$1 + 1$", "$\\\\frac{1$"), 3, "formule"),
     "bad TeX in an explanation": ("choice", CHOICE.replace("$4$", "$4_$"), 29, "formule"),
     "unknown exercise in a link": ("choice", CHOICE.replace("Comptez.", "Voir [](exo:zut)."), 14, "zut"),
+    "bad link below the quotes": ("choice", CHOICE.replace('"Comptez."', '"""\n\nVoir\n[](exo:zut)."""'), 17, "zut"),
+    "bad link in a comment too": ("choice", "# [](exo:zut)\n" + CHOICE.replace("Comptez.", "[](exo:zut)"), 15, "zut"),
     "image": ("choice", CHOICE.replace("Comptez.", "![x](y.png)"), 14, "image"),
     "no right option": ("choice", CHOICE.replace("right = true\n", "", 1), 1, "no right option"),
     "two right options": ("choice", CHOICE.replace('id = "trois"', 'id = "trois"\nright = true'), 1, "right options"),
