@@ -43,5 +43,5 @@ def test_what_lacks_is_an_error_when_the_application_is_put_together() -> None:
     app = FastAPI()
     provided(Whistle)
     provide(app, Bell("dong"))
-    with pytest.raises(LookupError, match="built without .*Whistle"):
+    with pytest.raises(LookupError, match=r"built without .*Whistle"):
         check_provided(app)
