@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
+from server.base.refused import reason
 from server.course.models import CourseFault, Problem
 from server.course.toml_places import Location, line_of
 
@@ -17,11 +19,6 @@ M = TypeVar("M", bound=BaseModel)
 MESSAGES = {
     "missing": "champ manquant : « {field} »",
     "extra_forbidden": "champ inconnu : « {field} »",
-    "string_type": "« {field} » doit être un texte entre guillemets",
-    "string_too_short": "« {field} » est vide",
-    "int_type": "« {field} » doit être un nombre entier",
-    "list_type": "« {field} » doit être une liste",
-    "too_short": "« {field} » est vide",
     "plain_text": "« {field} » : ni formule ni code dans ce texte",
 }
 
@@ -54,7 +51,7 @@ def validated(values: object, text: str, path: Path, model: type[M], at: Locatio
     except ValidationError as error:
         first = error.errors()[0]
         line = line_of(text, (*at, *first["loc"])) + first_line - 1
-        raise CourseFault(Problem(path, line, describe(first["type"], first))) from error
+        raise CourseFault(Problem(path, line, describe(first))) from error
 
 
 def load(text: str, path: Path, first_line: int = 1) -> dict[str, Any]:
@@ -66,11 +63,10 @@ def load(text: str, path: Path, first_line: int = 1) -> dict[str, Any]:
         raise CourseFault(Problem(path, line, f"TOML mal formé ({error})")) from error
 
 
-def describe(kind: str, fault: object) -> str:
+def describe(fault: ErrorDetails) -> str:
     """A French sentence for one of pydantic's faults."""
-    assert isinstance(fault, dict)
     field = ".".join(str(part + 1) if isinstance(part, int) else part for part in fault["loc"])
-    return MESSAGES.get(kind, "« {field} » : valeur refusée ({detail})").format(field=field, detail=fault["msg"])
+    return MESSAGES.get(fault["type"], f"« {{field}} » : {reason(fault)}").format(field=field)
 
 
 def syntax_line(text: str, error: tomllib.TOMLDecodeError) -> int:
