@@ -181,7 +181,7 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
         statement=Text(Source(toml_file.read_text(path / "enonce.md"), path / "enonce.md", names=sources.names)),
         hint_texts=_hints(path / "indices.md", sources.names),
         names=sources.names,
-        version=version(sources.imports, sources.code, path, card),
+        version=version(sources.imports, sources.code, path, card, found),
         seance=card.seance,
         policy_overrides=MappingProxyType(card.limits.overrides()),
     )

@@ -1,8 +1,8 @@
 """The version of an exercise: a digest of all that can change a verdict, and of nothing else.
 
-In it: the closure of its grader's imports (`closure.py`), the solution, the catalogued mistakes and whatever data stand
-in its grader's folder; of the course, the questions of an exercise without code, the kit that code finds, and of
-`exercise.toml` the kind, the functions asked for and the limits.
+In it: the closure of the imports of its grader (`closure.py`), from where it is described and from the class that grades;
+the solution, the catalogued mistakes and whatever data stand in its grader's folder; of the course, the questions of an
+exercise without code, the kit that code finds, and of `exercise.toml` the kind, the functions asked for and the limits.
 
 Not in it: what is read beside the code (statement, hints, starter, title), what is drawn from a verdict (`figures.py`,
 `graders/plotting.py`), the specimens, which only try the grader; nor what every exercise shares and no file of the
@@ -21,26 +21,30 @@ from server.course.schemas import ExerciseFile
 
 DIGITS = 12
 GRADER = "grader"
+IN_THE_COURSE = ("misconceptions.toml", "questions.toml")
 SPECIMENS = "specimens"
 MISTAKES = "misconceptions"
 NOT_DATA = {".py", ".md"}
 
 
-def version(imports: Imports, code: Path, folder: Path, card: ExerciseFile) -> str:
+def version(imports: Imports, code: Path, folder: Path, card: ExerciseFile, grader: object) -> str:
     """First 12 hexadecimal digits of a sha256. `folder` is the exercise's, in the course; `code` holds the graders."""
-    return _digest(_asked(card), grading_files(imports, code, folder, card))
+    return _digest(_asked(card), grading_files(imports, code, folder, card, grader))
 
 
-def grading_files(imports: Imports, code: Path, folder: Path, card: ExerciseFile) -> Iterator[tuple[str, Path]]:
+def grading_files(
+    imports: Imports, code: Path, folder: Path, card: ExerciseFile, grader: object
+) -> Iterator[tuple[str, Path]]:
     """The files that decide of a verdict, each with a name that tells no place on this machine."""
     module = folder.parents[1].name
     graders = code / "graders" / module / folder.name
-    yield from sorted(imports.closure(f"graders.{module}.{folder.name}.{GRADER}").items())
+    described = imports.closure(f"graders.{module}.{folder.name}.{GRADER}")
+    yield from sorted((described | imports.closure(type(grader).__module__)).items())
     yield from ((f"grader/{name}", path) for name, path in _files(graders) if _decides(Path(name)))
     if card.kind == "code":
         yield "kit", folder.parents[1] / "kit" / f"{module}.py"
     else:
-        yield "questions", folder / "questions.toml"
+        yield from ((name, folder / name) for name in IN_THE_COURSE if (folder / name).is_file())
 
 
 def _asked(card: ExerciseFile) -> bytes:

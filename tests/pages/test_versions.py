@@ -6,16 +6,20 @@ import json
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
 
+from graders.core.contract.verdict import Outcome
 from server.base.paths import ROOT
 from server.course.closure import Imports
 from server.course.models import Exercise
 from server.course.schemas import ExerciseFile
 from server.course.toml_file import read
 from server.course.version import grading_files, version
+from server.grading.joint import Grader
+from server.sandbox import Sandbox
 from tests.pages.conftest import EXERCISE, CourseFolder
 from tests.quick import the_course
 
@@ -166,47 +170,64 @@ def test_each_file_that_grades_a_real_exercise_changes_its_version(tmp_path: Pat
         shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
     folder = tmp_path / "curriculum" / "l20" / "exercices" / slug
     card = read(folder / "exercise.toml", ExerciseFile)
-    before = version(Imports(tmp_path), tmp_path, folder, card)
-    assert before == the_course().exercises[f"l20/{slug}"].version, "a place on the disk is no part of it"
-    grading = {path for _, path in grading_files(Imports(tmp_path), tmp_path, folder, card)}
+    exercise = the_course().exercises[f"l20/{slug}"]
+    imports = Imports(tmp_path)  # what is written below changes no import
+    before = version(imports, tmp_path, folder, card, exercise.grader)
+    assert before == exercise.version, "a place on the disk is no part of it"
+    grading = {path for _, path in grading_files(imports, tmp_path, folder, card, exercise.grader)}
     everything = {path for name in ("graders", "reference") for path in (tmp_path / name).rglob("*") if path.is_file()}
     assert len(grading) > 15
     for path in sorted(grading | everything):
         kept = path.read_bytes()
         path.write_bytes(kept + b"\n#\n")
-        after = version(Imports(tmp_path), tmp_path, folder, card)
+        after = version(imports, tmp_path, folder, card, exercise.grader)
         path.write_bytes(kept)
         assert (after != before) is (path in grading), path
 
 
-GRADE = """
-import json, sys
-from graders.l20.{slug} import grader
-found, seen = grader.GRADER, set(sys.modules)
-if hasattr(found, "bind"):
-    from pathlib import Path
-    from server.course.questions import bind
-    found, before = bind(found, Path("curriculum/l20/exercices/{slug}/questions.toml")), set(sys.modules)
-    grading = found.grade(json.dumps(dict(found.right(3))).encode(), seed=3, version="")
-else:
-    from graders.core.contract.program import local_launcher
-    before = set(sys.modules)
-    for source in (found.solution, found.misconceptions[0].source):
-        grading = found.grade(source.encode(), lambda file: local_launcher(file.decode()), seed=3, version="")
-print(json.dumps([grading.verdict.outcome.value, sorted(seen | (set(sys.modules) - before))]))
-"""
+@pytest.fixture(scope="module")
+def sandbox() -> Iterator[Sandbox]:
+    with Sandbox(the_course().kits) as opened:
+        yield opened
 
 
-@pytest.mark.parametrize("exercise", the_course().exercises.values(), ids=lambda exercise: exercise.slug)
-def test_what_grading_really_imports_is_in_the_closure(exercise: Exercise) -> None:
+def closure_of(exercise: Exercise) -> set[str]:
+    imports = Imports(ROOT)
+    described = imports.closure(f"graders.{exercise.module}.{exercise.slug}.grader")
+    return {*described, *imports.closure(type(exercise.grader).__module__)}
+
+
+def ours(modules: Iterable[str]) -> set[str]:
+    return {name for name in modules if name.split(".")[0] in {"graders", "reference"}}
+
+
+EXERCISES = pytest.mark.parametrize("exercise", the_course().exercises.values(), ids=lambda exercise: exercise.slug)
+
+
+@EXERCISES
+def test_what_a_grader_really_imports_is_in_its_closure(exercise: Exercise) -> None:
     """Statically found, it would silently miss a module whose name is computed."""
-    done = subprocess.run(
-        [sys.executable, "-c", GRADE.format(slug=exercise.slug)], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    outcome, modules = json.loads(done.stdout)
-    assert outcome == ("ok" if exercise.kind == "answers" else "wrong_answer")
-    closure = Imports(ROOT).closure(f"graders.l20.{exercise.slug}.grader")
-    ours = {name for name in modules if name.split(".")[0] in {"graders", "reference"}}
-    assert f"graders.l20.{exercise.slug}.grader" in ours
-    assert ours <= closure.keys()
+    modules = {f"graders.{exercise.module}.{exercise.slug}.grader", type(exercise.grader).__module__}
+    needed = sorted(name for name in modules if Path(ROOT, *name.split(".")).with_suffix(".py").is_file())
+    code = f"import sys, json, {', '.join(needed)}; print(json.dumps([*sys.modules]))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    imported = ours(json.loads(done.stdout))
+    assert imported >= set(needed)
+    assert imported <= closure_of(exercise)
+
+
+@EXERCISES
+def test_what_runs_to_grade_a_submission_is_in_the_closure(exercise: Exercise, sandbox: Sandbox) -> None:
+    """Also what is imported only then, for a right submission and for a mistake that has a name."""
+    known = list(exercise.grader.known())
+    submissions = [known[0], next(one for one in known if one.diagnosis)] if exercise.kind == "code" else known[:4]
+    grader, before, running = Grader(the_course(), sandbox), set(sys.modules), set()
+    for submission in submissions:
+        sys.setprofile(lambda frame, _event, _value: running.add(frame.f_globals.get("__name__", "")))
+        try:
+            outcome = grader.grade(exercise.id, submission.write(3), 3).verdict.outcome
+        finally:
+            sys.setprofile(None)
+        assert outcome is not Outcome.INTERNAL_ERROR
+    assert ours(running) >= {"graders.core.contract.verdict"}
+    assert ours(running | (set(sys.modules) - before)) <= closure_of(exercise)
