@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from graders.core.code.exercise import ExerciseGrader
 from server.course import drawings, questions, toml_file
 from server.course.closure import Imports
-from server.course.library import Library, as_text, problems_of
+from server.course.library import Library, problems_of
 from server.course.models import Course, CourseFault, Exercise, FunctionSpec, Module, Problem
 from server.course.schemas import ExerciseFile, ModuleFile
 from server.course.toml_places import line_of
@@ -146,7 +146,7 @@ def _faults(exercise: Exercise, look: Look) -> Iterator[Problem]:
     for text in (exercise.statement, *exercise.hint_texts):
         yield from problems_of(text, formulas=look is Look.drawn)
     if exercise.answers is not None:
-        path = as_text(exercise.statement).source.path.with_name(questions.FILE)
+        path = exercise.statement.source.path.with_name(questions.FILE)
         yield from questions.problems(path, exercise.answers, exercise.names, formulas=look is Look.drawn)
 
 

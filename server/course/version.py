@@ -1,8 +1,8 @@
 """The version of an exercise: a digest of all that can change a verdict, and of nothing else.
 
-In it: the closure of the imports of its grader (`closure.py`), from where it is described and from the class that grades;
-the solution, the catalogued mistakes and whatever data stand in its grader's folder; of the course, the questions of an
-exercise without code, the kit that code finds, and of `exercise.toml` the kind, the functions asked for and the limits.
+In it: the closure of its grader's imports (`closure.py`), from where it is described and from the class that grades;
+the solution, the catalogued mistakes and any data of its grader's folder; of the course, the questions of an exercise
+without code, the kit that code finds, and of `exercise.toml` the kind, the functions asked for and the limits.
 
 Not in it: what is read beside the code (statement, hints, starter, title), what is drawn from a verdict (`figures.py`,
 `graders/plotting.py`), the specimens, which only try the grader; nor what every exercise shares and no file of the

@@ -178,7 +178,8 @@ def test_unknown_things_are_problems(site: Site) -> None:
 def test_too_large_is_told_before_and_after_parsing(site: Site, settings: Settings) -> None:
     headers = site.token()
     over = {**BODY, "code": "é" * (settings.code_bytes // 2 + 1)}
-    assert "65538" in problem(site.client.post("/api/v1/submissions", json=over, headers=headers), 413)["detail"]
+    told = problem(site.client.post("/api/v1/submissions", json=over, headers=headers), 413)["detail"]
+    assert "dépasse de 2\u00a0octets la limite de 64\u00a0Kio" in told
     flood = b'{"code": "' + b"x" * settings.body_bytes
     problem(site.client.post("/api/v1/submissions", content=flood, headers=headers), 413)
 

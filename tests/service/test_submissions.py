@@ -45,7 +45,7 @@ def test_a_submission_is_kept_byte_for_byte(database: Database, ada: Account) ->
 
 def test_code_is_bounded_in_bytes(database: Database, ada: Account, both: Settings) -> None:
     submit(database, ada, "é" * (both.code_bytes // 2))
-    with pytest.raises(TooLarge, match="65537 octets"):
+    with pytest.raises(TooLarge, match=r"dépasse de 1.octet la limite de 64.Kio"):
         submit(database, ada, "é" * (both.code_bytes // 2) + "x")
 
 
