@@ -1,4 +1,4 @@
-"""Discovery of the graders: every package `graders.<module>.<slug>` that holds a `grader` module with a GRADER."""
+"""Discovery of the graders: every package `graders.<module>.<slug>` that holds a `grader` module with a DEFINITION."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ import traceback
 from dataclasses import dataclass
 from pathlib import Path
 
-from graders.core.answers import AnswersDefinition
-from graders.core.code.exercise import ExerciseGrader, MalformedExerciseError
+from graders.core.answers import NumericDefinition
+from graders.core.code.exercise import CodeDefinition
+from graders.core.contract.definition import Definition
+from graders.core.contract.malformed import MalformedExerciseError
 
 ROOT = Path(__file__).resolve().parent
 
@@ -22,43 +24,38 @@ class Problem:
     message: str
 
 
-#: An exercise of code grades as it is; one that is answered without code is bound to its questions first.
-Found = ExerciseGrader | AnswersDefinition
-
-
 @dataclass(frozen=True)
 class Discovery:
-    """The graders found, by exercise name ("l20/poses"), and what was wrong with the rest."""
+    """The definitions found, by exercise name ("l20/poses"), and what was wrong with the rest."""
 
-    graders: dict[str, Found]
+    definitions: dict[str, Definition]
     problems: tuple[Problem, ...]
 
 
 def discover() -> Discovery:
     """Import every grader below this package."""
-    graders: dict[str, Found] = {}
+    definitions: dict[str, Definition] = {}
     problems: list[Problem] = []
     for path in sorted(ROOT.glob("*/*/grader.py")):
         try:
-            grader = _load(path)
+            definition = _load(path)
         except MalformedExerciseError as error:
             problems.append(Problem(error.path, error.line, error.message))
         except Exception as error:  # any mistake of an author's module is reported with its place
             problems.append(_problem(path, error))
         else:
-            graders[grader.exercise] = grader
-    return Discovery(graders, tuple(problems))
+            definitions[definition.exercise] = definition
+    return Discovery(definitions, tuple(problems))
 
 
-def _load(path: Path) -> Found:
+def _load(path: Path) -> Definition:
     name = ".".join(path.relative_to(ROOT.parent).with_suffix("").parts)
-    grader = getattr(importlib.import_module(name), "GRADER", None)
-    if not isinstance(grader, Found):
-        raise MalformedExerciseError(path, "defines no GRADER")
-    slug = "/".join(path.parent.relative_to(ROOT).parts)
-    if grader.exercise != slug:
-        raise MalformedExerciseError(path, f"is named {grader.exercise!r} but stands in {slug!r}")
-    return grader
+    definition = getattr(importlib.import_module(name), "DEFINITION", None)
+    if not isinstance(definition, CodeDefinition | NumericDefinition):
+        raise MalformedExerciseError(path, "defines no DEFINITION")
+    if definition.folder.resolve() != path.parent:
+        raise MalformedExerciseError(path, f"defines the exercise of another folder, {definition.folder}")
+    return definition
 
 
 def _problem(path: Path, error: Exception) -> Problem:

@@ -2,14 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
 from hypothesis import settings
-
-from tests.graders.replays import Replays
-
-REPLAYS = Replays()
 
 settings.register_profile("balise", deadline=None, max_examples=40)  # a busy machine is no failure
 settings.load_profile("balise")
@@ -18,11 +12,3 @@ settings.load_profile("balise")
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """What is long begins first: begun last, it would keep one processor busy while the other has nothing to do."""
     items.sort(key=lambda item: item.get_closest_marker("long") is None)
-
-
-@pytest.fixture(scope="module")
-def remembered_replays() -> Iterator[None]:
-    """Gradings of this process share the replays of known mistakes (test_replays.py shows that it changes nothing)."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("graders.core.code.grading.observe", REPLAYS.observe)
-        yield

@@ -10,7 +10,6 @@ from server.grading.joint import Grader
 from server.sandbox import Sandbox
 from tests.quick import the_course
 
-pytestmark = pytest.mark.usefixtures("remembered_replays")
 COURSE = the_course()
 KNOWN = [(exercise, case) for exercise in COURSE.exercises.values() for case in cases(exercise)]
 NAMES = [f"{exercise.id}-{case.subject}" for exercise, case in KNOWN]

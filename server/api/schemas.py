@@ -6,13 +6,10 @@ from uuid import UUID
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from graders.core.contract.outcomes import Outcome
+
 Json = Any
 Status = Literal["queued", "running", "done"]
-
-OutcomeName = Literal[
-    "ok", "wrong_answer", "syntax_error", "import_error", "missing_function", "runtime_error", "timeout",
-    "memory_limit", "output_limit", "forbidden_operation", "invalid_output", "internal_error",
-]  # fmt: skip
 
 
 class Strict(BaseModel):
@@ -64,11 +61,11 @@ class DiagnosisOut(Strict):
 
 
 class VerdictOut(Strict):
-    """What grading found."""
+    """What grading found."""  # a test holds it to `graders.core.contract.verdict.Verdict`
 
     exercise: str
     exercise_version: str
-    outcome: OutcomeName
+    outcome: Outcome
     score: Annotated[float, Field(ge=0, le=1)]
     points: Annotated[float, Field(description="20 × score.")]
     max_points: float

@@ -8,6 +8,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from graders.core.contract.verdict import Verdict
 from server.database import Database
 from server.identity.models import Account
 from server.queue import service as queue
@@ -39,7 +40,7 @@ def resource(db: Session, submission: Submission) -> Resource:
             "id": str(submission.id),
             "status": submission.state,
             "position": queue.position(db, submission),
-            "verdict": submission.verdict,
+            "verdict": submission.verdict and Verdict.from_json(submission.verdict).to_json(),
             "url": url_of(submission.id),
             "exercise": submission.exercise,
             "created_at": submission.created_at.isoformat(),

@@ -8,12 +8,12 @@ import time
 from contextlib import suppress
 from dataclasses import dataclass
 
+from graders.core.contract.outcomes import Outcome
 from server.cells import png
 from server.cells.schemas import FaultOut, RunOut
 from server.sandbox import FaultKind, Frame, Kit, Policy, ProgramFault, Sandbox, SandboxFault, Session
 from server.sandbox.install import import_set
 from server.text.plain import visible
-from server.web.verdicts import OUTCOMES
 
 KIB, MIB = 1 << 10, 1 << 20
 FILENAME = "cellule.py"
@@ -84,7 +84,7 @@ def _figures(session: Session) -> tuple[tuple[bytes, ...], ProgramFault | None]:
 
 
 def _told(fault: ProgramFault) -> FaultOut:
-    title, _ = OUTCOMES[fault.kind.value]
+    title = Outcome(fault.kind.value).wording().title
     message = fault.message
     for pattern, instead in _INSTEAD:
         message = re.sub(pattern, instead, message)

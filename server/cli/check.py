@@ -12,9 +12,9 @@ from argparse import Namespace
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from graders.core.code.grading import Grading
+from graders.core.contract.findings import Grading
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import Known
-from graders.core.contract.verdict import Outcome
 from server.cells import check as cells
 from server.cli.local import find, local_grader, start_probing
 from server.course import Exercise, load
@@ -39,7 +39,7 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Finding:
+class Examination:
     """One line of the table; `fault` is empty when all is well."""
 
     exercise: str
@@ -57,16 +57,16 @@ def run(arguments: Namespace) -> int:
         problems += () if arguments.exercises else cells.faults(course)
         for problem in problems:
             print(f"✗ {problem}")
-        faults = sum(_told(finding) for exercise in exercises for finding in findings(grader, exercise))
+        faults = sum(_told(examination) for exercise in exercises for examination in examinations(grader, exercise))
     print(_summary(len(exercises), faults + len(problems)))
     return 1 if faults or problems else 0
 
 
-def _told(finding: Finding) -> bool:
-    mark = "✗" if finding.fault else "✓"
-    fault = f" — {finding.fault} (graine {finding.seed})" if finding.fault else ""
-    print(f"{mark} {finding.exercise:<24} {finding.subject}{fault}", flush=True)
-    return bool(finding.fault)
+def _told(examination: Examination) -> bool:
+    mark = "✗" if examination.fault else "✓"
+    fault = f" — {examination.fault} (graine {examination.seed})" if examination.fault else ""
+    print(f"{mark} {examination.exercise:<24} {examination.subject}{fault}", flush=True)
+    return bool(examination.fault)
 
 
 def _summary(exercises: int, faults: int) -> str:
@@ -75,7 +75,7 @@ def _summary(exercises: int, faults: int) -> str:
     return f"{faults} problème{'s' if faults > 1 else ''}."
 
 
-def findings(grader: Grader, exercise: Exercise) -> Iterator[Finding]:
+def examinations(grader: Grader, exercise: Exercise) -> Iterator[Examination]:
     """Grades everything that is known of an exercise, each with a fresh seed."""
     for case in cases(exercise):
         yield examine(grader, exercise, case, secrets.randbits(SEED_BITS))
@@ -98,18 +98,18 @@ def judge_of(known: Known) -> Judge:
     return lambda grading: marks(grading) or name(grading)
 
 
-def examine(grader: Grader, exercise: Exercise, case: Case, seed: int) -> Finding:
+def examine(grader: Grader, exercise: Exercise, case: Case, seed: int) -> Examination:
     """What is wrong with a case on `seed`, or on one of the seeds that follow it."""
     for tried in range(seed, seed + case.rounds):
         fault = case.judge(grader.grade(exercise.id, case.write(tried), tried))
         if fault:
-            return Finding(exercise.id, case.subject, fault, tried)
-    return Finding(exercise.id, case.subject, "", seed)
+            return Examination(exercise.id, case.subject, fault, tried)
+    return Examination(exercise.id, case.subject, "", seed)
 
 
 def not_full_marks(grading: Grading) -> str:
     verdict = grading.verdict
-    if verdict.outcome is Outcome.INTERNAL_ERROR:
+    if not verdict.outcome.counts:
         return "la correction a échoué"
     return "obtient tous les points" if verdict.outcome is Outcome.OK else ""
 

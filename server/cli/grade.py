@@ -6,6 +6,7 @@ import secrets
 import sys
 from argparse import Namespace
 
+from graders.core.contract.verdict import Verdict
 from server.cli import CannotRun, questions, report
 from server.cli.files import ANSWERS, read_source
 from server.cli.local import find, load_course, local_grader, start_probing
@@ -28,9 +29,13 @@ def run(arguments: Namespace) -> int:
     if exercise.kind == "code" and probing is None:
         probing = start_probing(slow=False)
     with local_grader(course, probing if exercise.kind == "code" else None) as grader:
-        verdict = grader.grade(exercise.id, source, seed).verdict.to_json()
-    print(json.dumps(verdict, ensure_ascii=False, allow_nan=False) if arguments.json else report.render(verdict))
+        verdict = grader.grade(exercise.id, source, seed).verdict
+    print(_json(verdict) if arguments.json else report.render(verdict))
     return report.exit_status(verdict)
+
+
+def _json(verdict: Verdict) -> str:
+    return json.dumps(verdict.to_json(), ensure_ascii=False, allow_nan=False)
 
 
 def _ask(exercise: Exercise, seed: int) -> int:

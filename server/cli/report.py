@@ -1,77 +1,66 @@
-"""A verdict for the terminal. Works on the verdict's JSON, whether it comes from here or from a server."""
+"""A verdict for the terminal, whether it comes from here or from a server."""
 
 import textwrap
 from collections.abc import Iterator
 from typing import Any
 
-Json = dict[str, Any]
+from graders.core.compare import words
+from graders.core.contract.outcomes import Blame
+from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Verdict
+
 WIDTH = 100
 SPACES = " \t\u00a0\u202f"
 FULL_MARKS, NOT_FULL, CANNOT = 0, 1, 2
 
-OUTCOMES = {
-    "ok": "réussi",
-    "wrong_answer": "réponse fausse",
-    "syntax_error": "erreur de syntaxe",
-    "import_error": "import impossible",
-    "missing_function": "fonction manquante",
-    "runtime_error": "erreur à l’exécution",
-    "timeout": "temps dépassé",
-    "memory_limit": "mémoire dépassée",
-    "output_limit": "réponse trop volumineuse",
-    "forbidden_operation": "opération interdite",
-    "invalid_output": "réponse illisible",
-    "internal_error": "erreur de notre côté",
-}
+EXIT_STATUSES = {Blame.NOBODY: FULL_MARKS, Blame.STUDENT: NOT_FULL, Blame.OURS: CANNOT}
 
 
-def exit_status(verdict: Json) -> int:
-    if verdict["outcome"] == "internal_error":
-        return CANNOT
-    return FULL_MARKS if verdict["outcome"] == "ok" else NOT_FULL
+def exit_status(verdict: Verdict) -> int:
+    return EXIT_STATUSES[verdict.outcome.blame]
 
 
-def render(verdict: Json) -> str:
+def render(verdict: Verdict) -> str:
     """The whole verdict in French, ready to print."""
     return "\n".join(_lines(verdict))
 
 
-def _lines(verdict: Json) -> Iterator[str]:
-    outcome = OUTCOMES.get(verdict["outcome"], verdict["outcome"])
-    if verdict["outcome"] == "internal_error":
-        yield f"{verdict['exercise']} : la correction a échoué de notre côté ; rien n’est compté."
-        yield "Vous pouvez renvoyer le fichier tel quel."
+def _lines(verdict: Verdict) -> Iterator[str]:
+    if verdict.outcome.counts:
+        mark = f"{number(verdict.points)}/{number(verdict.max_points)}"
+        yield f"{verdict.exercise} : {mark} — {verdict.outcome.brief}"
     else:
-        yield f"{verdict['exercise']} : {number(verdict['points'])}/{number(verdict['max_points'])} — {outcome}"
+        yield f"{verdict.exercise} : la correction a échoué de notre côté ; rien n’est compté."
+        yield "Vous pouvez renvoyer le fichier tel quel."
     yield ""
     repeated: set[str] = set()
-    for check in verdict["checks"]:
+    for check in verdict.checks:
         yield from _check(check, repeated)
-    yield from _diagnosis(verdict["diagnosis"])
-    yield from _stdout(verdict["stdout"])
-    yield f"Graine : {verdict['seed']} (pour refaire cette correction : --seed {verdict['seed']})"
+    if verdict.diagnosis:
+        yield from _diagnosis(verdict.diagnosis)
+    yield from _stdout(verdict.stdout)
+    yield f"Graine : {verdict.seed} (pour refaire cette correction : --seed {verdict.seed})"
 
 
-def _check(check: Json, repeated: set[str]) -> Iterator[str]:
-    mark = "✓" if check["passed"] else "✗"
-    yield f"  {mark} {check['title']}  ({number(check['points'])}/{number(check['max_points'])})"
-    if check["passed"]:
+def _check(check: CheckResult, repeated: set[str]) -> Iterator[str]:
+    mark = "✓" if check.passed else "✗"
+    yield f"  {mark} {check.title}  ({number(check.points)}/{number(check.max_points)})"
+    if check.passed:
         return
-    if check["message"] in repeated:  # a file that does not load fails every check for one reason
+    if check.message in repeated:  # a file that does not load fails every check for one reason
         return
-    repeated.add(check["message"])
-    yield from paragraph(check["message"])
-    if check["counterexample"]:
-        yield from _counterexample(check["counterexample"])
-    if check["hint"]:
-        yield from paragraph(f"→ {check['hint']}")
+    repeated.add(check.message)
+    yield from paragraph(check.message)
+    if check.counterexample:
+        yield from _counterexample(check.counterexample)
+    if check.hint:
+        yield from paragraph(f"→ {check.hint}")
 
 
-def _counterexample(example: Json) -> Iterator[str]:
-    for name, value in example["inputs"].items():
+def _counterexample(example: Counterexample) -> Iterator[str]:
+    for name, value in example.inputs.items():
         yield from _value(name, value)
-    yield from _value("attendu", example["expected"])
-    yield from _value("obtenu", example["got"])
+    yield from _value("attendu", example.expected)
+    yield from _value("obtenu", example.got)
 
 
 def _value(name: str, value: Any) -> Iterator[str]:
@@ -80,17 +69,14 @@ def _value(name: str, value: Any) -> Iterator[str]:
 
 def _compact(value: Any) -> str:
     """French numbers, as in the messages; `--json` has all their digits."""
-    from graders.core.compare.words import text
-
-    return text(value)
+    return words.text(value)
 
 
-def _diagnosis(diagnosis: Json | None) -> Iterator[str]:
-    if diagnosis:
-        yield ""
-        yield f"Diagnostic : {diagnosis['title']}"
-        yield from paragraph(diagnosis["explanation"], indent=2)
-        yield ""
+def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:
+    yield ""
+    yield f"Diagnostic : {diagnosis.title}"
+    yield from paragraph(diagnosis.explanation, indent=2)
+    yield ""
 
 
 def _stdout(text: str) -> Iterator[str]:

@@ -9,6 +9,7 @@ from typing import Any
 
 import httpx
 
+from graders.core.contract.verdict import MalformedVerdictError, Verdict
 from server.cli import CannotRun, report
 from server.cli.files import ANSWERS, read_answers, read_text
 
@@ -16,6 +17,7 @@ Json = dict[str, Any]
 JSON = {"Content-Type": "application/json"}
 TIMEOUT = httpx.Timeout(10, read=60)
 RECONNECTIONS = 5
+NO_BALISE = "cette adresse ne répond pas comme un serveur Balise."
 
 
 def run(arguments: Namespace) -> int:
@@ -39,14 +41,24 @@ def _base(server: str) -> str:
     return server.rstrip("/")
 
 
-def _verdict(client: httpx.Client, submission: Json) -> Json:
-    url = _ask(client, "POST", "/api/v1/submissions", content=json.dumps(submission), headers=JSON)["url"]
+def _verdict(client: httpx.Client, submission: Json) -> Verdict:
+    url = _ask(client, "POST", "/api/v1/submissions", content=json.dumps(submission), headers=JSON).get("url")
+    if not isinstance(url, str):
+        raise CannotRun(NO_BALISE)
     for _ in range(RECONNECTIONS):
         for current in _events(client, url):
-            if current["status"] == "done":
-                return dict(current["verdict"])
+            if current.get("status") == "done":
+                return _read(current.get("verdict"))
             _tell(current)
     raise CannotRun(f"le serveur n’a pas donné de verdict ; il se trouvera à l’adresse {url}.")
+
+
+def _read(verdict: Any) -> Verdict:
+    try:
+        return Verdict.from_json(verdict)
+    except MalformedVerdictError as error:
+        place = f" (à « {error.place} »)" if error.place else ""
+        raise CannotRun(f"ce que le serveur répond n’est pas un verdict que ce programme sait lire{place}.") from error
 
 
 def _ask(client: httpx.Client, method: str, url: str, **options: Any) -> Json:
@@ -59,9 +71,9 @@ def _json_object(text: str) -> Json:
     try:
         content = json.loads(text)
     except ValueError as error:
-        raise CannotRun("cette adresse ne répond pas comme un serveur Balise.") from error
+        raise CannotRun(NO_BALISE) from error
     if not isinstance(content, dict):
-        raise CannotRun("cette adresse ne répond pas comme un serveur Balise.")
+        raise CannotRun(NO_BALISE)
     return content
 
 
@@ -87,7 +99,7 @@ def _events(client: httpx.Client, url: str) -> Iterator[Json]:
 
 
 def _tell(current: Json) -> None:
-    place = f"en attente, place {current['position']}" if current["position"] else "correction en cours"
+    place = f"en attente, place {current['position']}" if current.get("position") else "correction en cours"
     print(f"{place}…", file=sys.stderr)
 
 

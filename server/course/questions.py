@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Generic, TypeVar
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field
 
-from graders.core.answers import AnswersDefinition, AnswersGrader
+from graders.core.answers import AnswersGrader, MalformedSheetError, NumericDefinition, choice, order
 from graders.core.answers.choice import ChoiceQuestion, ChoiceSheet, Option
 from graders.core.answers.order import Distractor, OrderSheet, Step
 from graders.core.answers.wording import Datum, NumericSheet, NumericWording
+from graders.core.contract.definition import Definition
 from graders.core.contract.malformed import MalformedExerciseError
 from server.course import toml_file
 from server.course.models import CourseFault, Problem
@@ -21,11 +23,10 @@ from server.course.schemas import Text as Words
 from server.course.toml_places import Location, first_line_of, line_of
 from server.text.markup import Names, Source, Text
 
-F = TypeVar("F", bound=BaseModel)
 Id = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
 FILE = "questions.toml"
 INSTRUCTION = "Mettez dans l’ordre les étapes de la démonstration, et laissez de côté celles qui n’en sont pas."
-PLAIN = frozenset({"id", "title", "unit", "name", "misconception", "after", "symbol"})
+PLAIN = frozenset({"id", "form", "title", "unit", "name", "misconception", "after", "symbol"})
 
 
 class DatumEntry(Strict):
@@ -48,6 +49,7 @@ class NumericEntry(Strict):
 
 
 class NumericFile(Strict):
+    form: Literal["numeric"]
     data: Annotated[list[DatumEntry], Field(min_length=1)]
     question: Annotated[list[NumericEntry], Field(min_length=1)]
 
@@ -71,6 +73,7 @@ class ChoiceEntry(Strict):
 
 
 class ChoiceFile(Strict):
+    form: Literal["choice"]
     question: Annotated[list[ChoiceEntry], Field(min_length=1)]
 
 
@@ -89,6 +92,7 @@ class DistractorEntry(Strict):
 
 
 class OrderFile(Strict):
+    form: Literal["order"]
     instruction: Words = INSTRUCTION
     step: Annotated[list[StepEntry], Field(min_length=2)]
     distractor: Annotated[list[DistractorEntry], Field(default_factory=list)]
@@ -133,29 +137,58 @@ def _order(file: OrderFile) -> OrderSheet:
     return OrderSheet(file.instruction, tuple(steps), false)
 
 
-class _Form(Generic[F]):
-    """How one form of `questions.toml` is read."""
+class FormOnly(BaseModel):
+    """The one field that says which others a file has."""
 
-    def __init__(self, model: type[F], sheet: Callable[[F], object]) -> None:
-        self.model, self.sheet = model, sheet
+    form: Literal["numeric", "choice", "order"]
 
 
-FORMS: Mapping[str, _Form[Any]] = {
-    "numeric": _Form(NumericFile, _numeric),
-    "choice": _Form(ChoiceFile, _choice),
-    "order": _Form(OrderFile, _order),
+FILES: Mapping[str, type[NumericFile | ChoiceFile | OrderFile]] = {
+    "numeric": NumericFile,
+    "choice": ChoiceFile,
+    "order": OrderFile,
 }
 
 
-def bind(definition: AnswersDefinition, path: Path) -> AnswersGrader:
-    """The grader of an exercise, with the wording of `path`. Raises CourseFault."""
-    form = FORMS[definition.form]
-    file = toml_file.read(path, form.model)
+@dataclass(frozen=True)
+class Questions:
+    """What a `questions.toml` says, before it is known what grades it."""
+
+    path: Path
+    file: NumericFile | ChoiceFile | OrderFile
+
+    @property
+    def needs_grader(self) -> bool:
+        """Whether a grader's folder goes with it: the other forms hold their own answers."""
+        return isinstance(self.file, NumericFile)
+
+    def bind(self, exercise: str, definition: Definition | None) -> AnswersGrader:
+        """The grader of the exercise. Raises CourseFault where definition and questions do not go together."""
+        try:
+            return self._bound(exercise, definition)
+        except MalformedExerciseError as error:
+            raise CourseFault(Problem(error.path, error.line, error.message)) from error
+        except MalformedSheetError as error:
+            line = line_of(toml_file.read_text(self.path), error.at)
+            raise CourseFault(Problem(self.path, line, error.message)) from error
+
+    def _bound(self, exercise: str, definition: Definition | None) -> AnswersGrader:
+        if isinstance(self.file, NumericFile):
+            assert isinstance(definition, NumericDefinition), "no other definition is of an exercise without code"
+            return definition.bind(_numeric(self.file))
+        if definition is not None:
+            raise MalformedExerciseError(definition.file, f'form = "{self.file.form}" : ce correcteur est de trop')
+        if isinstance(self.file, ChoiceFile):
+            return choice(exercise, self.path.parent, _choice(self.file))
+        return order(exercise, self.path.parent, _order(self.file))
+
+
+def read(path: Path) -> Questions:
+    """Read the questions of an exercise. Raises CourseFault with the place of the first fault."""
+    form = toml_file.read(path, FormOnly).form
+    file = toml_file.read(path, FILES[form])
     _distinct(path, file)
-    try:
-        return definition.bind(form.sheet(file))
-    except MalformedExerciseError as error:
-        raise CourseFault(Problem(error.path, error.line, error.message)) from error
+    return Questions(path, file)
 
 
 def _distinct(path: Path, file: BaseModel) -> None:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from graders.core.code.exercise import ExerciseGrader
+from graders.core.code.exercise import CodeDefinition
+from graders.core.contract.malformed import MalformedExerciseError
 from server.course import drawings, questions, toml_file
 from server.course.closure import Imports
 from server.course.library import Library, problems_of
@@ -23,7 +24,8 @@ from server.text.markup import Names, Source, Text
 from server.text.markup.text import no_names
 
 if TYPE_CHECKING:
-    from graders.discovery import Discovery, Found
+    from graders.core.contract.definition import Definition
+    from graders.discovery import Discovery
 
 T = TypeVar("T")
 ROOT = Path(__file__).parents[2]
@@ -164,10 +166,8 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
     if not EXERCISE_SLUG.fullmatch(path.name):
         raise CourseFault(Problem(path, None, "nom d’exercice : minuscules, chiffres et « _ »"))
     card = toml_file.read(path / "exercise.toml", ExerciseFile)
-    found = sources.discovery.graders.get(f"{module.name}/{path.name}")
-    if found is None:
-        raise CourseFault(_no_grader(sources, module.name, path))
     kinds = {"code": _code, "answers": _answers}
+    graded = kinds[card.kind](sources, path, card)
     return Exercise(
         module=module.name,
         slug=path.name,
@@ -177,36 +177,51 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
         stars=card.stars,
         origin=card.origin,
         functions=tuple(FunctionSpec(one.name, one.signature, one.returns, one.doc) for one in card.functions),
-        **kinds[card.kind](sources, path, card, found),
+        **graded,
         statement=Text(Source(toml_file.read_text(path / "enonce.md"), path / "enonce.md", names=sources.names)),
         hint_texts=_hints(path / "indices.md", sources.names),
         names=sources.names,
-        version=version(sources.imports, sources.code, path, card, found),
+        version=version(sources.imports, sources.code, path, card, graded["grader"]),
         seance=card.seance,
         policy_overrides=MappingProxyType(card.limits.overrides()),
     )
 
 
-def _code(sources: Sources, path: Path, card: ExerciseFile, found: Found) -> dict[str, Any]:
-    if not isinstance(found, ExerciseGrader):
+def _definition(sources: Sources, path: Path) -> Definition | None:
+    """What the grader's folder of an exercise defines, where it has one."""
+    return sources.discovery.definitions.get(f"{path.parents[1].name}/{path.name}")
+
+
+def _code(sources: Sources, path: Path, card: ExerciseFile) -> dict[str, Any]:
+    definition = _definition(sources, path)
+    if definition is None:
+        raise CourseFault(_no_grader(sources, path))
+    if not isinstance(definition, CodeDefinition):
         raise CourseFault(_other_kind(path, card))
     if not card.functions:
         raise CourseFault(Problem(path / "exercise.toml", 1, "champ manquant : « functions »"))
-    _same_functions(path / "exercise.toml", card, found.functions)
-    solution = sources.code / "graders" / path.parents[1].name / path.name / "solution.py"
+    _same_functions(path / "exercise.toml", card, definition.judged)
+    try:
+        grader = definition.bind([function.name for function in card.functions])
+    except MalformedExerciseError as error:
+        raise CourseFault(Problem(error.path, error.line, error.message)) from error
     return {
         "starter": _python(path / "starter.py"),
-        "solution": _compiles(found.solution, solution),
-        "grader": found,
+        "solution": _compiles(grader.solution, definition.folder / "solution.py"),
+        "grader": grader,
     }
 
 
-def _answers(_sources: Sources, path: Path, card: ExerciseFile, found: Found) -> dict[str, Any]:
-    if isinstance(found, ExerciseGrader):
+def _answers(sources: Sources, path: Path, card: ExerciseFile) -> dict[str, Any]:
+    definition = _definition(sources, path)
+    if isinstance(definition, CodeDefinition):
         raise CourseFault(_other_kind(path, card))
     if card.functions:
         raise CourseFault(Problem(path / "exercise.toml", None, "un exercice sans code ne demande aucune fonction"))
-    grader = questions.bind(found, path / questions.FILE)
+    sheet = questions.read(path / questions.FILE)
+    if sheet.needs_grader and definition is None:
+        raise CourseFault(_no_grader(sources, path))
+    grader = sheet.bind(f"{path.parents[1].name}/{path.name}", definition)
     return {"starter": NOTHING_ANSWERED, "solution": "", "grader": grader, "answers": grader}
 
 
@@ -215,16 +230,16 @@ def _other_kind(path: Path, card: ExerciseFile) -> Problem:
     return Problem(path / "exercise.toml", None, message)
 
 
-def _no_grader(sources: Sources, module: str, path: Path) -> Problem:
-    folder = sources.code / "graders" / module / path.name
+def _no_grader(sources: Sources, path: Path) -> Problem:
+    folder = sources.code / "graders" / path.parents[1].name / path.name
     cause = next((one for one in sources.discovery.problems if one.path.is_relative_to(folder)), None)
     why = f" : {cause.path}:{cause.line}: {cause.message}" if cause else ""
     return Problem(path / "exercise.toml", None, f"exercice sans correcteur utilisable{why}")
 
 
-def _same_functions(path: Path, card: ExerciseFile, graded: Sequence[str]) -> None:
+def _same_functions(path: Path, card: ExerciseFile, judged: frozenset[str]) -> None:
     announced = [one.name for one in card.functions]
-    for name in set(announced) ^ set(graded):
+    for name in sorted(judged ^ set(announced)):
         where = "annoncée mais non corrigée" if name in announced else "corrigée mais non annoncée"
         raise CourseFault(Problem(path, None, f"fonction {where} : « {name} »"))
 
@@ -262,6 +277,6 @@ def _part(path: Path, text: str, start: int, end: int, names: Callable[[], Names
 
 def _orphans(sources: Sources) -> Iterator[Problem]:
     """Graders without an exercise: a renamed folder must not silently vanish from the course."""
-    for name in sorted(sources.discovery.graders):
+    for name in sorted(sources.discovery.definitions):
         if not (sources.curriculum / Path(name).parent / "exercices" / Path(name).name).is_dir():
             yield Problem(sources.code / "graders" / name, None, f"ce correcteur n’a pas d’exercice « {name} »")

@@ -66,7 +66,8 @@ def load(text: str, path: Path, first_line: int = 1) -> dict[str, Any]:
 def describe(fault: ErrorDetails) -> str:
     """A French sentence for one of pydantic's faults."""
     field = ".".join(str(part + 1) if isinstance(part, int) else part for part in fault["loc"])
-    return MESSAGES.get(fault["type"], f"« {{field}} » : {reason(fault)}").format(field=field)
+    own = MESSAGES.get(fault["type"])
+    return own.format(field=field) if own else f"« {field} » : {reason(fault)}"
 
 
 def syntax_line(text: str, error: tomllib.TOMLDecodeError) -> int:

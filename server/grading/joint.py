@@ -10,10 +10,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from uuid import UUID
 
-from graders.core.code.grading import Grading
-from graders.core.contract.program import Answer, KitSettings, Launcher, Reply, StudentFault
+from graders.core.contract.findings import Grading
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import Answer, KitSettings, Reply, StudentFault
 from graders.core.contract.values import Arguments, Value
-from graders.core.contract.verdict import Outcome, internal_error_verdict
+from graders.core.contract.verdict import internal_error_verdict
 from server.course.models import Course, Exercise
 from server.grading.results import version_of
 from server.sandbox import Frame, Kit, Policy, ProgramFault, Sandbox, Session
@@ -52,6 +53,21 @@ class SandboxProgram:
         self._session.close()
 
 
+class SandboxPrograms:
+    """Starts students' files behind the walls, under the limits of one exercise."""
+
+    def __init__(self, sandbox: Sandbox, policy: Policy) -> None:
+        self._sandbox, self._policy = sandbox, policy
+
+    def open(self, source: bytes, kit: KitSettings) -> SandboxProgram:
+        settings = Kit(kit.module, dict(kit.parameters))
+        try:
+            session = self._sandbox.open(source, kit=settings, policy=self._policy, filename=FILENAME)
+        except ProgramFault as fault:
+            raise student_fault(fault) from fault
+        return SandboxProgram(session)
+
+
 def student_fault(fault: ProgramFault) -> StudentFault:
     """The sandbox's account of the student's fault, in the graders' words."""
     frames = tuple(_frame_text(frame) for frame in fault.frames)
@@ -87,7 +103,9 @@ class Grader:
         version = version_of(self._course, exercise_id)
         for attempt in range(1, TRIES + 1):
             try:
-                return self._grade(self._course.exercises[exercise_id], source, seed)
+                exercise = self._course.exercises[exercise_id]
+                programs = SandboxPrograms(self._sandbox, policy_of(exercise))
+                return exercise.grader.grade(source, programs, seed=seed, version=version)
             except Exception:
                 # All that it takes to grade the same again: the source is in the database, or the caller has it.
                 digest = hashlib.sha256(source).hexdigest()
@@ -96,22 +114,3 @@ class Grader:
                     *(exercise_id, version, seed, attempt, TRIES, submission or "by hand", len(source), digest),
                 )
         return Grading(internal_error_verdict(exercise_id, version, seed))
-
-    def _grade(self, exercise: Exercise, source: bytes, seed: int) -> Grading:
-        def run(file: bytes) -> Launcher:
-            return self._launcher(exercise, file)
-
-        return exercise.grader.grade(source, run, seed=seed, version=exercise.version)
-
-    def _launcher(self, exercise: Exercise, source: bytes) -> Launcher:
-        policy = policy_of(exercise)
-
-        def launch(kit: KitSettings) -> SandboxProgram:
-            settings = Kit(kit.module, dict(kit.parameters))
-            try:
-                session = self._sandbox.open(source, kit=settings, policy=policy, filename=FILENAME)
-            except ProgramFault as fault:
-                raise student_fault(fault) from fault
-            return SandboxProgram(session)
-
-        return launch

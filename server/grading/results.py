@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from graders.core.contract.verdict import Outcome, Verdict, internal_error_verdict
+from graders.core.contract.verdict import Verdict, internal_error_verdict
 from server.course.models import Course
 from server.database import utc_now
 from server.submissions.models import Submission
@@ -13,12 +13,11 @@ UNKNOWN_VERSION = "inconnue"
 
 def recorded(verdict: Verdict, figures: Mapping[str, Any]) -> dict[str, Any]:
     """A result; an internal error leaves no score, so that it never counts."""
-    counted = verdict.outcome is not Outcome.INTERNAL_ERROR
     return {
         "verdict": verdict.to_json(),
         "figures": dict(figures),
         "outcome": verdict.outcome.value,
-        "score": verdict.score if counted else None,
+        "score": verdict.score if verdict.outcome.counts else None,
         "finished_at": utc_now(),
     }
 

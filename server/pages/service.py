@@ -8,6 +8,8 @@ from typing import Any
 from markupsafe import Markup
 from sqlalchemy.orm import Session
 
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.verdict import Verdict
 from server.base.errors import NotFound
 from server.course import Exercise, Module
 from server.pages.policy import limits_of
@@ -171,7 +173,7 @@ def _work(db: Session, exercise: Exercise, submission: Submission, number: int) 
         number=number,
         status=State(submission.state).value,
         waiting=waiting_text(submission.state, queue.position(db, submission)),
-        verdict=verdicts.view(judged, f"{href}/figures", texts) if judged is not None else None,
+        verdict=verdicts.view(Verdict.from_json(judged), f"{href}/figures", texts) if judged is not None else None,
         page=href,
         events=f"{href}/evenements",
         fragment=f"{href}/verdict",
@@ -226,7 +228,8 @@ def _rows(exercise: Exercise, attempts: Sequence[Submission], most: int) -> tupl
 
 
 def _row(exercise: Exercise, one: Submission, number: int) -> AttemptRow:
-    mark = "" if one.score is None or one.outcome == "internal_error" else points(20 * one.score)
+    counts = one.outcome is not None and Outcome(one.outcome).counts
+    mark = points(20 * one.score) if counts and one.score is not None else ""
     return AttemptRow(
         number=number,
         href=f"/soumissions/{one.id}",

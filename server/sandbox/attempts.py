@@ -9,7 +9,7 @@ import socket
 import tempfile
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from server.sandbox import trials
 from server.sandbox.cgroups import ALLOWANCE
@@ -39,8 +39,15 @@ class Attempt:
     controller: str = ""
     slow: bool = False
 
+    @property
+    def policy(self) -> Policy:
+        return HURRIED if self.slow else POLICY
 
-POLICY = Policy(cpu_seconds=1.0, wall_seconds=20.0, memory_bytes=32 * MIB, folder_bytes=1 * MIB)
+
+#: Only a slow attempt is about time: another one that ran out of it, on a busy machine, would pass for stopped.
+POLICY = Policy(cpu_seconds=20.0, wall_seconds=60.0, memory_bytes=32 * MIB, folder_bytes=1 * MIB)
+#: The kernel counts whole seconds of the processor, of which two end the program.
+HURRIED = replace(POLICY, cpu_seconds=0.9, wall_seconds=300.0)
 #: What stands between a program and a file, a socket or a process whatever the namespaces are.
 _FILTERS = frozenset({"seccomp", "landlock"})
 _ALL_BUT_LANDLOCK = frozenset({"seccomp", "view", "cgroup"})
@@ -85,6 +92,11 @@ def _twice_the_memory(_: ExitStack) -> Value:
     return 2 * (POLICY.memory_bytes + POLICY.folder_bytes + ALLOWANCE)
 
 
+def _beyond_the_time(_: ExitStack) -> Value:
+    """Seconds of the processor, above those that end a hurried program."""
+    return 2.5
+
+
 _MEND_LANDLOCK = "Linux ≥ 5.13, et « landlock » dans la liste lsm= du noyau (cat /sys/kernel/security/lsm)"
 _MEND_SECCOMP = "un noyau avec CONFIG_SECCOMP_FILTER, sur x86-64 ou aarch64"
 _MEND_NAMESPACES = (
@@ -122,7 +134,7 @@ ATTEMPTS = (
     Attempt("limite-mémoire", "rlimits", "allocation au-delà de la limite", trials.MEMORY, _MEND_OURS,
             required=True, argument=_twice_the_memory),
     Attempt("limite-temps", "rlimits", "boucle sans fin qui ignore les signaux", trials.TIME, _MEND_OURS,
-            required=True, slow=True),
+            required=True, argument=_beyond_the_time, slow=True),
     Attempt("limite-processus", "rlimits", "création d'un processus", trials.FORK, _MEND_IDENTITY,
             hiders=_ALL_BUT_LANDLOCK),
     Attempt("cgroup-mémoire", "cgroup", "mémoire occupée au-delà de la limite", trials.RESIDENT, _MEND_CGROUP,

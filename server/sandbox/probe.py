@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from server.sandbox import messages
-from server.sandbox.attempts import ATTEMPTS, POLICY, Attempt
+from server.sandbox.attempts import ATTEMPTS, Attempt
 from server.sandbox.cgroups import Seats, hierarchies
 from server.sandbox.faults import ProgramFault, TemplateFault
 from server.sandbox.launch import Setting
+from server.sandbox.policy import Policy
 from server.sandbox.process import TemplateProcess
 from server.sandbox.session import Session
 
@@ -98,8 +99,8 @@ def _last_line(error: TemplateFault) -> str:
 
 
 @contextmanager
-def _session(template: TemplateProcess, source: str) -> Iterator[Session]:
-    session = Session(template.fork(POLICY), POLICY)
+def _session(template: TemplateProcess, source: str, policy: Policy) -> Iterator[Session]:
+    session = Session(template.fork(policy), policy)
     try:
         session.load(source.encode(), "solution.py", None)
         yield session
@@ -129,8 +130,8 @@ def crossing(attempt: Attempt, template: TemplateProcess) -> str:
     with ExitStack() as stack:
         argument = attempt.argument(stack)
         if attempt.accomplice:
-            stack.enter_context(_session(template, attempt.accomplice)).call("prepare", argument)
-        session = stack.enter_context(_session(template, attempt.source))
+            stack.enter_context(_session(template, attempt.accomplice, attempt.policy)).call("prepare", argument)
+        session = stack.enter_context(_session(template, attempt.source, attempt.policy))
         try:
             return str(session.call("essai", argument).value)
         except ProgramFault as fault:

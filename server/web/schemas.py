@@ -119,7 +119,6 @@ class VerdictView:
     what all the checks say when they all say the same.
     """
 
-    outcome: str
     title: str
     sentence: str
     tone: Tone

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from server.cells import check
+from server.cells import check, run
 from server.course import load
 from tests.quick import the_course
 
@@ -34,6 +35,11 @@ print(H)
 a = H
 ```
 """
+
+
+@pytest.fixture(autouse=True)
+def _far_limits(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "POLICY", replace(run.POLICY, cpu_seconds=60.0, wall_seconds=300.0))
 
 
 @pytest.mark.slow

@@ -14,7 +14,7 @@ from tests.service.live import Live, alive, children, until
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [signal.SIGKILL, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
 def test_nothing_of_the_cells_outlives_the_service(tmp_path: Path, number: signal.Signals) -> None:
     live = Live(tmp_path / "data", BALISE_WORKERS="0")
     try:

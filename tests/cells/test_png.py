@@ -9,7 +9,7 @@ import zlib
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
@@ -152,6 +152,7 @@ def test_a_picture_that_does_not_compress_is_refused_above_its_bound() -> None:
         png.rebuilt(SIGNATURE + header(450, 1000) + data(noise.tobytes()) + IEND)
 
 
+@settings(suppress_health_check=[HealthCheck.too_slow])
 @given(st.integers(0, len(GOOD) - 1), st.binary(max_size=4), st.integers(0, 8))
 def test_whatever_is_changed_it_is_refused_or_a_picture(at: int, inserted: bytes, removed: int) -> None:
     changed = GOOD[:at] + inserted + GOOD[at + removed :]

@@ -20,15 +20,28 @@ PREFIX = "data:image/png;base64,"
 Run = Callable[[str], RunOut]
 
 
+#: The limits of cells, of which no limit of time is to decide.
+FAR = replace(cells.POLICY, cpu_seconds=60.0, wall_seconds=300.0)
+
+
 @pytest.fixture(scope="module")
 def run() -> Iterator[Run]:
     with Sandbox(the_course().kits) as sandbox:
         yield lambda code: cells.run(sandbox, "l20", code.encode())
 
 
+@pytest.fixture(autouse=True)
+def _far_limits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A program that closes its wire and ends is not to be killed meanwhile, either."""
+    monkeypatch.setattr(cells, "POLICY", FAR)
+    monkeypatch.setattr("server.sandbox.session.GRACE", 60.0)
+
+
 @pytest.fixture
 def hurried(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cells, "POLICY", replace(cells.POLICY, cpu_seconds=0.3, wall_seconds=0.8))
+    """For what never ends: whichever limit it meets, the outcome is the same."""
+    monkeypatch.setattr(cells, "POLICY", replace(FAR, cpu_seconds=0.2, wall_seconds=0.5))
+    monkeypatch.setattr("server.sandbox.session.GRACE", 0.1)
 
 
 def picture(address: str) -> Image.Image:

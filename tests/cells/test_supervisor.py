@@ -27,12 +27,24 @@ def question():
     return number, stream.read(length)
 question()
 """
+#: Answers each question by itself; one whose code is a path, once there is something at it.
 ECHO = (
     HEARD
     + FRAME
-    + "while True:\n    number, q = question()\n    end.sendall(struct.pack('>IIB', len(q), number, 1) + q)\n"
+    + """import json, os
+while True:
+    number, asked = question()
+    code = json.loads(asked)["code"]
+    while code.startswith("/") and not os.path.exists(code):
+        time.sleep(0.01)
+    end.sendall(struct.pack(">IIB", len(asked), number, 1) + asked)
+"""
 )
-SILENT = HEARD + "time.sleep(600)"
+#: Says nothing, and ends with the line.
+SILENT = HEARD + "stream.read()"
+DEAF = HEARD + "time.sleep(3600)"
+#: Seconds that no test is to wait in vain.
+LONG = 600.0
 READERS = count()
 FAKES = {
     "dies at once": "raise SystemExit(3)",
@@ -40,14 +52,14 @@ FAKES = {
     "cannot run it": HEARD
     + FRAME
     + "number, _ = question()\nend.sendall(struct.pack('>IIB', 0, number, 2))\nquestion()",
-    "says something endless": HEARD + FRAME + "question()\nend.sendall(b'\\xff' * 9)\ntime.sleep(600)",
+    "says something endless": HEARD + FRAME + "question()\nend.sendall(b'\\xff' * 9)\ntime.sleep(3600)",
     "stops in the middle": HEARD + FRAME + "question()\nend.sendall(b'\\0\\0\\0\\x09')",
 }
 
 
 def played(tmp_path: Path, test: Callable[[Cells], Awaitable[None]], script: str = "", **settings: Any) -> None:
     """Runs a test with the real process, or with a fake one that a `script` is."""
-    options = {name: settings.pop(name) for name in ("patience", "idle") if name in settings}
+    options = {"patience": LONG} | {name: settings.pop(name) for name in ("patience", "idle") if name in settings}
     if script:
         options["command"] = (sys.executable, "-c", script)
 
@@ -81,6 +93,17 @@ def process(cells: Cells) -> int:
     return cells._process._process.pid
 
 
+def asked(cells: Cells) -> int:
+    """How many questions it has not answered yet."""
+    assert cells._process is not None
+    return len(cells._process._asked)
+
+
+async def asking(cells: Cells) -> None:
+    """Returns once its process has a question to answer: closed before, it would wait for the answer."""
+    await eventually(lambda: cells._process is not None and asked(cells) == 1)
+
+
 async def eventually(condition: Callable[[], bool]) -> None:
     await asyncio.to_thread(until, condition, "what is waited for")
 
@@ -101,7 +124,7 @@ def test_a_process_killed_while_a_cell_runs_is_told_and_replaced(tmp_path: Path)
         first = process(cells)
         below = children(first)
         running = await started(cells, "import time\ntime.sleep(5)")
-        await asyncio.sleep(0.2)
+        await eventually(lambda: bool(asked(cells)))
         os.kill(first, signal.SIGKILL)
         with pytest.raises(Failed):
             await running
@@ -116,12 +139,13 @@ def test_a_process_that_was_killed_between_two_cells_is_replaced(tmp_path: Path)
     async def test(cells: Cells) -> None:
         await ran(cells, "1")
         first = process(cells)
+        gone = cells._process
         os.kill(first, signal.SIGKILL)
-        await eventually(lambda: not alive(first))
-        await asyncio.sleep(0.1)
-        assert json.loads(await ran(cells, "print('encore')"))["stdout"] == "encore\n"
+        await eventually(lambda: gone is not None and gone.ended)
+        assert json.loads(await ran(cells, "encore"))["code"] == "encore"
+        assert process(cells) != first
 
-    played(tmp_path, test)
+    played(tmp_path, test, ECHO)
 
 
 @pytest.mark.parametrize("script", FAKES.values(), ids=FAKES.keys())
@@ -140,20 +164,22 @@ def test_a_process_that_hangs_is_killed(tmp_path: Path) -> None:
             await ran(cells, "1")
         await eventually(lambda: not alive(process(cells)))
 
-    played(tmp_path, test, SILENT, patience=0.3)
+    played(tmp_path, test, DEAF, patience=0.3)
 
 
 def test_a_stopped_process_is_killed(tmp_path: Path) -> None:
     async def test(cells: Cells) -> None:
         await ran(cells, "1")
-        os.kill(process(cells), signal.SIGSTOP)
+        first = process(cells)
+        os.kill(first, signal.SIGSTOP)
         cells._patience = 0.3
         with pytest.raises(Failed):
             await ran(cells, "1")
-        cells._patience = 60.0
-        assert json.loads(await ran(cells, "print(1)"))["stdout"] == "1\n"
+        cells._patience = LONG
+        assert json.loads(await ran(cells, "encore"))["code"] == "encore"
+        await eventually(lambda: not alive(first))
 
-    played(tmp_path, test)
+    played(tmp_path, test, ECHO)
 
 
 def test_the_queue_is_bounded_and_whoever_leaves_it_makes_room(tmp_path: Path) -> None:
@@ -169,8 +195,9 @@ def test_the_queue_is_bounded_and_whoever_leaves_it_makes_room(tmp_path: Path) -
         assert not waiting.done()
         waiting.cancel()
         running.cancel()
+        await asking(cells)
 
-    played(tmp_path, test, SILENT, cells_at_once=1, cells_waiting=1, patience=1.0)
+    played(tmp_path, test, SILENT, cells_at_once=1, cells_waiting=1)
 
 
 def test_nobody_fills_the_queue_alone(tmp_path: Path) -> None:
@@ -188,10 +215,11 @@ def test_nobody_fills_the_queue_alone(tmp_path: Path) -> None:
         await asyncio.sleep(0)
         with pytest.raises(Crowded):
             await ran(cells, "1", "me")
-        for one in (hers, *mine):
-            one.cancel()
+        for waiting in (hers, *mine):
+            waiting.cancel()
+        await asking(cells)
 
-    played(tmp_path, test, SILENT, cells_at_once=1, cells_waiting=9, patience=1.0)
+    played(tmp_path, test, SILENT, cells_at_once=1, cells_waiting=9)
 
 
 def test_guests_of_one_address_do_not_keep_the_others_out(tmp_path: Path) -> None:
@@ -203,24 +231,31 @@ def test_guests_of_one_address_do_not_keep_the_others_out(tmp_path: Path) -> Non
         with pytest.raises(Crowded):
             await flood.pop()
         assert not hers.done()
-        for one in (hers, *flood):
-            one.cancel()
+        for waiting in (hers, *flood):
+            waiting.cancel()
+        await asking(cells)
 
-    played(tmp_path, test, SILENT, cells_at_once=1, cells_waiting=2, patience=1.0)
+    played(tmp_path, test, SILENT, cells_at_once=1, cells_waiting=2)
 
 
 def test_a_cell_that_nobody_waits_for_keeps_its_place_until_it_ends(tmp_path: Path) -> None:
-    async def test(cells: Cells) -> None:
-        await ran(cells, "1")
-        left = await started(cells, "import time\ntime.sleep(0.5)")
-        await asyncio.sleep(0.1)
-        left.cancel()
-        next_one = await started(cells, "print('suivante')")
-        await asyncio.sleep(0.1)
-        assert not next_one.done()
-        assert json.loads(await next_one)["stdout"] == "suivante\n"
+    end = tmp_path / "end"
 
-    played(tmp_path, test, cells_at_once=1, cells_waiting=4)
+    async def test(cells: Cells) -> None:
+        left = await started(cells, str(end))
+        await asking(cells)
+        left.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await left
+        following = await started(cells, "suivante")
+        for _ in range(20):
+            await asyncio.sleep(0)
+        assert not following.done()
+        assert asked(cells) == 1, "the next question has not been asked"
+        end.touch()
+        assert json.loads(await following)["code"] == "suivante"
+
+    played(tmp_path, test, ECHO, cells_at_once=1, cells_waiting=4)
 
 
 def test_a_process_without_work_is_let_go_and_comes_back(tmp_path: Path) -> None:

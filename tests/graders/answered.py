@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from graders.core.answers import AnswersGrader
-from graders.core.code.grading import Grading
+from graders.core.contract.findings import Grading
 from tests.quick import the_course
 
 EXERCISES = {name: one for name, one in the_course().exercises.items() if one.kind == "answers"}

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.answers import Quantity, numeric
+from graders.core.answers import MalformedSheetError, Quantity, numeric
 from graders.core.answers.interval import around
 from graders.core.answers.numeric import DRAWS, NumericGrader, NumericSheet
 from graders.core.answers.wording import Datum, NumericWording
-from graders.core.code.grading import Grading
+from graders.core.contract.findings import Grading
 from graders.core.contract.malformed import MalformedExerciseError
-from graders.core.contract.verdict import Outcome
+from graders.core.contract.outcomes import Outcome
 from tests.graders.answered import EXERCISES, ODOMETRY, PROOF, QUIZ, SEEDS, check_of, graded, grader_of
 
 
@@ -116,7 +116,7 @@ def made_up(draw: Any, *quantities: Quantity, text: str = "Combien ?", folder: P
     )
     if slips:
         (folder / "misconceptions.toml").write_text(slips, encoding="utf-8")
-    definition = numeric(str(folder / "grader.py"), "m9/x", draw=draw, quantities=quantities)
+    definition = numeric(str(folder / "grader.py"), draw=draw, quantities=quantities)
     wordings = tuple(NumericWording(one.id, "T", text, "m", "") for one in quantities)
     return definition.bind(NumericSheet((Datum("a", "a", "m", 1, "un nombre"),), wordings))
 
@@ -140,7 +140,7 @@ def test_definitions_that_do_not_hold_together_are_refused(tmp_path: Path) -> No
 
     with pytest.raises(MalformedExerciseError, match="not 20"):
         made_up(draw, Quantity("q", 3, lambda d, _: d["a"]), folder=tmp_path)
-    with pytest.raises(MalformedExerciseError, match="unknown data"):
+    with pytest.raises(MalformedSheetError, match="unknown data"):
         made_up(draw, Quantity("q", 20, lambda d, _: d["a"]), text="Et {{b}} ?", folder=tmp_path)
     with pytest.raises(MalformedExerciseError, match="differ"):
         made_up(lambda _: {"a": 1.0, "b": 2.0}, Quantity("q", 20, lambda d, _: d["a"]), folder=tmp_path)

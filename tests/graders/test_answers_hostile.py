@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from graders.core.answers.choice import ChoiceGrader
 from graders.core.answers.numeric import NumericGrader
-from graders.core.contract.verdict import Outcome
+from graders.core.contract.outcomes import Outcome
 from tests.graders.answered import EXERCISES, QUIZ, graded, grader_of
 
 MALFORMED = {

@@ -9,19 +9,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.code.grading import Grading, grade
-from graders.core.contract.program import PROJECT, local_launcher
-from graders.core.contract.verdict import Outcome, Verdict
-from graders.l20.boucles.grader import GRADER
+from graders.core.contract.findings import Grading
+from graders.core.contract.local import LOCAL, PROJECT
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.verdict import Verdict
 from graders.l20.boucles.readings import Unsuitable, read_signature
 from tests.graders.boucles_styles import ARRAY, DESCRIPTORS, DISTANCES, LIST, submission
+from tests.graders.shipped import CODE
 from tests.quick import one_in
+
+GRADER = CODE["l20/boucles"]
 
 SEEDS = range(12)
 
 
 def graded(source: str, seed: int) -> Grading:
-    return grade(GRADER, local_launcher(source), seed=seed, version="v")
+    return GRADER.grade(source.encode(), LOCAL, seed=seed, version="v")
 
 
 def verdict(source: str, seed: int) -> Verdict:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from graders.core.code.bench import Bench, Runner
-from graders.core.contract.program import KitSettings, local_launcher
+from graders.core.contract.local import LOCAL
+from graders.core.contract.program import KitSettings
 from graders.l20 import world
 from graders.l20.boucles import calibration, family, scenes, walks
 from graders.l20.boucles.calibration import Outcome as Ending
@@ -18,7 +19,7 @@ def test_shifted_scans_are_those_of_the_lidar() -> None:
     pool = module_pool(5)
     walk = walks.draw_walk(np.random.default_rng(5), pool, with_noise=False)
     source = "def scan_de(pose):\n    return lidar(pose)\n"
-    program = local_launcher(source)(KitSettings(world.MODULE, {"libres": module_map(), "seed": 1}))
+    program = LOCAL.open(source.encode(), KitSettings(world.MODULE, {"libres": module_map(), "seed": 1}))
     for pose, scan in zip(walk.poses, walk.scans, strict=True):
         np.testing.assert_allclose(program.call("scan_de", pose).value, scan, atol=1e-9)
 
@@ -69,7 +70,7 @@ def candidats_boucle(scans, i, seuil):
     return [j for j, d in enumerate([{same}, {other}, {other}, {other}]) if d <= seuil]
 """
         kit = world.kit(np.random.default_rng(0))
-        bench = Bench("essai", Runner(local_launcher(source), kit), np.random.default_rng(0), kit)
+        bench = Bench("essai", Runner(LOCAL, source.encode(), kit), np.random.default_rng(0), kit)
         assert calibration.calibrate(bench, walk).outcome is ending, (same, other)
 
 

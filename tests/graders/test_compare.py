@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graders.core.compare.comparison import CloseTo, SameIndices, SamePose, ScalarCloseTo
+from graders.core.compare.comparison import CloseTo, SameIndices, ScalarCloseTo
 from graders.core.compare.slips import SLIPS
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import same_value
-from graders.core.contract.verdict import Outcome
+from graders.robotics.poses import SamePose
 
 plain = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.complex_numbers() | st.text(max_size=5),

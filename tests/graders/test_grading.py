@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,22 +10,19 @@ import numpy as np
 import pytest
 
 from graders.core.code.bench import Bench, Runner
-from graders.core.code.checks import Cases, Trial, Untouched
-from graders.core.code.exercise import ExerciseGrader, MalformedExerciseError, Misconception, exercise
-from graders.core.code.grading import grade
+from graders.core.code.checks import Cases, Rejection, Trial, Untouched
+from graders.core.code.exercise import CodeDefinition, code
+from graders.core.code.folder import Misconception
+from graders.core.code.grading import CodeGrader
 from graders.core.compare.comparison import CloseTo
 from graders.core.compare.shrinking import shrink_array
-from graders.core.contract.program import (
-    Answer,
-    KitSettings,
-    LocalProgram,
-    Reply,
-    StudentFault,
-    local_launcher,
-    one_by_one,
-)
-from graders.core.contract.verdict import Outcome, internal_error_verdict
+from graders.core.contract.local import LOCAL
+from graders.core.contract.malformed import MalformedExerciseError
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import Answer, KitSettings, Program, Reply, StudentFault, one_by_one
+from graders.core.contract.verdict import internal_error_verdict
 from graders.l20 import world
+from tests.graders.reenactments import CALLS_ONLY
 
 SOLUTION = "def double(x):\n    return 2 * x\n\ndef carre(x):\n    return x * x\n"
 
@@ -54,9 +52,8 @@ MISCONCEPTIONS = (
     misconception("cube", "carre", "x ** 3"),
 )
 
-GRADER = ExerciseGrader(
+GRADER = CodeGrader(
     exercise="l20/jouet",
-    package="tests",
     folder=Path(),
     functions=("double", "carre"),
     checks=(
@@ -70,11 +67,12 @@ GRADER = ExerciseGrader(
     kit=world.kit,
     misconceptions=MISCONCEPTIONS,
     solution=SOLUTION,
+    budget=CALLS_ONLY,
 )  # fmt: skip
 
 
 def verdict(source: str, seed: int = 7) -> Any:
-    result = grade(GRADER, local_launcher(source), seed=seed, version="v").verdict.to_json()
+    result = GRADER.grade(source.encode(), LOCAL, seed=seed, version="v").verdict.to_json()
     json.dumps(result, allow_nan=False)
     return result
 
@@ -108,8 +106,8 @@ def test_an_unknown_mistake_is_not_named() -> None:
 
 def test_indistinguishable_mistakes_are_not_named() -> None:
     twin = misconception("triple_bis", "double", "x + 2 * x")
-    twins = ExerciseGrader(**{**vars(GRADER), "misconceptions": (*MISCONCEPTIONS, twin)})
-    found = grade(twins, local_launcher(twin.source), seed=1, version="v").verdict
+    twins = replace(GRADER, misconceptions=(*MISCONCEPTIONS, twin))
+    found = twins.grade(twin.source.encode(), LOCAL, seed=1, version="v").verdict
     assert found.diagnosis is None
 
 
@@ -180,9 +178,19 @@ class Dying:
         self.log.append("close")
 
 
+class Programs:
+    """Whatever the file, `start` gives its program."""
+
+    def __init__(self, start: Callable[[], Program]) -> None:
+        self.start = start
+
+    def open(self, source: bytes, kit: KitSettings) -> Program:
+        return self.start()
+
+
 def test_a_function_that_killed_its_process_is_called_once() -> None:
     log: list[str] = []
-    result = grade(GRADER, lambda kit: Dying(log), seed=1, version="v").verdict
+    result = GRADER.grade(b"", Programs(lambda: Dying(log)), seed=1, version="v").verdict
     assert result.outcome is Outcome.TIMEOUT
     assert log.count("double") == 1
     assert log.count("close") == 2
@@ -190,9 +198,10 @@ def test_a_function_that_killed_its_process_is_called_once() -> None:
     assert result.stdout == "imprimé"
 
 
-def bench_of(source: str, *, replaying: bool = False) -> Bench:
+def bench_of(source: str, *, reenacting: bool = False) -> Bench:
     kit = world.kit(np.random.default_rng(0))
-    return Bench("t", Runner(local_launcher(source), kit, replaying=replaying), np.random.default_rng(0), kit)
+    runner = Runner(LOCAL, source.encode(), kit, reenacting=reenacting)
+    return Bench("t", runner, np.random.default_rng(0), kit)
 
 
 def test_many_calls_give_their_arguments_with_each_answer_and_stop_after_enough_faults() -> None:
@@ -208,7 +217,7 @@ def test_many_calls_give_their_arguments_with_each_answer_and_stop_after_enough_
 def test_many_calls_to_a_function_that_killed_its_process_get_one_answer() -> None:
     log: list[str] = []
     kit = world.kit(np.random.default_rng(0))
-    bench = Bench("t", Runner(lambda kit: Dying(log), kit), np.random.default_rng(0), kit)
+    bench = Bench("t", Runner(Programs(lambda: Dying(log)), b"", kit), np.random.default_rng(0), kit)
     for _ in range(2):
         ((args, answer),) = bench.call_many("double", [(1,), (2,)])
         assert args == (1,)
@@ -228,14 +237,14 @@ def test_calls_made_ahead_are_found_once_each_and_the_others_are_made() -> None:
     with pytest.raises(StudentFault):
         bench.call("f", zeros)
     assert bench.call("f", ones) == 5.0
-    assert bench_of(source, replaying=True).ahead("f", [(ones,)]) == []
+    assert bench_of(source, reenacting=True).ahead("f", [(ones,)]) == []
 
 
 def test_a_file_that_does_not_load_fails_every_check() -> None:
-    def launch(kit: KitSettings) -> LocalProgram:
+    def start() -> Program:
         raise StudentFault(Outcome.SYNTAX_ERROR, "ligne 1 : il manque « : »", line=1)
 
-    result = grade(GRADER, launch, seed=1, version="v").verdict
+    result = GRADER.grade(b"", Programs(start), seed=1, version="v").verdict
     assert result.outcome is Outcome.SYNTAX_ERROR
     assert result.score == 0.0
     assert all("ligne 1" in check.message for check in result.checks)
@@ -246,21 +255,75 @@ def test_our_own_fault_is_no_verdict() -> None:
         raise ZeroDivisionError("ours")
 
     check = Trial(id="t", title="t", points=20, functions=("double",), hint="?", protocol=broken)
-    ours = ExerciseGrader(**{**vars(GRADER), "checks": (check,)})
+    ours = replace(GRADER, checks=(check,))
     with pytest.raises(ZeroDivisionError):
-        grade(ours, local_launcher(SOLUTION), seed=1, version="v")
+        ours.grade(SOLUTION.encode(), LOCAL, seed=1, version="v")
     assert internal_error_verdict("l20/jouet", "v", 1).to_json()["outcome"] == "internal_error"
 
 
-def test_a_folder_that_does_not_hold_together_is_reported_with_its_place(tmp_path: Path) -> None:
-    file = tmp_path / "grader.py"
+@pytest.mark.parametrize("cause", [outcome for outcome in Outcome if outcome is not Outcome.OK])
+def test_a_rejection_for_whatever_cause_is_not_full_marks(cause: Outcome) -> None:
+    def rejecting(bench: Bench) -> None:
+        raise Rejection("Non.", cause=cause)
 
-    def describe() -> ExerciseGrader:
-        return exercise("p", str(file), "l20/x", functions=("double",), checks=GRADER.checks, kit=world.kit)
+    check = Trial(id="t", title="t", points=20, functions=("double",), hint="?", protocol=rejecting)
+    result = replace(GRADER, checks=(check,)).grade(SOLUTION.encode(), LOCAL, seed=1, version="v").verdict
+    assert (result.outcome, result.score) == (cause, 0.0)
+
+
+def test_a_rejection_that_says_that_all_is_well_is_our_own_fault() -> None:
+    def rejecting(bench: Bench) -> None:
+        raise Rejection("Non.", cause=Outcome.OK)
+
+    check = Trial(id="t", title="t", points=20, functions=("double",), hint="?", protocol=rejecting)
+    with pytest.raises(ValueError, match="ends as ok"):
+        replace(GRADER, checks=(check,)).grade(SOLUTION.encode(), LOCAL, seed=1, version="v")
+
+
+FOLDER_OF_TWO = """[[misconception]]
+id = "a"
+functions = ["double"]
+title = "T"
+explanation = "E"
+question = "Q"
+
+[[misconception]]
+id = "b"
+functions = ["triple"]
+title = "T"
+explanation = "E"
+question = "Q"
+"""
+
+
+def test_a_folder_that_does_not_hold_together_is_reported_with_its_place(tmp_path: Path) -> None:
+    folder = tmp_path / "m9" / "x"
+    (folder / "misconceptions").mkdir(parents=True)
+    file, catalogue = folder / "grader.py", folder / "misconceptions.toml"
+
+    def describe() -> CodeDefinition:
+        return code(str(file), checks=GRADER.checks, kit=world.kit)
 
     with pytest.raises(MalformedExerciseError, match=r"solution\.py"):
         describe()
-    (tmp_path / "solution.py").write_text(SOLUTION)
-    (tmp_path / "misconceptions.toml").write_text("[[misconception]]\nid = 'a'\n")
-    with pytest.raises(MalformedExerciseError, match="lacks explanation, functions"):
+    (folder / "solution.py").write_text(SOLUTION)
+    catalogue.write_text("\n[[misconception]]\nid = 'a'\n")
+    with pytest.raises(MalformedExerciseError, match=r"misconceptions\.toml:2: .*lacks explanation, functions"):
         describe()
+    catalogue.write_text(FOLDER_OF_TWO)
+    with pytest.raises(MalformedExerciseError, match=r"a\.py:1: cannot be read"):
+        describe()
+    for name in "ab":
+        (folder / "misconceptions" / f"{name}.py").write_text("")
+    with pytest.raises(MalformedExerciseError, match=r"misconceptions\.toml:8: b speaks of unknown functions"):
+        describe().bind(["double", "carre"])
+    with pytest.raises(MalformedExerciseError, match=r"grader\.py:1: .*triple"):
+        describe().bind(["double", "carre", "triple"])
+    catalogue.write_text(FOLDER_OF_TWO.replace("triple", "carre"))
+    bound = describe().bind(["double", "carre"])
+    assert (bound.exercise, bound.functions) == ("m9/x", ("double", "carre"))
+    assert bound.mistakes() == {"a", "b"}
+    (folder / "specimens" / "melted").mkdir(parents=True)
+    (folder / "specimens" / "melted" / "a.py").write_text("")
+    with pytest.raises(MalformedExerciseError, match="melted is no outcome"):
+        list(bound.known())

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.contract.program import kit_source
+from graders.core.contract.local import kit_source
 from graders.l20 import world
 
 

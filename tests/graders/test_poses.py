@@ -5,15 +5,16 @@ from typing import Any
 
 import pytest
 
-from graders.core.code.grading import grade
-from graders.core.contract.program import PROJECT, local_launcher
-from graders.l20.poses.grader import GRADER
+from graders.core.contract.local import LOCAL, PROJECT
+from tests.graders.shipped import CODE
+
+GRADER = CODE["l20/poses"]
 
 SEEDS = range(10)
 
 
 def verdict(source: str, seed: int) -> Any:
-    return grade(GRADER, local_launcher(source), seed=seed, version="v").verdict
+    return GRADER.grade(source.encode(), LOCAL, seed=seed, version="v").verdict
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -44,6 +45,6 @@ def test_the_counterexample_of_a_forgotten_rotation_is_a_quarter_turn() -> None:
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_figures_draw(theme: str) -> None:
     mistake = next(m for m in GRADER.misconceptions if m.id == "degres_dans_cos")
-    figures = json.loads(json.dumps(grade(GRADER, local_launcher(mistake.source), seed=1, version="v").figures))
+    figures = json.loads(json.dumps(GRADER.grade(mistake.source.encode(), LOCAL, seed=1, version="v").figures))
     for check in ("composer_exemples", "relatif"):
         assert GRADER.draw(figures[check], theme=theme).startswith(b"<?xml")

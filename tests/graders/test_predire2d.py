@@ -7,21 +7,23 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.code.grading import grade
-from graders.core.contract.program import PROJECT, KitSettings, LocalProgram, Program, StudentFault, local_launcher
-from graders.core.contract.verdict import Outcome
+from graders.core.contract.local import LOCAL, PROJECT, LocalProgram
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import KitSettings, Program, StudentFault
 from graders.l20.predire2d import cases, trials
 from graders.l20.predire2d.beliefs import SameBelief, in_words, instead, one_hot
 from graders.l20.predire2d.checks import tells_something
-from graders.l20.predire2d.grader import GRADER
 from reference.localisation.grid_filter import most_likely
+from tests.graders.shipped import CODE
 from tests.quick import one_in
+
+GRADER = CODE["l20/predire2d"]
 
 SEEDS = range(5)
 
 
 def grading(source: str, seed: int) -> Any:
-    return grade(GRADER, local_launcher(source), seed=seed, version="v")
+    return GRADER.grade(source.encode(), LOCAL, seed=seed, version="v")
 
 
 def verdict(source: str, seed: int) -> Any:
@@ -130,14 +132,17 @@ def test_the_other_function_keeps_its_points() -> None:
 
 
 def test_a_file_that_fails_on_another_map_says_so() -> None:
-    def launch(kit: KitSettings) -> Program:
-        if kit.parameters["libres"] is not None:
-            raise StudentFault(Outcome.RUNTIME_ERROR, "IndexError", frames=("ligne 3",), exception="IndexError")
-        return LocalProgram(GRADER.solution, kit)
+    class Programs:
+        def open(self, source: bytes, kit: KitSettings) -> Program:
+            if kit.parameters["libres"] is not None:
+                raise StudentFault(Outcome.RUNTIME_ERROR, "IndexError", frames=("ligne 3",), exception="IndexError")
+            return LocalProgram(source, kit)
 
-    found = checks(grade(GRADER, launch, seed=1, version="v").verdict)
+    graded = GRADER.grade(GRADER.solution.encode(), Programs(), seed=1, version="v").verdict
+    found = checks(graded)
+    assert graded.outcome is Outcome.RUNTIME_ERROR
     assert found["predire_exemples"].passed
-    assert found["predire_autre_carte"].cause is Outcome.RUNTIME_ERROR
+    assert not found["predire_autre_carte"].passed
     assert "autre carte" in found["predire_autre_carte"].message
     assert "ligne 3" in found["predire_autre_carte"].message
     assert found["predire_autre_carte"].counterexample is not None
@@ -162,7 +167,7 @@ def test_the_counterexample_of_a_lost_mass_is_one_wall() -> None:
     assert "au lieu de 1" in check.message
 
 
-def test_a_counterexample_of_another_map_can_be_replayed() -> None:
+def test_a_counterexample_of_another_map_can_be_typed_in_again() -> None:
     check = checks(verdict(mistake("tour_du_bord"), 3))["predire_autre_carte"]
     inputs = check.counterexample.inputs
     assert set(inputs) == {"libres", "bel", "du", "dv"}

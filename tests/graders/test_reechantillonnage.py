@@ -12,15 +12,19 @@ import pytest
 from scipy import stats
 
 from graders.core.code.bench import Bench, Runner
-from graders.core.code.grading import grade, observe, stream
-from graders.core.contract.program import PROJECT, local_launcher
-from graders.core.contract.verdict import Outcome, Verdict
+from graders.core.code.grading import FRESH
+from graders.core.contract.local import LOCAL, PROJECT
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.streams import stream
+from graders.core.contract.verdict import Verdict
 from graders.l20.reechantillonnage import trials
-from graders.l20.reechantillonnage.grader import GRADER
 from graders.l20.reechantillonnage.harvest import harvest
 from graders.l20.reechantillonnage.judge import TAIL, is_comb, plausible
 from reference.filters.resampling import comb, systematic_resampling
+from tests.graders.shipped import CODE
 from tests.quick import one_in
+
+GRADER = CODE["l20/reechantillonnage"]
 
 # Whether a file loads at all is the sandbox's business.
 SPECIMENS = sorted(
@@ -252,7 +256,7 @@ def submission(body: str) -> str:
 
 
 def verdict(source: str, seed: int) -> Verdict:
-    return grade(GRADER, local_launcher(source), seed=seed, version="v").verdict
+    return GRADER.grade(source.encode(), LOCAL, seed=seed, version="v").verdict
 
 
 def specimen(path: Path) -> str:
@@ -325,10 +329,12 @@ def test_counterexamples_are_small() -> None:
     assert largest.inputs["poids"] == [0.75, 0.25]
 
 
-def test_a_replay_cut_short_sees_what_the_whole_one_sees() -> None:
+def test_a_reenactment_cut_short_sees_what_the_whole_one_sees() -> None:
     kit = GRADER.kit(stream(9, "kit"))
-    whole = observe(GRADER, mistake("poids_ignores"), kit, 9)
-    short = observe(GRADER, mistake("poids_ignores"), kit, 9, lambda seen: len(seen) >= 3)
+    whole, short = (
+        FRESH.reenact(mistake("poids_ignores"), checks=GRADER.checks, kit=kit, seed=9).seen(enough)
+        for enough in (lambda seen: False, lambda seen: len(seen) >= 3)
+    )
     assert len(short) < len(whole)
     assert short == whole[: len(short)]
 
@@ -358,22 +364,22 @@ def test_rows_are_recognised_up_to_the_tolerance(n: int, d: int) -> None:
     case = trials.scenario(rng, trials.uneven_weights(rng, n), d=d, calls=2)
     almost = submission(HONEST["fleche"]).replace("clip(max=N - 1)]", "clip(max=N - 1)] + 5e-10")
     kit = GRADER.kit(stream(1, "kit"))
-    found = harvest(Bench("c", Runner(local_launcher(almost), kit), rng, kit), case)
-    assert found.finding is None
+    found = harvest(Bench("c", Runner(LOCAL, almost.encode(), kit), rng, kit), case)
+    assert found.objection is None
     assert np.all((found.copies >= case.low) & (found.copies <= case.high))
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 @pytest.mark.parametrize("name", one_in(2, ["poids_ignores", "un_tirage_par_dent"]))
 def test_figures_draw(theme: str, name: str) -> None:
-    figures = grade(GRADER, local_launcher(mistake(name).source), seed=1, version="v").figures
+    figures = GRADER.grade(mistake(name).source.encode(), LOCAL, seed=1, version="v").figures
     assert figures
     for data in json.loads(json.dumps(figures, allow_nan=False)).values():
         assert GRADER.draw(data, theme=theme).startswith(b"<?xml")
 
 
 def test_a_large_cloud_is_drawn_around_its_wrong_particle() -> None:
-    figures = grade(GRADER, local_launcher(submission(WRONG["petits_nuages_seulement"])), seed=2, version="v").figures
+    figures = GRADER.grade(submission(WRONG["petits_nuages_seulement"]).encode(), LOCAL, seed=2, version="v").figures
     (data,) = json.loads(json.dumps(figures)).values()
     assert data["total"] >= 60
     assert len(data["shares"]) == 24

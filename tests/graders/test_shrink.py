@@ -6,14 +6,16 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graders.core.compare.shrinking import MAX_CALLS, angle_complexity, complexity, shrink, shrink_array, shrink_pose
+from graders.core.compare.shrinking import Budget, complexity, shrink, shrink_array
+from graders.robotics.poses import angle_complexity, shrink_pose
+from tests.graders.reenactments import CALLS_ONLY
 
 poses = st.tuples(st.floats(-50, 50), st.floats(-50, 50), st.floats(-math.pi, math.pi)).map(np.array)
 
 
 @given(poses)
 def test_a_failure_that_never_goes_away_shrinks_to_the_origin(pose: np.ndarray) -> None:
-    (found,) = shrink((pose,), (shrink_pose,), lambda args: True)
+    (found,) = shrink((pose,), (shrink_pose,), lambda args: True, CALLS_ONLY)
     assert np.array_equal(found, [0, 0, 0])
 
 
@@ -23,7 +25,7 @@ def test_what_was_shrunk_still_fails(pose: np.ndarray) -> None:
         return bool(args[0][0] + args[0][1] > 3.0)
 
     if fails((pose,)):
-        assert fails(shrink((pose,), (shrink_pose,), fails))
+        assert fails(shrink((pose,), (shrink_pose,), fails, CALLS_ONLY))
 
 
 @given(poses)
@@ -46,6 +48,20 @@ def test_a_stubborn_failure_costs_a_bounded_number_of_calls() -> None:
         return False
 
     array = np.random.default_rng(0).normal(size=(20, 20))
-    (found,) = shrink((array,), (shrink_array,), fails)
+    (found,) = shrink((array,), (shrink_array,), fails, CALLS_ONLY)
     assert found is array
-    assert len(calls) <= MAX_CALLS
+    assert len(calls) == CALLS_ONLY.calls
+
+
+def test_shrinking_stops_when_its_time_is_over_and_keeps_what_it_has() -> None:
+    now = iter(range(100))
+    budget = Budget(seconds=3, clock=lambda: float(next(now)))
+    calls: list[float] = []
+
+    def fails(args: tuple[np.ndarray, ...]) -> bool:
+        calls.append(float(args[0][0]))
+        return len(calls) == 1
+
+    (found,) = shrink((np.array([2.7]),), (shrink_array,), fails, budget)
+    assert calls == [3.0, 0.0, 1.0]
+    assert np.array_equal(found, [3.0])

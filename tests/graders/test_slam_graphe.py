@@ -7,11 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from graders.core.code.grading import Grading, grade
-from graders.core.contract.program import PROJECT, local_launcher
-from graders.core.contract.verdict import Outcome, Verdict
-from graders.l20.slam_graphe.grader import GRADER
+from graders.core.contract.findings import Grading
+from graders.core.contract.local import LOCAL, PROJECT
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.verdict import Verdict
+from tests.graders.shipped import CODE
 from tests.quick import one_in
+
+GRADER = CODE["l20/slam_graphe"]
 
 ERROR_CHECKS = {"erreur_exemples", "erreur_hasard", "erreur_tours"}
 GRAPH_CHECKS = {"chaine", "boucle", "poids", "demi_tour", "grande_boucle"}
@@ -22,7 +25,7 @@ SPARSE = SPECIMENS["creux_scipy"]
 
 
 def graded(source: str, seed: int) -> Grading:
-    return grade(GRADER, local_launcher(source), seed=seed, version="v")
+    return GRADER.grade(source.encode(), LOCAL, seed=seed, version="v")
 
 
 def verdict(source: str, seed: int) -> Verdict:

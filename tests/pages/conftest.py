@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from starlette.testclient import TestClient
 
-from graders.core.code.exercise import ExerciseGrader
+from graders.core.code.checks import Trial
+from graders.core.code.exercise import CodeDefinition
 from graders.core.contract.program import KitSettings
 from graders.discovery import Discovery
 from server.app import create_app
@@ -59,24 +60,16 @@ class CourseFolder:
         self.write(f"graders/m9/{slug}/solution.py", SOLUTION)
 
     def load(self, discovery: Discovery | None = None, **options: bool) -> Course:
-        return load(self.curriculum, code=self.root, discovery=discovery or graders("a", "b"), **options)
+        return load(self.curriculum, code=self.root, discovery=discovery or self.graders("a", "b"), **options)
+
+    def graders(self, *slugs: str) -> Discovery:
+        """What discovery would find: a definition for each."""
+        return Discovery({f"m9/{slug}": definition(self.root / "graders" / "m9" / slug) for slug in slugs}, ())
 
 
-def grader(slug: str, solution: str = SOLUTION) -> ExerciseGrader:
-    return ExerciseGrader(
-        exercise=f"m9/{slug}",
-        package="",
-        folder=Path(),
-        functions=("double",),
-        checks=(),
-        kit=lambda _: KitSettings("m9", {}),
-        misconceptions=(),
-        solution=solution,
-    )
-
-
-def graders(*slugs: str) -> Discovery:
-    return Discovery({f"m9/{slug}": grader(slug) for slug in slugs}, ())
+def definition(folder: Path, solution: str = SOLUTION) -> CodeDefinition:
+    check = Trial(id="t", title="T", points=20, functions=("double",), hint="?", protocol=lambda bench: None)
+    return CodeDefinition(folder, (check,), lambda _: KitSettings("m9", {}), solution)
 
 
 @pytest.fixture

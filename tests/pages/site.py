@@ -8,6 +8,8 @@ from typing import Any
 
 from starlette.testclient import TestClient
 
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.verdict import CheckResult, Verdict
 from server.database import Database
 from server.identity import service as accounts
 from server.queue import service as queue
@@ -25,28 +27,14 @@ CHECK = {
     "hint": "Que vaut le double de 2 ?",
     "figure": "simple",
 }
+PASSED = CheckResult("simple", "Des nombres simples", True, 20, 20)
 
 
 def verdict(outcome: str = "wrong_answer", points: float = 0.0, **changes: Any) -> dict[str, Any]:
-    """A verdict of the contract's shape, with one check."""
-    passed = outcome == "ok"
-    check = {**CHECK, "passed": passed, "points": points}
-    if passed:
-        check |= {"message": "", "counterexample": None, "hint": None, "figure": None}
-    return {
-        "exercise": "m9/a",
-        "exercise_version": "abc",
-        "outcome": outcome,
-        "score": points / 20,
-        "points": points,
-        "max_points": 20,
-        "checks": [check],
-        "diagnosis": None,
-        "stdout": "",
-        "seed": 123,
-        "timings": {"total_ms": 12.0},
-        **changes,
-    }
+    """The JSON of a verdict with one check, which passes where the outcome is "ok"; `changes` are in its members."""
+    check = PASSED if outcome == Outcome.OK else CheckResult.from_json({**CHECK, "points": points})
+    made = Verdict("m9/a", "abc", Outcome(outcome), 123, [check], timings={"total_ms": 12.0})
+    return {**made.to_json(), **changes}
 
 
 @dataclass

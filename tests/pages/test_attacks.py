@@ -10,7 +10,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from graders.core.code.grading import Grading
+from graders.core.contract.findings import Grading
+from graders.core.contract.verdict import Verdict
 from server.grading.joint import Grader
 from server.sandbox import Sandbox
 from server.web import verdicts
@@ -87,7 +88,7 @@ def assert_harmless(html: str) -> None:
 
 def shown(grading: Grading) -> str:
     stored = json.loads(json.dumps(grading.verdict.to_json(), allow_nan=False))
-    return environment().from_string(SHOW).render(verdict=verdicts.view(stored, "/figures"))
+    return environment().from_string(SHOW).render(verdict=verdicts.view(Verdict.from_json(stored), "/figures"))
 
 
 @pytest.mark.parametrize(

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from graders.core.code.folder import Misconception
 from graders.discovery import Discovery
 from graders.discovery import Problem as GraderProblem
-from tests.pages.conftest import EXERCISE, HINTS, CourseFolder, grader, graders
+from tests.pages.conftest import EXERCISE, HINTS, CourseFolder, definition
 
 
 def test_a_well_formed_course_has_no_problem(course_folder: CourseFolder) -> None:
@@ -83,23 +86,38 @@ def test_a_missing_file_is_reported(course_folder: CourseFolder, name: str) -> N
 
 
 def test_a_solution_that_does_not_compile_is_reported(course_folder: CourseFolder) -> None:
-    found = Discovery({"m9/a": grader("a", "def double(x):\n  return (\n"), "m9/b": grader("b")}, ())
+    place = course_folder.root / "graders/m9/a"
+    broken = definition(place, "def double(x):\n  return (\n")
+    found = Discovery({**course_folder.graders("b").definitions, "m9/a": broken}, ())
     (problem,) = course_folder.load(found).problems
-    assert problem.path == course_folder.root / "graders/m9/a/solution.py"
+    assert problem.path == place / "solution.py"
     assert problem.line == 2
 
 
 def test_a_grader_that_fails_to_import_is_reported_with_its_line(course_folder: CourseFolder) -> None:
     place = course_folder.root / "graders/m9/a/grader.py"
-    found = Discovery({"m9/b": grader("b")}, (GraderProblem(place, 7, "NameError: oubli"),))
+    found = Discovery(course_folder.graders("b").definitions, (GraderProblem(place, 7, "NameError: oubli"),))
     course = course_folder.load(found)
     assert (course.problems[0].path, course.problems[0].line) == (place, 7)
     assert any(one.path == course_folder.exercise("a") / "exercise.toml" for one in course.problems)
     assert list(course.exercises) == ["m9/b"]
 
 
+def test_a_misconception_of_a_function_that_is_not_asked_for_is_reported_with_its_line(
+    course_folder: CourseFolder,
+) -> None:
+    folder = course_folder.root / "graders/m9/a"
+    lost = Misconception("perdue", ("triple",), "T", "E", "Q", "", line=12)
+    found = course_folder.graders("a", "b")
+    found.definitions["m9/a"] = replace(definition(folder), misconceptions=(lost,))
+    course = course_folder.load(found)
+    assert [(one.path, one.line) for one in course.problems] == [(folder / "misconceptions.toml", 12)]
+    assert "triple" in course.problems[0].message
+    assert list(course.exercises) == ["m9/b"]
+
+
 def test_a_grader_without_exercise_is_reported(course_folder: CourseFolder) -> None:
-    (problem,) = course_folder.load(graders("a", "b", "perdu")).problems
+    (problem,) = course_folder.load(course_folder.graders("a", "b", "perdu")).problems
     assert "m9/perdu" in problem.message
 
 

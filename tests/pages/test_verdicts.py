@@ -6,22 +6,22 @@ import json
 
 import pytest
 
-from graders.core.code.exercise import ExerciseGrader
-from graders.core.code.grading import grade
-from graders.core.contract.program import local_launcher
-from graders.discovery import discover
+from graders.core.code.grading import CodeGrader
+from graders.core.contract.local import LOCAL
+from graders.core.contract.verdict import Verdict
 from server.web import verdicts
 from server.web.rendering import environment
+from tests.graders.shipped import CODE
 
-GRADERS = {name: one for name, one in discover().graders.items() if isinstance(one, ExerciseGrader)}
 SHOW = '{% from "verdict.html" import show_verdict %}{{ show_verdict(verdict, 1) }}'
 
 
-@pytest.mark.parametrize("grader", GRADERS.values(), ids=GRADERS.keys())
-def test_a_named_mistake_is_shown_with_all_that_explains_it(grader: ExerciseGrader) -> None:
+@pytest.mark.parametrize("grader", CODE.values(), ids=CODE.keys())
+def test_a_named_mistake_is_shown_with_all_that_explains_it(grader: CodeGrader) -> None:
     mistake = grader.misconceptions[0]
-    grading = grade(grader, local_launcher(mistake.source), seed=1, version="0")
-    verdict = verdicts.view(json.loads(json.dumps(grading.verdict.to_json(), allow_nan=False)), "/figures")
+    grading = grader.grade(mistake.source.encode(), LOCAL, seed=1, version="0")
+    stored = json.loads(json.dumps(grading.verdict.to_json(), allow_nan=False))
+    verdict = verdicts.view(Verdict.from_json(stored), "/figures")
     html = environment().from_string(SHOW).render(verdict=verdict)
     assert verdict.diagnosis is not None
     assert len(verdict.diagnosis.paragraphs) >= 2

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from graders.core.contract.program import kit_source
+from graders.core.contract.local import kit_source
 from reference.world.raycast import RaycastError, cast_rays, cast_scans
 
 RANGE = 9.0

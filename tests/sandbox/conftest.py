@@ -1,15 +1,18 @@
-"""One sandbox for the tests of a worker, with short limits and a small kit."""
+"""One sandbox for the tests of a worker, with a small kit; and one for each set of walls left down."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from functools import cache
 
 import pytest
 
 from server.sandbox import Kit, Policy, ProgramFault, Sandbox
 
-from .family import OTHERS, children
+from .family import OTHERS, SHARED, children
+from .limits import FAR, only
 
 KIT = """
 import numpy as np
@@ -21,13 +24,28 @@ def configurer(libres=None, portee_max=12.0, seed=0):
     return {"np": np, "libres": libres, "PORTEE_MAX": portee_max, "rng": rng, "lidar": lidar}
 """
 
-POLICY = Policy(cpu_seconds=1.0, wall_seconds=2.0, memory_bytes=128 << 20, frame_bytes=1 << 20, stdout_bytes=1 << 14)
+POLICY = only(memory_bytes=128 << 20, frame_bytes=1 << 20, stdout_bytes=1 << 14)
+
+Lifting = Callable[[frozenset[str]], Sandbox]
 
 
 @pytest.fixture(scope="session")
 def sandbox() -> Iterator[Sandbox]:
     with Sandbox({"trousse": KIT}, POLICY) as shared:
+        SHARED.append(shared)
         yield shared
+
+
+@pytest.fixture(scope="session")
+def without() -> Iterator[Lifting]:
+    """The sandbox in which these walls are down: each costs a template, which many tests share."""
+    with ExitStack() as stack:
+
+        @cache
+        def made(lifted: frozenset[str]) -> Sandbox:
+            return stack.enter_context(Sandbox({}, FAR, spares=0, lifted=lifted))
+
+        yield made
 
 
 @pytest.fixture(autouse=True)

@@ -9,7 +9,16 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
-from server.sandbox import WallReport, probe
+from server.sandbox import Sandbox, WallReport, probe
+
+SOURCE = b"def f(x):\n    return x + 1\n"
+LEAVES = b"import os\nos._exit(1)\n"
+
+
+def answers(sandbox: Sandbox) -> None:
+    """It runs an honest program."""
+    with sandbox.open(SOURCE) as session:
+        assert session.call("f", 1).value == 2
 
 
 @cache
@@ -35,6 +44,15 @@ def descendants(root: int) -> set[int]:
 
 #: What the sandbox of other tests has left running in this process.
 OTHERS: set[int] = set()
+#: The sandboxes of this process that many tests share, and that make spare children ready after a session.
+SHARED: list[Sandbox] = []
+
+
+def settle() -> None:
+    """Returns when the shared sandboxes have made ready what their last sessions left to do."""
+    for sandbox in SHARED:
+        for executor in (sandbox._refiller, sandbox._renewer):
+            executor.submit(int).result()
 
 
 def children(pid: int) -> list[int]:
@@ -60,7 +78,7 @@ def running(pid: int) -> bool:
     return False
 
 
-def eventually(condition: Callable[[], bool], seconds: float = 10.0) -> bool:
+def eventually(condition: Callable[[], bool], seconds: float = 120.0) -> bool:
     deadline = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > deadline:

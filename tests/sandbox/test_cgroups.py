@@ -13,8 +13,11 @@ import pytest
 from server.sandbox import Policy, ProgramFault, Sandbox
 from server.sandbox.cgroups import Hierarchy, Seats, _candidates, hierarchies
 
+from .family import settle
+from .limits import only
+
 FOUND, WHY = hierarchies()
-POLICY = Policy(memory_bytes=32 << 20, folder_bytes=1 << 20)
+POLICY = only(memory_bytes=32 << 20, folder_bytes=1 << 20)
 HUNGRY = b"def f(n):\n    x = [b'x' * 1_000_000 for _ in range(n)]\n    return len(x)\n"
 
 available = pytest.mark.skipif(not FOUND, reason=f"no control group here: {WHY}")
@@ -27,6 +30,7 @@ def groups() -> set[Path]:
 @pytest.fixture(autouse=True)
 def others() -> Iterator[set[Path]]:
     """The groups of other pools of this process; a test leaves none of its own."""
+    settle()
     before = mine()
     yield before
     assert mine() <= before
@@ -49,19 +53,19 @@ def test_resident_memory_is_bounded_even_without_resource_limits() -> None:
 
 @available
 def test_a_seat_is_used_again_with_the_limits_of_its_new_policy(others: set[Path]) -> None:
-    generous = Policy(memory_bytes=512 << 20)
+    generous = only(memory_bytes=512 << 20)
     with Sandbox({}, POLICY, spares=0, lifted=frozenset({"rlimits"})) as sandbox:
         for policy, count in ((POLICY, 20), (generous, 400), (POLICY, 20)):
             with sandbox.open(HUNGRY, policy=policy) as session:
                 assert session.call("f", count).value == count
-            assert session.usage
+            assert session.usage.max_rss_bytes > count * 1_000_000, "its process has ended"
             assert len(mine() - others) == len(FOUND)
         with pytest.raises(ProgramFault), sandbox.open(HUNGRY) as session:
             session.call("f", 400)
 
 
 @available
-def test_a_seat_with_a_living_process_goes_when_that_has_ended() -> None:
+def test_a_seat_with_a_living_process_goes_when_that_has_ended(others: set[Path]) -> None:
     seats = Seats(FOUND)
     seat = seats.take(POLICY)
     assert seat
@@ -72,9 +76,10 @@ def test_a_seat_with_a_living_process_goes_when_that_has_ended() -> None:
         assert process.stdout
         process.stdout.readline()
         seats.drop(seat)
-        assert groups()
+        assert mine() - others, "a group that holds a process cannot be removed"
         process.communicate()
     seats.close()
+    assert mine() <= others
 
 
 @available

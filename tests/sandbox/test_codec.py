@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
@@ -70,13 +70,13 @@ values = st.recursive(
 
 
 @given(values)
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_what_goes_in_comes_out_with_its_exact_types(value: Any) -> None:
     assert same(roundtrip(value), value)
 
 
 @given(arrays)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_arrays_come_out_owned_contiguous_native_and_writable(array: Any) -> None:
     out = roundtrip(np.asfortranarray(array)[::-1])
     assert type(out) is np.ndarray

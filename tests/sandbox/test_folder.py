@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from server.sandbox import Policy, ProgramFault, Sandbox, WallStatus
+from server.sandbox import ProgramFault, Sandbox, WallStatus
 
 from .family import probed
+from .limits import only
 
-POLICY = Policy(folder_bytes=1 << 20, file_bytes=1 << 18)
+POLICY = only(folder_bytes=1 << 20, file_bytes=1 << 18)
 
 
 @pytest.fixture(autouse=True)

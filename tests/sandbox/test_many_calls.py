@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from server.sandbox import FaultKind, Policy, ProgramFault, Reply, Sandbox, SandboxFault, Session, Value
+
+from .limits import FAR, only
 
 
 def answers(session: Session, calls: list[tuple[Value, ...]], *, faults: int | None = None) -> list[object]:
@@ -62,18 +65,20 @@ def test_faults_are_counted_over_all_the_batches(sandbox: Sandbox) -> None:
 
 
 @pytest.mark.parametrize(
-    ("line", "kind"),
+    ("line", "kind", "policy"),
     [
-        ("os._exit(3)", FaultKind.RUNTIME_ERROR),
-        ("ctypes.string_at(0)", FaultKind.RUNTIME_ERROR),
-        ("while True: pass", FaultKind.TIMEOUT),
-        ("os.close(230); time.sleep(60)", FaultKind.INVALID_OUTPUT),
+        ("os._exit(3)", FaultKind.RUNTIME_ERROR, FAR),
+        ("ctypes.string_at(0)", FaultKind.RUNTIME_ERROR, FAR),
+        ("while True: pass", FaultKind.TIMEOUT, only(cpu_seconds=0.3)),
+        ("time.sleep(3600)", FaultKind.TIMEOUT, only(wall_seconds=1.0)),
+        ("os.close(230); time.sleep(3600)", FaultKind.INVALID_OUTPUT, FAR),
     ],
 )
-def test_the_call_during_which_a_program_ends_is_the_one_to_blame(line: str, kind: FaultKind) -> None:
+def test_the_call_during_which_a_program_ends_is_the_one_to_blame(
+    sandbox: Sandbox, line: str, kind: FaultKind, policy: Policy
+) -> None:
     source = f"import ctypes, os, time\ndef f(x):\n    if x == 5:\n        {line}\n    return x\n".encode()
-    policy = Policy(wall_seconds=30.0, cpu_seconds=0.3)
-    with Sandbox({}, policy, spares=0) as sandbox, sandbox.open(source) as session:
+    with sandbox.open(source, policy=policy) as session:
         given = list(session.call_many("f", [(k,) for k in range(9)]))
         assert [answer.value for answer in given[:-1] if isinstance(answer, Reply)] == [0, 1, 2, 3, 4]
         assert isinstance(given[5], ProgramFault)
@@ -81,23 +86,68 @@ def test_the_call_during_which_a_program_ends_is_the_one_to_blame(line: str, kin
         assert list(session.call_many("f", [(1,), (2,)])) == [given[5]]
 
 
+def floats(value: Value) -> tuple[float, ...]:
+    assert isinstance(value, tuple)
+    return tuple(number for number in value if isinstance(number, float))
+
+
 def test_the_time_of_a_batch_is_what_is_left_of_the_session(sandbox: Sandbox) -> None:
-    source = b"import time\ndef f(x):\n    time.sleep(x)\n    return x\n"
-    with sandbox.open(source, policy=Policy(wall_seconds=1.0)) as session:
-        given = answers(session, [(0.3,), (0.3,), (0.3,), (0.3,), (0.3,)])
-        assert given == [0.3, 0.3, 0.3, "timeout"]
+    """The program's timer says what is left of its time: no call finds as much as the one before had."""
+    source = b"""
+import signal, time
+def f(x):
+    before = signal.getitimer(signal.ITIMER_REAL)[0]
+    time.sleep(x)
+    return before, signal.getitimer(signal.ITIMER_REAL)[0]
+"""
+    with sandbox.open(source) as session:
+        given = [session.call("f", 0.05), *session.call_many("f", [(0.05,), (0.0,), (0.05,)]), session.call("f", 0.0)]
+        left = [moment for answer in given if isinstance(answer, Reply) for moment in floats(answer.value)]
+    assert len(left) == 10
+    assert sandbox.policy.wall_seconds > left[0]
+    assert left == sorted(left, reverse=True)
+    assert left[0] - left[-1] >= 0.15
+
+
+WAITS = b"""
+import os, signal, time
+import numpy as np
+writing, write, seen = 0.0, os.write, []
+
+def timed_write(*arguments):
+    global writing
+    start = time.monotonic()
+    count = write(*arguments)
+    writing += time.monotonic() - start
+    return count
+
+os.write = timed_write
+
+def f(x):
+    earliest = time.monotonic()
+    seen.append((earliest, signal.getitimer(signal.ITIMER_REAL)[0], writing, time.monotonic()))
+    return np.full(50_000, x)
+
+def told():
+    return tuple(seen)
+"""
 
 
 def test_time_that_the_asker_takes_between_two_answers_is_not_the_programs(sandbox: Sandbox) -> None:
     """Answers fill the wire while nobody reads them: the program waits, and its time stands still."""
-    source = b"import numpy as np\ndef f(x):\n    return np.full(50_000, x)\n"
-    with sandbox.open(source, policy=Policy(wall_seconds=0.5)) as session:
-        seen = []
+    with sandbox.open(WAITS) as session:
+        given = []
         for answer in session.call_many("f", [(float(k),) for k in range(4)]):
-            time.sleep(0.4)
+            time.sleep(0.1)
             assert isinstance(answer, Reply)
-            seen.append(answer.value[-1])  # type: ignore[index]
-    assert seen == [0.0, 1.0, 2.0, 3.0]
+            given.append(answer.value[-1])  # type: ignore[index]
+        told = session.call("told").value
+    assert given == [0.0, 1.0, 2.0, 3.0]
+    assert isinstance(told, tuple)
+    moments = [floats(moment) for moment in told]
+    assert len(moments) == 4
+    for (earliest, left, written, _), (_, left_later, written_later, latest) in pairwise(moments):
+        assert left - left_later <= (latest - earliest) - (written_later - written) + 0.001
 
 
 def test_an_iterator_that_is_left_lets_the_program_go_on(sandbox: Sandbox) -> None:

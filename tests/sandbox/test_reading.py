@@ -51,7 +51,6 @@ def test_mutated_bytes_give_exact_types_or_malformed_and_little_memory() -> None
     assert 0 < values < 5_000
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "smallest", [b"N", b"t\0\0\0\0", b"l\0\0\0\0", b"d\0\0\0\0", b"s\0\0\0\0", b"a\1\0\0", b"a\1\1" + bytes(4)]
 )

@@ -17,7 +17,8 @@ from fastapi import FastAPI
 from sqlalchemy import create_engine, text
 from starlette.testclient import TestClient
 
-from graders.core.contract.verdict import CheckResult, Outcome, Verdict
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.verdict import CheckResult, Verdict
 from server.app import create_app
 from server.base.provided import provide, provided_to
 from server.base.settings import Settings
@@ -40,8 +41,8 @@ def fake_verdict(code: str, seed: int) -> Verdict:
     wanted = re.search(r"outcome: (\w+)", code)
     outcome = Outcome(wanted[1]) if wanted else Outcome.OK
     checks = [
-        CheckResult("a", "Première", 10, 10),
-        CheckResult("b", "Seconde", 10 * (outcome is Outcome.OK), 10, outcome),
+        CheckResult("a", "Première", True, 10, 10),
+        CheckResult("b", "Seconde", outcome is Outcome.OK, 10 * (outcome is Outcome.OK), 10),
     ]
     return Verdict(EXERCISE, "v1", outcome, seed, checks)
 

@@ -6,10 +6,12 @@ import json
 import subprocess
 import sys
 from argparse import Namespace
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
+import httpx
 import pytest
 
 from server.cli import check, main, report
@@ -156,17 +158,16 @@ class Shifted:
         return self.grader.grade(exercise, self.source, seed)
 
 
-@pytest.mark.usefixtures("remembered_replays")
 def test_check_passes_the_course_and_notices_what_is_wrong(course: Course, monkeypatch: Any) -> None:
-    monkeypatch.setattr("server.cli.check.secrets.randbits", lambda _: 2026)  # one seed: replays are shared
+    monkeypatch.setattr("server.cli.check.secrets.randbits", lambda _: 2026)  # one seed: re-enacted mistakes are shared
     exercise = course.exercises[EXERCISE]
     with Sandbox(course.kits) as sandbox:
         grader = Grader(course, sandbox)
-        good = list(check.findings(grader, exercise))
+        good = list(check.examinations(grader, exercise))
         assert [one for one in good if one.fault] == []
         assert len(good) == 2 + len(exercise.grader.misconceptions) + len(list(exercise.grader.specimens()))
         all_right, all_wrong = (
-            {one.subject: one.fault for one in islice(check.findings(Shifted(grader, source), exercise), 3)}  # type: ignore[arg-type]
+            {one.subject: one.fault for one in islice(check.examinations(Shifted(grader, source), exercise), 3)}  # type: ignore[arg-type]
             for source in (exercise.solution, "x = 1\n")
         )
     first = f"erreur {exercise.grader.misconceptions[0].id}"
@@ -225,3 +226,24 @@ def test_a_token_that_is_none_is_said_in_a_sentence(capsys: Any, tmp_path: Path)
     file.write_text("x = 1")
     assert main(["submit", EXERCISE, str(file), "--server", "http://127.0.0.1:1", "--token", "jeton…"]) == 2
     assert "jeton" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("verdict", "place"), [({}, "« exercise »"), ({"exercise": 3}, "« exercise »"), (None, "lire."), ("ok", "lire.")]
+)
+def test_a_server_that_answers_something_else_than_a_verdict_is_told_in_a_sentence(
+    monkeypatch: Any, tmp_path: Path, capsys: Any, verdict: Any, place: str
+) -> None:
+    def answer(request: httpx.Request) -> httpx.Response:
+        if request.method == "POST":
+            return httpx.Response(202, json={"url": "/api/v1/submissions/1"})
+        return httpx.Response(200, text=f"data: {json.dumps({'status': 'done', 'verdict': verdict})}\n\n")
+
+    client = partial(httpx.Client, transport=httpx.MockTransport(answer))
+    monkeypatch.setattr("server.cli.submit.httpx.Client", client)
+    file = tmp_path / "a.py"
+    file.write_text("x = 1")
+    assert main(["submit", EXERCISE, str(file), "--server", "http://serveur", "--token", "jeton"]) == 2
+    told = capsys.readouterr().err
+    assert "n’est pas un verdict" in told
+    assert place in told

@@ -15,7 +15,7 @@ from uuid import uuid4
 import pytest
 from sqlalchemy import select
 
-from graders.core.contract.verdict import Outcome
+from graders.core.contract.outcomes import Outcome
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database

@@ -1,24 +1,26 @@
 """Exercises answered without code: numbers, choices, steps to put in order. The same verdict as for code.
 
-A grader's folder defines GRADER with `numeric`, `choice` or `order`; what students read stands in the course, in
-`questions.toml`, and joins it as a sheet (`bind`).
+What students read stands in the course, in `questions.toml`, and comes here as a sheet. For `choice` and `order` it is
+all that there is; for `numeric`, a grader's folder defines how data are drawn and answers judged.
 """
 
 from graders.core.answers.choice import ChoiceSheet, Option, choice
-from graders.core.answers.judging import AnswersDefinition, AnswersGrader
-from graders.core.answers.numeric import Quantity, numeric
+from graders.core.answers.judging import AnswersGrader
+from graders.core.answers.numeric import NumericDefinition, Quantity, numeric
 from graders.core.answers.order import Distractor, OrderSheet, Step, order
 from graders.core.answers.paper import Given, Paper, Piece, Question
 from graders.core.answers.reading import canonical
+from graders.core.answers.sheet import MalformedSheetError
 from graders.core.answers.wording import Datum, NumericSheet
 
 __all__ = [
-    "AnswersDefinition",
     "AnswersGrader",
     "ChoiceSheet",
     "Datum",
     "Distractor",
     "Given",
+    "MalformedSheetError",
+    "NumericDefinition",
     "NumericSheet",
     "Option",
     "OrderSheet",

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
-from graders.core.answers.judging import Answers, AnswersDefinition, AnswersGrader, Check, home
+from graders.core.answers.judging import Answers, AnswersGrader, Check
 from graders.core.answers.letters import MOST, Letters
-from graders.core.answers.mistakes import same_mistakes
+from graders.core.answers.mistakes import read_mistakes, same_mistakes
 from graders.core.answers.paper import Paper, Piece, Question, Told
 from graders.core.answers.reading import is_blank, shown
-from graders.core.code.grading import Finding
-from graders.core.contract.malformed import MalformedExerciseError
+from graders.core.answers.sheet import MalformedSheetError
+from graders.core.contract.findings import Finding
 from graders.core.contract.verdict import MAX_POINTS
 
 LACKING = "Il manque au moins une bonne réponse."
@@ -57,26 +58,20 @@ class ChoiceSheet:
     questions: tuple[ChoiceQuestion, ...]
 
 
-@dataclass(frozen=True)
-class ChoiceDefinition(AnswersDefinition):
-    """See `choice`."""
+def choice(exercise: str, folder: Path, sheet: ChoiceSheet) -> ChoiceGrader:
+    """The grader that a sheet makes; its misconceptions stand in `folder`.
 
-    form = "choice"
-
-    def bind(self, sheet: ChoiceSheet) -> ChoiceGrader:
-        for question in sheet.questions:
-            _check(self, question)
-        used = {one.misconception for question in sheet.questions for one in question.options if one.misconception}
-        same_mistakes(self.folder, self.catalogue, used)
-        return ChoiceGrader(self.exercise, self.folder, self.catalogue, sheet.questions)
-
-
-def choice(file: str, exercise: str) -> ChoiceDefinition:
-    """Describe an exercise from its grader's module: `choice(__file__, "l20/verification")`."""
-    return ChoiceDefinition(exercise, *home(file))
+    Raises MalformedSheetError, or MalformedExerciseError for the misconceptions.
+    """
+    for place, question in enumerate(sheet.questions):
+        _check(question, place)
+    used = {option.misconception for question in sheet.questions for option in question.options}
+    catalogue = read_mistakes(folder)
+    same_mistakes(folder, catalogue, {name for name in used if name})
+    return ChoiceGrader(exercise, folder, catalogue, sheet.questions)
 
 
-def _check(definition: ChoiceDefinition, question: ChoiceQuestion) -> None:
+def _check(question: ChoiceQuestion, place: int) -> None:
     ids = [one.id for one in question.options]
     right = len(question.right)
     faults = {
@@ -89,7 +84,7 @@ def _check(definition: ChoiceDefinition, question: ChoiceQuestion) -> None:
     }
     for fault, found in faults.items():
         if found:
-            raise MalformedExerciseError(definition.folder / "grader.py", f"question {question.id} {fault}")
+            raise MalformedSheetError(f"question {question.id} {fault}", ("question", place))
 
 
 @dataclass(frozen=True, eq=False)

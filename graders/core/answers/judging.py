@@ -8,39 +8,21 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
-from graders.core.answers.mistakes import Mistake, read_mistakes
+from graders.core.answers.mistakes import Mistake
 from graders.core.answers.paper import Paper, Told
 from graders.core.answers.reading import UnreadableAnswersError, canonical, is_blank, read_answers, shown
-from graders.core.code.grading import Finding, Grading
-from graders.core.contract.protocol import Known, Run
-from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Outcome, Verdict, overall_outcome
+from graders.core.contract.findings import Finding, Grading, verdict_of
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import Programs
+from graders.core.contract.protocol import Known
+from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis
 
 Answers = Mapping[str, Any]
 ROUNDS = 25  # seeds on which a known answer is tried by `balise check`
 NO_ANSWER = "Il n'y a pas encore de réponse à cette question."
 UNKNOWN = "Ce fichier répond à des questions qui n'existent pas. Les questions sont : {names}."
-
-
-@dataclass(frozen=True)
-class AnswersDefinition(ABC):
-    """An exercise as its grader's folder describes it; it grades once it is bound to the wording of its questions."""
-
-    exercise: str
-    folder: Path
-    catalogue: Mapping[str, Mistake]
-    form: ClassVar[str]
-
-    @abstractmethod
-    def bind(self, sheet: Any) -> AnswersGrader:
-        """The grader. Raises MalformedExerciseError where definition and sheet do not go together."""
-
-
-def home(file: str) -> tuple[Path, Mapping[str, Mistake]]:
-    """The folder of a grader's module, and the misconceptions catalogued there."""
-    folder = Path(file).parent
-    return folder, read_mistakes(folder)
 
 
 @dataclass(frozen=True)
@@ -53,7 +35,7 @@ class Check:
     hint: str | None = None
 
     def passed(self, message: str = "") -> Finding:
-        return Finding(CheckResult(self.id, self.title, self.points, self.points, message=message))
+        return Finding(CheckResult(self.id, self.title, True, self.points, self.points, message))
 
     def failed(
         self,
@@ -67,8 +49,8 @@ class Check:
         slip: str | None = None,
     ) -> Finding:
         found = None if inputs is None else Counterexample(inputs, expected, got)
-        result = CheckResult(self.id, self.title, points, self.points, cause, message, found, self.hint)
-        return Finding(result, slip)
+        result = CheckResult(self.id, self.title, False, points, self.points, message, found, self.hint)
+        return Finding(result, cause, slip)
 
     def unreadable(self, reason: str, value: Any) -> Finding:
         message = f"Cette réponse n'est pas lue : {reason}."
@@ -82,7 +64,10 @@ class Check:
 
 @dataclass(frozen=True, eq=False)
 class AnswersGrader(ABC):
-    """Grades the answers to one exercise; the same for the same seed, which also draws what the student is given."""
+    """Grades the answers to one exercise; the same for the same seed, which also draws what the student is given.
+
+    `folder` holds its `misconceptions.toml` and its specimens.
+    """
 
     exercise: str
     folder: Path
@@ -116,22 +101,13 @@ class AnswersGrader(ABC):
     def correction(self, seed: int) -> str:
         """The full correction of this draw, in Markdown."""
 
-    def grade(self, source: bytes, run: Run | None = None, *, seed: int, version: str) -> Grading:
-        """The verdict of a file of answers. Nothing runs: `run` is what exercises of code need."""
+    def grade(self, source: bytes, programs: Programs | None = None, *, seed: int, version: str) -> Grading:
+        """The verdict of a file of answers. Nothing runs: `programs` is what exercises of code need."""
         started = time.perf_counter()
         findings = self._findings(source, seed)
-        checks = [finding.result for finding in findings]
         took = round(1000.0 * (time.perf_counter() - started), 3)
-        verdict = Verdict(
-            self.exercise,
-            version,
-            overall_outcome(checks),
-            seed,
-            checks,
-            self._diagnosis(findings),
-            timings={"total_ms": took},
-        )
-        return Grading(verdict)
+        diagnosis = self._diagnosis(findings)
+        return Grading(verdict_of(self.exercise, version, seed, findings, diagnosis, timings={"total_ms": took}))
 
     def _findings(self, source: bytes, seed: int) -> Sequence[Finding]:
         try:
@@ -152,7 +128,7 @@ class AnswersGrader(ABC):
 
     def _diagnosis(self, findings: Sequence[Finding]) -> Diagnosis | None:
         """The misconception seen in most of the failed checks; of several, the one that was seen first."""
-        seen = Counter(finding.slip for finding in findings if finding.slip and not finding.result.passed)
+        seen = Counter(finding.slip for finding in findings if finding.slip and not finding.passed)
         return self.catalogue[seen.most_common(1)[0][0]].diagnosis if seen else None
 
     def rehearse(self) -> None:

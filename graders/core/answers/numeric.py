@@ -12,14 +12,16 @@ from typing import Any
 import numpy as np
 
 from graders.core.answers.interval import around
-from graders.core.answers.judging import Answers, AnswersDefinition, AnswersGrader, Check, home
-from graders.core.answers.mistakes import same_mistakes
+from graders.core.answers.judging import Answers, AnswersGrader, Check
+from graders.core.answers.mistakes import Mistake, read_mistakes, same_mistakes
 from graders.core.answers.numbers import NotANumberError, bounded, read_number
 from graders.core.answers.paper import Given, Paper, Question, Told
 from graders.core.answers.reading import is_blank, shown
+from graders.core.answers.sheet import MalformedSheetError
 from graders.core.answers.wording import NumericSheet
-from graders.core.code.grading import Finding
 from graders.core.compare.words import number
+from graders.core.contract.definition import MODULE_FILE, Definition
+from graders.core.contract.findings import Finding
 from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.streams import stream
 from graders.core.contract.verdict import MAX_POINTS
@@ -60,42 +62,44 @@ class Quantity:
 
 
 @dataclass(frozen=True)
-class NumericDefinition(AnswersDefinition):
+class NumericDefinition(Definition):
     """See `numeric`."""
 
+    catalogue: Mapping[str, Mistake]
     drawing: Callable[[np.random.Generator], Data]
     quantities: tuple[Quantity, ...]
-    form = "numeric"
 
     def bind(self, sheet: NumericSheet) -> NumericGrader:
+        """The grader. Raises MalformedExerciseError where definition and sheet do not go together."""
         grader = NumericGrader(self.exercise, self.folder, self.catalogue, self.drawing, self.quantities, sheet)
         asked, judged = [one.id for one in sheet.questions], [one.id for one in self.quantities]
         if asked != judged:
-            raise MalformedExerciseError(self.folder / "grader.py", f"judges {judged}, but the sheet asks {asked}")
+            raise MalformedExerciseError(self.file, f"judges {judged}, but the sheet asks {asked}")
         shown_data = {one.name for one in sheet.data}
         drawn = grader.data(0)
         if shown_data != drawn.keys():
             odd = sorted(shown_data ^ drawn.keys())
-            raise MalformedExerciseError(self.folder / "grader.py", f"drawn and shown data differ: {odd}")
-        unknown = sheet.unknown()
-        if unknown:
-            raise MalformedExerciseError(self.folder / "grader.py", f"the sheet speaks of unknown data: {unknown}")
+            raise MalformedExerciseError(self.file, f"drawn and shown data differ: {odd}")
+        for place, unknown in enumerate(sheet.unknown()):
+            if unknown:
+                raise MalformedSheetError(f"the sheet speaks of unknown data: {unknown}", ("question", place))
         return grader
 
 
 def numeric(
-    file: str, exercise: str, *, draw: Callable[[np.random.Generator], Data], quantities: Sequence[Quantity]
+    file: str, *, draw: Callable[[np.random.Generator], Data], quantities: Sequence[Quantity]
 ) -> NumericDefinition:
-    """Describe an exercise from its grader's module: `numeric(__file__, "l20/calcul_odometrie", ...)`.
+    """Describe an exercise from its grader's module: `numeric(__file__, draw=…, quantities=…)`.
 
     `draw` gives the data, rounded as they are shown. Raises MalformedExerciseError.
     """
-    folder, mistakes = home(file)
+    folder = Path(file).parent
+    catalogue = read_mistakes(folder)
     total = sum(one.points for one in quantities)
     if abs(total - MAX_POINTS) > 1e-9:
         raise MalformedExerciseError(Path(file), f"the questions sum to {total} points, not {MAX_POINTS}")
-    same_mistakes(folder, mistakes, {slip for one in quantities for slip in one.slips})
-    return NumericDefinition(exercise, folder, mistakes, draw, tuple(quantities))
+    same_mistakes(folder, catalogue, {slip for one in quantities for slip in one.slips})
+    return NumericDefinition(folder, catalogue, draw, tuple(quantities))
 
 
 @dataclass(frozen=True)
@@ -231,7 +235,7 @@ def _drawn(grader: NumericGrader, seed: int) -> Drawn:
         drawn = _one_draw(grader, grader.drawing(stream(seed, f"draw {attempt}")))
         if all(_apart(one, drawn) for one in grader.quantities):
             return drawn
-    raise MalformedExerciseError(grader.folder / "grader.py", f"no draw of seed {seed} keeps the slips apart")
+    raise MalformedExerciseError(grader.folder / MODULE_FILE, f"no draw of seed {seed} keeps the slips apart")
 
 
 def _one_draw(grader: NumericGrader, data: Data) -> Drawn:

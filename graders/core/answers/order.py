@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
-from graders.core.answers.judging import Answers, AnswersDefinition, AnswersGrader, Check, home
+from graders.core.answers.judging import Answers, AnswersGrader, Check
 from graders.core.answers.letters import MOST, Letters
-from graders.core.answers.mistakes import same_mistakes
+from graders.core.answers.mistakes import read_mistakes, same_mistakes
 from graders.core.answers.paper import Paper, Piece, Question, Told
 from graders.core.answers.reading import is_blank, shown
-from graders.core.code.grading import Finding
-from graders.core.contract.malformed import MalformedExerciseError
+from graders.core.answers.sheet import MalformedSheetError
+from graders.core.contract.findings import Finding
 
 ORDER = "ordre"  # the name of the only question
 STEPS = Check("etapes", "Les bonnes étapes, sans intrus", 5)
@@ -53,32 +54,28 @@ class OrderSheet:
         return (*self.steps, *self.distractors)
 
 
-@dataclass(frozen=True)
-class OrderDefinition(AnswersDefinition):
-    """See `order`."""
+def order(exercise: str, folder: Path, sheet: OrderSheet) -> OrderGrader:
+    """The grader that a sheet makes; its misconceptions stand in `folder`.
 
-    form = "order"
-
-    def bind(self, sheet: OrderSheet) -> OrderGrader:
-        names = [one.id for one in sheet.pieces]
-        place = self.folder / "grader.py"
-        if len(set(names)) != len(names):
-            raise MalformedExerciseError(place, "two steps have the same name")
-        if len(names) > MOST:
-            raise MalformedExerciseError(place, f"there are more than {MOST} steps")
-        for number, step in enumerate(sheet.steps):
-            unknown = set(step.after) - set(names[:number])
-            if unknown:
-                raise MalformedExerciseError(place, f"step {step.id} comes after {sorted(unknown)}, not steps above it")
-        same_mistakes(
-            self.folder, self.catalogue, {one.misconception for one in sheet.distractors if one.misconception}
-        )
-        return OrderGrader(self.exercise, self.folder, self.catalogue, sheet)
-
-
-def order(file: str, exercise: str) -> OrderDefinition:
-    """Describe an exercise from its grader's module: `order(__file__, "l20/demo_1")`."""
-    return OrderDefinition(exercise, *home(file))
+    Raises MalformedSheetError, or MalformedExerciseError for the misconceptions.
+    """
+    names = [one.id for one in sheet.pieces]
+    steps = names[: len(sheet.steps)]
+    for place, one in enumerate(sheet.distractors):
+        if one.id in steps:
+            raise MalformedSheetError(f"step and distractor have the same name {one.id}", ("distractor", place))
+    if len(set(names)) != len(names):
+        raise MalformedSheetError("two steps have the same name")
+    if len(names) > MOST:
+        raise MalformedSheetError(f"there are more than {MOST} steps")
+    for place, step in enumerate(sheet.steps):
+        unknown = set(step.after) - set(steps[:place])
+        if unknown:
+            message = f"step {step.id} comes after {sorted(unknown)}, not steps above it"
+            raise MalformedSheetError(message, ("step", place, "after"))
+    catalogue = read_mistakes(folder)
+    same_mistakes(folder, catalogue, {one.misconception for one in sheet.distractors if one.misconception})
+    return OrderGrader(exercise, folder, catalogue, sheet)
 
 
 @dataclass(frozen=True)
@@ -173,9 +170,11 @@ class OrderGrader(AnswersGrader):
             message = f"{STOPS} {message}"
         inputs = {"place": place}
         points = BEGINNING.points * beginning.length / len(self.sheet.steps)
-        begins = BEGINNING.failed(message, inputs=inputs, expected=role, got=stands, points=points)
-        if beginning.wanted is None:
-            begins = BEGINNING.passed()
+        begins = (
+            BEGINNING.failed(message, inputs=inputs, expected=role, got=stands, points=points)
+            if beginning.wanted
+            else BEGINNING.passed()
+        )
         whole = WHOLE.failed(
             "La suite est à revoir à partir de cette place.",
             inputs=inputs,

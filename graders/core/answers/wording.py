@@ -61,13 +61,14 @@ class NumericSheet:
             return datum.tex(value) if tex else datum.text(value)
         return _tex(number(value, DIGITS)) if tex else number(value, DIGITS)
 
-    def unknown(self) -> list[str]:
-        """The names in placeholders that nothing replaces."""
+    def unknown(self) -> list[list[str]]:
+        """For each question, the names in placeholders that nothing replaces."""
         data = {one.name for one in self.data}
         answers = {one.id for one in self.questions}
-        used = [(name, data) for one in self.questions for name in PLACEHOLDER.findall(one.text)]
-        used += [(name, data | answers) for one in self.questions for name in PLACEHOLDER.findall(one.correction)]
-        return sorted({name for name, known in used if name not in known})
+        return [
+            sorted({*PLACEHOLDER.findall(one.text)} - data | {*PLACEHOLDER.findall(one.correction)} - data - answers)
+            for one in self.questions
+        ]
 
 
 def _tex(text: str) -> str:

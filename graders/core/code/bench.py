@@ -14,11 +14,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from graders.core.contract.program import Answer, KitSettings, Launcher, Program, Reply, StudentFault
+from graders.core.compare.shrinking import Budget
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import Answer, KitSettings, Program, Programs, Reply, StudentFault
 from graders.core.contract.values import Arguments, Value
-from graders.core.contract.verdict import Outcome
 
 MAX_LAUNCHES = 12
+DEFAULT_BUDGET = Budget()
 
 Key = tuple[str, tuple[tuple[str, tuple[int, ...], bytes], ...]]
 
@@ -36,15 +38,25 @@ class Observation:
 
 
 class Runner:
-    """Keeps a program alive over the checks of one grading; a program that died is launched anew.
+    """Keeps a program alive over the checks of one grading; a program that died is started anew.
 
-    A function that exhausted a limit or killed its process is not called again. `replaying` says that only the
-    observations are wanted: no counterexample is shrunk.
+    A function that exhausted a limit or killed its process is not called again. `reenacting` says that only the
+    observations are wanted: no counterexample is shrunk. `budget` is for each of those that are.
     """
 
-    def __init__(self, launch: Launcher, kit: KitSettings, *, replaying: bool = False) -> None:
-        self.replaying = replaying
-        self._launch = launch
+    def __init__(
+        self,
+        programs: Programs,
+        source: bytes,
+        kit: KitSettings,
+        *,
+        reenacting: bool = False,
+        budget: Budget = DEFAULT_BUDGET,
+    ) -> None:
+        self.reenacting = reenacting
+        self.budget = budget
+        self._programs = programs
+        self._source = source
         self._kit = kit
         self._launches = 0
         self._program: Program | None = None
@@ -63,7 +75,7 @@ class Runner:
         self._launches += 1
         if self._launches > MAX_LAUNCHES:
             raise StudentFault(Outcome.RUNTIME_ERROR, "Votre programme s'est arrêté trop souvent.", fatal=True)
-        return self._launch(kit)
+        return self._programs.open(self._source, kit)
 
     def call(self, program: Program | None, function: str, args: Arguments, *, keep: bool) -> Reply:
         """Call a function of a program (None: of the main one)."""
@@ -114,7 +126,7 @@ class Runner:
 
     @contextmanager
     def other(self, kit: KitSettings) -> Iterator[Program]:
-        """The same file launched on another map, for as long as the block lasts."""
+        """The same file started on another map, for as long as the block lasts."""
         program = self._start(kit)
         try:
             yield program
@@ -156,9 +168,9 @@ class Bench:
     def ahead(self, function: str, calls: Sequence[Arguments]) -> list[Answer]:
         """The answers of calls made together before a protocol comes to them, which it then finds with `call`.
 
-        A replay has no time to win: it makes each call in its turn.
+        A re-enacted mistake has no time to win: it makes each call in its turn.
         """
-        if self.runner.replaying:
+        if self.runner.reenacting:
             return []
         answers = [answer for _, answer in self.call_many(function, calls, faults=1)]
         for args, answer in zip(calls, answers, strict=False):
@@ -188,7 +200,7 @@ class Bench:
 
     @contextmanager
     def on(self, kit: KitSettings) -> Iterator[Bench]:
-        """The same bench with the program launched on another map."""
+        """The same bench with the program started on another map."""
         with self.runner.other(kit) as program:
             yield Bench(self.check, self.runner, self.rng, kit, program, None, self._count)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -17,11 +17,10 @@ from graders.core.code.bench import Bench
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Comparator, Mismatch
 from graders.core.compare.shrinking import Shrinker, shrink
+from graders.core.contract.findings import FigureData
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, Reply, StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, same_value
-from graders.core.contract.verdict import Outcome
-
-FigureData = dict[str, Any]
 
 # A function that raised that often has shown enough; each fault may have cost a large part of its time limit.
 MAX_FAULTS = 4
@@ -127,7 +126,7 @@ class Failure:
 
 @dataclass(frozen=True, kw_only=True)
 class Cases(Check):
-    """Compare one function with its reference on every case; show the simplest failing one, shrunk (but to a replay).
+    """Compare one function with its reference on every case; show the simplest failing one, shrunk (but to re-enact).
 
     `cases` yields tuples of arguments, simplest first; `expected` computes the right answer from these;
     `shrinkers`, one for each argument, simplify a failing case as long as `valid` holds of it;
@@ -155,7 +154,7 @@ class Cases(Check):
             else:
                 bench.observe(self.function, answer.value, ok=failure is None)
             first = first or failure
-        if first is not None and not bench.runner.replaying:
+        if first is not None and not bench.runner.reenacting:
             raise self._rejection(self._shrunk(bench, first))
 
     def _judged(self, args: Arguments, answer: Answer) -> Failure | None:
@@ -179,7 +178,7 @@ class Cases(Check):
             found.append(simpler)
             return True
 
-        shrink(failure.args, self.shrinkers, still_fails)
+        shrink(failure.args, self.shrinkers, still_fails, bench.runner.budget)
         return found[-1]
 
     def _rejection(self, failure: Failure) -> Rejection:

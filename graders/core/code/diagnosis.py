@@ -1,26 +1,26 @@
 """Diagnosis: which known mistake gives the very outputs of this submission?
 
-Every misconception of the exercise is run through the same checks with the same inputs. The one whose outputs coincide
-with the submission's wherever either is wrong, and which explains more failures than any other, names the mistake.
+Every misconception of the exercise is re-enacted: run through the same checks with the same inputs. The one whose
+outputs coincide with the submission's wherever either is wrong, and which explains more failures than any other, names
+the mistake.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import partial
 
 from graders.core.code.bench import Observation
+from graders.core.code.folder import Misconception
+from graders.core.code.reenacting import Reenactment
 from graders.core.compare.slips import SLIPS
 from graders.core.contract.values import same_value
 from graders.core.contract.verdict import Diagnosis
 
-if TYPE_CHECKING:
-    from graders.core.code.exercise import Misconception
-
 MIN_AGREEMENT = 0.9
 
-Replay = Callable[["Misconception"], Sequence[Observation]]
+Reenact = Callable[[Misconception], Reenactment]
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Explanation:
 
 
 def diagnose(
-    observations: Sequence[Observation], misconceptions: Sequence[Misconception], replay: Replay
+    observations: Sequence[Observation], misconceptions: Sequence[Misconception], reenact: Reenact
 ) -> Diagnosis | None:
     """Name the misconception that explains the failures better than any other, or None.
 
@@ -45,7 +45,8 @@ def diagnose(
     """
     failing = {o.function for o in observations if not o.ok}
     candidates = [m for m in misconceptions if failing & set(m.functions)]
-    found = [e for e in (_explain(observations, m, replay(m)) for m in candidates) if e is not None]
+    explanations = (_explain(observations, m, reenact(m)) for m in candidates)
+    found = [e for e in explanations if e is not None]
     if not found:
         return None
     found.sort(key=lambda e: e.rank, reverse=True)
@@ -59,9 +60,10 @@ def _compete(one: Misconception, other: Misconception) -> bool:
 
 
 def _explain(
-    observations: Sequence[Observation], misconception: Misconception, replayed: Sequence[Observation]
+    observations: Sequence[Observation], misconception: Misconception, reenactment: Reenactment
 ) -> Explanation | None:
-    pairs = _paired(observations, replayed)
+    seen = reenactment.seen(partial(hopeless, observations, misconception))
+    pairs = _paired(observations, seen)
     relevant = [p for p in pairs if p[0].function in misconception.functions and not (p[0].ok and p[1].ok)]
     explained = sum(not mine.ok and agree(mine, other) for mine, other in pairs)
     agreement = sum(agree(*p) for p in relevant) / len(relevant) if relevant else 0.0
@@ -70,19 +72,17 @@ def _explain(
     return Explanation(misconception, explained, agreement)
 
 
-def hopeless(
-    observations: Sequence[Observation], misconception: Misconception, replayed: Sequence[Observation]
-) -> bool:
-    """Do the checks replayed so far already rule the misconception out, whatever the others give?"""
+def hopeless(observations: Sequence[Observation], misconception: Misconception, seen: Sequence[Observation]) -> bool:
+    """Do the checks re-enacted so far already rule the misconception out, whatever the others give?"""
     judged = [o for o in observations if o.function in misconception.functions]
-    pairs = _paired(judged, replayed)
+    pairs = _paired(judged, seen)
     differing = sum(not (mine.ok and other.ok) and not agree(mine, other) for mine, other in pairs)
     return differing > (1.0 - MIN_AGREEMENT) * len(judged) + 1e-9
 
 
-def _paired(mine: Sequence[Observation], replayed: Sequence[Observation]) -> list[tuple[Observation, Observation]]:
+def _paired(mine: Sequence[Observation], seen: Sequence[Observation]) -> list[tuple[Observation, Observation]]:
     """What both programs gave at the same place of the same check, of the same function."""
-    theirs = {(o.check, o.index, o.function): o for o in replayed}
+    theirs = {(o.check, o.index, o.function): o for o in seen}
     return [(o, theirs[o.check, o.index, o.function]) for o in mine if (o.check, o.index, o.function) in theirs]
 
 

@@ -1,66 +1,128 @@
-"""Grading: from a launcher and a seed to a verdict, the same for the same seed."""
+"""Grading of code: from a file and a seed to a verdict, the same for the same seed."""
 
 from __future__ import annotations
 
+import importlib
 import time
-from collections.abc import Callable, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
 
-from graders.core.code.bench import Bench, Observation, Runner
-from graders.core.code.checks import Check, FigureData, Rejection, fault_rejection
-from graders.core.code.diagnosis import diagnose, hopeless, slip_diagnosis
+import numpy as np
+
+from graders.core.code.bench import DEFAULT_BUDGET, Bench, Observation, Runner
+from graders.core.code.checks import Check, Rejection, fault_rejection
+from graders.core.code.diagnosis import diagnose, slip_diagnosis
+from graders.core.code.folder import Misconception, Specimen, read_specimens
+from graders.core.code.reenacting import Reenactor
+from graders.core.compare.shrinking import Budget
 from graders.core.compare.words import tidy, to_jsonable
-from graders.core.contract.program import KitSettings, Launcher, StudentFault, local_launcher
+from graders.core.contract.findings import Finding, Grading, verdict_of
+from graders.core.contract.local import LOCAL
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import KitSettings, Programs, StudentFault
+from graders.core.contract.protocol import Known
 from graders.core.contract.streams import stream
-from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Outcome, Verdict, overall_outcome
-
-if TYPE_CHECKING:
-    from graders.core.code.exercise import ExerciseGrader, Misconception
+from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis
 
 FIGURE_ITEMS = 20_000
+JUDGED = (Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT)
+KitMaker = Callable[[np.random.Generator], KitSettings]
+FRESH = Reenactor()
 
 
 @dataclass(frozen=True)
-class Grading:
-    """A verdict, and the data of the figures that it names (JSON; drawn when they are looked at)."""
+class CodeGrader:
+    """Grades one exercise of code, whose `functions` a submission writes; `folder` is the place of its grader.
 
-    verdict: Verdict
-    figures: dict[str, dict[str, Any]] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Finding:
-    """What one check found: its result, the slip that it saw, the data of its figure."""
-
-    result: CheckResult
-    slip: str | None = None
-    figure: FigureData | None = None
-
-
-def grade(grader: ExerciseGrader, launch: Launcher, *, seed: int, version: str) -> Grading:
-    """Run every check of the exercise on the program that `launch` starts.
-
-    Whatever the student's program does ends in the verdict; an exception that leaves this function is our own fault.
+    `reenactor` re-enacts its misconceptions; `budget` is what shrinking one counterexample may cost.
     """
-    started = time.perf_counter()
-    kit = grader.kit(stream(seed, "kit"))
-    runner = Runner(launch, kit)
-    try:
-        findings = _run(grader.checks, runner, kit, seed)
-    finally:
-        runner.close()
-    graded = time.perf_counter()
-    diagnosis = _diagnosis(grader, findings, runner.observations, kit, seed)
-    checks = [finding.result for finding in findings]
-    done = time.perf_counter()
-    timings = {"checks_ms": _ms(graded - started), "diagnosis_ms": _ms(done - graded), "total_ms": _ms(done - started)}
-    verdict = Verdict(
-        grader.exercise, version, overall_outcome(checks), seed, checks, diagnosis, runner.stdout, timings
-    )
-    figures = {f.result.id: to_jsonable(f.figure, limit=FIGURE_ITEMS) for f in findings if f.figure is not None}
-    return Grading(verdict, figures)
+
+    exercise: str
+    folder: Path
+    functions: tuple[str, ...]
+    checks: tuple[Check, ...]
+    kit: KitMaker
+    misconceptions: tuple[Misconception, ...]
+    solution: str
+    reenactor: Reenactor = FRESH
+    budget: Budget = DEFAULT_BUDGET
+
+    def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Grading:
+        """The verdict of a file: every check is run on the program that `programs` starts of it.
+
+        Whatever the student's program does ends in the verdict; an exception that leaves this is our own fault.
+        """
+        started = time.perf_counter()
+        kit = self.kit(stream(seed, "kit"))
+        runner = Runner(programs, source, kit, budget=self.budget)
+        try:
+            findings = _run(self.checks, runner, kit, seed)
+        finally:
+            runner.close()
+        checked = time.perf_counter()
+        diagnosis = self._diagnosis(findings, runner.observations, kit, seed)
+        ended = time.perf_counter()
+        timings = {"checks_ms": (started, checked), "diagnosis_ms": (checked, ended), "total_ms": (started, ended)}
+        verdict = verdict_of(
+            self.exercise,
+            version,
+            seed,
+            findings,
+            diagnosis,
+            stdout=runner.stdout,
+            timings={name: round(1000.0 * (end - start), 3) for name, (start, end) in timings.items()},
+        )
+        figures = {f.result.id: to_jsonable(f.figure, limit=FIGURE_ITEMS) for f in findings if f.figure is not None}
+        return Grading(verdict, figures)
+
+    def _diagnosis(
+        self, findings: Sequence[Finding], observations: Sequence[Observation], kit: KitSettings, seed: int
+    ) -> Diagnosis | None:
+        failed = [finding for finding in findings if not finding.passed]
+        if not failed:
+            return None
+        reenact = partial(self.reenactor.reenact, checks=self.checks, kit=kit, seed=seed)
+        named = diagnose(observations, self.misconceptions, reenact)
+        return named or slip_diagnosis([f.slip for f in failed if f.cause in JUDGED and f.result.counterexample])
+
+    def rehearse(self) -> None:
+        """Grade the solution and a mistake in this process: what is imported and compiled at first use then is."""
+        for source in (self.solution, *(mistake.source for mistake in self.misconceptions[:1])):
+            self.grade(source.encode(), LOCAL, seed=0, version="")
+
+    def mistakes(self) -> frozenset[str]:
+        """The ids of the misconceptions."""
+        return frozenset(misconception.id for misconception in self.misconceptions)
+
+    def known(self) -> Iterator[Known]:
+        """The solution, the catalogued mistakes, the specimens."""
+        yield Known("référence", _always(self.solution.encode()), Outcome.OK)
+        for misconception in self.misconceptions:
+            source = _always(misconception.source.encode())
+            yield Known(f"erreur {misconception.id}", source, diagnosis=misconception.id)
+        for specimen in self.specimens():
+            subject = f"spécimen {specimen.outcome.value}/{specimen.path.name}"
+            yield Known(subject, _always(specimen.path.read_bytes()), specimen.outcome)
+
+    def specimens(self) -> Iterator[Specimen]:
+        """The submissions under `specimens/<outcome>/`. Raises MalformedExerciseError."""
+        return read_specimens(self.folder)
+
+    def draw(self, data: dict[str, Any], *, theme: str = "light", extension: str = "svg") -> bytes:
+        """Draw the figure whose data a verdict left, as a "svg" or "png" file. Slow: it loads matplotlib."""
+        from graders.plotting import drawing, to_bytes
+
+        module = importlib.import_module(f"graders.{self.exercise.replace('/', '.')}.figures")
+        with drawing(theme) as figure:
+            module.FIGURES[data["kind"]](figure, data)
+            return to_bytes(figure, extension)
+
+
+def _always(source: bytes) -> Callable[[int], bytes]:
+    return lambda _seed: source
 
 
 def _run(checks: Sequence[Check], runner: Runner, kit: KitSettings, seed: int) -> list[Finding]:
@@ -77,7 +139,7 @@ def _unless_alone(check: Check, finding: Finding, checks: Sequence[Check], findi
     others = [
         f for c, f in zip(checks, findings, strict=True) if c is not check and set(c.functions) & set(check.functions)
     ]
-    if not check.needs_another or not finding.result.passed or any(f.result.passed for f in others):
+    if not check.needs_another or not finding.passed or any(f.passed for f in others):
         return finding
     message = "Rien à reprocher ici, mais ces points ne comptent qu'à partir d'une autre vérification réussie."
     return _finding(
@@ -96,7 +158,7 @@ def run_check(check: Check, bench: Bench) -> Finding:
         if bench.last_call is not None:
             inputs = {f"argument {i + 1}": value for i, value in enumerate(bench.last_call[1])}
         return _finding(check, fault_rejection(fault, inputs=inputs))
-    return Finding(CheckResult(check.id, check.title, check.points, check.points))
+    return Finding(CheckResult(check.id, check.title, True, check.points, check.points))
 
 
 def _finding(check: Check, rejection: Rejection) -> Finding:
@@ -107,60 +169,12 @@ def _finding(check: Check, rejection: Rejection) -> Finding:
     result = CheckResult(
         id=check.id,
         title=check.title,
+        passed=False,
         points=0,
         max_points=check.points,
-        cause=rejection.cause,
         message=rejection.message,
         counterexample=counterexample,
         hint=check.hint,
         figure=check.id if rejection.figure is not None else None,
     )
-    return Finding(result, rejection.slip, rejection.figure)
-
-
-def _diagnosis(
-    grader: ExerciseGrader,
-    findings: Sequence[Finding],
-    observations: Sequence[Observation],
-    kit: KitSettings,
-    seed: int,
-) -> Diagnosis | None:
-    failed = [finding for finding in findings if not finding.result.passed]
-    if not failed:
-        return None
-
-    def replay(misconception: Misconception) -> Sequence[Observation]:
-        return observe(grader, misconception, kit, seed, lambda seen: hopeless(observations, misconception, seen))
-
-    named = diagnose(observations, grader.misconceptions, replay)
-    judged = (Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT)
-    return named or slip_diagnosis([f.slip for f in failed if f.result.cause in judged and f.result.counterexample])
-
-
-def observe(
-    grader: ExerciseGrader,
-    misconception: Misconception,
-    kit: KitSettings,
-    seed: int,
-    enough: Callable[[Sequence[Observation]], bool] = lambda seen: False,
-) -> list[Observation]:
-    """What a misconception gives on the inputs that a submission with this seed was graded on.
-
-    `enough` says, from what was seen so far, that the checks to come need not be run.
-    """
-    runner = Runner(local_launcher(misconception.source), kit, replaying=True)
-    for check in grader.checks:
-        if set(check.functions) & set(misconception.functions) and not enough(runner.observations):
-            with suppress(Rejection, StudentFault):  # what it finds is not told: only what it observes counts
-                check.run(Bench(check.id, runner, stream(seed, check.id), kit))
-    return runner.observations
-
-
-def rehearse(grader: ExerciseGrader) -> None:
-    """Grade the solution and a mistake in this process: what is imported and compiled at first use then is."""
-    for source in (grader.solution, *(mistake.source for mistake in grader.misconceptions[:1])):
-        grade(grader, local_launcher(source), seed=0, version="")
-
-
-def _ms(seconds: float) -> float:
-    return round(1000.0 * seconds, 3)
+    return Finding(result, rejection.cause, rejection.slip, rejection.figure)

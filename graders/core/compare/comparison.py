@@ -6,7 +6,6 @@ what differs. It never raises for a value that a student returned.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -14,8 +13,8 @@ import numpy as np
 
 from graders.core.compare import words as render
 from graders.core.compare.slips import shape_slip, value_slip
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array, read_indices, read_scalar
-from graders.core.contract.verdict import Outcome
 
 TOLERANCE = 1e-9
 
@@ -75,46 +74,6 @@ class ScalarCloseTo:
         except UnreadableError as error:
             return unreadable(error)
         return CloseTo(self.tolerance)(float(expected), value)
-
-
-@dataclass(frozen=True)
-class SamePose:
-    """Poses (3,): x and y within the tolerance, theta modulo 2 pi but brought back to [-pi, pi].
-
-    With `any_turn`, an angle out of this range is let pass: for checks of a formula, beside one of the range.
-    """
-
-    tolerance: float = TOLERANCE
-    any_turn: bool = False
-
-    def __call__(self, expected: Value, got: Value) -> Mismatch | None:
-        wanted = read_array(expected)
-        try:
-            pose = read_array(got)
-        except UnreadableError as error:
-            return unreadable(error)
-        if pose.shape != (3,):
-            return wrong_shape(wanted, pose)
-        if not np.isfinite(pose).all():
-            return Mismatch("Une des coordonnées n'est pas un nombre fini.", "nan")
-        if not close(wanted[:2], pose[:2], self.tolerance):
-            return Mismatch(self._position_message(wanted, pose))
-        return self._angle_mismatch(float(wanted[2]), float(pose[2]))
-
-    @staticmethod
-    def _position_message(wanted: Floats, pose: Floats) -> str:
-        axes = [axis for axis, a, b in zip("xy", wanted, pose, strict=False) if not close(a, b)]
-        which = f"La coordonnée {axes[0]} est fausse" if len(axes) == 1 else "La position est fausse"
-        return f"{which} : l'écart est de {render.number(math.hypot(*(pose[:2] - wanted[:2])), 3)}."
-
-    def _angle_mismatch(self, wanted: float, theta: float) -> Mismatch | None:
-        if abs(math.remainder(theta - wanted, math.tau)) <= self.tolerance:
-            if self.any_turn or abs(theta) <= math.pi + TOLERANCE:
-                return None
-            return Mismatch(f"L'angle {render.angle(theta)} sort de l'intervalle [−π, π].", "angle_non_ramene")
-        gap = f"Le cap est faux : {render.angle(theta)} au lieu de {render.angle(wanted)}."
-        is_degrees = abs(math.remainder(math.radians(theta) - wanted, math.tau)) <= 1e-6
-        return Mismatch(gap, "degres" if is_degrees else "oppose" if abs(theta + wanted) <= self.tolerance else None)
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,8 +17,14 @@ from graders.core.contract.values import Arguments, Value
 
 Shrinker = Callable[[Value], Iterator[Value]]
 
-MAX_CALLS = 80
-MAX_SECONDS = 0.25
+
+@dataclass(frozen=True)
+class Budget:
+    """What one shrinking may cost: so many calls, so many `seconds` of `clock` (inf: as long as the calls take)."""
+
+    calls: int = 80
+    seconds: float = 0.25
+    clock: Callable[[], float] = time.monotonic
 
 
 def keep(value: Value) -> Iterator[Value]:
@@ -32,32 +39,12 @@ def shrink_number(value: float) -> Iterator[float]:
             yield candidate
 
 
-def shrink_angle(value: float) -> Iterator[float]:
-    """0, then the nearest multiples of a quarter, an eighth and a twelfth of a turn."""
-    for candidate in (0.0, *(_nearest(value, math.pi / k) for k in (2, 4, 6))):
-        if angle_complexity(candidate) < angle_complexity(value):
-            yield candidate
-
-
-def _nearest(value: float, step: float) -> float:
-    nearest = round(value / step) * step
-    return nearest if -math.pi < nearest <= math.pi else math.pi
-
-
 def complexity(value: float) -> float:
     """How much there is to read in a number: 0 < 1 < small integers < halves < one decimal < anything else."""
     if not math.isfinite(value):
         return 100.0
     rank = next((r for r, k in enumerate((1, 2, 10)) if (value * k) == round(value * k)), 5)
     return 10.0 * rank + (math.log1p(abs(value)) if value else -1.0) + (0.1 if value < 0 else 0.0)
-
-
-def angle_complexity(value: float) -> float:
-    """As `complexity`, for fractions of a turn."""
-    if value == 0:
-        return -1.0
-    rank = next((r for r, k in enumerate((2, 4, 6)) if math.isclose(value, _nearest(value, math.pi / k))), 5)
-    return 10.0 * rank + abs(value) / 10.0
 
 
 def shrink_array(value: Value) -> Iterator[Value]:
@@ -73,25 +60,20 @@ def shrink_array(value: Value) -> Iterator[Value]:
             yield simpler
 
 
-def shrink_pose(value: Value) -> Iterator[Value]:
-    """x and y as numbers, theta as an angle."""
-    pose = np.asarray(value, dtype=np.float64)
-    for index, shrinker in ((0, shrink_number), (1, shrink_number), (2, shrink_angle)):
-        for candidate in shrinker(float(pose[index])):
-            simpler = pose.copy()
-            simpler[index] = candidate
-            yield simpler
-
-
-def shrink(arguments: Arguments, shrinkers: Sequence[Shrinker], still_fails: Callable[[Arguments], bool]) -> Arguments:
+def shrink(
+    arguments: Arguments,
+    shrinkers: Sequence[Shrinker],
+    still_fails: Callable[[Arguments], bool],
+    budget: Budget,
+) -> Arguments:
     """The simplest arguments found for which `still_fails` holds; `arguments` themselves are known to fail."""
-    deadline = time.monotonic() + MAX_SECONDS
+    deadline = budget.clock() + budget.seconds
     calls = 0
     improved = True
     while improved:
         improved = False
         for candidate in _neighbours(arguments, shrinkers):
-            if calls >= MAX_CALLS or time.monotonic() > deadline:
+            if calls >= budget.calls or budget.clock() > deadline:
                 return arguments
             calls += 1
             if still_fails(candidate):

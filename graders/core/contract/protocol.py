@@ -6,12 +6,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from graders.core.code.grading import Grading
-from graders.core.contract.program import Launcher
-from graders.core.contract.verdict import Outcome
-
-#: Starts the program of a file behind the walls; only exercises of code have one.
-Run = Callable[[bytes], Launcher]
+from graders.core.contract.findings import Grading
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import Programs
 
 
 @dataclass(frozen=True)
@@ -35,7 +32,7 @@ class Grader(Protocol):
     @property
     def exercise(self) -> str: ...
 
-    def grade(self, source: bytes, run: Run, *, seed: int, version: str) -> Grading:
+    def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Grading:
         """The verdict of a submission. An exception that leaves it is our own fault."""
 
     def rehearse(self) -> None:

@@ -1,45 +1,26 @@
-"""The verdict: one JSON object, the same from the command line, the API and the database."""
+"""The verdict (contract, section 3): one type, and one JSON object, for command line, API, pages and database."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from enum import StrEnum
 from typing import Any
 
+from graders.core.contract.members import MalformedVerdictError, Members
+from graders.core.contract.outcomes import Outcome
+
+__all__ = [
+    "MAX_POINTS",
+    "CheckResult",
+    "Counterexample",
+    "Diagnosis",
+    "MalformedVerdictError",
+    "Verdict",
+    "internal_error_verdict",
+]
+
 MAX_POINTS = 20.0
-
-
-class Outcome(StrEnum):
-    """How a submission ended. All but INTERNAL_ERROR are the submission's own doing."""
-
-    OK = "ok"
-    WRONG_ANSWER = "wrong_answer"
-    SYNTAX_ERROR = "syntax_error"
-    IMPORT_ERROR = "import_error"
-    MISSING_FUNCTION = "missing_function"
-    RUNTIME_ERROR = "runtime_error"
-    TIMEOUT = "timeout"
-    MEMORY_LIMIT = "memory_limit"
-    OUTPUT_LIMIT = "output_limit"
-    FORBIDDEN_OPERATION = "forbidden_operation"
-    INVALID_OUTPUT = "invalid_output"
-    INTERNAL_ERROR = "internal_error"
-
-
-# What names the whole submission when its checks fail for several causes: the most telling first.
-PRECEDENCE = (
-    Outcome.SYNTAX_ERROR,
-    Outcome.IMPORT_ERROR,
-    Outcome.FORBIDDEN_OPERATION,
-    Outcome.MEMORY_LIMIT,
-    Outcome.TIMEOUT,
-    Outcome.OUTPUT_LIMIT,
-    Outcome.MISSING_FUNCTION,
-    Outcome.RUNTIME_ERROR,
-    Outcome.INVALID_OUTPUT,
-    Outcome.WRONG_ANSWER,
-)
+DUST = 1e-9  # what sums of points leave
 
 
 @dataclass(frozen=True)
@@ -53,24 +34,33 @@ class Counterexample:
     def to_json(self) -> dict[str, Any]:
         return {"inputs": self.inputs, "expected": self.expected, "got": self.got}
 
+    @classmethod
+    def from_json(cls, value: Any, place: str = "") -> Counterexample:
+        with Members(value, place) as members:
+            return cls(members.object("inputs"), members.any("expected"), members.any("got"))
+
 
 @dataclass(frozen=True)
 class CheckResult:
-    """What one check found. `figure` names a drawing that can be asked for."""
+    """One check's line of the verdict. `figure` names a drawing that can be asked for.
+
+    Raises ValueError unless it has all of its points when it passed, and less when it did not.
+    """
 
     id: str
     title: str
+    passed: bool
     points: float
     max_points: float
-    cause: Outcome = Outcome.OK
     message: str = ""
     counterexample: Counterexample | None = None
     hint: str | None = None
     figure: str | None = None
 
-    @property
-    def passed(self) -> bool:
-        return self.cause is Outcome.OK
+    def __post_init__(self) -> None:
+        if self.passed != (self.points == self.max_points) or not 0 <= self.points <= self.max_points:
+            state = "passed" if self.passed else "failed"
+            raise ValueError(f"check {self.id} {state} with {self.points} points of {self.max_points}")
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -85,6 +75,25 @@ class CheckResult:
             "figure": self.figure,
         }
 
+    @classmethod
+    def from_json(cls, value: Any, place: str = "") -> CheckResult:
+        with Members(value, place) as members:
+            read: dict[str, Any] = {
+                "id": members.text("id"),
+                "title": members.text("title"),
+                "passed": members.flag("passed"),
+                "points": members.number("points"),
+                "max_points": members.number("max_points"),
+                "message": members.text("message"),
+                "counterexample": members.maybe("counterexample", Counterexample.from_json),
+                "hint": members.maybe_text("hint"),
+                "figure": members.maybe_text("figure"),
+            }
+        try:
+            return cls(**read)
+        except ValueError as error:
+            raise MalformedVerdictError(place, str(error)) from error
+
 
 @dataclass(frozen=True)
 class Diagnosis:
@@ -97,10 +106,19 @@ class Diagnosis:
     def to_json(self) -> dict[str, Any]:
         return {"id": self.id, "title": self.title, "explanation": self.explanation}
 
+    @classmethod
+    def from_json(cls, value: Any, place: str = "") -> Diagnosis:
+        with Members(value, place) as members:
+            return cls(members.text("id"), members.text("title"), members.text("explanation"))
+
 
 @dataclass(frozen=True)
 class Verdict:
-    """The whole verdict of contract section 3; `score` in [0, 1], `points` on the French scale of 20."""
+    """The whole verdict; `score` in [0, 1], `points` on the French scale of 20.
+
+    Raises ValueError for an outcome that the checks do not bear out: OK is every check passed, which earn 20 points
+    together; what counts has checks; only an error of ours may come without any.
+    """
 
     exercise: str
     exercise_version: str
@@ -109,7 +127,18 @@ class Verdict:
     checks: Sequence[CheckResult] = ()
     diagnosis: Diagnosis | None = None
     stdout: str = ""
-    timings: dict[str, float] = field(default_factory=dict)
+    timings: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "checks", tuple(self.checks))
+        failed = [check.id for check in self.checks if not check.passed]
+        earned = sum(check.points for check in self.checks)
+        if self.outcome is Outcome.OK and (failed or abs(earned - MAX_POINTS) > DUST):
+            raise ValueError(f"outcome ok, with {earned} points and the failed checks {failed}")
+        if self.outcome is not Outcome.OK and not failed and (self.checks or self.outcome.counts):
+            raise ValueError(f"outcome {self.outcome.value}, though no check failed")
+        if earned > MAX_POINTS + DUST:
+            raise ValueError(f"{earned} points of {MAX_POINTS}")
 
     @property
     def score(self) -> float:
@@ -117,26 +146,60 @@ class Verdict:
             return 1.0
         return round(sum(check.points for check in self.checks) / MAX_POINTS, 6)
 
+    @property
+    def points(self) -> float:
+        return round(MAX_POINTS * self.score, 4)
+
+    @property
+    def max_points(self) -> int:
+        return int(MAX_POINTS)
+
     def to_json(self) -> dict[str, Any]:
         return {
             "exercise": self.exercise,
             "exercise_version": self.exercise_version,
             "outcome": self.outcome.value,
             "score": self.score,
-            "points": round(MAX_POINTS * self.score, 4),
-            "max_points": int(MAX_POINTS),
+            "points": self.points,
+            "max_points": self.max_points,
             "checks": [check.to_json() for check in self.checks],
             "diagnosis": self.diagnosis.to_json() if self.diagnosis else None,
             "stdout": self.stdout,
             "seed": self.seed,
-            "timings": self.timings,
+            "timings": dict(self.timings),
         }
 
+    @classmethod
+    def from_json(cls, value: Any) -> Verdict:
+        """Read what `to_json` made, by this version or an earlier one. Raises MalformedVerdictError, with the place."""
+        with Members(value) as members:
+            read: dict[str, Any] = {
+                "exercise": members.text("exercise"),
+                "exercise_version": members.text("exercise_version"),
+                "outcome": _outcome(members),
+                "checks": members.items("checks", CheckResult.from_json),
+                "diagnosis": members.maybe("diagnosis", Diagnosis.from_json),
+                "stdout": members.text("stdout"),
+                "seed": members.whole("seed"),
+                "timings": members.numbers("timings"),
+            }
+            stated = {name: members.number(name) for name in ("score", "points", "max_points")}
+        try:
+            verdict = cls(**read)
+        except ValueError as error:
+            raise MalformedVerdictError("outcome", str(error)) from error
+        for name, number in stated.items():
+            if number != getattr(verdict, name):
+                raise MalformedVerdictError(name, f"is {number}, where the checks make {getattr(verdict, name)}")
+        return verdict
 
-def overall_outcome(checks: Sequence[CheckResult]) -> Outcome:
-    """Full marks are OK; otherwise the most telling cause among the failed checks."""
-    causes = {check.cause for check in checks if not check.passed}
-    return next((outcome for outcome in PRECEDENCE if outcome in causes), Outcome.OK)
+
+def _outcome(members: Members) -> Outcome:
+    name = members.text("outcome")
+    try:
+        return Outcome(name)
+    except ValueError as error:
+        raise MalformedVerdictError(members.place("outcome"), f"is no outcome: {name}") from error
 
 
 def internal_error_verdict(exercise: str, version: str, seed: int) -> Verdict:

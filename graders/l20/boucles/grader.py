@@ -31,7 +31,7 @@ from __future__ import annotations
 import numpy as np
 
 from graders.core.code.checks import Trial, Untouched
-from graders.core.code.exercise import exercise
+from graders.core.code.exercise import code
 from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.boucles import trials
@@ -115,11 +115,4 @@ CHECKS = (
     ),
 )
 
-GRADER = exercise(
-    __package__ or "graders.l20.boucles",
-    __file__,
-    "l20/boucles",
-    functions=BOTH,
-    checks=CHECKS,
-    kit=world.kit,
-)
+DEFINITION = code(__file__, checks=CHECKS, kit=world.kit)

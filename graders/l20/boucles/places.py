@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from graders.core.contract.program import kit_source
+from graders.core.contract.local import kit_source
 from graders.core.contract.values import Floats
 from graders.l20 import world
 from graders.l20.boucles.family import DESCRIPTORS, DISTANCES

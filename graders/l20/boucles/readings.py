@@ -9,8 +9,8 @@ import numpy as np
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.compare import words as render
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Floats, UnreadableError, Value, holds_text, read_array
-from graders.core.contract.verdict import Outcome
 
 FUNCTION = "signature"
 ROUNDING = 1e-5

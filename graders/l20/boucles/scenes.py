@@ -1,4 +1,4 @@
-"""The walks of one grading, drawn once whatever is replayed on them, each with spares."""
+"""The walks of one grading, drawn once whatever is re-enacted on them, each with spares."""
 
 from __future__ import annotations
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import FigureData, Rejection
+from graders.core.code.checks import Rejection
 from graders.core.compare import words as render
+from graders.core.contract.findings import FigureData
+from graders.core.contract.outcomes import Outcome as Cause
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats, Value
-from graders.core.contract.verdict import Outcome as Cause
 from graders.l20.boucles.calibration import Outcome, Search
 from graders.l20.boucles.readings import Unsuitable, apart, read_signature
 from graders.l20.boucles.walks import Walk, lidar_call

@@ -9,11 +9,12 @@ from itertools import pairwise
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import FigureData, Rejection
+from graders.core.code.checks import Rejection
 from graders.core.compare.comparison import Mismatch, SameIndices
+from graders.core.contract.findings import FigureData
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array, read_indices
-from graders.core.contract.verdict import Outcome
 from graders.l20 import world
 from graders.l20.boucles import calibration
 from graders.l20.boucles.calibration import HUGE, Search, calibrate
@@ -231,8 +232,8 @@ def _spring(bench: Bench, draw: Draw, shared: str) -> Rejection | None:
     search, right = _judge(bench, draw, "signature")
     if right:
         return None
-    # What is told is of no use to a replay, which keeps its calls for what is observed.
-    confused = not bench.runner.replaying and confuses(bench, search)
+    # What is told is of no use to a mistake that is re-enacted, which keeps its calls for what is observed.
+    confused = not bench.runner.reenacting and confuses(bench, search)
     return _failure(bench, search, f" Ces deux lieux ont {shared}." if confused else "")
 
 
@@ -261,7 +262,7 @@ def _judge(bench: Bench, draw: Draw, function: str) -> tuple[Search, bool]:
 
 def _failure(bench: Bench, search: Search, remark: str) -> Rejection:
     figure: FigureData | None = None
-    if not bench.runner.replaying and search.outcome is not calibration.Outcome.UNREADABLE:
+    if not bench.runner.reenacting and search.outcome is not calibration.Outcome.UNREADABLE:
         figure = places_figure(bench, search)
     return tell(search, remark, figure)
 

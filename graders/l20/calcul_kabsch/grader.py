@@ -132,4 +132,4 @@ QUANTITIES = (
     _along("ty", 1),
 )
 
-GRADER = numeric(__file__, "l20/calcul_kabsch", draw=draw, quantities=QUANTITIES)
+DEFINITION = numeric(__file__, draw=draw, quantities=QUANTITIES)

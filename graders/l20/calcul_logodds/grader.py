@@ -103,4 +103,4 @@ QUANTITIES = (
     Quantity("retours", 2, misses, rel=0.0, abs=WHOLE, slips={"arrondi_en_dessous": lambda d, f: misses(d, f) - 1}),
 )
 
-GRADER = numeric(__file__, "l20/calcul_logodds", draw=draw, quantities=QUANTITIES)
+DEFINITION = numeric(__file__, draw=draw, quantities=QUANTITIES)

@@ -136,4 +136,4 @@ QUANTITIES = (
     ),
 )
 
-GRADER = numeric(__file__, "l20/calcul_odometrie", draw=draw, quantities=QUANTITIES)
+DEFINITION = numeric(__file__, draw=draw, quantities=QUANTITIES)

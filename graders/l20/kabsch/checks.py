@@ -10,11 +10,12 @@ from typing import NamedTuple
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Check, FigureData, Rejection, fault_rejection
+from graders.core.code.checks import Check, Rejection, fault_rejection
 from graders.core.compare.shrinking import shrink, shrink_number
+from graders.core.contract.findings import FigureData
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats, Value
-from graders.core.contract.verdict import Outcome
 from graders.l20.kabsch.judge import Judgement, judge
 from reference.registration import RigidAlignment, kabsch
 
@@ -83,7 +84,7 @@ class Alignments(Check):
         first: Failure | None = None
         for question in drawn(self.pairings, int(bench.rng.integers(2**62))):
             observed = question.pairing.observed
-            if bench.runner.replaying and not observed:
+            if bench.runner.reenacting and not observed:
                 continue
             failure = attempt(bench, question, record=observed)
             first = first or failure
@@ -94,7 +95,7 @@ class Alignments(Check):
 
     @staticmethod
     def _shrunk(bench: Bench, failure: Failure) -> Failure:
-        if bench.runner.replaying or failure.stops or failure.pairing.is_whole or not failure.best.unique:
+        if bench.runner.reenacting or failure.stops or failure.pairing.is_whole or not failure.best.unique:
             return failure
         found = [failure]
 
@@ -108,7 +109,7 @@ class Alignments(Check):
             found.append(simpler)
             return True
 
-        shrink((failure.pairing,), (simpler_pairings,), still_fails)
+        shrink((failure.pairing,), (simpler_pairings,), still_fails, bench.runner.budget)
         return found[-1]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from graders.core.code.checks import Untouched
-from graders.core.code.exercise import exercise
+from graders.core.code.exercise import code
 from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.kabsch import cases
@@ -79,6 +79,4 @@ CHECKS = (
     ),
 )
 
-GRADER = exercise(
-    __package__ or "graders.l20.kabsch", __file__, "l20/kabsch", functions=FUNCTIONS, checks=CHECKS, kit=world.kit
-)
+DEFINITION = code(__file__, checks=CHECKS, kit=world.kit)

@@ -9,14 +9,14 @@ from functools import partial
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Cases, FigureData, Rejection, Trial, Untouched
-from graders.core.code.exercise import exercise
+from graders.core.code.checks import Cases, Rejection, Trial, Untouched
+from graders.core.code.exercise import code
 from graders.core.compare import words as render
-from graders.core.compare.comparison import SamePose
-from graders.core.compare.shrinking import shrink_pose
+from graders.core.contract.findings import FigureData
 from graders.core.contract.program import Answer, Reply
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20 import world
+from graders.robotics.poses import SamePose, shrink_pose
 from reference.se2 import compose, inverse, relative
 
 QUARTER = math.pi / 2
@@ -268,11 +268,4 @@ CHECKS = (
     ),
 )
 
-GRADER = exercise(
-    __package__ or "graders.l20.poses",
-    __file__,
-    "l20/poses",
-    functions=("composer", "inverse", "relatif"),
-    checks=CHECKS,
-    kit=world.kit,
-)
+DEFINITION = code(__file__, checks=CHECKS, kit=world.kit)

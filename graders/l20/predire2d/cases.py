@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.contract.program import kit_source
+from graders.core.contract.local import kit_source
 from graders.core.contract.values import Arguments, Floats
 from graders.l20 import world
 from graders.l20.predire2d.beliefs import one_hot, spread, weighted

@@ -9,9 +9,10 @@ from functools import partial
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Cases, Check, Failure, FigureData, Rejection, drawable
+from graders.core.code.checks import Cases, Check, Failure, Rejection, drawable
 from graders.core.compare import words as render
 from graders.core.compare.shrinking import keep
+from graders.core.contract.findings import FigureData
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20 import world

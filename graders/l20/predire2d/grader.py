@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from graders.core.code.checks import Trial, Untouched
-from graders.core.code.exercise import exercise
+from graders.core.code.exercise import code
 from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.predire2d import cases
@@ -95,11 +95,4 @@ CHECKS = (
     ),
 )
 
-GRADER = exercise(
-    __package__ or "graders.l20.predire2d",
-    __file__,
-    "l20/predire2d",
-    functions=(*PREDICT, *CORRECT),
-    checks=CHECKS,
-    kit=world.kit,
-)
+DEFINITION = code(__file__, checks=CHECKS, kit=world.kit)

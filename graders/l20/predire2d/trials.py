@@ -8,10 +8,11 @@ from functools import lru_cache
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import FigureData, Rejection
+from graders.core.code.checks import Rejection
 from graders.core.compare.comparison import Mismatch, unreadable, wrong_shape
+from graders.core.contract.findings import FigureData
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
-from graders.core.contract.verdict import Outcome
 from graders.l20.predire2d.beliefs import at
 from graders.l20.predire2d.cases import MOVES, module_world, pick
 from reference.localisation.grid_filter import Belief, Cell, GridWorld, correct, most_likely, predict, sample_move

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from graders.core.code.checks import Cases, Trial, Untouched
-from graders.core.code.exercise import exercise
+from graders.core.code.exercise import code
 from graders.core.compare.comparison import ScalarCloseTo
 from graders.core.contract.values import Arguments, Value
 from graders.l20 import world
@@ -117,11 +117,4 @@ CHECKS = (
     ),
 )
 
-GRADER = exercise(
-    __package__ or "graders.l20.reechantillonnage",
-    __file__,
-    "l20/reechantillonnage",
-    functions=("n_eff", FUNCTION),
-    checks=CHECKS,
-    kit=world.kit,
-)
+DEFINITION = code(__file__, checks=CHECKS, kit=world.kit)

@@ -12,9 +12,9 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection, fault_rejection
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, unreadable
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
-from graders.core.contract.verdict import Outcome
 
 FUNCTION = "reechantillonner_systematique"
 Counts = NDArray[np.int64]
@@ -57,7 +57,7 @@ class Scenario:
 
 
 @dataclass(frozen=True)
-class Finding:
+class Objection:
     """What was found against the function: `label` is the same for the same mistake, whatever was drawn."""
 
     label: str
@@ -72,11 +72,11 @@ class Finding:
 
 @dataclass
 class Harvest:
-    """The copies of each particle in each call (calls, N), or the finding that put an end to the calls."""
+    """The copies of each particle in each call (calls, N), or the objection that put an end to the calls."""
 
     scenario: Scenario
     copies: Counts
-    finding: Finding | None = None
+    objection: Objection | None = None
 
     @property
     def constant(self) -> bool:
@@ -93,7 +93,7 @@ def harvest(bench: Bench, scenario: Scenario) -> Harvest:
             faults.append(answer)
             continue
         array = _read(scenario, answer.value)
-        if isinstance(array, Finding):
+        if isinstance(array, Objection):
             return Harvest(scenario, _no_copies(scenario), array)
         values.append(array)
     if faults:
@@ -105,15 +105,15 @@ def _no_copies(scenario: Scenario) -> Counts:
     return np.zeros((0, scenario.size), dtype=np.int64)
 
 
-def _faulty(scenario: Scenario, faults: list[StudentFault], *, always: bool) -> Finding:
+def _faulty(scenario: Scenario, faults: list[StudentFault], *, always: bool) -> Objection:
     """An exception; « toujours » or « parfois » is told only where the calls are enough to know."""
     fault = faults[-1] if faults[-1].fatal else faults[0]
     often = ("toujours" if always else "parfois") if scenario.size == 2 and scenario.calls >= 24 else ""
     label = f"{fault.exception or fault.outcome.value} {often}".strip()
-    return Finding(label, fault_rejection(fault, inputs=scenario.inputs), fault)
+    return Objection(label, fault_rejection(fault, inputs=scenario.inputs), fault)
 
 
-def _read(scenario: Scenario, value: Value) -> Floats | Finding:
+def _read(scenario: Scenario, value: Value) -> Floats | Objection:
     """The value as an array (N, d), or what is wrong with it."""
     try:
         array = read_array(value)
@@ -137,7 +137,7 @@ def _with_weights(scenario: Scenario, value: Value) -> bool:
     return shapes == (scenario.particles.shape, scenario.weights.shape)
 
 
-def _misshapen(scenario: Scenario, array: Floats) -> Finding:
+def _misshapen(scenario: Scenario, array: Floats) -> Objection:
     wanted, obtained = render.shape_text(scenario.particles.shape), render.shape_text(array.shape)
     message = f"La forme du résultat est {obtained} au lieu de {wanted}."
     n, d = scenario.particles.shape
@@ -163,10 +163,10 @@ def _misread(
     *,
     slip: str | None = None,
     cause: Outcome = Outcome.WRONG_ANSWER,
-) -> Finding:
+) -> Objection:
     expected = f"{scenario.size} lignes, toutes prises parmi les particules données"
     rejection = Rejection(message, inputs=scenario.inputs, expected=expected, got=got, slip=slip, cause=cause)
-    return Finding(label, rejection)
+    return Objection(label, rejection)
 
 
 def _count(scenario: Scenario, rows: Floats) -> Harvest:
@@ -196,7 +196,7 @@ def _match(particles: Floats, rows: Floats) -> tuple[Counts, NDArray[np.bool_]]:
         return nearest, np.all(gaps <= TOLERANCE * np.maximum(1.0, np.abs(particles[nearest])), axis=1)
 
 
-def _stranger(scenario: Scenario, got: Floats, row: int) -> Finding:
+def _stranger(scenario: Scenario, got: Floats, row: int) -> Objection:
     what = render.text(got[row])
     if np.any(np.isnan(got)):
         return _misread(scenario, "nan", f"La ligne {row} du résultat vaut {what}.", got, slip="nan")

@@ -16,17 +16,18 @@ from functools import cache
 
 import numpy as np
 
-from graders.core.code.checks import FigureData, Rejection
+from graders.core.code.checks import Rejection
 from graders.core.compare import words as render
+from graders.core.contract.findings import FigureData
 from graders.core.contract.values import Floats
-from graders.l20.reechantillonnage.harvest import FUNCTION, Counts, Finding, Harvest, Scenario
+from graders.l20.reechantillonnage.harvest import FUNCTION, Counts, Harvest, Objection, Scenario
 from reference.filters.resampling import comb
 
 TAIL = 1e-10
 SHOWN = 24
 
 
-def out_of_bounds(harvest: Harvest) -> Finding | None:
+def out_of_bounds(harvest: Harvest) -> Objection | None:
     """The first call in which a particle has fewer than floor(N w) or more than ceil(N w) copies."""
     scenario, copies = harvest.scenario, harvest.copies
     below, above = copies < scenario.low, copies > scenario.high
@@ -34,26 +35,26 @@ def out_of_bounds(harvest: Harvest) -> Finding | None:
         return None
     call, i = (int(k) for k in np.argwhere(below | above)[0])
     label = ("-" if np.any(below) else "") + ("+" if np.any(above) else "")
-    return Finding(label, _bounds_rejection(scenario, copies[call], i))
+    return Objection(label, _bounds_rejection(scenario, copies[call], i))
 
 
-def inexact(harvest: Harvest) -> Finding | None:
+def inexact(harvest: Harvest) -> Objection | None:
     """As `out_of_bounds`, where every N w is whole; known by the wrong copies when they are always the same."""
     found = out_of_bounds(harvest)
     if found is None:
         return None
     label = _always(harvest) if harvest.constant else "variable"
-    return Finding(label, found.rejection)
+    return Objection(label, found.rejection)
 
 
-def weightless_copied(harvest: Harvest) -> Finding | None:
+def weightless_copied(harvest: Harvest) -> Objection | None:
     """A particle of zero weight that was copied."""
     scenario = harvest.scenario
     wrong = (harvest.copies > 0) & (scenario.weights == 0.0)
     if not np.any(wrong):
         return None
     call, i = (int(k) for k in np.argwhere(wrong)[0])
-    return Finding("poids nul copié", _bounds_rejection(scenario, harvest.copies[call], i))
+    return Objection("poids nul copié", _bounds_rejection(scenario, harvest.copies[call], i))
 
 
 def _bounds_rejection(scenario: Scenario, copies: Counts, i: int) -> Rejection:
@@ -86,7 +87,7 @@ def copies_text(most: int, number: str | None = None) -> str:
     return f"{number or most} copie" + ("s" if most > 1 else "")
 
 
-def bias(harvest: Harvest) -> Finding | None:
+def bias(harvest: Harvest) -> Objection | None:
     """The particles copied too often or too seldom over all the calls, by exact binomial tests."""
     scenario, copies = harvest.scenario, harvest.copies
     total = copies.sum(axis=0)
@@ -96,7 +97,7 @@ def bias(harvest: Harvest) -> Finding | None:
         return None
     expected = len(copies) * scenario.shares
     i = int(np.argmax(np.where(wrong, np.abs(total / expected - 1.0), -1.0)))
-    return Finding(_bias_label(harvest, total, few, many), _bias_rejection(harvest, total, i))
+    return Objection(_bias_label(harvest, total, few, many), _bias_rejection(harvest, total, i))
 
 
 def _acceptance(harvest: Harvest, i: int) -> tuple[int, int]:

@@ -8,13 +8,13 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.contract.values import Arguments, Floats
-from graders.l20.reechantillonnage.harvest import FUNCTION, REACH, STEP, Finding, Harvest, Scenario, harvest
+from graders.l20.reechantillonnage.harvest import FUNCTION, REACH, STEP, Harvest, Objection, Scenario, harvest
 from graders.l20.reechantillonnage.judge import bias, inexact, out_of_bounds, weightless_copied
 
 RIGHT = "juste"
 FROZEN = "peigne figé"
 
-Judge = Callable[[Harvest], Finding | None]
+Judge = Callable[[Harvest], Objection | None]
 
 
 def particles(rng: np.random.Generator, n: int, d: int) -> Floats:
@@ -86,12 +86,12 @@ def right_shape(bench: Bench) -> None:
 
 def exact_copies(bench: Bench) -> None:
     """Equal weights copy each particle once, one weight of 1 copies it N times."""
-    worst: Finding | None = None
+    worst: Objection | None = None
     for case in whole_scenarios(bench.rng):
-        finding = _judged(bench, case, inexact)
-        bench.observe(FUNCTION, finding.label if finding else RIGHT, ok=finding is None)
-        worst = worst or finding
-        if finding and finding.fatal:
+        objection = _judged(bench, case, inexact)
+        bench.observe(FUNCTION, objection.label if objection else RIGHT, ok=objection is None)
+        worst = worst or objection
+        if objection and objection.fatal:
             break
     _raise(worst)
 
@@ -103,15 +103,15 @@ def bounded_copies(bench: Bench) -> None:
 
 def unbiased(bench: Bench) -> None:
     """N w copies on average: false alarms below 2.4e-9, see `judge`."""
-    worst: Finding | None = None
+    worst: Objection | None = None
     for case in bias_scenarios(bench.rng):
         harvested = harvest(bench, case)
-        finding = harvested.finding or bias(harvested)
-        bench.observe(FUNCTION, finding.label if finding else RIGHT, ok=finding is None)
-        if finding and finding.label == FROZEN and worst is None:
+        objection = harvested.objection or bias(harvested)
+        bench.observe(FUNCTION, objection.label if objection else RIGHT, ok=objection is None)
+        if objection and objection.label == FROZEN and worst is None:
             bench.observe(FUNCTION, _where_frozen(bench), ok=False)
-        worst = worst or finding
-        if harvested.finding:
+        worst = worst or objection
+        if harvested.objection:
             break
     _raise(worst)
 
@@ -119,35 +119,35 @@ def unbiased(bench: Bench) -> None:
 def _where_frozen(bench: Bench) -> str:
     """Where does a comb that never moves stand? Particle 2 has a copy only for an offset in [0.495, 0.505[."""
     probe = harvest(bench, scenario(bench.rng, (0.0025, 0.37125, 0.0025, 0.62375)))
-    if probe.finding:
-        return probe.finding.label
+    if probe.objection:
+        return probe.objection.label
     return "au milieu" if probe.copies[0, 2] else "ailleurs"
 
 
 def _judge_together(bench: Bench, cases: Iterable[Scenario], judge: Judge) -> None:
     """One observation for all the scenarios: what one of them shows by chance, their whole shows for sure."""
-    findings: list[Finding] = []
-    misread: Finding | None = None
+    objections: list[Objection] = []
+    misread: Objection | None = None
     for case in cases:
         harvested = harvest(bench, case)
-        finding = harvested.finding or judge(harvested)
-        misread = misread or harvested.finding
-        findings += [finding] if finding else []
-        if finding and finding.fatal:
+        objection = harvested.objection or judge(harvested)
+        misread = misread or harvested.objection
+        objections += [objection] if objection else []
+        if objection and objection.fatal:
             break
-    label = misread.label if misread else "".join(sorted({sign for f in findings for sign in f.label}))
-    bench.observe(FUNCTION, label or RIGHT, ok=not findings)
-    _raise(findings[0] if findings else None)
+    label = misread.label if misread else "".join(sorted({sign for f in objections for sign in f.label}))
+    bench.observe(FUNCTION, label or RIGHT, ok=not objections)
+    _raise(objections[0] if objections else None)
 
 
-def _judged(bench: Bench, case: Scenario, judge: Judge) -> Finding | None:
+def _judged(bench: Bench, case: Scenario, judge: Judge) -> Objection | None:
     harvested = harvest(bench, case)
-    return harvested.finding or judge(harvested)
+    return harvested.objection or judge(harvested)
 
 
-def _raise(finding: Finding | None) -> None:
-    if finding is not None:
-        raise finding.rejection
+def _raise(objection: Objection | None) -> None:
+    if objection is not None:
+        raise objection.rejection
 
 
 def arguments_to_keep(rng: np.random.Generator) -> dict[str, Arguments]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from graders.core.code.checks import Untouched
-from graders.core.code.exercise import exercise
+from graders.core.code.exercise import code
 from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.slam_graphe import graphs, residual
@@ -96,11 +96,4 @@ CHECKS = (
     ),
 )
 
-GRADER = exercise(
-    __package__ or "graders.l20.slam_graphe",
-    __file__,
-    "l20/slam_graphe",
-    functions=("erreur", "gauss_newton"),
-    checks=CHECKS,
-    kit=world.kit,
-)
+DEFINITION = code(__file__, checks=CHECKS, kit=world.kit)

@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Check, FigureData, Rejection, drawable, fault_rejection
+from graders.core.code.checks import Check, Rejection, drawable, fault_rejection
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
 from graders.core.compare.shrinking import shrink
+from graders.core.contract.findings import FigureData
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
-from graders.core.contract.verdict import Outcome
 from graders.l20.slam_graphe.graphs import EIGHTH, QUARTER, Graph, settles
 from reference.pose_graph import DisconnectedGraphError
 from reference.se2 import wrap_angle
@@ -140,15 +141,15 @@ class Optimum(Check):
     def run(self, bench: Bench) -> None:
         first: Failure | None = None
         graphs = self.graphs(bench.rng)
-        for graph in _brief(graphs) if bench.runner.replaying else graphs:
+        for graph in _brief(graphs) if bench.runner.reenacting else graphs:
             failure = attempt(bench, graph, record=True)
             if failure and graph.judged:
                 first = first or failure
             if failure and failure.fault and _hopeless(failure.fault):
                 break
         if first is not None:
-            # Nobody reads what a replay finds: only its observations count.
-            raise Rejection("") if bench.runner.replaying else rejection(_shrunk(bench, first))
+            # Nobody reads what a re-enacted mistake finds: only its observations count.
+            raise Rejection("") if bench.runner.reenacting else rejection(_shrunk(bench, first))
 
 
 def _brief(graphs: Sequence[Graph]) -> Sequence[Graph]:
@@ -198,7 +199,7 @@ def _shrunk(bench: Bench, failure: Failure) -> Failure:
         found.append(simpler)
         return True
 
-    shrink((failure.graph,), (simpler_graphs,), still_fails)
+    shrink((failure.graph,), (simpler_graphs,), still_fails, bench.runner.budget)
     return found[-1]
 
 

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Cases, FigureData, Trial
+from graders.core.code.checks import Cases, Trial
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, wrong_shape
-from graders.core.compare.shrinking import shrink_pose
+from graders.core.contract.findings import FigureData
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
+from graders.robotics.poses import shrink_pose
 from reference.pose_graph import group_residuals, residuals
 from reference.se2 import compose
 

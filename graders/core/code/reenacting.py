@@ -1,0 +1,51 @@
+"""Re-enacting a misconception: what it gives on the inputs that a submission was graded on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+
+from graders.core.code.bench import Bench, Observation, Runner
+from graders.core.code.checks import Check, Rejection
+from graders.core.code.folder import Misconception
+from graders.core.contract.local import LOCAL
+from graders.core.contract.program import KitSettings, StudentFault
+from graders.core.contract.streams import stream
+
+#: Says, from what was seen so far, that the checks to come need not be run.
+Enough = Callable[[Sequence[Observation]], bool]
+
+
+class Reenactment:
+    """One misconception on the inputs of one seed: what it gives is observed check by check, as far as one asks."""
+
+    def __init__(self, checks: Sequence[Check], misconception: Misconception, kit: KitSettings, seed: int) -> None:
+        self._runner = Runner(LOCAL, misconception.source.encode(), kit, reenacting=True)
+        self._kit, self._seed = kit, seed
+        self._checks = [check for check in checks if set(check.functions) & set(misconception.functions)]
+        self._ends = [0]
+
+    def seen(self, enough: Enough = lambda seen: False) -> Sequence[Observation]:
+        """The observations of its checks, up to the first after which there are `enough`."""
+        done = 0
+        while True:
+            seen = self._runner.observations[: self._ends[done]]
+            if done == len(self._checks) or enough(seen):
+                return seen
+            if done + 1 == len(self._ends):
+                self._run(self._checks[done])
+            done += 1
+
+    def _run(self, check: Check) -> None:
+        with suppress(Rejection, StudentFault):  # what it finds is not told: only what it observes counts
+            check.run(Bench(check.id, self._runner, stream(self._seed, check.id), self._kit))
+        self._ends.append(len(self._runner.observations))
+
+
+class Reenactor:
+    """Who re-enacts misconceptions for a grader. This one begins afresh each time; another may remember."""
+
+    def reenact(
+        self, misconception: Misconception, *, checks: Sequence[Check], kit: KitSettings, seed: int
+    ) -> Reenactment:
+        return Reenactment(checks, misconception, kit, seed)

@@ -1,0 +1,120 @@
+"""Strict reading of a JSON object: nothing missing, nothing unknown, nothing of another type."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any, Self, TypeVar
+
+T = TypeVar("T")
+
+
+class MalformedVerdictError(Exception):
+    """JSON that is not a verdict: where (`place`, "checks/0/points"; empty for the whole) and why (`reason`)."""
+
+    def __init__(self, place: str, reason: str) -> None:
+        super().__init__(f"{place or 'the verdict'}: {reason}")
+        self.place, self.reason = place, reason
+
+
+class Members:
+    """The members of one JSON object, each taken once; at the end of the block, one that is left raises.
+
+    Every reader raises MalformedVerdictError for a member that is missing or not of its type.
+    """
+
+    def __init__(self, value: Any, place: str = "") -> None:
+        if not isinstance(value, dict):
+            raise MalformedVerdictError(place, f"is {_name(value)}, not an object")
+        self._left = dict(value)
+        self._place = place
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        if error is None and self._left:
+            raise MalformedVerdictError(self.place(str(min(self._left, key=str))), "is not expected")
+
+    def place(self, name: str) -> str:
+        return f"{self._place}/{name}" if self._place else name
+
+    def any(self, name: str) -> Any:
+        """Any strict JSON."""
+        return _plain(self._take(name), self.place(name))
+
+    def text(self, name: str) -> str:
+        return str(self._typed(name, (str,), "a text"))
+
+    def flag(self, name: str) -> bool:
+        return bool(self._typed(name, (bool,), "true or false"))
+
+    def whole(self, name: str) -> int:
+        return int(self._typed(name, (int,), "a whole number"))
+
+    def number(self, name: str) -> float:
+        """A finite number, kept as it is written: 4 stays 4, and 4.0 stays 4.0."""
+        value: float = self._typed(name, (int, float), "a number")
+        if not math.isfinite(value):
+            raise MalformedVerdictError(self.place(name), "is not finite")
+        return value
+
+    def items(self, name: str, read: Callable[[Any, str], T]) -> tuple[T, ...]:
+        """A list, each item read with its place."""
+        found = self._typed(name, (list,), "a list")
+        return tuple(read(item, f"{self.place(name)}/{index}") for index, item in enumerate(found))
+
+    def numbers(self, name: str) -> dict[str, float]:
+        """An object whose members are all numbers."""
+        value = self._take(name)
+        with Members(value, self.place(name)) as members:
+            return {key: members.number(key) for key in value}
+
+    def object(self, name: str) -> dict[str, Any]:
+        """An object of strict JSON."""
+        return dict(_plain(self._typed(name, (dict,), "an object"), self.place(name)))
+
+    def maybe(self, name: str, read: Callable[[Any, str], T]) -> T | None:
+        """null, or what `read` makes of the value and its place."""
+        value = self._take(name)
+        return None if value is None else read(value, self.place(name))
+
+    def maybe_text(self, name: str) -> str | None:
+        return self.maybe(name, _text)
+
+    def _take(self, name: str) -> Any:
+        if name not in self._left:
+            raise MalformedVerdictError(self.place(name), "is missing")
+        return self._left.pop(name)
+
+    def _typed(self, name: str, types: tuple[type, ...], wanted: str) -> Any:
+        value = self._take(name)
+        if type(value) not in types:
+            raise MalformedVerdictError(self.place(name), f"is {_name(value)}, not {wanted}")
+        return value
+
+
+def _text(value: Any, place: str) -> str:
+    if type(value) is not str:
+        raise MalformedVerdictError(place, f"is {_name(value)}, not a text")
+    return value
+
+
+def _plain(value: Any, place: str) -> Any:
+    """The value itself, once it is seen to be strict JSON."""
+    if isinstance(value, list):
+        for index, item in enumerate(value):
+            _plain(item, f"{place}/{index}")
+    elif isinstance(value, dict):
+        for key, item in value.items():
+            _plain(item, f"{place}/{_text(key, place)}")
+    elif value is not None and (
+        type(value) not in (bool, int, float, str) or (isinstance(value, float) and not math.isfinite(value))
+    ):
+        raise MalformedVerdictError(place, f"is {_name(value)}, which JSON does not hold")
+    return value
+
+
+def _name(value: Any) -> str:
+    return "null" if value is None else f"of type {type(value).__name__}"

@@ -1,0 +1,84 @@
+"""Poses (3,): x and y in metres or cells, theta in radians; compared as the contract says, simplified to be read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from graders.core.compare import words as render
+from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, wrong_shape
+from graders.core.compare.shrinking import shrink_number
+from graders.core.contract.values import Floats, UnreadableError, Value, read_array
+
+
+@dataclass(frozen=True)
+class SamePose:
+    """Poses (3,): x and y within the tolerance, theta modulo 2 pi but brought back to [-pi, pi].
+
+    With `any_turn`, an angle out of this range is let pass: for checks of a formula, beside one of the range.
+    """
+
+    tolerance: float = TOLERANCE
+    any_turn: bool = False
+
+    def __call__(self, expected: Value, got: Value) -> Mismatch | None:
+        wanted = read_array(expected)
+        try:
+            pose = read_array(got)
+        except UnreadableError as error:
+            return unreadable(error)
+        if pose.shape != (3,):
+            return wrong_shape(wanted, pose)
+        if not np.isfinite(pose).all():
+            return Mismatch("Une des coordonnées n'est pas un nombre fini.", "nan")
+        if not close(wanted[:2], pose[:2], self.tolerance):
+            return Mismatch(self._position_message(wanted, pose))
+        return self._angle_mismatch(float(wanted[2]), float(pose[2]))
+
+    @staticmethod
+    def _position_message(wanted: Floats, pose: Floats) -> str:
+        axes = [axis for axis, a, b in zip("xy", wanted, pose, strict=False) if not close(a, b)]
+        which = f"La coordonnée {axes[0]} est fausse" if len(axes) == 1 else "La position est fausse"
+        return f"{which} : l'écart est de {render.number(math.hypot(*(pose[:2] - wanted[:2])), 3)}."
+
+    def _angle_mismatch(self, wanted: float, theta: float) -> Mismatch | None:
+        if abs(math.remainder(theta - wanted, math.tau)) <= self.tolerance:
+            if self.any_turn or abs(theta) <= math.pi + TOLERANCE:
+                return None
+            return Mismatch(f"L'angle {render.angle(theta)} sort de l'intervalle [−π, π].", "angle_non_ramene")
+        gap = f"Le cap est faux : {render.angle(theta)} au lieu de {render.angle(wanted)}."
+        is_degrees = abs(math.remainder(math.radians(theta) - wanted, math.tau)) <= 1e-6
+        return Mismatch(gap, "degres" if is_degrees else "oppose" if abs(theta + wanted) <= self.tolerance else None)
+
+
+def shrink_pose(value: Value) -> Iterator[Value]:
+    """x and y as numbers, theta as an angle."""
+    pose = np.asarray(value, dtype=np.float64)
+    for index, shrinker in ((0, shrink_number), (1, shrink_number), (2, shrink_angle)):
+        for candidate in shrinker(float(pose[index])):
+            simpler = pose.copy()
+            simpler[index] = candidate
+            yield simpler
+
+
+def shrink_angle(value: float) -> Iterator[float]:
+    """0, then the nearest multiples of a quarter, an eighth and a twelfth of a turn."""
+    for candidate in (0.0, *(_nearest(value, math.pi / k) for k in (2, 4, 6))):
+        if angle_complexity(candidate) < angle_complexity(value):
+            yield candidate
+
+
+def _nearest(value: float, step: float) -> float:
+    nearest = round(value / step) * step
+    return nearest if -math.pi < nearest <= math.pi else math.pi
+
+
+def angle_complexity(value: float) -> float:
+    """As `complexity`, for fractions of a turn."""
+    if value == 0:
+        return -1.0
+    rank = next((r for r, k in enumerate((2, 4, 6)) if math.isclose(value, _nearest(value, math.pi / k))), 5)
+    return 10.0 * rank + abs(value) / 10.0

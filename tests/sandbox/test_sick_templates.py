@@ -1,0 +1,160 @@
+"""Templates that hang, die or talk nonsense: they are ended and replaced, and no student bears it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from server.sandbox import Policy, ProgramFault, Sandbox, SandboxFault, vitals
+
+from .family import LEAVES, OTHERS, SOURCE, answers, children, eventually, root_and_template, running, templates
+from .limits import FAR, only
+
+
+@pytest.fixture(autouse=True)
+def _looked_at_often(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What hangs is told by what it does at five looks, not by how long they take."""
+    monkeypatch.setattr(vitals, "LOOK", 0.05)
+
+
+@pytest.mark.parametrize(
+    ("who", "number", "spares"),
+    [
+        ("watcher", signal.SIGSTOP, 0),
+        ("watcher", signal.SIGKILL, 1),
+        ("template", signal.SIGSTOP, 0),
+        ("template", signal.SIGSTOP, 1),
+        ("template", signal.SIGKILL, 1),
+    ],
+)
+def test_a_hung_or_killed_process_of_ours_costs_no_more_than_a_retry(
+    who: str, number: signal.Signals, spares: int
+) -> None:
+    with Sandbox({}, spares=spares) as sandbox:
+        sandbox.warm()
+        family = dict(zip(("watcher", "template"), root_and_template(), strict=True))
+        os.kill(family[who], number)
+        for _ in range(3):
+            try:
+                answers(sandbox)
+            except SandboxFault:  # it ended between loading and calling: the worker grades again
+                answers(sandbox)
+        if (who, number) != ("watcher", signal.SIGSTOP):  # one that only waits for an end may sleep as well
+            assert eventually(lambda: not running(family[who]))
+    assert eventually(lambda: not templates())
+
+
+@pytest.mark.parametrize(
+    ("body", "policy"),
+    [("os._exit(1)", FAR), ("while True: pass", only(wall_seconds=1.0))],
+    ids=["ends by itself", "never ends"],
+)
+def test_a_program_that_runs_on_a_hung_template_is_our_fault_and_ends(body: str, policy: Policy) -> None:
+    """Its ending cannot be known, nor its processor time, and nobody would stop it."""
+    source = f"import os\ndef f(x):\n    {body}\n".encode()
+    with Sandbox({}, spares=0) as sandbox:
+        with sandbox.open(source, policy=policy) as session:
+            before = templates()
+            os.kill(root_and_template()[1], signal.SIGSTOP)
+            with pytest.raises(SandboxFault):
+                session.call("f", 1)
+        assert eventually(lambda: not any(map(running, before)))
+        answers(sandbox)
+
+
+def test_an_end_that_is_told_late_keeps_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The template is stopped until we have lost patience and ordered it to kill a program that had ended by itself."""
+    monkeypatch.setattr(vitals, "LOOK", 30.0)
+    monkeypatch.setattr("server.sandbox.session.GRACE", 0.1)
+    leaves = LEAVES.replace(b"os._exit", b"def f(x): os._exit")
+    with Sandbox({}, spares=0) as sandbox, sandbox.open(leaves, policy=FAR) as session, ThreadPoolExecutor(1) as aside:
+        template = root_and_template()[1]
+        os.kill(template, signal.SIGSTOP)
+        serving = sandbox._slots["numpy"].template
+        assert serving
+        ordered = aside.submit(eventually, lambda: vitals.unread(serving._control.fileno()))
+        ordered.add_done_callback(lambda _: os.kill(template, signal.SIGCONT))
+        with pytest.raises(ProgramFault) as caught:
+            session.call("f", 1)
+        assert ordered.result()
+        assert caught.value.kind == "runtime_error"
+
+
+def test_a_template_that_hangs_while_it_starts_is_given_up() -> None:
+    def starting() -> list[int]:
+        """What has become a program of its own: what stops before that stops its parent too."""
+        mine = Path("/proc/self/cmdline").read_bytes()
+        born = set(children(os.getpid())) - OTHERS
+        return [pid for pid in born if Path(f"/proc/{pid}/cmdline").read_bytes() not in (mine, b"")]
+
+    def stop() -> None:
+        assert eventually(lambda: bool(starting()))
+        for pid in starting():
+            os.kill(pid, signal.SIGSTOP)
+
+    with Sandbox({}) as sandbox, ThreadPoolExecutor(1) as pool:
+        stopping = pool.submit(stop)
+        answers(sandbox)
+        stopping.result()
+
+
+#: A kit, which is ours, that does at a fork what no template should do; it knows its end of the control socket.
+SPOILT = """
+import gc, os, socket, sys
+codec = sys.modules["child.codec"]
+def is_control(number):
+    try:
+        end = socket.socket(fileno=os.dup(number))
+    except OSError:
+        return False
+    return end.type == socket.SOCK_SEQPACKET
+(control,) = (number for number in range(3, 64) if is_control(number))
+def spoil(message):
+    if gc.get_freeze_count():  # it serves
+        say(message)
+def say(message):
+    data = message if isinstance(message, bytes) else codec.encode(message, codec.Limits(1 << 16, 6, 100))
+    os.write(control, data)
+"""
+STRANGE = {
+    "no frame at all": "b'\\xff' * 40",
+    "no dictionary": "[1, 2]",
+    "no number": "{'do': 'exited', 'id': 'un', 'status': 0, 'cpu': 0.0, 'rss': 0, 'memory': 0}",
+    "an unknown child": "{'do': 'exited', 'id': 10**6, 'status': 0, 'cpu': 0.0, 'rss': 0, 'memory': 0}",
+    "half a report": "{'do': 'exited', 'id': 1, 'status': 0, 'cpu': 0.0, 'rss': 0}",
+}
+
+
+@pytest.mark.parametrize("strange", STRANGE)
+def test_a_template_that_reports_nonsense_is_ended_and_nobody_waits(
+    strange: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    said = STRANGE[strange]
+    kit = SPOILT + f"os.register_at_fork(after_in_parent=lambda: spoil({said}))"
+    with Sandbox({"gatee": kit}, spares=0) as sandbox, caplog.at_level("ERROR"):
+        with contextlib.suppress(ProgramFault), pytest.raises(SandboxFault), sandbox.open(LEAVES) as session:
+            session.call("f", 1)
+        assert eventually(lambda: not templates())
+    assert "reports nonsense" in caplog.text
+
+
+@pytest.mark.parametrize("said", ["b'\\xff' * 40", "{'do': 'hello'}"])
+def test_a_template_that_greets_with_nonsense_does_not_serve(said: str) -> None:
+    with Sandbox({"gatee": SPOILT + f"say({said})"}) as sandbox:
+        with pytest.raises(SandboxFault, match="did not start"):
+            sandbox.open(SOURCE)
+        assert not templates()
+
+
+def test_a_template_that_dies_at_a_fork_is_our_fault_with_its_last_words() -> None:
+    kit = "import gc, os, sys\ndef last():\n    os.write(2, b'plus de place')\n    os._exit(3)\n"
+    with (
+        Sandbox({"mourante": kit + "os.register_at_fork(before=lambda: gc.get_freeze_count() and last())"}) as sandbox,
+        pytest.raises(SandboxFault, match="plus de place"),
+    ):
+        sandbox.open(SOURCE)
