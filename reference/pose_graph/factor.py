@@ -67,7 +67,7 @@ class Pattern:
     def _pairs(self, a: Indices, b: Indices) -> None:
         """Each distinct block above the diagonal, by columns; `_cell` (p,) says which one each pair falls in."""
         n = len(self.sizes)
-        self._a, self._b = a, b
+        self._a = a
         self._swapped = a > b
         self._alive = (self.sizes[a] > 0) & (self.sizes[b] > 0)
         keys = np.maximum(a, b) * n + np.minimum(a, b)

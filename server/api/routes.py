@@ -2,9 +2,8 @@
 
 from fastapi import APIRouter
 
-from server.api import classes, exercises, submissions
+from server.api import exercises, submissions
 
 router = APIRouter(prefix="/api/v1")
 router.include_router(exercises.router)
 router.include_router(submissions.router)
-router.include_router(classes.router)

@@ -1,6 +1,7 @@
 """A text that somebody sends, as bytes of a bounded length."""
 
 from server.base.errors import Invalid, TooLarge
+from server.base.sizes import size
 
 
 def encoded(text: str, most: int, what: str = "Le code") -> bytes:
@@ -13,5 +14,5 @@ def encoded(text: str, most: int, what: str = "Le code") -> bytes:
     except UnicodeEncodeError as error:
         raise Invalid(f"{what} contient un caractère qui n’existe pas en Unicode.") from error
     if len(source) > most:
-        raise TooLarge(f"{what} fait {len(source)} octets ; la limite est de {most} octets.")
+        raise TooLarge(f"{what} dépasse de {size(len(source) - most)} la limite de {size(most)}.")
     return source

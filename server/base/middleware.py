@@ -13,6 +13,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.base.errors import Forbidden, ServiceError, TooLarge
 from server.base.request import COOKIE, SAFE_METHODS
+from server.base.sizes import size
 
 CONTENT_SECURITY_POLICY = "; ".join(
     (
@@ -119,7 +120,7 @@ class BoundedBody:
             return await self._app(scope, receive, send)
         body = await self._read(receive)
         if body is None:
-            error = TooLarge(f"Cette demande dépasse {self._most} octets.")
+            error = TooLarge(f"Cette demande dépasse {size(self._most)}.")
             return await self._refuse(Request(scope), error)(scope, receive, send)
         await self._app(scope, _replay(body, receive), send)
 

@@ -7,6 +7,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
 from server.base.errors import ServiceError
+from server.base.refused import reason
 
 PROBLEM_TYPE = "urn:balise:probleme:"
 TITLES = {
@@ -15,18 +16,6 @@ TITLES = {
     405: ("Méthode refusée", "Cette adresse n’accepte pas cette méthode."),
     422: ("Données refusées", "Les données envoyées ne conviennent pas."),
     500: ("Erreur du serveur", "Une erreur est survenue de notre côté ; elle a été notée. Votre travail est conservé."),
-}
-VALIDATION = {
-    "missing": "valeur manquante",
-    "string_type": "une chaîne de caractères est attendue",
-    "extra_forbidden": "nom inconnu",
-    "json_invalid": "JSON mal formé",
-    "model_attributes_type": "un objet est attendu",
-    "float_parsing": "un nombre est attendu",
-    "finite_number": "un nombre fini est attendu",
-    "greater_than_equal": "valeur trop petite",
-    "literal_error": "valeur inconnue",
-    "enum": "valeur inconnue",
 }
 
 
@@ -52,7 +41,7 @@ def as_json(body: dict[str, Any], headers: Mapping[str, str] | None = None) -> R
 def place(error: Mapping[str, Any]) -> dict[str, Any]:
     """Where and why: a JSON pointer in the body, or the name of a parameter."""
     source, *path = error["loc"]
-    detail = VALIDATION.get(error["type"], "valeur refusée")
+    detail = reason(error)
     if source == "body":
         return {"detail": detail, "pointer": _pointer([] if error["type"] == "json_invalid" else path)}
     return {"detail": detail, "parameter": ".".join(str(part) for part in path)}

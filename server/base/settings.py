@@ -1,13 +1,23 @@
-"""Settings: every one has a default that works, and an environment variable `BALISE_<NAME>`."""
+"""Settings: every one has a default that works, and an environment variable `BALISE_<NAME>`.
+
+`README.md` beside this file is a table of them, which a test holds against the descriptions below.
+"""
 
 import os
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
+from typing import Annotated, Any
 
 from pydantic import Field
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from server.base.paths import default_data_dir
+
+PREFIX = "BALISE_"
+Seconds = Annotated[float, Field(allow_inf_nan=False)]
+Count = Annotated[int, Field(ge=1)]
 
 
 @dataclass(frozen=True)
@@ -18,32 +28,62 @@ class Bucket:
     refill_seconds: float
 
 
+def _told(default: str) -> dict[str, Any]:
+    """How the table tells a default that depends on the machine."""
+    return {"told": default}
+
+
 class Settings(BaseSettings):
     """The service's settings. A malformed value stops the start-up: nothing is guessed."""
 
-    model_config = SettingsConfigDict(env_prefix="BALISE_", frozen=True, extra="forbid")
+    model_config = SettingsConfigDict(env_prefix=PREFIX, frozen=True, extra="forbid")
 
-    data_dir: Path = Field(default_factory=default_data_dir)
-    database_url: str | None = None
-    workers: int = Field(default_factory=lambda: os.cpu_count() or 1, ge=0, le=256)
+    data_dir: Path = Field(
+        default_factory=default_data_dir,
+        description="the folder of the data: the SQLite database, and the lock of the server that serves it",
+        json_schema_extra=_told("`$XDG_DATA_HOME/balise`, or `~/.local/share/balise`"),
+    )
+    database_url: str | None = Field(
+        default=None,
+        min_length=1,
+        description="the database, `postgresql://user:password@host/name` or `sqlite:///file`",
+        json_schema_extra=_told("SQLite, in the data folder"),
+    )
+    workers: int = Field(
+        default_factory=lambda: os.cpu_count() or 1,
+        ge=0,
+        le=256,
+        description="grading processes that `balise serve` starts; with 0, another machine's `balise worker` grades",
+        json_schema_extra=_told("the number of processors"),
+    )
 
-    code_bytes: int = Field(default=64 * 1024, ge=1)
-    body_bytes: int = Field(default=512 * 1024, ge=1)
-    submission_burst: int = Field(default=20, ge=1)
-    submission_refill_seconds: float = Field(default=3.0, ge=0)
-    guest_burst: int = Field(default=300, ge=1)
-    guest_refill_seconds: float = Field(default=1.0, ge=0)
-    login_burst: int = Field(default=10, ge=1)
-    login_refill_seconds: float = Field(default=30.0, ge=0)
-    cell_burst: int = Field(default=30, ge=1)
-    cell_refill_seconds: float = Field(default=2.0, ge=0)
-    cells_at_once: int = Field(default=2, ge=1, le=64)
-    cells_waiting: int = Field(default=16, ge=0, le=1024)
-    session_days: int = Field(default=180, ge=1)
+    code_bytes: Count = Field(default=64 * 1024, description="the longest file or answers that one may submit")
+    body_bytes: Count = Field(default=512 * 1024, description="the largest request that is read")
+    submission_burst: Count = Field(default=20, description="submissions of an account at once")
+    submission_refill_seconds: Seconds = Field(
+        default=3.0, ge=0, description="then one more after so long; 0: as many as one likes"
+    )
+    guest_burst: Count = Field(
+        default=300, description="guests from one address at once; also its attempts to log in, to any account"
+    )
+    guest_refill_seconds: Seconds = Field(default=1.0, ge=0, description="then one more after so long")
+    login_burst: Count = Field(default=10, description="attempts to log in to one account from one address, at once")
+    login_refill_seconds: Seconds = Field(default=30.0, ge=0, description="then one more after so long")
+    cell_burst: Count = Field(default=30, description="runs of a page's cells by an account at once")
+    cell_refill_seconds: Seconds = Field(default=2.0, ge=0, description="then one more after so long")
+    cells_at_once: int = Field(default=2, ge=1, le=64, description="cells that run at the same time")
+    cells_waiting: int = Field(default=16, ge=0, le=1024, description="cells that wait; more are refused")
+    session_days: Count = Field(default=180, description="how long a browser stays logged in")
 
-    lease_seconds: float = Field(default=30.0, gt=0)
-    poll_seconds: float = Field(default=1.0, gt=0)
-    grading_seconds: float = Field(default=600.0, gt=0)
+    lease_seconds: Seconds = Field(
+        default=30.0, gt=0, description="a worker that has given no sign of life for so long loses its submission"
+    )
+    poll_seconds: Seconds = Field(
+        default=1.0, gt=0, description="how often a worker looks for work that nothing announced"
+    )
+    grading_seconds: Seconds = Field(
+        default=600.0, gt=0, description="a grading that takes longer is given up, with its worker"
+    )
 
     @property
     def url(self) -> str:
@@ -67,3 +107,25 @@ class Settings(BaseSettings):
     @property
     def cell_bucket(self) -> Bucket:
         return Bucket(self.cell_burst, self.cell_refill_seconds)
+
+
+def variable(field: str) -> str:
+    """The environment's name of a setting."""
+    return f"{PREFIX}{field.upper()}"
+
+
+def table() -> Iterator[tuple[str, str, str]]:
+    """Name, default and meaning of each, as they are documented."""
+    for name, field in Settings.model_fields.items():
+        extra = field.json_schema_extra
+        told = extra["told"] if isinstance(extra, dict) else f"{field.default:g}"
+        yield variable(name), str(told), field.description or ""
+
+
+def misspelt(environment: Iterable[str]) -> Iterator[tuple[str, str | None]]:
+    """The variables that look like settings and are none, each with the setting that was probably meant."""
+    for name in sorted(environment):
+        field = name.lower().removeprefix(PREFIX.lower())
+        if name.upper().startswith(PREFIX) and field not in Settings.model_fields:
+            close = get_close_matches(field, Settings.model_fields, n=1)
+            yield name, variable(close[0]) if close else None

@@ -5,7 +5,6 @@ from collections.abc import Iterator
 from server.cells.run import POLICY, run
 from server.cells.schemas import RunOut
 from server.course import Course, Problem
-from server.course.library import as_text
 from server.course.models import Cell
 from server.sandbox import Sandbox
 
@@ -15,7 +14,7 @@ def faults(course: Course) -> Iterator[Problem]:
     with Sandbox(course.kits, POLICY) as sandbox:
         for module in course.modules.values():
             for document in module.documents:
-                path = as_text(document.text).source.path
+                path = document.text.source.path
                 for cell in document.cells:
                     shown = run(sandbox, module.slug, cell.code.encode())
                     if message := _wrong(shown):

@@ -1,17 +1,40 @@
-"""Settings for a command: a malformed one is told in words, with its variable's name."""
+"""Settings for a command: one that is malformed or misspelt is told in words, with its variable's name."""
 
+import os
+from collections.abc import Iterator
+from importlib.util import find_spec
 from typing import Any
 
 from pydantic import ValidationError
+from pydantic_core import ErrorDetails
 
-from server.base.settings import Settings
+from server.base.refused import reason
+from server.base.settings import Settings, misspelt, variable
 from server.cli import CannotRun
 
 
 def read_settings(**values: Any) -> Settings:
     """The environment's settings; `values` that are not None replace them."""
+    faults = [_unknown(name, meant) for name, meant in misspelt(os.environ)]
     try:
-        return Settings(**{name: value for name, value in values.items() if value is not None})
+        settings = Settings(**{name: value for name, value in values.items() if value is not None})
+        faults += _impossible(settings)
     except ValidationError as error:
-        faults = "".join(f"\n  BALISE_{str(one['loc'][0]).upper()} : {one['msg']}" for one in error.errors())
-        raise CannotRun(f"réglages refusés :{faults}") from error
+        faults += map(_refused, error.errors())
+    if faults:
+        raise CannotRun("réglages refusés :" + "".join(f"\n  {fault}" for fault in faults))
+    return settings
+
+
+def _unknown(name: str, meant: str | None) -> str:
+    return f"{name} : ce réglage n’existe pas" + (f" ; vouliez-vous dire {meant} ?" if meant else "")
+
+
+def _refused(error: ErrorDetails) -> str:
+    return f"{variable(str(error['loc'][0]))} : {reason(error)} (valeur donnée : « {error['input']} »)"
+
+
+def _impossible(settings: Settings) -> Iterator[str]:
+    if settings.url.startswith("postgresql") and find_spec("psycopg") is None:
+        name = variable("database_url")
+        yield f"{name} : PostgreSQL demande un paquet de plus, que pip install 'balise[postgresql]' installe"

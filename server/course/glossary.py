@@ -9,6 +9,7 @@ from pathlib import Path
 from server.course import toml_file
 from server.course.models import CourseFault, Problem, Term
 from server.course.schemas import Glossary, TermEntry
+from server.course.toml_places import first_line_of, line_of
 from server.text.markup import Names, Source, Text
 from server.text.markup.text import SLUG
 
@@ -41,19 +42,21 @@ def lost(path: Path, terms: Mapping[str, Term], pages: Collection[str]) -> Itera
     """The words that are said to be explained on a page that does not exist."""
     missing = [term for term in terms.values() if term.page not in pages]
     text = toml_file.read_text(path) if missing else ""
+    written = [entry.get("id") for entry in toml_file.load(text, path)["terme"]] if missing else []
     for term in missing:
-        start = next(match.start() for match in re.finditer(rf'id\s*=\s*"{term.id}"', text))
-        yield Problem(path, text[:start].count("\n") + 1, f"« {term.id} » : page inconnue « {term.page} »")
+        line = line_of(text, ("terme", written.index(term.id), "id"))
+        yield Problem(path, line, f"« {term.id} » : page inconnue « {term.page} »")
 
 
 def _term(path: Path, text: str, index: int, values: object, names: Callable[[], Names]) -> Term:
     entry = toml_file.validated(values, text, path, TermEntry, ("terme", index))
     if not re.fullmatch(SLUG, entry.id):
         raise _fault(path, text, index, "id", f"nom mal formé : « {entry.id} »")
-    line = toml_file.line_of(text, ("terme", index, "definition"))
-    source = Source(entry.definition.strip(), path, line, names=names)
+    definition = entry.definition.lstrip("\n")
+    line = first_line_of(text, ("terme", index, "definition")) + len(entry.definition) - len(definition)
+    source = Source(definition.strip(), path, line, names=names)
     return Term(entry.id, entry.mot, entry.page, Text(source, inline=True))
 
 
 def _fault(path: Path, text: str, index: int, field: str, message: str) -> CourseFault:
-    return CourseFault(Problem(path, toml_file.line_of(text, ("terme", index, field)), message))
+    return CourseFault(Problem(path, line_of(text, ("terme", index, field)), message))

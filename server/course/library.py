@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import get_args
 
 from server.course import glossary, toml_file
 from server.course.models import CourseFault, Document, Drawing, Kind, Problem
@@ -29,7 +28,6 @@ ORDER: tuple[Kind, ...] = tuple(FOLDERS.values())
 NO_PAGES = {"exercices"}
 PIXELS = 100  # a drawing's inch is shown as so many CSS pixels
 FENCE = "+++"
-assert set(ORDER) == set(get_args(Kind))
 
 
 @dataclass(eq=False)
@@ -134,7 +132,7 @@ def _numbered(documents: tuple[Document, ...]) -> Iterator[Labelled]:
     counts: Counter[str] = Counter()
     pages: dict[str, str] = {}
     for document in documents:
-        text = as_text(document.text)
+        text = document.text
         for label in text.outline.labels:
             kind = EQUATION if label.kind == "equation" else KINDS[label.kind]
             first = pages.setdefault(label.id, document.slug) == document.slug
@@ -144,19 +142,13 @@ def _numbered(documents: tuple[Document, ...]) -> Iterator[Labelled]:
             yield Labelled(label.id, target, text.source.path, first)
 
 
-def as_text(readable: object) -> Text:
-    assert isinstance(readable, Text), "what a library holds, it has read itself"
-    return readable
-
-
-def problems_of(readable: object, *, formulas: bool) -> Iterator[Problem]:
-    text = as_text(readable)
+def problems_of(text: Text, *, formulas: bool) -> Iterator[Problem]:
     for fault in text.faults(formulas=formulas):
         yield Problem(text.source.path, fault.line, fault.message)
 
 
 def _page_name(document: Document) -> PageName:
-    outline = as_text(document.text).outline
+    outline = document.text.outline
     figures = {name: number for number, name in enumerate(outline.figures, 1)}
     return PageName(document.title, frozenset(outline.anchors), figures)
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal
 
-from server.text.markup import Cell, Heading, Names, Section
+from server.text.markup import Cell, Heading, Names, Section, Text
 from server.text.markup.text import no_names
 from server.text.prose import line, prose
 
@@ -29,7 +29,6 @@ __all__ = [
     "Kind",
     "Module",
     "Problem",
-    "Readable",
     "Section",
     "Term",
 ]  # fmt: skip
@@ -69,29 +68,12 @@ class FunctionSpec:
     doc: str
 
 
-class Readable(Protocol):
-    """A text of the course (see `server.text.markup.Text`): `html` is slow at first, its formulas being drawn."""
-
-    @property
-    def html(self) -> str: ...
-    @property
-    def headings(self) -> tuple[Heading, ...]: ...
-    @property
-    def sections(self) -> tuple[Section, ...]: ...
-    @property
-    def figures(self) -> tuple[str, ...]: ...
-    @property
-    def replays(self) -> tuple[str, ...]: ...
-    @property
-    def cells(self) -> tuple[Cell, ...]: ...
-
-
 @dataclass(frozen=True, eq=False)
 class Exercise:
     """One exercise, ready to serve. `id` is "module/slug"; `stars` counts the ★ of a challenge (0 to 3).
 
     `seance` is the slug of the page that it follows.
-    `version` is the first 12 hexadecimal digits of a sha256 over everything that can change a verdict.
+    `version` is a digest of everything that can change a verdict (see `server.course.version`).
     An exercise answered without code (`answers`) has no function, and neither starter nor solution as files: its grader
     gives questions and correction. `policy_overrides` replaces fields of `server.sandbox.Policy` by name.
     """
@@ -106,8 +88,8 @@ class Exercise:
     functions: tuple[FunctionSpec, ...]
     starter: str
     solution: str
-    statement: Readable
-    hint_texts: tuple[Readable, Readable, Readable]
+    statement: Text
+    hint_texts: tuple[Text, Text, Text]
     grader: Grader
     version: str
     answers: AnswersGrader | None = None
@@ -158,7 +140,7 @@ class Document:
     minutes: int
     summary: str
     objectives: tuple[str, ...]
-    text: Readable
+    text: Text
 
     @property
     def html(self) -> str:
@@ -193,7 +175,7 @@ class Term:
     id: str
     word: str
     page: str
-    definition: Readable
+    definition: Text
 
     @property
     def html(self) -> str:

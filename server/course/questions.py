@@ -20,6 +20,7 @@ from server.course import toml_file
 from server.course.models import CourseFault, Problem
 from server.course.schemas import Strict
 from server.course.schemas import Text as Words
+from server.course.toml_places import Location, first_line_of, line_of
 from server.text.markup import Names, Source, Text
 
 Id = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
@@ -168,7 +169,7 @@ class Questions:
         except MalformedExerciseError as error:
             raise CourseFault(Problem(error.path, error.line, error.message)) from error
         except MalformedSheetError as error:
-            line = toml_file.line_of(toml_file.read_text(self.path), error.at)
+            line = line_of(toml_file.read_text(self.path), error.at)
             raise CourseFault(Problem(self.path, line, error.message)) from error
 
     def _bound(self, exercise: str, definition: Definition | None) -> AnswersGrader:
@@ -195,11 +196,11 @@ def _distinct(path: Path, file: BaseModel) -> None:
     for location, names in _names(file.model_dump(), ()):
         for place, name in enumerate(names):
             if name in names[:place]:
-                line = toml_file.line_of(path.read_text(encoding="utf-8"), (*location, place, "id"))
+                line = line_of(path.read_text(encoding="utf-8"), (*location, place, "id"))
                 raise CourseFault(Problem(path, line, f"nom donné deux fois : « {name} »"))
 
 
-def _names(value: Any, location: tuple[int | str, ...]) -> Iterator[tuple[tuple[int | str, ...], list[str]]]:
+def _names(value: Any, location: Location) -> Iterator[tuple[Location, list[str]]]:
     if isinstance(value, dict):
         for key, item in value.items():
             yield from _names(item, (*location, key))
@@ -212,29 +213,22 @@ def _names(value: Any, location: tuple[int | str, ...]) -> Iterator[tuple[tuple[
 def problems(path: Path, grader: AnswersGrader, names: Callable[[], Names], *, formulas: bool) -> Iterator[Problem]:
     """What is wrong with the texts of the questions, with its line."""
     text = toml_file.read_text(path)
-    for wording in _wordings(tomllib.loads(text)):
-        source = Source(grader.sample(wording), path, _line(text, wording), names=names)
+    for location, wording in _wordings(tomllib.loads(text), ()):
+        source = Source(grader.sample(wording), path, first_line_of(text, location), names=names)
         for fault in Text(source).faults(formulas=formulas):
             yield Problem(path, fault.line, fault.message)
 
 
-def _wordings(value: Any, key: str = "") -> Iterator[str]:
+def _wordings(value: Any, location: Location) -> Iterator[tuple[Location, str]]:
+    """The texts that are Markdown, and the symbols as formulas."""
+    key = next((part for part in reversed(location) if isinstance(part, str)), "")
     if isinstance(value, dict):
         for name, item in value.items():
-            yield from _wordings(item, name)
+            yield from _wordings(item, (*location, name))
     elif isinstance(value, list):
-        for item in value:
-            yield from _wordings(item, key)
+        for index, item in enumerate(value):
+            yield from _wordings(item, (*location, index))
     elif isinstance(value, str) and key == "symbol":
-        yield f"${value}$"
+        yield location, f"${value}$"
     elif isinstance(value, str) and key not in PLAIN:
-        yield value
-
-
-def _line(text: str, wording: str) -> int:
-    """Where a text of the file stands: TOML keeps no lines, but a text is found by its first line as it was written."""
-    first = wording.strip("$\n").split("\n", 1)[0]
-    written = (first, first.replace("\\", "\\\\"), first.replace("\\", "\\\\").replace('"', '\\"'))
-    places = [text.find(one) for one in written]
-    found = min((place for place in places if place >= 0), default=0)
-    return text.count("\n", 0, found) + 1
+        yield location, value

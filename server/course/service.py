@@ -14,10 +14,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from graders.core.code.exercise import CodeDefinition
 from graders.core.contract.malformed import MalformedExerciseError
 from server.course import drawings, questions, toml_file
-from server.course.library import Library, as_text, problems_of
+from server.course.closure import Imports
+from server.course.library import Library, problems_of
 from server.course.models import Course, CourseFault, Exercise, FunctionSpec, Module, Problem
 from server.course.schemas import ExerciseFile, ModuleFile
-from server.course.version import digest
+from server.course.toml_places import line_of
+from server.course.version import version
 from server.text.markup import Names, Source, Text
 from server.text.markup.text import no_names
 
@@ -40,6 +42,7 @@ class Sources:
     curriculum: Path
     code: Path
     discovery: Discovery
+    imports: Imports
     names: Callable[[], Names] = no_names
 
 
@@ -71,7 +74,7 @@ def load(
 
         discovery = discover()
     problems = [Problem(one.path, one.line, one.message) for one in discovery.problems]
-    sources = Sources(curriculum, code, discovery)
+    sources = Sources(curriculum, code, discovery, Imports(code))
     modules = _each(problems, lambda path: _module(sources, path, problems, look), _modules(curriculum))
     modules.sort(key=lambda one: (one.order, one.slug))
     problems.extend(_orphans(sources))
@@ -145,7 +148,7 @@ def _faults(exercise: Exercise, look: Look) -> Iterator[Problem]:
     for text in (exercise.statement, *exercise.hint_texts):
         yield from problems_of(text, formulas=look is Look.drawn)
     if exercise.answers is not None:
-        path = as_text(exercise.statement).source.path.with_name(questions.FILE)
+        path = exercise.statement.source.path.with_name(questions.FILE)
         yield from questions.problems(path, exercise.answers, exercise.names, formulas=look is Look.drawn)
 
 
@@ -155,7 +158,7 @@ def _lost(module: Path, exercises: list[Exercise], library: Library) -> Iterator
     for one in exercises:
         if one.seance and one.seance not in pages:
             path = module / "exercices" / one.slug / "exercise.toml"
-            line = toml_file.line_of(toml_file.read_text(path), ("seance",))
+            line = line_of(toml_file.read_text(path), ("seance",))
             yield Problem(path, line, f"« seance » : page inconnue « {one.seance} »")
 
 
@@ -164,6 +167,7 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
         raise CourseFault(Problem(path, None, "nom d’exercice : minuscules, chiffres et « _ »"))
     card = toml_file.read(path / "exercise.toml", ExerciseFile)
     kinds = {"code": _code, "answers": _answers}
+    graded = kinds[card.kind](sources, path, card)
     return Exercise(
         module=module.name,
         slug=path.name,
@@ -173,11 +177,11 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
         stars=card.stars,
         origin=card.origin,
         functions=tuple(FunctionSpec(one.name, one.signature, one.returns, one.doc) for one in card.functions),
-        **kinds[card.kind](sources, path, card),
+        **graded,
         statement=Text(Source(toml_file.read_text(path / "enonce.md"), path / "enonce.md", names=sources.names)),
         hint_texts=_hints(path / "indices.md", sources.names),
         names=sources.names,
-        version=_version(sources, module, path),
+        version=version(sources.imports, sources.code, path, card, graded["grader"]),
         seance=card.seance,
         policy_overrides=MappingProxyType(card.limits.overrides()),
     )
@@ -269,22 +273,6 @@ def _part(path: Path, text: str, start: int, end: int, names: Callable[[], Names
     if not text[start:end].strip():
         raise CourseFault(Problem(path, line, "indice vide"))
     return Text(Source(text[start:end], path, line, names=names))
-
-
-def _version(sources: Sources, module: Path, path: Path) -> str:
-    graders = sources.code / "graders"
-    shared = sorted((graders / module.name).glob("*.py"))
-    return digest(
-        [
-            ("exercise", path),
-            ("kit", module / "kit"),
-            ("grader", graders / module.name / path.name),
-            ("core", graders / "core"),
-            ("robotics", graders / "robotics"),
-            ("reference", sources.code / "reference"),
-            *((f"module/{one.name}", one) for one in shared),
-        ]
-    )
 
 
 def _orphans(sources: Sources) -> Iterator[Problem]:

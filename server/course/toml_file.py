@@ -8,20 +8,17 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
 
+from server.base.refused import reason
 from server.course.models import CourseFault, Problem
+from server.course.toml_places import Location, line_of
 
 M = TypeVar("M", bound=BaseModel)
-Location = tuple[int | str, ...]
 
 MESSAGES = {
     "missing": "champ manquant : « {field} »",
     "extra_forbidden": "champ inconnu : « {field} »",
-    "string_type": "« {field} » doit être un texte entre guillemets",
-    "string_too_short": "« {field} » est vide",
-    "int_type": "« {field} » doit être un nombre entier",
-    "list_type": "« {field} » doit être une liste",
-    "too_short": "« {field} » est vide",
     "plain_text": "« {field} » : ni formule ni code dans ce texte",
 }
 
@@ -54,7 +51,7 @@ def validated(values: object, text: str, path: Path, model: type[M], at: Locatio
     except ValidationError as error:
         first = error.errors()[0]
         line = line_of(text, (*at, *first["loc"])) + first_line - 1
-        raise CourseFault(Problem(path, line, describe(first["type"], first))) from error
+        raise CourseFault(Problem(path, line, describe(first))) from error
 
 
 def load(text: str, path: Path, first_line: int = 1) -> dict[str, Any]:
@@ -66,61 +63,14 @@ def load(text: str, path: Path, first_line: int = 1) -> dict[str, Any]:
         raise CourseFault(Problem(path, line, f"TOML mal formé ({error})")) from error
 
 
-def describe(kind: str, fault: object) -> str:
+def describe(fault: ErrorDetails) -> str:
     """A French sentence for one of pydantic's faults."""
-    assert isinstance(fault, dict)
     field = ".".join(str(part + 1) if isinstance(part, int) else part for part in fault["loc"])
-    return MESSAGES.get(kind, "« {field} » : valeur refusée ({detail})").format(field=field, detail=fault["msg"])
+    own = MESSAGES.get(fault["type"])
+    return own.format(field=field) if own else f"« {field} » : {reason(fault)}"
 
 
 def syntax_line(text: str, error: tomllib.TOMLDecodeError) -> int:
     """tomllib states the line in its message only ("at line 3, column 5" or "at end of document")."""
     found = re.search(r"at line (\d+)", str(error))
     return int(found[1]) if found else max(1, len(text.splitlines()))
-
-
-def line_of(text: str, location: Location) -> int:
-    """The line (from 1) where the field at `location` stands, or the table that should hold it."""
-    lines = text.splitlines()
-    name, scope = "", range(len(lines))
-    start, end = 0, _next_header(lines, 0)
-    for depth, part in enumerate(location):
-        if isinstance(part, int):
-            continue
-        index = location[depth + 1] if depth + 1 < len(location) else None
-        inner = f"{name}.{part}" if name else part
-        header = _header(lines, inner, index if isinstance(index, int) else 0, scope)
-        if header is not None:
-            name, scope = inner, _scope(lines, inner, header, scope)
-            start, end = header, _next_header(lines, header + 1)
-        elif (key := _key(lines, part, start, end)) is not None:
-            return key + 1
-    return start + 1
-
-
-def _header(lines: list[str], name: str, occurrence: int, scope: range) -> int | None:
-    found = [number for number in scope if _named(lines[number]) == name]
-    return found[occurrence] if occurrence < len(found) else None
-
-
-def _scope(lines: list[str], name: str, header: int, scope: range) -> range:
-    """The lines of a table and of those inside it."""
-    inside = f"{name}."
-    headers = ((number, _named(lines[number])) for number in range(header + 1, scope.stop))
-    end = next((number for number, found in headers if found and not found.startswith(inside)), scope.stop)
-    return range(header, end)
-
-
-def _named(line: str) -> str | None:
-    """The name of the table that a line opens."""
-    found = re.match(r"\s*\[\[?\s*([\w.\- ]+?)\s*\]\]?", line)
-    return found[1] if found else None
-
-
-def _next_header(lines: list[str], start: int) -> int:
-    return next((number for number in range(start, len(lines)) if re.match(r"\s*\[", lines[number])), len(lines))
-
-
-def _key(lines: list[str], name: str, start: int, end: int) -> int | None:
-    pattern = re.compile(rf"\s*[\"']?{re.escape(name)}[\"']?\s*=")
-    return next((number for number in range(start, end) if pattern.match(lines[number])), None)

@@ -1,32 +1,85 @@
-"""The version of an exercise: a digest of all that can change what a student sees or how they are graded."""
+"""The version of an exercise: a digest of all that can change a verdict, and of nothing else.
+
+In it: the closure of its grader's imports (`closure.py`), from where it is described and from the class that grades;
+the solution, the catalogued mistakes and any data of its grader's folder; of the course, the questions of an exercise
+without code, the kit that code finds, and of `exercise.toml` the kind, the functions asked for and the limits.
+
+Not in it: what is read beside the code (statement, hints, starter, title), what is drawn from a verdict (`figures.py`,
+`graders/plotting.py`), the specimens, which only try the grader; nor what every exercise shares and no file of the
+course says: the sandbox, Python, NumPy.
+"""
 
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from server.course.closure import Imports
+from server.course.schemas import ExerciseFile
+
 DIGITS = 12
+GRADER = "grader"
+IN_THE_COURSE = ("misconceptions.toml", "questions.toml")
+SPECIMENS = "specimens"
+MISTAKES = "misconceptions"
+NOT_DATA = {".py", ".md"}
 
 
-def digest(roots: Iterable[tuple[str, Path]]) -> str:
-    """First 12 hexadecimal digits of sha256 over named files and folders, names and bytes, in a fixed order."""
-    total = hashlib.sha256()
-    for name, path in (entry for root in roots for entry in _files(*root)):
+def version(imports: Imports, code: Path, folder: Path, card: ExerciseFile, grader: object) -> str:
+    """First 12 hexadecimal digits of a sha256. `folder` is the exercise's, in the course; `code` holds the graders."""
+    return _digest(_asked(card), grading_files(imports, code, folder, card, grader))
+
+
+def grading_files(
+    imports: Imports, code: Path, folder: Path, card: ExerciseFile, grader: object
+) -> Iterator[tuple[str, Path]]:
+    """The files that decide of a verdict, each with a name that tells no place on this machine."""
+    module = folder.parents[1].name
+    graders = code / "graders" / module / folder.name
+    described = imports.closure(f"graders.{module}.{folder.name}.{GRADER}")
+    yield from sorted((described | imports.closure(type(grader).__module__)).items())
+    yield from ((f"grader/{name}", path) for name, path in _files(graders) if _decides(Path(name)))
+    if card.kind == "code":
+        yield "kit", folder.parents[1] / "kit" / f"{module}.py"
+    else:
+        yield from ((name, folder / name) for name in IN_THE_COURSE if (folder / name).is_file())
+
+
+def digest(folders: Iterable[tuple[str, Path]]) -> str:
+    """The same of everything in named folders."""
+    return _digest(b"", ((f"{name}/{file}", path) for name, folder in folders for file, path in _files(folder)))
+
+
+def _asked(card: ExerciseFile) -> bytes:
+    functions = [(each.name, each.signature) for each in card.functions]
+    return json.dumps([card.kind, functions, card.limits.overrides()], sort_keys=True).encode()
+
+
+def _decides(relative: Path) -> bool:
+    """Whether a file of a grader's folder does, that it does not import."""
+    if relative.parts[0] in {SPECIMENS, MISTAKES}:
+        return relative.parts[0] == MISTAKES
+    return relative.suffix not in NOT_DATA or relative.name == "solution.py"
+
+
+def _digest(head: bytes, files: Iterable[tuple[str, Path]]) -> str:
+    """Over names and contents, in the order given."""
+    total = hashlib.sha256(head)
+    for name, path in files:
         content = path.read_bytes()
-        total.update(f"{name}\0{len(content)}\0".encode())
+        total.update(f"\0{name}\0{len(content)}\0".encode())
         total.update(content)
     return total.hexdigest()[:DIGITS]
 
 
-def _files(name: str, root: Path) -> Iterator[tuple[str, Path]]:
-    if root.is_file():
-        yield name, root
-        return
-    relatives = (path.relative_to(root) for path in root.rglob("*") if path.is_file())
-    for relative in sorted(relatives, key=Path.as_posix):
-        if not _is_debris(relative):
-            yield f"{name}/{relative.as_posix()}", root / relative
+def _files(root: Path) -> Iterator[tuple[str, Path]]:
+    """The files below a folder, by their names from there."""
+    for path in sorted(root.rglob("*")):
+        relative = path.relative_to(root)
+        if path.is_file() and not _is_debris(relative):
+            yield relative.as_posix(), path
 
 
 def _is_debris(relative: Path) -> bool:

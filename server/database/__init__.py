@@ -1,4 +1,4 @@
-"""The database room: engine, sessions, base of the tables, migrations."""
+"""Engine, transactions, base of the tables, and migrations, for SQLite and PostgreSQL alike."""
 
 from server.database.base import Base, UtcDateTime, utc_now
 from server.database.engine import Database, after_commit, is_locked, upserting

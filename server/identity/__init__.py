@@ -1,0 +1,1 @@
+"""Who one is: accounts, guests, sessions, tokens, invitations."""

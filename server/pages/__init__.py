@@ -1,1 +1,1 @@
-"""The pages that students and teachers read."""
+"""The pages of exercises, attempts and accounts."""

@@ -5,22 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from server.base.sizes import NO_BREAK, size
 from server.course import Exercise
 from server.sandbox import Policy
 from server.web.words import points
 
-_NO_BREAK, _THIN = "\u00a0", "\u202f"
+_THIN = "\u202f"
 
 
 def _seconds(value: float) -> str:
-    return f"{points(value)}{_NO_BREAK}s"
-
-
-def _size(count: float) -> str:
-    for unit, name in ((1 << 30, "Gio"), (1 << 20, "Mio"), (1 << 10, "Kio")):
-        if count >= unit:
-            return f"{points(count / unit)}{_NO_BREAK}{name}"
-    return f"{count:.0f}{_NO_BREAK}octets"
+    return f"{points(value)}{NO_BREAK}s"
 
 
 def _count(value: float) -> str:
@@ -36,16 +30,16 @@ def _threads(value: float) -> str:
 LINES: dict[str, tuple[str, Callable[[float], str]]] = {
     "cpu_seconds": ("Temps de calcul", _seconds),
     "wall_seconds": ("Durée, attentes comprises", _seconds),
-    "memory_bytes": ("Mémoire, sans les bibliothèques", _size),
-    "source_bytes": ("Taille de votre fichier", _size),
-    "stdout_bytes": ("Texte affiché par print", _size),
-    "frame_bytes": ("Taille d’une réponse", _size),
+    "memory_bytes": ("Mémoire, sans les bibliothèques", size),
+    "source_bytes": ("Taille de votre fichier", size),
+    "stdout_bytes": ("Texte affiché par print", size),
+    "frame_bytes": ("Taille d’une réponse", size),
     "items": ("Valeurs d’une réponse, hors tableaux", _count),
-    "depth": ("Imbrication d’une réponse", lambda value: f"{_count(value)}{_NO_BREAK}niveaux"),
+    "depth": ("Imbrication d’une réponse", lambda value: f"{_count(value)}{NO_BREAK}niveaux"),
     "threads": ("Fils d’exécution (threads)", _threads),
     "files": ("Fichiers ouverts en même temps", _count),
-    "file_bytes": ("Taille d’un fichier écrit", _size),
-    "folder_bytes": ("Fichiers écrits, en tout", _size),
+    "file_bytes": ("Taille d’un fichier écrit", size),
+    "folder_bytes": ("Fichiers écrits, en tout", size),
 }
 
 

@@ -1,0 +1,1 @@
+"""The course's Markdown as HTML: blocks, numbers, links, mathematics, coloured code."""

@@ -35,7 +35,8 @@ class Server:
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     data = tmp_path_factory.mktemp("data")
     command = [sys.executable, "-m", "server", "serve", "--port", "0", "--data", str(data)]
-    environment = {**os.environ, "BALISE_WORKERS": "1", "PYTHONUNBUFFERED": "1"}
+    machine = {name: value for name, value in os.environ.items() if not name.startswith("BALISE_")}
+    environment = {**machine, "BALISE_WORKERS": "1", "PYTHONUNBUFFERED": "1"}
     log = (data / "log.txt").open("w+")
     process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=log, stderr=subprocess.STDOUT)
     try:

@@ -130,7 +130,7 @@ def test_a_refusal_stands_next_to_the_button_and_keeps_the_code(visit: NewVisit)
     page = visitor.open()
     visitor.write("x = '" + "a" * 70_000 + "'\n")
     page.get_by_role("button", name="Envoyer").click()
-    expect(page.get_by_role("alert")).to_contain_text("la limite est de")
+    expect(page.get_by_role("alert")).to_contain_text("la limite de")
     expect(page.get_by_role("button", name="Envoyer")).to_have_attribute("aria-disabled", "false")
 
 

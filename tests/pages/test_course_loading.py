@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -137,51 +136,6 @@ def test_names_that_would_clash_with_other_addresses_are_refused(course_folder: 
 def test_without_rendering_a_statement_is_read_when_it_is_asked_for(course_folder: CourseFolder) -> None:
     (course_folder.exercise("a") / "enonce.md").write_text("$\\frac{$")
     assert not course_folder.load(render=False).problems
-
-
-def _versions(course_folder: CourseFolder) -> dict[str, str]:
-    return {name: exercise.version for name, exercise in course_folder.load().exercises.items()}
-
-
-def test_the_version_follows_the_content_and_nothing_else(course_folder: CourseFolder) -> None:
-    before = _versions(course_folder)
-    assert _versions(course_folder) == before
-    for path in course_folder.root.rglob("*.py"):
-        path.touch()
-    course_folder.write("graders/m9/a/__pycache__/grader.cpython-311.pyc", "x")
-    course_folder.write("curriculum/m9/exercices/a/.enonce.md.swp", "x")
-    assert _versions(course_folder) == before
-
-
-@pytest.mark.parametrize(
-    ("path", "changed"),
-    [
-        ("curriculum/m9/exercices/a/enonce.md", {"m9/a"}),
-        ("curriculum/m9/exercices/a/figure.svg", {"m9/a"}),
-        ("graders/m9/a/solution.py", {"m9/a"}),
-        ("graders/m9/world.py", {"m9/a", "m9/b"}),
-        ("graders/core/checks.py", {"m9/a", "m9/b"}),
-        ("graders/robotics/poses.py", {"m9/a", "m9/b"}),
-        ("curriculum/m9/kit/m9.py", {"m9/a", "m9/b"}),
-        ("reference/se2.py", {"m9/a", "m9/b"}),
-        ("curriculum/m9/module.toml", set()),
-        ("graders/m9/c/grader.py", set()),
-    ],
-)
-def test_what_changes_a_version(course_folder: CourseFolder, path: str, changed: set[str]) -> None:
-    before = _versions(course_folder)
-    place = Path(path)
-    old = (course_folder.root / place).read_text(encoding="utf-8") if (course_folder.root / place).exists() else ""
-    course_folder.write(path, old + "\n#autre\n")
-    after = _versions(course_folder)
-    assert {name for name in after if after[name] != before[name]} == changed
-
-
-def test_renaming_a_file_changes_the_version(course_folder: CourseFolder) -> None:
-    course_folder.write("graders/m9/a/one.py", "x")
-    before = _versions(course_folder)
-    (course_folder.root / "graders/m9/a/one.py").rename(course_folder.root / "graders/m9/a/two.py")
-    assert _versions(course_folder)["m9/a"] != before["m9/a"]
 
 
 def test_the_course_that_is_shipped_is_well_formed() -> None:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import get_args
+
 import pytest
 
-from server.course.models import Module
+from server.course.library import ORDER
+from server.course.models import Kind, Module
 from tests.pages.conftest import EXERCISE, CourseFolder
 from tests.pages.texts_on_disk import FIGURES, FRONT, GLOSSARY, page, problems, write_page
 
@@ -135,7 +138,9 @@ BAD_GLOSSARY = {
     "malformed name": (ENTRY.replace('id = "carte"', 'id = "Carte"'), 8, "nom mal formé"),
     "word defined twice": (ENTRY.replace('id = "carte"', 'id = "pose"'), 8, "mot déjà défini"),
     "unknown page": (ENTRY.replace('page = "une"', 'page = "deux"'), 8, "page inconnue « deux »"),
+    "unknown page, quoted otherwise": (ENTRY.replace('"carte"', "'carte'").replace('"une"', "'x'"), 8, "page inconnue"),
     "bad link": (ENTRY.replace("Un plan", "[x](terme:absent)"), 10, "terme inconnu"),
+    "bad link below the quotes": (ENTRY.replace('"Un plan."', '"""\n\nUn\n[x](terme:absent)"""'), 13, "terme inconnu"),
 }
 
 
@@ -198,3 +203,8 @@ def test_no_formula_is_drawn_when_the_service_starts(
     monkeypatch.setattr("server.text.katex.render", refuse)
     monkeypatch.setattr("server.text.katex.prepare", refuse)
     assert problems(course_folder, render=False, check=True) == []
+
+
+def test_every_kind_of_page_has_a_folder_and_its_place_in_the_order() -> None:
+    assert set(ORDER) == set(get_args(Kind))
+    assert len(ORDER) == len(set(ORDER))

@@ -8,6 +8,7 @@ from dataclasses import fields
 
 import pytest
 
+from server.base.sizes import size
 from server.course.schemas import Limits
 from server.grading.joint import policy_of
 from server.pages.policy import LINES, limits_of
@@ -63,3 +64,21 @@ def test_an_exercises_own_limit_binds_and_shows(course_folder: CourseFolder, fie
     assert getattr(policy_of(own), field) == value
     changed = set(limits_of(own)) - set(limits_of(usual))
     assert changed == {(LINES[field][0], told)}
+
+
+@pytest.mark.parametrize(
+    ("count", "text"),
+    [
+        (0, "0 octet"),
+        (1, "1 octet"),
+        (2, "2 octets"),
+        (1023, "1023 octets"),
+        (1024, "1 Kio"),
+        (1536, "1,5 Kio"),
+        (100 << 20, "100 Mio"),
+        ((1 << 20) + (1 << 18), "1,25 Mio"),
+        (3 << 29, "1,5 Gio"),
+    ],
+)
+def test_sizes_are_in_french_units(count: int, text: str) -> None:
+    assert size(count).replace("\u00a0", " ") == text

@@ -166,7 +166,7 @@ def test_refusals_say_why(site: Site) -> None:
     assert "en peu de temps" in answer.text
     answer = site.another().client.post(f"{PAGE}/soumissions", data={"code": "x" * 70_000})
     assert answer.status_code == 413
-    assert "la limite est de" in answer.text
+    assert "la limite de 64" in answer.text
 
 
 HOSTILE = "<script>alert(1)</script>{{ 7 * 7 }}\x1b[31m\u202e</textarea></pre>"

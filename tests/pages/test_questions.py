@@ -125,6 +125,18 @@ BROKEN: dict[str, tuple[str, str, int | None, str]] = {
     "bad TeX in a question": ("questions.toml", CHOICE.replace("$1 + 1$", "$\\\\frac{1$"), 5, "formule"),
     "bad TeX in an explanation": ("questions.toml", CHOICE.replace("$4$", "$4_$"), 31, "formule"),
     "unknown exercise in a link": ("questions.toml", CHOICE.replace("Comptez.", "Voir [](exo:zut)."), 16, "zut"),
+    "bad link below the quotes": (
+        "questions.toml",
+        CHOICE.replace('"Comptez."', '"""\n\nVoir\n[](exo:zut)."""'),
+        19,
+        "zut",
+    ),
+    "bad link in a comment too": (
+        "questions.toml",
+        "# [](exo:zut)\n" + CHOICE.replace("Comptez.", "[](exo:zut)"),
+        17,
+        "zut",
+    ),
     "image": ("questions.toml", CHOICE.replace("Comptez.", "![x](y.png)"), 16, "image"),
     "no right option": ("questions.toml", CHOICE.replace("right = true\n", "", 1), 3, "no right option"),
     "two right options": (

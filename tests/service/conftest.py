@@ -63,6 +63,12 @@ def worker_of(database: Database, settings: Settings, grade: Grade = fake_grade,
 
 
 @pytest.fixture(autouse=True)
+def _no_settings_but_a_test_s_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in [name for name in os.environ if name.startswith("BALISE_")]:
+        monkeypatch.delenv(name)
+
+
+@pytest.fixture(autouse=True)
 def _passwords_are_hashed_quickly(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("server.identity.secrets._hasher", weak_hasher)
 

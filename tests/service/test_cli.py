@@ -113,12 +113,6 @@ def test_help_is_in_french(command: tuple[str, ...], capsys: Any) -> None:
     assert not {"usage", "show", "positional", "exit"} & set(told.replace(":", " ").split())
 
 
-def test_a_malformed_setting_is_told_by_its_name(monkeypatch: Any, capsys: Any) -> None:
-    monkeypatch.setenv("BALISE_WORKERS", "beaucoup")
-    assert main(["serve", "--port", "0"]) == 2
-    assert "BALISE_WORKERS" in capsys.readouterr().err
-
-
 def test_a_remote_worker_needs_a_database(monkeypatch: Any, capsys: Any) -> None:
     monkeypatch.delenv("BALISE_DATABASE_URL", raising=False)
     assert main(["worker"]) == 2

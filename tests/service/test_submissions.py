@@ -62,7 +62,7 @@ def test_a_submission_is_kept_byte_for_byte(desk: Desk, ada: Account) -> None:
 
 def test_code_is_bounded_in_bytes(desk: Desk, ada: Account) -> None:
     desk.submit(ada, "é" * (desk.settings.code_bytes // 2))
-    with pytest.raises(TooLarge, match="65537 octets"):
+    with pytest.raises(TooLarge, match=r"dépasse de 1.octet la limite de 64.Kio"):
         desk.submit(ada, "é" * (desk.settings.code_bytes // 2) + "x")
 
 

@@ -1,0 +1,45 @@
+"""Why a value is refused, in French: pydantic's reasons, for settings, for the course's files and for the API."""
+
+from collections.abc import Mapping
+from typing import Any
+
+REASONS = {
+    "missing": "valeur manquante",
+    "extra_forbidden": "nom inconnu",
+    "string_type": "un texte est attendu",
+    "string_too_short": "ne peut être vide",
+    "string_pattern_mismatch": "ce nom ne convient pas",
+    "bool_type": "vrai ou faux est attendu",
+    "bool_parsing": "vrai ou faux est attendu",
+    "int_type": "un nombre entier est attendu",
+    "int_parsing": "un nombre entier est attendu",
+    "int_parsing_size": "ce nombre est trop grand",
+    "int_from_float": "un nombre entier est attendu",
+    "float_type": "un nombre est attendu",
+    "float_parsing": "un nombre est attendu",
+    "finite_number": "un nombre fini est attendu",
+    "greater_than": "il faut plus de {gt}",
+    "greater_than_equal": "il faut au moins {ge}",
+    "less_than": "il faut moins de {lt}",
+    "less_than_equal": "il faut au plus {le}",
+    "list_type": "une liste est attendue",
+    "dict_type": "une table est attendue",
+    "model_type": "une table est attendue",
+    "too_short": "il en faut au moins {min_length}",
+    "too_long": "il en faut au plus {max_length}",
+    "literal_error": "valeur inconnue",
+    "enum": "valeur inconnue",
+    "path_type": "un chemin est attendu",
+    "json_invalid": "JSON mal formé",
+    "model_attributes_type": "un objet est attendu",
+}
+
+
+def reason(error: Mapping[str, Any]) -> str:
+    """What is wrong, to follow the name of what is refused. `error` is one of `ValidationError.errors()`."""
+    bounds = {name: _french(value) for name, value in error.get("ctx", {}).items()}
+    return REASONS.get(error["type"], "valeur refusée").format(**bounds)
+
+
+def _french(value: object) -> str:
+    return f"{value:.12g}".replace(".", ",") if isinstance(value, int | float) else str(value)

@@ -1,0 +1,90 @@
+"""What a module of the graders imports of ours, and what that imports in turn, read without running any of it.
+
+Imports inside functions count too. Those that only type checkers follow do not, nor does what draws: a figure is drawn
+when somebody looks, from what a verdict left. A module whose name is computed cannot be seen; the graders have one such
+import, of an exercise's figures, and a test holds that what grading really imports is all found here.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+OURS = ("graders", "reference")
+DRAWING = "graders.plotting"
+
+
+class Imports:
+    """The modules under `root`, each read once."""
+
+    def __init__(self, root: Path) -> None:
+        self._root = root
+        self._module = cache(self._read)
+
+    def closure(self, module: str) -> dict[str, Path]:
+        """The files behind the import of a module, by the names of the modules; packages on the way are among them."""
+        found: dict[str, Path] = {}
+        left = {module}
+        while left:
+            name = left.pop()
+            path, imported = self._module(name)
+            if path is not None:
+                found[name] = path
+                left |= imported - found.keys()
+        return found
+
+    def _read(self, module: str) -> tuple[Path | None, frozenset[str]]:
+        base = self._root.joinpath(*module.split("."))
+        for path, package in ((base / "__init__.py", module), (base.with_suffix(".py"), module.rpartition(".")[0])):
+            if path.is_file():
+                return path, frozenset(
+                    name for asked in (package, *_asked(path, package)) for name in _on_the_way(asked)
+                )
+        return None, frozenset()
+
+
+def _on_the_way(module: str) -> Iterator[str]:
+    """`a`, `a.b` and `a.b.c` for `a.b.c`, where it is of ours."""
+    parts = module.split(".")
+    if parts[0] in OURS and not f"{module}.".startswith(f"{DRAWING}."):
+        yield from (".".join(parts[:length]) for length in range(1, len(parts) + 1))
+
+
+def _asked(path: Path, package: str) -> Iterator[str]:
+    """The modules that a file may import: of `from a import b`, `a`, and `a.b`, which may be a module."""
+    try:
+        tree = ast.parse(path.read_bytes())
+    except (SyntaxError, ValueError):  # discovery has told of it
+        return
+    for node in _statements(tree.body):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            source = _source(node, package)
+            yield source
+            yield from (f"{source}.{alias.name}" for alias in node.names)
+
+
+def _source(node: ast.ImportFrom, package: str) -> str:
+    if not node.level:
+        return node.module or ""
+    above = package.rsplit(".", node.level - 1)[0]
+    return f"{above}.{node.module}" if node.module else above
+
+
+def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:
+    """Statements, and those inside them: an import is a statement, so that no expression need be looked at."""
+    for node in body:
+        yield node
+        for field in ("orelse", "finalbody") if _is_for_types(node) else ("body", "orelse", "finalbody"):
+            yield from _statements(getattr(node, field, []))
+        for part in (*getattr(node, "handlers", ()), *getattr(node, "cases", ())):
+            yield from _statements(part.body)
+
+
+def _is_for_types(node: ast.stmt) -> bool:
+    """Whether it is `if TYPE_CHECKING:`."""
+    test = node.test if isinstance(node, ast.If) else None
+    return "TYPE_CHECKING" in (getattr(test, "id", None), getattr(test, "attr", None))
