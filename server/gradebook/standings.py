@@ -92,13 +92,18 @@ def recount(db: Session, account_id: UUID, exercise: str | None = None) -> int:
     The account's row and its standings are locked before the history is read, so that a grading that ends meanwhile
     (`add` inserts, which asks for the account's row, or updates) is counted after.
     """
-    db.execute(select(Account.id).where(Account.id == account_id).with_for_update())
+    lock(db, [account_id])
     kept = _kept(db, account_id, exercise)
     right = _from_history(db, account_id, exercise)
     wrong = [name for name in kept.keys() | right.keys() if kept.get(name) != right.get(name)]
     for name in wrong:
         _write(db, account_id, name, right.get(name))
     return len(wrong)
+
+
+def lock(db: Session, accounts: Collection[UUID]) -> None:
+    """Keeps others from adding to what these accounts have sent, until the commit. Always in the same order."""
+    db.execute(select(Account.id).where(Account.id.in_(accounts)).order_by(Account.id).with_for_update())
 
 
 def _write(db: Session, account_id: UUID, exercise: str, sums: Sums | None) -> None:
