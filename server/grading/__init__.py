@@ -1,1 +1,1 @@
-"""The worker: it takes submissions from the queue, has them graded in the sandbox, and records the verdicts."""
+"""Grading, one kind of job: sandbox and graders joined, and the workers that the service keeps alive."""

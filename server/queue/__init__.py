@@ -1,1 +1,1 @@
-"""The queue of submissions: rows with a lease, and how a worker learns that there is work."""
+"""Jobs of any kind: rows with a lease, their tasks, and how a worker learns that there is work."""

@@ -1,1 +1,1 @@
-"""What was submitted: attempts, their draws and figures, and the news of their grading."""
+"""What was sent: submissions, what was dealt to whom, and the news of their grading."""
