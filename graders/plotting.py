@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import io
 import threading
 from collections.abc import Iterator
@@ -143,3 +144,11 @@ def to_bytes(figure: Figure, extension: str) -> bytes:
     metadata = {"Date": None} if extension == "svg" else None
     figure.savefig(buffer, format=extension, metadata=metadata, dpi=144)
     return buffer.getvalue()
+
+
+def counterexample(exercise: str, data: dict[str, Any], *, theme: str = "light", extension: str = "svg") -> bytes:
+    """The figure whose data a verdict of this exercise left, as a "svg" or "png" file."""
+    module = importlib.import_module(f"graders.{exercise.replace('/', '.')}.figures")
+    with drawing(theme) as figure:
+        module.FIGURES[data["kind"]](figure, data)
+        return to_bytes(figure, extension)

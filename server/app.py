@@ -10,38 +10,43 @@ from functools import cached_property
 from typing import Any
 
 from fastapi import FastAPI
+from sqlalchemy.exc import SQLAlchemyError
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware.gzip import GZipMiddleware
 
 from server.api.documentation import with_problem_schema
 from server.api.routes import router as api_router
 from server.base import middleware
+from server.base.helper import Helper
 from server.base.provided import check_provided, provide
 from server.base.settings import Settings
 from server.cells.routes import router as cells_router
 from server.cells.supervisor import Cells
 from server.course import Course, load
 from server.database import Database
-from server.grading.results import give_up_with
+from server.figures.pictures import Pictures
+from server.figures.program import program
+from server.figures.service import Figures
+from server.figures.store import Store
+from server.gradebook import service as gradebook
 from server.grading.supervisor import WORKER_COMMAND, Supervisor
+from server.grading.task import give_ups
 from server.identity import service as accounts
 from server.identity.service import Accounts
 from server.pages.accounts import router as accounts_router
 from server.pages.routes import router as pages_router
-from server.queue import service as queue
 from server.queue.owner import Owner, owner_of
-from server.queue.port import Signals
+from server.queue.port import Queue, Signals
 from server.queue.postgres import AllSignals, Listener, PostgresSignals
+from server.queue.service import TableQueue
 from server.queue.switchboard import Switchboard
 from server.reading.downloads import Downloads
-from server.reading.figures import Drawings
 from server.reading.routes import router as reading_router
 from server.replays.routes import Desk
 from server.replays.routes import router as replays_router
 from server.replays.service import Replays
-from server.submissions import service as submissions
 from server.submissions.events import Events
-from server.submissions.figures import Figures
+from server.submissions.service import Submissions
 from server.web import errors
 
 log = logging.getLogger(__name__)
@@ -73,18 +78,30 @@ class Services:
 
     @cached_property
     def database(self) -> Database:
+        return Database(self.settings.url)
+
+    @cached_property
+    def queue(self) -> Queue:
         local = self.switchboard
         signals: Signals = AllSignals([local, PostgresSignals()]) if self.on_postgres else local
-        return Database(self.settings.url, {"settings": self.settings, "signals": signals})
+        return TableQueue(signals)
 
     @cached_property
     def cells(self) -> Cells:
         return Cells(self.settings, self.course.kits)
 
+    @cached_property
+    def figures(self) -> Figures:
+        kept = Store(self.settings.data_dir / "figures")
+        return Figures(self.course, self.database, Pictures(Helper(program()), kept))
+
     def take_back(self, owner: Owner) -> None:
-        """A local worker has died: its submission goes back to the queue at once."""
-        with self.database.write() as db:
-            queue.release(db, owner, give_up_with(self.course))
+        """A local worker has died: its job goes back to the queue at once, or when lost leases are next looked for."""
+        try:
+            with self.database.write() as db:
+                self.queue.release(db, owner, give_ups(self.course))
+        except SQLAlchemyError:
+            log.exception("the job of a dead worker could not be taken back; trying again later")
 
     def tidy(self) -> None:
         with self.database.write() as db:
@@ -93,7 +110,7 @@ class Services:
     def recover(self) -> None:
         """Leases that have run out, or whose holder died with another server."""
         with self.database.write() as db:
-            queue.recover(db, owner_of(os.getpid()), give_up_with(self.course))
+            self.queue.recover(db, owner_of(os.getpid()), give_ups(self.course))
 
     async def keep_recovering(self) -> None:
         while True:
@@ -114,6 +131,7 @@ class Services:
             if self.on_postgres:
                 stack.push_async_callback(run_in_threadpool, self._listen())
             stack.push_async_callback(self.cells.close)
+            stack.push_async_callback(self.figures.pictures.close)
             await stack.enter_async_context(
                 Supervisor(self.settings, self.switchboard, self.take_back, self.worker_command)
             )
@@ -162,8 +180,9 @@ def create_app(
 def _share(app: FastAPI, services: Services) -> None:
     course = services.course
     provide(app, services.settings, course, services.database, services.events, services.cells)
-    provide(app, Accounts(services.database, services.settings, adopt=submissions.adopt))
-    provide(app, Figures(course), Drawings(course), Downloads(course), Desk(Replays()))
+    provide(app, Accounts(services.database, services.settings, adopt=gradebook.adopt))
+    provide(app, Submissions(services.settings, services.queue))
+    provide(app, services.figures, Downloads(course), Desk(Replays()))
     check_provided(app)
 
 

@@ -52,7 +52,7 @@ def migrated(settings: Settings) -> Database:
         path.write_bytes(_sqlite_file())
     else:
         _upgrade_once(settings.url)
-    return Database(settings.url, {"settings": settings})
+    return Database(settings.url)
 
 
 @cache
@@ -67,7 +67,7 @@ def _sqlite_file() -> bytes:
 
 @cache
 def _upgrade_once(url: str) -> None:
-    database = Database(url, {})
+    database = Database(url)
     upgrade(database.engine)
     database.close()
 

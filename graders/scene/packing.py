@@ -16,7 +16,6 @@ from reference.errors import InvalidArgumentError
 
 LARGEST = 32767
 FINEST = 1e-4
-LONGEST_RUN = 255
 SIGNIFICANT = 4
 
 
@@ -47,23 +46,10 @@ def packed(array: NDArray[np.float64]) -> dict[str, Any]:
 
 
 def picture(cells: NDArray[np.float64]) -> dict[str, Any]:
-    """Cells (H, W) of numbers in [0, 1] as bytes 0..255, plain or as runs (count, byte), whichever is shorter."""
+    """Cells (H, W) of numbers in [0, 1] as bytes 0..255. What repeats is left to the compression of the answer."""
     height, width = cells.shape
-    flat = np.rint(np.clip(cells, 0.0, 1.0) * 255.0).astype(np.uint8).ravel()
-    runs = _runs(flat)
-    shorter = runs.size < flat.size
-    data = base64.b64encode((runs if shorter else flat).tobytes()).decode("ascii")
-    return {"w": width, "h": height, "runs": shorter, "d": data}
-
-
-def _runs(flat: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """The bytes as pairs (count, byte), no count above 255."""
-    starts = np.flatnonzero(np.r_[True, flat[1:] != flat[:-1]])
-    lengths = np.diff(np.r_[starts, flat.size])
-    parts = np.ceil(lengths / LONGEST_RUN).astype(np.int64)
-    counts = np.full(int(parts.sum()), LONGEST_RUN, dtype=np.int64)
-    counts[np.cumsum(parts) - 1] = lengths - (parts - 1) * LONGEST_RUN
-    return np.column_stack([counts, np.repeat(flat[starts], parts)]).astype(np.uint8).ravel()
+    data = np.rint(np.clip(cells, 0.0, 1.0) * 255.0).astype(np.uint8)
+    return {"w": width, "h": height, "d": base64.b64encode(data.tobytes()).decode("ascii")}
 
 
 def rounded(value: float, significant: int = SIGNIFICANT) -> float | int | None:

@@ -10,7 +10,7 @@ from server.course.dependencies import CourseOf
 from server.course.models import Course, Exercise
 from server.database.dependencies import DatabaseOf
 from server.identity.dependencies import ApiAccount
-from server.submissions import draws
+from server.submissions import deals
 
 router = APIRouter(tags=["exercises"])
 NO_PAPER = Paper((), ())
@@ -40,7 +40,7 @@ def read_exercise(
     exercise = find(course, f"{module}/{slug}")
     paper = NO_PAPER
     if exercise.answers is not None:
-        paper = exercise.answers.paper(draws.seed_to_show(database, account, exercise.id))
+        paper = exercise.answers.paper(deals.seed_to_show(database, account, exercise.id))
     return ExerciseDetail(
         **_summary(exercise).model_dump(),
         statement_html=exercise.statement_html,

@@ -10,16 +10,18 @@ from sqlalchemy.orm import Session
 
 from graders.core.contract.verdict import Verdict
 from server.database import Database
+from server.gradebook import service as gradebook
+from server.gradebook.schemas import Attempt
 from server.identity.models import Account
-from server.queue import service as queue
-from server.submissions import service as submissions
-from server.submissions.models import State, Submission
+from server.submissions.models import State
+from server.submissions.service import Submissions
 
 
 @dataclass(frozen=True)
 class Resource:
     """The JSON members of a submission (`api.schemas.SubmissionOut`)."""
 
+    id: UUID
     members: dict[str, Any]
 
     @property
@@ -34,25 +36,28 @@ def url_of(submission_id: UUID) -> str:
     return f"/api/v1/submissions/{submission_id}"
 
 
-def resource(db: Session, submission: Submission) -> Resource:
+def resource(db: Session, store: Submissions, attempt: Attempt) -> Resource:
+    submission = attempt.submission
+    place = store.place(db, submission)
     return Resource(
+        submission.id,
         {
             "id": str(submission.id),
-            "status": submission.state,
-            "position": queue.position(db, submission),
-            "verdict": submission.verdict and Verdict.from_json(submission.verdict).to_json(),
+            "status": place.state,
+            "position": place.position,
+            "verdict": Verdict.from_json(attempt.grading.verdict).to_json() if attempt.grading else None,
             "url": url_of(submission.id),
             "exercise": submission.exercise,
             "created_at": submission.created_at.isoformat(),
-        }
+        },
     )
 
 
-def reader(database: Database, account: Account, submission_id: UUID) -> Callable[[], Resource]:
+def reader(database: Database, store: Submissions, account: Account, submission_id: UUID) -> Callable[[], Resource]:
     """Reads the submission afresh, in a transaction of its own."""
 
     def read() -> Resource:
         with database.read() as db:
-            return resource(db, submissions.get_for(db, account, submission_id))
+            return resource(db, store, gradebook.find(db, account, submission_id))
 
     return read

@@ -1,8 +1,9 @@
 """Sending files and following them."""
 
+from collections.abc import Callable
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query
+from fastapi import APIRouter, Depends, Query, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
@@ -11,16 +12,21 @@ from server.api.documentation import content, events, problems
 from server.api.exercises import find
 from server.api.schemas import NewSubmission, SubmissionOut
 from server.api.state import Resource, reader, resource
+from server.base.request import client_address
 from server.course.dependencies import CourseOf
 from server.course.models import Exercise
 from server.database import Database
 from server.database.dependencies import DatabaseOf, Db
+from server.figures.dependencies import FiguresOf
+from server.figures.orders import MEDIA_TYPES, Form, Theme
+from server.figures.service import Wanted
+from server.gradebook import service as gradebook
+from server.gradebook.schemas import Attempt
 from server.identity.dependencies import ApiAccount
 from server.identity.models import Account
-from server.submissions import service as submissions
-from server.submissions.dependencies import EventsOf, FiguresOf
+from server.submissions.dependencies import EventsOf, SubmissionsOf
 from server.submissions.events import Events, as_sse
-from server.submissions.figures import MEDIA_TYPES, Format, Theme
+from server.submissions.service import Submissions, key_of, parse_id
 
 router = APIRouter(tags=["submissions"])
 
@@ -46,15 +52,16 @@ async def create(
     body: NewSubmission,
     account: ApiAccount,
     database: DatabaseOf,
+    store: SubmissionsOf,
     hub: EventsOf,
     course: CourseOf,
     wait: Wait = None,
 ) -> Response:
     """Stores a file, or answers, and queues it. With `wait`, answers as soon as the verdict is there."""
     _require_its_kind(find(course, body.exercise), body)
-    current = await run_in_threadpool(_store, database, account, body)
+    current = await run_in_threadpool(_store, database, store, account, body)
     if wait:
-        current = await _wait(hub, database, account, current, min(wait, LONGEST_WAIT))
+        current = await _wait(hub, reader(database, store, account, current.id), current, min(wait, LONGEST_WAIT))
     return _json(current, 200 if current.done else 202)
 
 
@@ -68,16 +75,17 @@ def _require_its_kind(exercise: Exercise, body: NewSubmission) -> None:
         raise RequestValidationError([{"type": fault, "loc": ("body", name), "msg": ""} for name, fault in faults])
 
 
-def _store(database: Database, account: Account, body: NewSubmission) -> Resource:
+def _store(database: Database, store: Submissions, account: Account, body: NewSubmission) -> Resource:
     with database.write() as db:
         if "answers" in body.model_fields_set:
-            return resource(db, submissions.submit_answers(db, account, body.exercise, body.answers))
-        return resource(db, submissions.submit(db, account, body.exercise, body.code))
+            sent = store.submit_answers(db, account, body.exercise, body.answers)
+        else:
+            sent = store.submit(db, account, body.exercise, body.code)
+        return resource(db, store, Attempt(sent, None))
 
 
-async def _wait(hub: Events, database: Database, account: Account, current: Resource, seconds: float) -> Resource:
-    submission_id = submissions.parse_id(current.members["id"])
-    return await hub.until_done(submission_id, reader(database, account, submission_id), seconds)
+async def _wait(hub: Events, read: Callable[[], Resource], current: Resource, seconds: float) -> Resource:
+    return await hub.until_done(key_of(current.id), read, seconds)
 
 
 def _json(current: Resource, status: int = 200) -> Response:
@@ -85,19 +93,22 @@ def _json(current: Resource, status: int = 200) -> Response:
 
 
 @router.get("/submissions/{submission_id}", response_model=SubmissionOut, responses=problems(401, 404))
-def read(submission_id: str, account: ApiAccount, db: Db) -> Response:
+def read(submission_id: str, store: SubmissionsOf, account: ApiAccount, db: Db) -> Response:
     """The submission as it stands."""
-    return JSONResponse(resource(db, submissions.get_for(db, account, submission_id)).members)
+    return JSONResponse(resource(db, store, gradebook.find(db, account, submission_id)).members)
 
 
 @router.get(
     "/submissions/{submission_id}/events", response_class=Response, responses={200: STREAM, **problems(401, 404)}
 )
-async def follow(submission_id: str, hub: EventsOf, account: ApiAccount, database: DatabaseOf) -> Response:
+async def follow(
+    submission_id: str, store: SubmissionsOf, hub: EventsOf, account: ApiAccount, database: DatabaseOf
+) -> Response:
     """The submission each time that it changes, as server-sent events."""
-    read = reader(database, account, submissions.parse_id(submission_id))
+    identity = parse_id(submission_id)
+    read = reader(database, store, account, identity)
     await run_in_threadpool(read)  # a 404 must come before the stream begins
-    stream = as_sse(hub.follow(submissions.parse_id(submission_id), read), Resource.text)
+    stream = as_sse(hub.follow(key_of(identity), read), Resource.text)
     return StreamingResponse(stream, headers={"Cache-Control": "no-store"}, media_type="text/event-stream")
 
 
@@ -105,32 +116,38 @@ class FigureRequest:
     """One's own submission, and the name of one of its figures."""
 
     def __init__(
-        self, figures: FiguresOf, submission_id: str, name: str, account: ApiAccount, db: Db, theme: Theme = "light"
+        self,
+        request: Request,
+        figures: FiguresOf,
+        submission_id: str,
+        name: str,
+        account: ApiAccount,
+        theme: Theme = "light",
     ) -> None:
-        self._figures = figures
-        self._db, self._name, self._theme = db, name, theme
-        self._submission = submissions.get_for(db, account, submission_id)
+        self._figures, self._account, self._address = figures, account, client_address(request)
+        self._submission_id, self._name, self._theme = submission_id, name, theme
 
-    def answer(self, form: Format) -> Response:
-        picture = self._figures.draw(self._db, self._submission, self._name, form, self._theme)
+    async def answer(self, form: Form) -> Response:
+        wanted = Wanted(self._submission_id, self._name, form, self._theme)
+        picture = await self._figures.of_verdict(self._account, wanted, self._address)
         return Response(picture, media_type=MEDIA_TYPES[form], headers={"Cache-Control": "private, max-age=86400"})
 
 
 @router.get(
     "/submissions/{submission_id}/figures/{name}.svg",
     response_class=Response,
-    responses={200: content("The figure.", "image/svg+xml"), **problems(401, 404, 422)},
+    responses={200: content("The figure.", "image/svg+xml"), **problems(401, 404, 422, 503)},
 )
-def figure_svg(figure: Annotated[FigureRequest, Depends()]) -> Response:
+async def figure_svg(figure: Annotated[FigureRequest, Depends()]) -> Response:
     """A figure that the verdict names, drawn on demand."""
-    return figure.answer("svg")
+    return await figure.answer("svg")
 
 
 @router.get(
     "/submissions/{submission_id}/figures/{name}.png",
     response_class=Response,
-    responses={200: content("The figure.", "image/png"), **problems(401, 404, 422)},
+    responses={200: content("The figure.", "image/png"), **problems(401, 404, 422, 503)},
 )
-def figure_png(figure: Annotated[FigureRequest, Depends()]) -> Response:
+async def figure_png(figure: Annotated[FigureRequest, Depends()]) -> Response:
     """The same, as a bitmap."""
-    return figure.answer("png")
+    return await figure.answer("png")

@@ -23,6 +23,15 @@ def die_with(parent: int) -> None:
 def environment(settings: Settings) -> dict[str, str]:
     """This process's environment, with every setting, and the project importable from any folder."""
     values = {name: value for name, value in settings.model_dump(mode="json").items() if value is not None}
-    path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     settings_env = {f"BALISE_{name.upper()}": str(value) for name, value in values.items()}
-    return {**os.environ, **settings_env, "PYTHONPATH": path}
+    return {**os.environ, **settings_env, "PYTHONPATH": _path()}
+
+
+def bare_environment() -> dict[str, str]:
+    """The same without any setting, for a process that needs none: the database's password is among them."""
+    others = {name: value for name, value in os.environ.items() if not name.startswith("BALISE_")}
+    return {**others, "PYTHONPATH": _path()}
+
+
+def _path() -> str:
+    return os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))

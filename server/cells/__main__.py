@@ -1,20 +1,15 @@
 """The process that the service starts at the first cell: `python -m server.cells LINE_FD PARENT_PID`."""
 
-import logging
-import os
-import socket
 import sys
 
-from server.base.children import die_with
+from server.base.line import to_service
 
 
 def main(line: int, parent: int) -> None:
-    die_with(parent)
-    logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(levelname)s cells %(name)s: %(message)s")
+    service = to_service("cells", line, parent)
     from server.cells.process import serve
 
-    os.set_inheritable(line, False)  # no child of ours may keep the line open after our death
-    serve(socket.socket(fileno=line))
+    serve(service)
 
 
 if __name__ == "__main__":

@@ -42,7 +42,15 @@ def _parser() -> argparse.ArgumentParser:
     commands.add_parser("doctor", help="dit quelles protections du bac à sable tiennent sur cette machine")
     _submit(commands.add_parser("submit", help="envoie un fichier à un serveur et suit sa correction"))
     commands.add_parser("worker", help="corrige pour un serveur, depuis une autre machine (BALISE_DATABASE_URL)")
+    _admin(commands.add_parser("admin", help="ce que fait un administrateur"))
     return parser
+
+
+def _admin(parser: argparse.ArgumentParser) -> None:
+    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    help_text = "refait les bilans (meilleure note, nombre d’essais) d’après l’historique des corrections"
+    standings = actions.add_parser("standings", help=help_text, description=f"{help_text.capitalize()}.")
+    standings.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
 
 
 def _serve(parser: argparse.ArgumentParser) -> None:

@@ -12,17 +12,17 @@ from argparse import Namespace
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from graders.core.contract.findings import Grading
+from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import Known
 from server.cells import check as cells
 from server.cli.local import find, local_grader, start_probing
 from server.course import Exercise, load
+from server.figures import lessons
 from server.grading.joint import Grader
-from server.reading import figures
-from server.submissions.draws import SEED_BITS
+from server.submissions.deals import SEED_BITS
 
-Judge = Callable[[Grading], str]
+Judge = Callable[[Judgement], str]
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def run(arguments: Namespace) -> int:
     logging.basicConfig(level=logging.WARNING, stream=sys.stderr)
     probing, course = start_probing(slow=False), load()
     exercises = [find(course, name) for name in arguments.exercises] or list(course.exercises.values())
-    problems = [*course.problems, *(() if arguments.exercises else figures.faults(course))]
+    problems = [*course.problems, *(() if arguments.exercises else lessons.faults(course))]
     with local_grader(course, probing) as grader:
         problems += () if arguments.exercises else cells.faults(course)
         for problem in problems:
@@ -107,7 +107,7 @@ def examine(grader: Grader, exercise: Exercise, case: Case, seed: int) -> Examin
     return Examination(exercise.id, case.subject, "", seed)
 
 
-def not_full_marks(grading: Grading) -> str:
+def not_full_marks(grading: Judgement) -> str:
     verdict = grading.verdict
     if not verdict.outcome.counts:
         return "la correction a échoué"
@@ -117,7 +117,7 @@ def not_full_marks(grading: Grading) -> str:
 def named(misconception: str) -> Judge:
     """Rejected, and named by its own id."""
 
-    def judge(grading: Grading) -> str:
+    def judge(grading: Judgement) -> str:
         diagnosis = grading.verdict.diagnosis
         got = diagnosis.id if diagnosis else "aucun"
         return not_full_marks(grading) or ("" if got == misconception else f"diagnostic obtenu : {got}")
@@ -126,7 +126,7 @@ def named(misconception: str) -> Judge:
 
 
 def outcome(expected: Outcome) -> Judge:
-    def judge(grading: Grading) -> str:
+    def judge(grading: Judgement) -> str:
         got = grading.verdict.outcome
         if got is expected:
             return ""

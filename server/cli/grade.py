@@ -11,7 +11,7 @@ from server.cli import CannotRun, questions, report
 from server.cli.files import ANSWERS, read_source
 from server.cli.local import find, load_course, local_grader, start_probing
 from server.course import Exercise
-from server.submissions.draws import SEED_BITS
+from server.submissions.deals import SEED_BITS
 
 
 def run(arguments: Namespace) -> int:

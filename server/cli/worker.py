@@ -12,10 +12,10 @@ from server.cli.configuration import read_settings
 from server.cli.local import require_safe_sandbox, start_probing
 from server.grading.process import run as run_worker
 from server.grading.process import start_logging, stop_on_signals
-from server.grading.worker import Stop
 from server.queue.polling import Polling
 from server.queue.port import NoSignals, Signals, WorkSource
 from server.queue.postgres import PostgresSignals, PostgresSource
+from server.queue.worker import Stop
 
 
 def run(_arguments: Namespace) -> int:

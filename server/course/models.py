@@ -34,6 +34,9 @@ __all__ = [
 ]  # fmt: skip
 
 
+UNKNOWN_VERSION = "inconnue"
+
+
 @dataclass(frozen=True)
 class Problem:
     """A fault in the course's own files. `line` counts from 1; None when the fault is not in one line."""
@@ -235,6 +238,11 @@ class Course:
     def exercises(self) -> Mapping[str, Exercise]:
         """Exercises by id ("l20/poses"), in the order of the course."""
         return MappingProxyType({one.id: one for module in self.modules.values() for one in module.exercises})
+
+    def version_of(self, exercise: str) -> str:
+        """The version of an exercise by its id, which may have left the course."""
+        known = self.exercises.get(exercise)
+        return known.version if known else UNKNOWN_VERSION
 
     @cached_property
     def kits(self) -> Mapping[str, str]:

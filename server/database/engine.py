@@ -5,13 +5,16 @@ Every transaction is opened at an edge (an HTTP dependency, a worker's step, a c
 would otherwise fail, or lose updates.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+import sqlite3
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from sqlalchemy import Connection, Engine, create_engine, event, make_url
-from sqlalchemy.orm import Session, sessionmaker
+from sqlalchemy.dialects import postgresql, sqlite
+from sqlalchemy.exc import OperationalError
+from sqlalchemy.orm import DeclarativeBase, Session, sessionmaker
 
 PRAGMAS = ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON", "busy_timeout=15000")
 AFTER_COMMIT = "after_commit"
@@ -43,25 +46,34 @@ def after_commit(db: Session, action: Callable[[], None]) -> None:
     db.info.setdefault(AFTER_COMMIT, []).append(action)
 
 
-class Database:
-    """The transactions of one process. `context` travels in `Session.info`: limits and signals, for the services."""
+def is_locked(error: OperationalError) -> bool:
+    """Whether another writer of SQLite has outlasted the driver's wait: what failed may be tried again."""
+    return getattr(error.orig, "sqlite_errorcode", None) in {sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED}
 
-    def __init__(self, url: str, context: Mapping[str, object] | None = None) -> None:
+
+def upserting(db: Session, table: type[DeclarativeBase]) -> sqlite.Insert | postgresql.Insert:
+    """An INSERT that can say what to do `on_conflict_…`."""
+    return postgresql.insert(table) if db.get_bind().dialect.name == "postgresql" else sqlite.insert(table)
+
+
+class Database:
+    """The transactions of one process."""
+
+    def __init__(self, url: str) -> None:
         self.engine = make_engine(url)
-        self.context = dict(context or {})
         self._reads = sessionmaker(self.engine, expire_on_commit=False)
         self._writes = sessionmaker(self.engine.execution_options(immediate=True), expire_on_commit=False)
 
     @contextmanager
     def read(self) -> Iterator[Session]:
         """A session whose changes are dropped."""
-        with self._reads(info=dict(self.context)) as db:
+        with self._reads() as db:
             yield db
 
     @contextmanager
     def write(self) -> Iterator[Session]:
         """A session committed at the end of the block, rolled back when it raises."""
-        with self._writes(info=dict(self.context)) as db:
+        with self._writes() as db:
             yield db
             db.commit()
             for action in db.info.pop(AFTER_COMMIT, ()):

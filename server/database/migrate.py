@@ -17,9 +17,9 @@ def configuration(connection: Connection | None = None) -> Config:
     return config
 
 
-def upgrade(engine: Engine) -> None:
-    """Runs the missing migrations; two servers starting together on PostgreSQL take turns."""
+def upgrade(engine: Engine, revision: str = "head") -> None:
+    """Runs the missing migrations, up to `revision`; two servers starting together on PostgreSQL take turns."""
     with engine.execution_options(immediate=True).begin() as connection:
         if engine.dialect.name == "postgresql":
             connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": ADVISORY_LOCK})
-        command.upgrade(configuration(connection), "head")
+        command.upgrade(configuration(connection), revision)

@@ -1,1 +1,1 @@
-"""The worker: it takes submissions from the queue, has them graded in the sandbox, and records the verdicts."""
+"""The worker of submissions: it has them graded in the sandbox, and records the verdicts."""

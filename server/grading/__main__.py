@@ -6,7 +6,7 @@ import sys
 
 from server.base.children import die_with
 from server.grading.process import run, start_logging, stop_on_signals
-from server.grading.worker import Stop
+from server.queue.worker import Stop
 
 
 def main(channel_fd: int, parent: int) -> None:

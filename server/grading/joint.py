@@ -10,13 +10,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from uuid import UUID
 
-from graders.core.contract.findings import Grading
+from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, KitSettings, Reply, StudentFault
 from graders.core.contract.values import Arguments, Value
 from graders.core.contract.verdict import internal_error_verdict
 from server.course.models import Course, Exercise
-from server.grading.results import version_of
 from server.sandbox import Frame, Kit, Policy, ProgramFault, Sandbox, Session
 
 log = logging.getLogger(__name__)
@@ -98,9 +97,9 @@ class Grader:
         self._course = course
         self._sandbox = sandbox
 
-    def grade(self, exercise_id: str, source: bytes, seed: int, *, submission: UUID | None = None) -> Grading:
+    def grade(self, exercise_id: str, source: bytes, seed: int, *, submission: UUID | None = None) -> Judgement:
         """Never raises for a reason of ours: after a second failure the verdict is `internal_error`."""
-        version = version_of(self._course, exercise_id)
+        version = self._course.version_of(exercise_id)
         for attempt in range(1, TRIES + 1):
             try:
                 exercise = self._course.exercises[exercise_id]
@@ -113,4 +112,4 @@ class Grader:
                     "grading %s (version %s) with seed %d failed, try %d of %d: submission %s, %d bytes, sha256 %s",
                     *(exercise_id, version, seed, attempt, TRIES, submission or "by hand", len(source), digest),
                 )
-        return Grading(internal_error_verdict(exercise_id, version, seed))
+        return Judgement(internal_error_verdict(exercise_id, version, seed))

@@ -6,17 +6,18 @@ import signal
 import threading
 from contextlib import closing
 from types import FrameType
-from typing import Any
 
+from graders.core.contract.findings import Judgement
 from server.base.settings import Settings
 from server.course import Course, load
 from server.database import Database
 from server.grading.joint import Grader
-from server.grading.results import recorded
-from server.grading.worker import Stop, Worker
+from server.grading.task import GradingTask, SentFile
 from server.queue.port import Signals, WorkSource
-from server.queue.service import Lease
+from server.queue.service import TableQueue
+from server.queue.worker import Stop, Worker
 from server.sandbox import Sandbox, SandboxFault
+from server.submissions.service import GRADE
 
 log = logging.getLogger(__name__)
 
@@ -58,13 +59,12 @@ def run(settings: Settings, work: WorkSource, signals: Signals) -> None:
     """Grades with the real course and sandbox until told to stop."""
     course = load(render=False)
     gc.freeze()
-    database = Database(settings.url, {"settings": settings, "signals": signals})
+    database = Database(settings.url)
     with closing(database), Sandbox(course.kits) as sandbox:
         grader = Grader(course, sandbox)
         threading.Thread(target=_warm, args=(sandbox, course), name="warm-up", daemon=True).start()
 
-        def grade(lease: Lease) -> dict[str, Any]:
-            grading = grader.grade(lease.exercise, lease.source, lease.seed, submission=lease.submission_id)
-            return recorded(grading.verdict, grading.figures)
+        def grade(sent: SentFile) -> Judgement:
+            return grader.grade(sent.exercise, sent.source, sent.seed, submission=sent.submission_id)
 
-        Worker(database, settings, grade).run(work)
+        Worker(database, TableQueue(signals), settings, {GRADE: GradingTask(course, grade)}).run(work)

@@ -4,13 +4,12 @@ import math
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import Insert, delete, select, update
-from sqlalchemy.dialects import postgresql, sqlite
+from sqlalchemy import delete, select, update
 from sqlalchemy.orm import Session
 
 from server.base.errors import TooMany
 from server.base.settings import Bucket
-from server.database import utc_now
+from server.database import upserting, utc_now
 from server.limits.models import Allowance
 
 
@@ -48,11 +47,6 @@ def refilled(tokens: float, elapsed: float, bucket: Bucket) -> float:
 
 
 def _locked(db: Session, key: str, bucket: Bucket, now: datetime) -> Allowance:
-    db.execute(_insert_missing(db, {"key": key, "tokens": float(bucket.burst), "updated_at": now}))
+    full = {"key": key, "tokens": float(bucket.burst), "updated_at": now}
+    db.execute(upserting(db, Allowance).values(full).on_conflict_do_nothing())
     return db.execute(select(Allowance).where(Allowance.key == key).with_for_update()).scalar_one()
-
-
-def _insert_missing(db: Session, row: dict[str, object]) -> Insert:
-    if db.get_bind().dialect.name == "postgresql":
-        return postgresql.insert(Allowance).values(row).on_conflict_do_nothing()
-    return sqlite.insert(Allowance).values(row).on_conflict_do_nothing()

@@ -12,9 +12,10 @@ from graders.core.answers.paper import Told
 from graders.core.answers.reading import UnreadableAnswersError, read_answers, shown
 from server.base.errors import Invalid
 from server.course import Exercise
+from server.gradebook import service as gradebook
+from server.gradebook.schemas import Attempt
 from server.pages import service
 from server.pages.schemas import AnswersPage, GivenView, PieceView, QuestionView, ToldView
-from server.submissions import service as submissions
 from server.submissions.models import Submission
 from server.web.views import Reader
 from server.web.words import points
@@ -23,15 +24,15 @@ FIELD, PLACE = "q.", "place."  # the names of the form's fields: q.<question>, p
 SAME_PLACE = "Deux étapes portent le même numéro : revenez en arrière et donnez une place à chacune."
 
 
-def answers_page(reader: Reader, exercise: Exercise, seed: int, taken: Submission | None) -> AnswersPage:
+def answers_page(reader: Reader, exercise: Exercise, seed: int, taken: Attempt | None) -> AnswersPage:
     """The questions of `seed`; the fields hold the answers of `taken`, else of the last attempt."""
     grader = _grader(exercise)
-    attempts = submissions.attempts(reader.db, reader.account, exercise.id)
+    latest = gradebook.latest(reader.db, reader.account, exercise.id)
     paper = grader.paper(seed)
-    put_back = taken or (attempts[0] if attempts else None)
-    answers = _answers(grader, put_back, seed)
+    put_back = taken or latest
+    answers = _answers(grader, put_back.submission if put_back else None, seed)
     return AnswersPage(
-        **service.common_parts(reader, exercise, attempts),
+        **service.common_parts(reader, exercise, latest),
         given=tuple(GivenView(exercise.line(f"${one.symbol}$"), one.name, one.text, one.unit) for one in paper.given),
         questions=tuple(
             question_view(exercise, number, one, answers.get(one.id)) for number, one in enumerate(paper.questions, 1)

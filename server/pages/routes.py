@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal
+from typing import Annotated
 
 from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, StreamingResponse
@@ -13,19 +13,22 @@ from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import FormData
 
 from server.base.errors import Invalid, NotFound
+from server.base.request import client_address
 from server.course import Exercise
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
+from server.figures.dependencies import FiguresOf
+from server.figures.orders import MEDIA_TYPES, Theme
+from server.figures.service import Wanted
+from server.gradebook import service as gradebook
 from server.identity.dependencies import AccountsOf, BrowserAccount, OptionalAccount, TeacherAccount, account_or_guest
 from server.identity.models import Account
 from server.pages import answers, service
-from server.queue import service as queue
-from server.submissions import draws
-from server.submissions import service as submissions
-from server.submissions.dependencies import EventsOf, FiguresOf
+from server.submissions import deals
+from server.submissions.dependencies import EventsOf, SubmissionsOf
 from server.submissions.events import as_sse
-from server.submissions.figures import MEDIA_TYPES
 from server.submissions.models import State, Submission
+from server.submissions.service import Submissions, key_of, parse_id
 from server.web import assets
 from server.web.dependencies import Reading
 from server.web.rendering import fragment, page
@@ -34,6 +37,7 @@ from server.web.views import Reader, exercise_href, find_exercise, find_module
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 MOVES_ON = 303
+MOST_PAGES = 10**9
 
 
 router = APIRouter(include_in_schema=False)
@@ -68,13 +72,13 @@ def exercise(
     accounts: AccountsOf,
     reprendre: Annotated[str | None, Query()] = None,
 ) -> HTMLResponse:
-    """An exercise answered without code is drawn for an account, so that a visitor becomes a guest here already."""
+    """An exercise answered without code is dealt to an account, so that a visitor becomes a guest here already."""
     found = find_exercise(reader.course, module, slug)
     if found.answers is not None:
         account = account_or_guest(request, reader.account, accounts)
-        seed = draws.seed_to_show(database, account, found.id)
+        seed = deals.seed_to_show(database, account, found.id)
         return _questions(request, replace(reader, account=account), found, seed, reprendre)
-    taken = service.attempt_at(reader, found, reprendre).code if reprendre else None
+    taken = service.attempt_at(reader, found, reprendre).submission.code if reprendre else None
     view = service.exercise_page(reader, found, taken)
     return page(request, "exercise.html", reader.account, page=view, results=view.results)
 
@@ -86,9 +90,15 @@ def _questions(request: Request, reader: Reader, found: Exercise, seed: int, rep
 
 
 @router.get("/{module:module}/exercices/{slug}/essais")
-def attempts(request: Request, module: str, slug: str, reader: Reading) -> HTMLResponse:
+def attempts(
+    request: Request,
+    module: str,
+    slug: str,
+    reader: Reading,
+    number: Annotated[int, Query(alias="page", ge=1, le=MOST_PAGES)] = 1,
+) -> HTMLResponse:
     found = find_exercise(reader.course, module, slug)
-    return page(request, "attempts.html", reader.account, page=service.attempts_page(reader, found))
+    return page(request, "attempts.html", reader.account, page=service.attempts_page(reader, found, number))
 
 
 async def _fields(request: Request) -> FormData:
@@ -98,13 +108,13 @@ async def _fields(request: Request) -> FormData:
 FormFields = Annotated[FormData, Depends(_fields)]
 
 
-def _sent(db: Db, account: Account, found: Exercise, fields: FormData) -> Submission:
+def _sent(store: Submissions, db: Db, account: Account, found: Exercise, fields: FormData) -> Submission:
     if found.answers is not None:
-        return submissions.submit_answers(db, account, found.id, answers.read_form(found, fields))
+        return store.submit_answers(db, account, found.id, answers.read_form(found, fields))
     code = fields.get("code", "")
     if not isinstance(code, str):
         raise Invalid("Le code est attendu comme un texte, pas comme un fichier joint.")
-    return submissions.submit(db, account, found.id, code.replace("\r\n", "\n"))
+    return store.submit(db, account, found.id, code.replace("\r\n", "\n"))
 
 
 @router.post("/{module:module}/exercices/{slug}/soumissions")
@@ -114,19 +124,20 @@ def submit(
     slug: str,
     account: BrowserAccount,
     course: CourseOf,
+    store: SubmissionsOf,
     db: Db,
     fields: FormFields,
 ) -> Response:
     """A browser without script goes on to the attempt's page; a script gets the addresses to follow."""
     found = find_exercise(course, module, slug)
-    sent = _sent(db, account, found, fields)
+    sent = _sent(store, db, account, found, fields)
     href = f"/soumissions/{sent.id}"
     if "application/json" not in request.headers.get("accept", ""):
         return RedirectResponse(href, MOVES_ON)
     answer = {
         "id": str(sent.id),
         "account": str(account.id),
-        "text": service.waiting_text(sent.state, queue.position(db, sent)),
+        "text": service.waiting_text(store.place(db, sent)),
         "page": href,
         "events": f"{href}/evenements",
         "verdict": f"{href}/verdict",
@@ -140,25 +151,25 @@ def open_or_close_solution(
 ) -> RedirectResponse:
     found = find_exercise(course, module, slug)
     if ouvrir:
-        submissions.open_solution(db, found.id, teacher)
+        gradebook.open_solution(db, found.id, teacher)
     else:
-        submissions.close_solution(db, found.id)
+        gradebook.close_solution(db, found.id)
     return RedirectResponse(f"{exercise_href(found)}#corrige", MOVES_ON)
 
 
 @router.get("/soumissions/{submission_id}")
 def attempt(request: Request, submission_id: str, reader: Reading) -> HTMLResponse:
-    sent = submissions.get_for(reader.db, reader.account, submission_id)
-    found = find_exercise(reader.course, *sent.exercise.split("/"))
-    told = None if found.answers is None else answers.told(found, sent)
+    sent = gradebook.find(reader.db, reader.account, submission_id)
+    found = find_exercise(reader.course, *sent.submission.exercise.split("/"))
+    told = None if found.answers is None else answers.told(found, sent.submission)
     view = service.attempt_page(reader, found, sent, told)
     return page(request, "attempt.html", reader.account, page=view, results=view.results)
 
 
 @router.get("/soumissions/{submission_id}/verdict")
 def verdict(submission_id: str, reader: Reading) -> HTMLResponse:
-    sent = submissions.get_for(reader.db, reader.account, submission_id)
-    found = find_exercise(reader.course, *sent.exercise.split("/"))
+    sent = gradebook.find(reader.db, reader.account, submission_id)
+    found = find_exercise(reader.course, *sent.submission.exercise.split("/"))
     return fragment("fragment.html", reader.account, results=service.attempt_page(reader, found, sent).results)
 
 
@@ -176,24 +187,29 @@ class Waiting:
 
 @router.get("/soumissions/{submission_id}/evenements")
 async def events(
-    submission_id: str, account: OptionalAccount, database: DatabaseOf, hub: EventsOf
+    submission_id: str, account: OptionalAccount, store: SubmissionsOf, database: DatabaseOf, hub: EventsOf
 ) -> StreamingResponse:
     def read() -> Waiting:
         with database.read() as db:
-            sent = submissions.get_for(db, account, submission_id)
-            return Waiting(sent.state, service.waiting_text(sent.state, queue.position(db, sent)))
+            place = store.place(db, gradebook.find(db, account, submission_id).submission)
+            return Waiting(place.state, service.waiting_text(place))
 
     await run_in_threadpool(read)  # a 404 must come before the stream begins
-    snapshots = hub.follow(submissions.parse_id(submission_id), read)
+    snapshots = hub.follow(key_of(parse_id(submission_id)), read)
     lines: AsyncIterator[str] = as_sse(snapshots, lambda one: json.dumps({"status": one.status, "text": one.text}))
     return StreamingResponse(lines, media_type="text/event-stream", headers=STREAM_HEADERS)
 
 
 @router.get("/soumissions/{submission_id}/figures/{name}.svg")
-def figure(
-    figures: FiguresOf, submission_id: str, name: str, reader: Reading, theme: Literal["light", "dark"] = "light"
+async def figure(
+    request: Request,
+    figures: FiguresOf,
+    submission_id: str,
+    name: str,
+    account: OptionalAccount,
+    theme: Theme = "light",
 ) -> Response:
-    sent = submissions.get_for(reader.db, reader.account, submission_id)
-    picture = figures.draw(reader.db, sent, name, "svg", theme)
+    wanted = Wanted(submission_id, name, "svg", theme)
+    picture = await figures.of_verdict(account, wanted, client_address(request))
     headers = {"Cache-Control": "private, max-age=31536000, immutable", "Content-Security-Policy": FIGURE_POLICY}
     return Response(picture, media_type=MEDIA_TYPES["svg"], headers=headers)

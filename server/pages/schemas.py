@@ -173,7 +173,12 @@ class AttemptPage:
 
 @dataclass(frozen=True)
 class AttemptsPage:
+    """Some of the attempts; `newer` and `older` are the addresses of the pages beside it, or empty."""
+
     module: ModuleLink
     exercise_title: str
     exercise_href: str
     attempts: tuple[AttemptRow, ...]
+    total: int
+    newer: str
+    older: str

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from markupsafe import Markup
-from sqlalchemy.orm import Session
 
-from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
 from server.base.errors import NotFound
 from server.course import Exercise, Module
+from server.gradebook import service as gradebook
+from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts, Progress
 from server.pages.policy import limits_of
 from server.pages.schemas import (
     AttemptPage,
@@ -26,42 +26,41 @@ from server.pages.schemas import (
     ToldView,
     WorkView,
 )
-from server.queue import service as queue
-from server.submissions import draws
-from server.submissions import service as submissions
-from server.submissions.models import State, Submission
-from server.submissions.service import Progress
+from server.submissions import deals
+from server.submissions.models import State
+from server.submissions.service import Place
 from server.web import verdicts
 from server.web.rendering import python
-from server.web.views import NOTHING_YET, Reader, document_href, exercise_href, in_order, module_link, own_state
+from server.web.views import Reader, document_href, exercise_href, in_order, module_link, own_state
 from server.web.words import moment, moment_text, plural, points
 
 HINT_OPENS_AFTER = (1, 2, 4)  # changed attempts without success
 RECENT_ATTEMPTS = 8
+ATTEMPTS_A_PAGE = 50
 
 
-def attempt_at(reader: Reader, exercise: Exercise, submission_id: str) -> Submission:
+def attempt_at(reader: Reader, exercise: Exercise, submission_id: str) -> Attempt:
     """An attempt at this exercise, to be taken up again. Raises NotFound."""
-    sent = submissions.get_for(reader.db, reader.account, submission_id)
-    if sent.exercise != exercise.id:
+    attempt = gradebook.find(reader.db, reader.account, submission_id)
+    if attempt.submission.exercise != exercise.id:
         raise NotFound("Cet essai est celui d’un autre exercice.")
-    return sent
+    return attempt
 
 
 def home_page(reader: Reader) -> HomePage:
-    progress = submissions.progress(reader.db, reader.account)
+    progress = gradebook.progress(reader.db, reader.account)
     return HomePage(tuple(module_link(module, progress) for module in reader.course.modules.values()))
 
 
 def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> ExercisePage:
     """The exercise as this account sees it; `taken` is an attempt's code to start again from."""
-    attempts = submissions.attempts(reader.db, reader.account, exercise.id)
+    latest = gradebook.latest(reader.db, reader.account, exercise.id)
     kit = f"{exercise.module}.py"
     return ExercisePage(
-        **common_parts(reader, exercise, attempts),
+        **common_parts(reader, exercise, latest),
         functions=tuple(FunctionView(one.signature, one.returns, one.doc) for one in exercise.functions),
         starter=exercise.starter,
-        code=taken if taken is not None else attempts[0].code if attempts else exercise.starter,
+        code=taken if taken is not None else latest.submission.code if latest else exercise.starter,
         taken=taken is not None,
         limits=limits_of(exercise),
         kit_href=f"/{exercise.module}/kit/{kit}",
@@ -75,8 +74,10 @@ def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:
     return (document_href(found), found.label) if found else None
 
 
-def common_parts(reader: Reader, exercise: Exercise, attempts: Sequence[Submission]) -> dict[str, Any]:
-    """What the page of an exercise holds, of whatever kind."""
+def common_parts(reader: Reader, exercise: Exercise, latest: Attempt | None) -> dict[str, Any]:
+    """What the page of an exercise holds, of whatever kind; it shows the verdict of the latest attempt."""
+    attempts = gradebook.attempts(reader.db, reader.account, exercise.id, RECENT_ATTEMPTS)
+    work = _work(reader, exercise, latest, attempts.total)
     module = reader.course.modules[exercise.module]
     previous, following = _neighbours(module, exercise)
     return {
@@ -89,7 +90,7 @@ def common_parts(reader: Reader, exercise: Exercise, attempts: Sequence[Submissi
         "lesson": _lesson(module, exercise),
         "statement": exercise.statement_html,
         "action": f"{exercise_href(exercise)}/soumissions",
-        "results": results(reader, exercise, attempts, attempts[0] if attempts else None, _draw(reader, exercise)),
+        "results": results(reader, exercise, attempts, work, _deal(reader, exercise)),
         "previous": previous,
         "following": following,
     }
@@ -104,12 +105,13 @@ def _neighbours(module: Module, exercise: Exercise) -> tuple[tuple[str, str] | N
 
 
 def attempt_page(
-    reader: Reader, exercise: Exercise, submission: Submission, told: Sequence[ToldView] | None = None
+    reader: Reader, exercise: Exercise, attempt: Attempt, told: Sequence[ToldView] | None = None
 ) -> AttemptPage:
     """`told` is what was answered, where that is not code."""
-    owner = reader.account is not None and submission.account_id == reader.account.id
-    attempts = submissions.attempts(reader.db, reader.account, exercise.id) if owner else [submission]
+    submission = attempt.submission
+    number = gradebook.number_of(reader.db, submission)
     href = exercise_href(exercise)
+    work = _work(reader, exercise, attempt, number)
     return AttemptPage(
         module=module_link(reader.course.modules[exercise.module]),
         exercise_title=exercise.title,
@@ -119,74 +121,92 @@ def attempt_page(
         when_text=moment_text(submission.created_at),
         code=submission.code,
         told=None if told is None else tuple(told),
-        results=results(reader, exercise, attempts, submission, submission.seed),
+        results=results(reader, exercise, _beside(reader, attempt, number), work, submission.seed),
     )
 
 
-def attempts_page(reader: Reader, exercise: Exercise) -> AttemptsPage:
-    attempts = submissions.attempts(reader.db, reader.account, exercise.id)
+def _beside(reader: Reader, attempt: Attempt, number: int) -> Attempts:
+    """What is listed beside an attempt: its author's latest ones; it alone, for a teacher who looks."""
+    submission, grading = attempt.submission, attempt.grading
+    if reader.account is not None and submission.account_id == reader.account.id:
+        return gradebook.attempts(reader.db, reader.account, submission.exercise, RECENT_ATTEMPTS)
+    found = (grading.outcome, grading.score) if grading else (None, None)
+    return Attempts((AttemptLine(submission.id, number, submission.created_at, *found),), 1)
+
+
+def attempts_page(reader: Reader, exercise: Exercise, number: int) -> AttemptsPage:
+    """Page `number` of one's attempts, the newest on page 1. Raises NotFound beyond the last."""
+    skipped = (number - 1) * ATTEMPTS_A_PAGE
+    attempts = gradebook.attempts(reader.db, reader.account, exercise.id, ATTEMPTS_A_PAGE, skipped)
+    if skipped and not attempts.lines:
+        raise NotFound("Il n’y a pas d’essais plus anciens.")
+    href = f"{exercise_href(exercise)}/essais"
     return AttemptsPage(
         module=module_link(reader.course.modules[exercise.module]),
         exercise_title=exercise.title,
         exercise_href=exercise_href(exercise),
-        attempts=_rows(exercise, attempts, len(attempts)),
+        attempts=_rows(exercise, attempts),
+        total=attempts.total,
+        newer=f"{href}?page={number - 1}" if number > 2 else href if number == 2 else "",
+        older=f"{href}?page={number + 1}" if skipped + ATTEMPTS_A_PAGE < attempts.total else "",
     )
 
 
-def _draw(reader: Reader, exercise: Exercise) -> int | None:
-    """The seed of what was drawn for this account, where something was."""
-    return None if reader.account is None else draws.find(reader.db, reader.account, exercise.id)
+def _deal(reader: Reader, exercise: Exercise) -> int | None:
+    """The seed of what was dealt to this account, where something was."""
+    if exercise.answers is None or reader.account is None:
+        return None
+    return deals.find(reader.db, reader.account, exercise.id)
 
 
 def results(
     reader: Reader,
     exercise: Exercise,
-    attempts: Sequence[Submission],
-    shown: Submission | None,
+    attempts: Attempts,
+    work: WorkView | None,
     seed: int | None,
 ) -> Results:
     """What a verdict changes on a page: the verdict, the hints, the solution, the list of attempts (newest first).
 
-    `seed` is that of the draw whose correction is shown, in an exercise answered without code.
+    `seed` is that of the deal whose correction is shown, in an exercise answered without code.
     """
-    progress = submissions.progress(reader.db, reader.account).get(exercise.id, NOTHING_YET)
+    progress = gradebook.progress(reader.db, reader.account, exercise.id).get(exercise.id, NOTHING_YET)
     return Results(
-        work=_work(reader.db, exercise, shown, _number(attempts, shown)) if shown else None,
+        work=work,
         hints=_hints(reader, exercise, progress),
-        solution=_solution(reader, exercise, seed),
-        attempts=_rows(exercise, attempts, RECENT_ATTEMPTS),
-        all_attempts=f"{exercise_href(exercise)}/essais" if len(attempts) > RECENT_ATTEMPTS else "",
+        solution=_solution(reader, exercise, progress, seed),
+        attempts=_rows(exercise, attempts),
+        all_attempts=f"{exercise_href(exercise)}/essais" if attempts.total > RECENT_ATTEMPTS else "",
         own=own_state(progress),
     )
 
 
-def _number(attempts: Sequence[Submission], shown: Submission) -> int:
-    return len(attempts) - [one.id for one in attempts].index(shown.id)
-
-
-def _work(db: Session, exercise: Exercise, submission: Submission, number: int) -> WorkView:
+def _work(reader: Reader, exercise: Exercise, attempt: Attempt | None, number: int) -> WorkView | None:
+    if attempt is None:
+        return None
+    submission, grading = attempt.submission, attempt.grading
     href = f"/soumissions/{submission.id}"
-    judged = submission.verdict if submission.state == State.done else None
     texts = None if exercise.answers is None else exercise
+    place = reader.submissions.place(reader.db, submission)
     return WorkView(
         id=str(submission.id),
         number=number,
-        status=State(submission.state).value,
-        waiting=waiting_text(submission.state, queue.position(db, submission)),
-        verdict=verdicts.view(Verdict.from_json(judged), f"{href}/figures", texts) if judged is not None else None,
+        status=place.state.value,
+        waiting=waiting_text(place),
+        verdict=verdicts.view(Verdict.from_json(grading.verdict), f"{href}/figures", texts) if grading else None,
         page=href,
         events=f"{href}/evenements",
         fragment=f"{href}/verdict",
     )
 
 
-def waiting_text(state: str, position: int | None) -> str:
-    """What to say while there is no verdict; `position` is 1 for the next one to be graded."""
-    if state == State.running:
+def waiting_text(place: Place) -> str:
+    """What to say while there is no verdict."""
+    if place.state is State.running:
         return "Correction en cours…"
-    if position is None:
+    if place.position is None:
         return ""
-    before = position - 1
+    before = place.position - 1
     return (
         f"En attente : {plural(before, 'envoi passe', 'envois passent')} avant le vôtre."
         if before
@@ -196,7 +216,7 @@ def waiting_text(state: str, position: int | None) -> str:
 
 def _hints(reader: Reader, exercise: Exercise, progress: Progress) -> tuple[HintView, ...]:
     everything = progress.succeeded or (reader.account is not None and reader.account.is_teacher)
-    failed = submissions.distinct_failed_attempts(reader.db, reader.account, exercise.id, besides=[exercise.starter])
+    failed = gradebook.distinct_failed_attempts(reader.db, reader.account, exercise.id, besides=[exercise.starter])
     views = []
     for number, (html, needed) in enumerate(zip(exercise.hints, HINT_OPENS_AFTER, strict=True), 1):
         closed = "" if everything or failed >= needed else _opens(needed, needed - failed)
@@ -210,11 +230,11 @@ def _opens(needed: int, left: int) -> str:
     return f"s’ouvre après {needed} essais différents non réussis (encore {left})."
 
 
-def _solution(reader: Reader, exercise: Exercise, seed: int | None) -> SolutionView | None:
+def _solution(reader: Reader, exercise: Exercise, progress: Progress, seed: int | None) -> SolutionView | None:
     """Raises nothing: a solution that one may not read yet is simply absent."""
-    if not submissions.solution_open(reader.db, reader.account, exercise.id):
+    for_all = gradebook.is_open_to_all(reader.db, exercise.id)
+    if not gradebook.solution_open(reader.account, progress, to_all=for_all):
         return None
-    for_all = submissions.solution_open(reader.db, None, exercise.id)
     href = f"{exercise_href(exercise)}/corrige"
     if exercise.answers is None:
         return SolutionView(python(exercise.solution), for_all, href)
@@ -223,18 +243,16 @@ def _solution(reader: Reader, exercise: Exercise, seed: int | None) -> SolutionV
     )
 
 
-def _rows(exercise: Exercise, attempts: Sequence[Submission], most: int) -> tuple[AttemptRow, ...]:
-    return tuple(_row(exercise, one, len(attempts) - place) for place, one in enumerate(attempts[:most]))
+def _rows(exercise: Exercise, attempts: Attempts) -> tuple[AttemptRow, ...]:
+    return tuple(_row(exercise, line) for line in attempts.lines)
 
 
-def _row(exercise: Exercise, one: Submission, number: int) -> AttemptRow:
-    counts = one.outcome is not None and Outcome(one.outcome).counts
-    mark = points(20 * one.score) if counts and one.score is not None else ""
+def _row(exercise: Exercise, line: AttemptLine) -> AttemptRow:
     return AttemptRow(
-        number=number,
-        href=f"/soumissions/{one.id}",
-        when=moment(one.created_at),
-        when_text=moment_text(one.created_at),
-        points=mark,
-        outcome=verdicts.title_of(one.outcome, exercise.kind),
+        number=line.number,
+        href=f"/soumissions/{line.id}",
+        when=moment(line.sent_at),
+        when_text=moment_text(line.sent_at),
+        points="" if line.score is None else points(20 * line.score),
+        outcome=verdicts.title_of(line.outcome, exercise.kind),
     )

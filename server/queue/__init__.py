@@ -1,1 +1,1 @@
-"""The queue of submissions: rows with a lease, and how a worker learns that there is work."""
+"""The queue of jobs: rows with a lease, the worker that takes them, and how it learns that there is work."""

@@ -3,7 +3,6 @@
 import select
 import socket
 import threading
-from uuid import UUID
 
 from sqlalchemy.orm import Session
 
@@ -40,5 +39,5 @@ class Channel:
     def queued(self, db: Session) -> None:
         after_commit(db, lambda: self._say(QUEUED))
 
-    def changed(self, db: Session, submission_id: UUID) -> None:
-        after_commit(db, lambda: self._say(f"{CHANGED} {submission_id}"))
+    def changed(self, db: Session, key: str) -> None:
+        after_commit(db, lambda: self._say(f"{CHANGED} {key}"))

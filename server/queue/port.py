@@ -1,23 +1,99 @@
-"""The port between whoever stores submissions, whoever grades them and whoever shows them.
+"""The port between whoever has work to be done later, whoever does it and whoever waits for it.
 
-The queue itself is the submissions' rows (see `server.queue.service`). These signals only save waiting: if one is lost,
-a slow poll finds the same thing later.
+A queue's methods work inside the caller's transaction, so that a job is put with what it is about, and ends with its
+result. Signals only save waiting: if one is lost, a slow poll finds the same thing later.
 """
 
-from typing import Protocol
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any, Protocol, TypeVar
 from uuid import UUID
 
 from sqlalchemy.orm import Session
+
+from server.queue.owner import Owner
+
+Work = TypeVar("Work")
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True)
+class Lease:
+    """A job that one worker has begun, and the token that lets it end the job."""
+
+    job_id: UUID
+    token: UUID
+    kind: str
+    key: str
+    payload: Mapping[str, Any]
+    tries: int
+    started_at: datetime
+
+
+GiveUp = Callable[[Session, Lease], None]
+
+
+class Task(Protocol[Work, Result]):
+    """How one kind of job is done."""
+
+    def read(self, db: Session, lease: Lease) -> Work | None:
+        """What the work needs, read as the job is claimed; None where nothing is left to do."""
+
+    def run(self, work: Work) -> Result:
+        """The work itself, outside of any transaction."""
+
+    def record(self, db: Session, work: Work, result: Result) -> None:
+        """Writes the result in the transaction that ends the job: once, whatever dies."""
+
+    def give_up(self, db: Session, lease: Lease) -> None:
+        """Writes, in the same way, that the job has failed too often."""
+
+
+Tasks = Mapping[str, Task[Any, Any]]
+
+
+class Queue(Protocol):
+    """Jobs with a lease. Every method takes the session of the caller's transaction."""
+
+    def put(
+        self, db: Session, kind: str, key: str, payload: Mapping[str, Any] | None = None, priority: int = 0
+    ) -> None:
+        """Has a job done later: lower priorities first, then older ones. One job at a time has this kind and key."""
+
+    def claim(self, db: Session, owner: Owner, kinds: Collection[str], lease_seconds: float) -> Lease | None:
+        """Begins the next job of these kinds; None where none waits."""
+
+    def heartbeat(self, db: Session, lease: Lease, lease_seconds: float) -> bool:
+        """Extends a lease; False when it has been lost."""
+
+    def finish(self, db: Session, lease: Lease) -> bool:
+        """Ends a job, once: False when the lease has been lost, and nothing may be recorded then."""
+
+    def fail(self, db: Session, lease: Lease, give_ups: Mapping[str, GiveUp]) -> None:
+        """Has a job tried again, or given up once it has been tried too often."""
+
+    def give_back(self, db: Session, lease: Lease) -> None:
+        """Puts a job that its worker was told to leave back in its place, as if it had not been tried."""
+
+    def recover(self, db: Session, here: Owner, give_ups: Mapping[str, GiveUp]) -> int:
+        """Takes back every lease that has run out or whose holder is dead; returns how many."""
+
+    def release(self, db: Session, owner: Owner, give_ups: Mapping[str, GiveUp]) -> int:
+        """Takes back the leases of a worker that has just died; returns how many."""
+
+    def position(self, db: Session, kind: str, key: str) -> int | None:
+        """1 for the next job to begin, 0 for one that has begun, None where there is no such job."""
 
 
 class Signals(Protocol):
     """What a transaction tells the other processes, once it is committed."""
 
     def queued(self, db: Session) -> None:
-        """A submission waits to be graded: an idle worker may wake up."""
+        """A job waits: an idle worker may wake up."""
 
-    def changed(self, db: Session, submission_id: UUID) -> None:
-        """A submission has changed state: whoever shows it may look again."""
+    def changed(self, db: Session, key: str) -> None:
+        """The job of this key has begun, ended or gone back: whoever shows it may look again."""
 
 
 class WorkSource(Protocol):
@@ -33,11 +109,5 @@ class NoSignals:
     def queued(self, db: Session) -> None:
         return
 
-    def changed(self, db: Session, submission_id: UUID) -> None:
+    def changed(self, db: Session, key: str) -> None:
         return
-
-
-def signals_of(db: Session) -> Signals:
-    """The signals that travel with a session (`Database(context={"signals": …})`)."""
-    signals: Signals = db.info.get("signals", NoSignals())
-    return signals

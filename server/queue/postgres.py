@@ -6,7 +6,6 @@ import logging
 import threading
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
-from uuid import UUID
 
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
@@ -26,8 +25,8 @@ class PostgresSignals:
     def queued(self, db: Session) -> None:
         db.execute(select(func.pg_notify(QUEUED, "")))
 
-    def changed(self, db: Session, submission_id: UUID) -> None:
-        db.execute(select(func.pg_notify(CHANGED, str(submission_id))))
+    def changed(self, db: Session, key: str) -> None:
+        db.execute(select(func.pg_notify(CHANGED, key)))
 
 
 class AllSignals:
@@ -40,9 +39,9 @@ class AllSignals:
         for way in self._ways:
             way.queued(db)
 
-    def changed(self, db: Session, submission_id: UUID) -> None:
+    def changed(self, db: Session, key: str) -> None:
         for way in self._ways:
-            way.changed(db, submission_id)
+            way.changed(db, key)
 
 
 def listen(url: str, channels: Sequence[str]) -> psycopg.Connection[tuple[object, ...]]:
@@ -70,7 +69,7 @@ class PostgresSource:
 class Listener:
     """A thread of the web process that hears what other machines do; it reconnects when the database comes back."""
 
-    def __init__(self, url: str, on_queued: Callable[[], None], on_changed: Callable[[UUID], None]) -> None:
+    def __init__(self, url: str, on_queued: Callable[[], None], on_changed: Callable[[str], None]) -> None:
         self._url, self._on_queued, self._on_changed = url, on_queued, on_changed
         self.listening = threading.Event()
         self._stopping = threading.Event()
@@ -104,4 +103,4 @@ class Listener:
         if channel == QUEUED:
             self._on_queued()
         else:
-            self._on_changed(UUID(payload))
+            self._on_changed(payload)

@@ -1,130 +1,110 @@
-"""The queue: rows with a lease.
+"""The queue kept in a table: rows with a lease.
 
-A worker claims the oldest waiting row and holds a lease that its heartbeat extends. The result is written only by the
-lease's holder. A row whose holder is dead, or whose lease has run out, goes back to the queue; after `MAX_ATTEMPTS` it
-is given up with an internal error, which is ours and never counted against the student.
+A worker claims the next waiting row and holds a lease that its heartbeat extends. Only the lease's holder ends the job,
+in the transaction that records its result. A row whose holder is dead, or whose lease has run out, goes back to the
+queue; after `MAX_TRIES` it is given up.
 """
 
 import logging
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping
 from datetime import timedelta
 from typing import Any
-from uuid import UUID, uuid4
+from uuid import uuid4
 
 from sqlalchemy.orm import Session
 
 from server.database import utc_now
-from server.limits import service as limits
 from server.queue import repository
+from server.queue.models import Job
 from server.queue.owner import Owner, is_dead
-from server.queue.port import signals_of
-from server.submissions.models import INTERNAL_ERROR, State, Submission
+from server.queue.port import GiveUp, Lease, Signals
 
 log = logging.getLogger(__name__)
 
-MAX_ATTEMPTS = 3
-
-Result = dict[str, Any]
-GiveUp = Callable[[Submission], Result]
+MAX_TRIES = 3
 
 
-@dataclass(frozen=True)
-class Lease:
-    """What a worker needs to grade, and the token that lets it write the result."""
+class TableQueue:
+    """Fills the port `server.queue.port.Queue` with the table `job`."""
 
-    submission_id: UUID
-    token: UUID
-    exercise: str
-    source: bytes
-    seed: int
+    def __init__(self, signals: Signals) -> None:
+        self._signals = signals
 
+    def put(
+        self, db: Session, kind: str, key: str, payload: Mapping[str, Any] | None = None, priority: int = 0
+    ) -> None:
+        db.add(Job(kind=kind, key=key, payload=dict(payload or {}), priority=priority))
+        db.flush()
+        self._signals.queued(db)
 
-def enqueue(db: Session, submission: Submission) -> None:
-    db.add(submission)
-    db.flush()
-    signals_of(db).queued(db)
+    def claim(self, db: Session, owner: Owner, kinds: Collection[str], lease_seconds: float) -> Lease | None:
+        token, now = uuid4(), utc_now()
+        until = now + timedelta(seconds=lease_seconds)
+        job = repository.claim(db, kinds, owner=str(owner), token=token, now=now, until=until)
+        if job is None:
+            return None
+        self._signals.changed(db, job.key)
+        return _lease(job)
 
+    def heartbeat(self, db: Session, lease: Lease, lease_seconds: float) -> bool:
+        return repository.extend(db, lease.job_id, lease.token, utc_now() + timedelta(seconds=lease_seconds))
 
-def position(db: Session, submission: Submission) -> int | None:
-    """1 for the next one to be graded; None when it no longer waits."""
-    if submission.state != State.queued:
-        return None
-    return repository.waiting_before(db, submission) + 1
+    def finish(self, db: Session, lease: Lease) -> bool:
+        ended = repository.end(db, lease.job_id, lease.token)
+        if ended:
+            self._signals.changed(db, lease.key)
+        return ended
 
+    def fail(self, db: Session, lease: Lease, give_ups: Mapping[str, GiveUp]) -> None:
+        self._take_back(db, lease, give_ups)
 
-def claim(db: Session, owner: Owner, lease_seconds: float) -> Lease | None:
-    token, now = uuid4(), utc_now()
-    until = now + timedelta(seconds=lease_seconds)
-    row = repository.claim(db, owner=str(owner), token=token, now=now, until=until)
-    if row is None:
-        return None
-    signals_of(db).changed(db, row.id)
-    return Lease(row.id, token, row.exercise, row.source, row.seed)
+    def give_back(self, db: Session, lease: Lease) -> None:
+        if repository.free(db, lease.job_id, lease.token, tried=False):
+            self._signals.queued(db)
+            self._signals.changed(db, lease.key)
 
+    def recover(self, db: Session, here: Owner, give_ups: Mapping[str, GiveUp]) -> int:
+        lost = [job for job in repository.leased(db, give_ups.keys()) if _is_lost(job, here)]
+        return self._take_all_back(db, lost, give_ups)
 
-def heartbeat(db: Session, lease: Lease, lease_seconds: float) -> bool:
-    """Extends the lease; False when it has been lost."""
-    return repository.extend(db, lease.submission_id, lease.token, utc_now() + timedelta(seconds=lease_seconds))
+    def release(self, db: Session, owner: Owner, give_ups: Mapping[str, GiveUp]) -> int:
+        return self._take_all_back(db, repository.leased_to(db, give_ups.keys(), str(owner)), give_ups)
 
+    def position(self, db: Session, kind: str, key: str) -> int | None:
+        place = repository.place(db, kind, key)
+        if place is None:
+            return None
+        token, ahead = place
+        return ahead + 1 if token is None else 0
 
-def finish(db: Session, lease: Lease, result: Result) -> bool:
-    """Records a result, once: False when another holder has taken over, and nothing is written then."""
-    recorded = _finish(db, lease.submission_id, lease.token, result)
-    if recorded:
-        signals_of(db).changed(db, lease.submission_id)
-    return recorded
+    def _take_all_back(self, db: Session, jobs: Iterable[Job], give_ups: Mapping[str, GiveUp]) -> int:
+        return sum(self._take_back(db, _lease(job), give_ups) for job in jobs)
 
-
-def _finish(db: Session, submission_id: UUID, token: UUID, result: Result) -> bool:
-    """Our own failure costs its author nothing: what it took from their allowance comes back with it."""
-    recorded = repository.finish(db, submission_id, token, result)
-    if recorded and result["outcome"] == INTERNAL_ERROR:
-        limits.give_back(db, limits.of_submissions(repository.account_of(db, submission_id)))
-    return recorded
-
-
-def give_back(db: Session, lease: Lease) -> None:
-    """For a worker told to stop in the middle of a grading."""
-    if repository.give_back(db, lease.submission_id, lease.token):
-        signals_of(db).queued(db)
-        signals_of(db).changed(db, lease.submission_id)
-
-
-def recover(db: Session, here: Owner, give_up: GiveUp) -> int:
-    """Takes back every lease that has run out or whose holder is dead; returns how many."""
-    now = utc_now()
-    lost = [row for row in repository.running(db) if _is_lost(row, here) or (row.lease_until or now) <= now]
-    return _take_back(db, lost, give_up)
-
-
-def release(db: Session, owner: Owner, give_up: GiveUp) -> int:
-    """Takes back the leases of a worker that has just died; returns how many."""
-    return _take_back(db, repository.running_of(db, str(owner)), give_up)
-
-
-def _is_lost(row: Submission, here: Owner) -> bool:
-    return row.lease_owner is None or is_dead(row.lease_owner, here)
+    def _take_back(self, db: Session, lease: Lease, give_ups: Mapping[str, GiveUp]) -> bool:
+        """False when another has taken it back already."""
+        if lease.tries < MAX_TRIES:
+            taken = repository.free(db, lease.job_id, lease.token, tried=True)
+            if taken:
+                log.warning("job %s %s: its try has failed, queued again", lease.kind, lease.key)
+                self._signals.queued(db)
+        else:
+            taken = repository.end(db, lease.job_id, lease.token)
+            if taken:
+                log.error("job %s %s: given up after %d tries", lease.kind, lease.key, lease.tries)
+                give_ups[lease.kind](db, lease)
+        if taken:
+            self._signals.changed(db, lease.key)
+        return taken
 
 
-def _take_back(db: Session, rows: Iterable[Submission], give_up: GiveUp) -> int:
-    count = 0
-    for row in rows:
-        count += _take_one_back(db, row, give_up)
-    return count
+def _is_lost(job: Job, here: Owner) -> bool:
+    if job.lease_owner is None or job.lease_until is None:
+        raise ValueError(f"job {job.id} is leased to nobody, or for ever")
+    return is_dead(job.lease_owner, here) or job.lease_until <= utc_now()
 
 
-def _take_one_back(db: Session, row: Submission, give_up: GiveUp) -> bool:
-    token = row.lease_token or uuid4()
-    if row.attempts >= MAX_ATTEMPTS:
-        log.error(
-            "submission %s of %s: given up, %d attempts ended their workers (seed %d, %d bytes, digest %s)",
-            *(row.id, row.exercise, row.attempts, row.seed, len(row.source), row.digest),
-        )
-        taken = _finish(db, row.id, token, give_up(row))
-    else:
-        log.warning("submission %s of %s: its worker is gone, queued again", row.id, row.exercise)
-        taken = repository.requeue(db, row.id, token)
-        signals_of(db).queued(db)
-    signals_of(db).changed(db, row.id)
-    return taken
+def _lease(job: Job) -> Lease:
+    """The lease that a row holds."""
+    if job.lease_token is None or job.started_at is None:
+        raise ValueError(f"job {job.id} is not leased")
+    return Lease(job.id, job.lease_token, job.kind, job.key, job.payload, job.tries, job.started_at)

@@ -3,14 +3,13 @@
 Its state lives on the event loop; `wake` and `tell` may be called from any thread.
 
 Protocol, one line a message. Web to worker: `work`. Worker to web: `idle` (it found nothing and sleeps), `queued` (it
-gave something back), `changed <id>`.
+gave something back), `changed <key>`.
 """
 
 import asyncio
 import logging
 from collections.abc import Callable
 from typing import Protocol
-from uuid import UUID
 
 from sqlalchemy.orm import Session
 
@@ -30,7 +29,7 @@ class Line(Protocol):
 class Switchboard:
     """Knows which workers sleep. A wake-up that finds nobody asleep is kept for the next one who goes to sleep."""
 
-    def __init__(self, on_changed: Callable[[UUID], None]) -> None:
+    def __init__(self, on_changed: Callable[[str], None]) -> None:
         self._on_changed = on_changed
         self._idle: dict[Line, None] = {}
         self._owed = False
@@ -43,14 +42,14 @@ class Switchboard:
     def queued(self, db: Session) -> None:
         after_commit(db, self.wake)
 
-    def changed(self, db: Session, submission_id: UUID) -> None:
-        after_commit(db, lambda: self.tell(submission_id))
+    def changed(self, db: Session, key: str) -> None:
+        after_commit(db, lambda: self.tell(key))
 
     def wake(self) -> None:
         self._call(self._wake)
 
-    def tell(self, submission_id: UUID) -> None:
-        self._call(self._on_changed, submission_id)
+    def tell(self, key: str) -> None:
+        self._call(self._on_changed, key)
 
     def _call(self, action: Callable[..., None], *args: object) -> None:
         if self._loop is not None and not self._loop.is_closed():
@@ -72,7 +71,7 @@ class Switchboard:
         elif word == QUEUED:
             self._wake()
         elif word == CHANGED:
-            self._on_changed(UUID(argument))
+            self._on_changed(argument)
         else:
             log.error("a worker said something unknown: %r", message)
 

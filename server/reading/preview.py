@@ -9,7 +9,7 @@ from pathlib import Path
 from server.base.paths import ROOT
 from server.course import drawings
 from server.course.models import Problem
-from server.reading.figures import draw, size_fault
+from server.figures.lessons import draw, size_fault
 
 
 def main() -> int:

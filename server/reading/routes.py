@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import HTMLResponse
 
 from server.base.provided import provided
+from server.base.request import client_address
+from server.figures.dependencies import FiguresOf
+from server.figures.orders import MEDIA_TYPES, Theme
 from server.reading import service
 from server.reading.downloads import Downloads
-from server.reading.figures import Drawings
 from server.web.dependencies import Reading
 from server.web.rendering import once, page
 from server.web.views import find_module
@@ -18,7 +20,6 @@ from server.web.views import find_module
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 FIGURE_HEADERS = {"Cache-Control": "public, max-age=600", "Content-Security-Policy": FIGURE_POLICY}
 
-DrawingsOf = Annotated[Drawings, Depends(provided(Drawings))]
 DownloadsOf = Annotated[Downloads, Depends(provided(Downloads))]
 
 router = APIRouter(include_in_schema=False)
@@ -50,11 +51,9 @@ def search(request: Request, module: str, reader: Reading, q: Annotated[str, Que
 
 
 @router.get("/{module:module}/figures/{name}.svg")
-async def figure(
-    request: Request, drawings: DrawingsOf, module: str, name: str, theme: Literal["light", "dark"] = "light"
-) -> Response:
-    picture = await drawings.picture(module, name, theme)
-    return once(request, Response(picture, media_type="image/svg+xml", headers=FIGURE_HEADERS))
+async def figure(request: Request, figures: FiguresOf, module: str, name: str, theme: Theme = "light") -> Response:
+    picture = await figures.of_lesson(module, name, theme, client_address(request))
+    return once(request, Response(picture, media_type=MEDIA_TYPES["svg"], headers=FIGURE_HEADERS))
 
 
 @router.get("/{module:module}/fichiers/{name}.zip")

@@ -13,6 +13,8 @@ from graders.typography import unaccented
 from server.base.errors import NotFound
 from server.course import Exercise, Module
 from server.course.models import Document, Heading, Kind, Term
+from server.gradebook import service as gradebook
+from server.gradebook.schemas import NOTHING_YET, Progress
 from server.reading import search
 from server.reading.schemas import (
     CourseHome,
@@ -26,10 +28,8 @@ from server.reading.schemas import (
     Shelf,
     TermView,
 )
-from server.submissions import service as submissions
-from server.submissions.service import Progress
 from server.web.schemas import ExerciseRow, FigureView
-from server.web.views import NOTHING_YET, Reader, document_href, exercise_row, in_order, module_link
+from server.web.views import Reader, document_href, exercise_row, in_order, module_link
 from server.web.words import plural
 
 SHELVES: tuple[tuple[Kind, str], ...] = (
@@ -96,7 +96,7 @@ def course_home(reader: Reader, module: Module) -> CourseHome:
 
 def _rows(reader: Reader, exercises: Sequence[Exercise]) -> dict[str, ExerciseRow]:
     """One row for each exercise, by its slug."""
-    progress: Mapping[str, Progress] = submissions.progress(reader.db, reader.account)
+    progress: Mapping[str, Progress] = gradebook.progress(reader.db, reader.account)
     return {one.slug: exercise_row(one, progress.get(one.id, NOTHING_YET)) for one in exercises}
 
 

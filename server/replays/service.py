@@ -7,12 +7,10 @@ import hashlib
 import json
 import re
 import zlib
-from collections import OrderedDict
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -20,6 +18,7 @@ import numpy as np
 from graders.scene.parameters import Draw, Parameter, RefusedError, Value, Values
 from graders.scene.replay import Replay
 from graders.typography import french
+from server.base.caches import Lately
 from server.base.errors import Invalid, NotFound
 from server.base.paths import ROOT
 from server.course.code import load_file
@@ -77,14 +76,16 @@ class Answer:
     tag: str
 
 
+#: A replay, and its settings.
+Key = tuple[Script, tuple[Value, ...]]
+
+
 class Replays:
     """The replays of a course; remembers the latest answers, up to so many bytes."""
 
     def __init__(self, curriculum: Path = ROOT / "curriculum", memory_bytes: int = MEMORY_BYTES) -> None:
-        self._curriculum, self._most = curriculum, memory_bytes
-        self._answers: OrderedDict[tuple[Script, tuple[Value, ...]], Answer] = OrderedDict()
-        self._size = 0
-        self._lock = Lock()
+        self._curriculum = curriculum
+        self._answers: Lately[Key, Answer] = Lately(memory_bytes, lambda answer: len(answer.compressed))
 
     def names(self, module: str) -> tuple[str, ...]:
         """The replays of a module, as addresses name them."""
@@ -97,29 +98,16 @@ class Replays:
         return load(self._curriculum / module, name)
 
     def remembered(self, script: Script, values: Values) -> Answer | None:
-        with self._lock:
-            key = _key(script, values)
-            if key in self._answers:
-                self._answers.move_to_end(key)
-            return self._answers.get(key)
+        return self._answers.get(_key(script, values))
 
     def compute(self, script: Script, values: Values) -> Answer:
         """Slow (tenths of a second): call it in a thread, one at a time."""
         body = json.dumps(script.run(values), ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
         answer = Answer(gzip.compress(body, 6, mtime=0), hashlib.sha256(body).hexdigest()[:24])
-        with self._lock:
-            self._remember(_key(script, values), answer)
-        return answer
-
-    def _remember(self, key: tuple[Script, tuple[Value, ...]], answer: Answer) -> None:
-        former = self._answers.pop(key, None)
-        self._size += len(answer.compressed) - (len(former.compressed) if former else 0)
-        self._answers[key] = answer
-        while self._size > self._most and len(self._answers) > 1:
-            self._size -= len(self._answers.popitem(last=False)[1].compressed)
+        return self._answers.put(_key(script, values), answer)
 
 
-def _key(script: Script, values: Values) -> tuple[Script, tuple[Value, ...]]:
+def _key(script: Script, values: Values) -> Key:
     return script, tuple(values.by_name.values())
 
 

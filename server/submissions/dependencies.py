@@ -1,4 +1,4 @@
-"""What routes ask of this room: news of submissions, figures of verdicts."""
+"""What routes ask of this room: taking submissions in, and news of them."""
 
 from typing import Annotated
 
@@ -6,7 +6,7 @@ from fastapi import Depends
 
 from server.base.provided import provided
 from server.submissions.events import Events
-from server.submissions.figures import Figures
+from server.submissions.service import Submissions
 
 EventsOf = Annotated[Events, Depends(provided(Events))]
-FiguresOf = Annotated[Figures, Depends(provided(Figures))]
+SubmissionsOf = Annotated[Submissions, Depends(provided(Submissions))]

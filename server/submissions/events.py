@@ -1,4 +1,4 @@
-"""Who is looking at which submission, and how they learn that it has changed.
+"""Who waits for which job, and how they learn that it has changed.
 
 Everything here runs on the web process's event loop, and holds neither a thread nor a database session while waiting.
 """
@@ -8,7 +8,6 @@ from collections import defaultdict
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import contextmanager
 from typing import Protocol, TypeVar
-from uuid import UUID
 
 from starlette.concurrency import run_in_threadpool
 
@@ -27,10 +26,10 @@ S = TypeVar("S", bound=Snapshot)
 
 
 class Events:
-    """Wakes the watchers of a submission."""
+    """Wakes the watchers of a job, by its key."""
 
     def __init__(self) -> None:
-        self._watchers: dict[UUID, set[asyncio.Event]] = defaultdict(set)
+        self._watchers: dict[str, set[asyncio.Event]] = defaultdict(set)
         self._moving = False
         self._closed = False
 
@@ -39,37 +38,37 @@ class Events:
         self._closed = True
         self._moved()
 
-    def changed(self, submission_id: UUID) -> None:
-        """A submission has changed state: its watchers look at once, the others soon (their place has moved)."""
-        self._wake(submission_id)
+    def changed(self, key: str) -> None:
+        """The job of this key has changed state: its watchers look at once, the others soon (their place has moved)."""
+        self._wake(key)
         if not self._moving and self._watchers:
             self._moving = True
             asyncio.get_running_loop().call_later(QUEUE_MOVES_EVERY, self._moved)
 
     def _moved(self) -> None:
         self._moving = False
-        for submission_id in list(self._watchers):
-            self._wake(submission_id)
+        for key in list(self._watchers):
+            self._wake(key)
 
-    def _wake(self, submission_id: UUID) -> None:
-        for event in self._watchers.get(submission_id, ()):
+    def _wake(self, key: str) -> None:
+        for event in self._watchers.get(key, ()):
             event.set()
 
     @contextmanager
-    def _watch(self, submission_id: UUID) -> Iterator[asyncio.Event]:
+    def _watch(self, key: str) -> Iterator[asyncio.Event]:
         event = asyncio.Event()
-        self._watchers[submission_id].add(event)
+        self._watchers[key].add(event)
         try:
             yield event
         finally:
-            self._watchers[submission_id].discard(event)
-            if not self._watchers[submission_id]:
-                del self._watchers[submission_id]
+            self._watchers[key].discard(event)
+            if not self._watchers[key]:
+                del self._watchers[key]
 
-    async def follow(self, submission_id: UUID, read: Callable[[], S]) -> AsyncIterator[S]:
+    async def follow(self, key: str, read: Callable[[], S]) -> AsyncIterator[S]:
         """Yields what `read` gives (called in a thread) at first, then each time that it differs, until it is done
         (or the server stops)."""
-        with self._watch(submission_id) as event:
+        with self._watch(key) as event:
             latest: S | None = None
             while True:
                 event.clear()  # before reading: a change during the read is not missed
@@ -81,11 +80,11 @@ class Events:
                     return
                 await _wait(event, SAFETY_POLL)
 
-    async def until_done(self, submission_id: UUID, read: Callable[[], S], seconds: float) -> S:
+    async def until_done(self, key: str, read: Callable[[], S], seconds: float) -> S:
         """The snapshot once it is done, or as it is after `seconds`."""
         try:
             async with asyncio.timeout(seconds):
-                async for snapshot in self.follow(submission_id, read):
+                async for snapshot in self.follow(key, read):
                     if snapshot.done:
                         return snapshot
         except TimeoutError:

@@ -1,11 +1,8 @@
-"""Sending a file, finding one's attempts again, and what they open (hints, solution).
-
-Every function works inside the caller's transaction; the session's context gives the limits and the signals.
-"""
+"""Sending a file, and finding it again. Every function works inside the caller's transaction."""
 
 import hashlib
 import secrets
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 from uuid import UUID
@@ -18,11 +15,14 @@ from server.base.errors import Invalid, NotFound
 from server.base.settings import Settings
 from server.identity.models import Account
 from server.limits import service as limits
-from server.queue import service as queue
-from server.submissions import draws, repository
-from server.submissions.draws import SEED_BITS
-from server.submissions.models import SolutionOpening, Submission
+from server.queue.port import Queue
+from server.submissions import deals
+from server.submissions.deals import SEED_BITS
+from server.submissions.models import State, Submission
 
+#: The kind of the job that grades a submission; its key is `key_of` the submission.
+GRADE = "grade"
+UNKNOWN = "Cette soumission n’existe pas."
 TOO_FAST = (
     "Vous avez envoyé beaucoup de propositions en peu de temps : la prochaine est possible dans {seconds} s. "
     "Profitez-en pour relire le dernier verdict."
@@ -30,51 +30,59 @@ TOO_FAST = (
 
 
 @dataclass(frozen=True)
-class Progress:
-    """Where one account stands in one exercise; `best` in [0, 1], None while nothing is graded."""
+class Place:
+    """Where a submission is on its way; `position` is 1 for the next to be graded, None once it no longer waits."""
 
-    best: float | None
-    attempts: int
-
-    @property
-    def succeeded(self) -> bool:
-        return self.best == 1
+    state: State
+    position: int | None = None
 
 
-def submit(db: Session, account: Account, exercise_id: str, code: str) -> Submission:
-    """Stores the submission and queues it. Raises TooLarge, TooMany or Invalid (each with its sentence in French)."""
-    return _store(db, account, exercise_id, code, encoded(code, _settings(db).code_bytes), secrets.randbits(SEED_BITS))
+class Submissions:
+    """Takes submissions in, within the settings' limits, and has them graded."""
+
+    def __init__(self, settings: Settings, queue: Queue) -> None:
+        self._settings, self._queue = settings, queue
+
+    def submit(self, db: Session, account: Account, exercise_id: str, code: str) -> Submission:
+        """Stores the submission and queues it. Raises TooLarge, TooMany or Invalid, with a sentence in French."""
+        source = encoded(code, self._settings.code_bytes)
+        return self._store(db, account, exercise_id, code, source, secrets.randbits(SEED_BITS))
+
+    def submit_answers(self, db: Session, account: Account, exercise_id: str, answers: Mapping[str, Any]) -> Submission:
+        """Stores answers given without code, to this account's deal, as canonical JSON. Raises as `submit` does."""
+        try:
+            text = canonical(answers)
+        except RecursionError as error:
+            raise Invalid("Ces réponses sont trop imbriquées.") from error
+        source = encoded(text, self._settings.code_bytes, "Le texte des réponses")
+        return self._store(db, account, exercise_id, text, source, deals.seed_of(db, account, exercise_id))
+
+    def _store(
+        self, db: Session, account: Account, exercise_id: str, code: str, source: bytes, seed: int
+    ) -> Submission:
+        limits.take(db, limits.of_submissions(account.id), self._settings.submission_bucket, TOO_FAST)
+        submission = Submission(
+            account_id=account.id,
+            exercise=exercise_id,
+            source=source,
+            digest=digest(code),
+            seed=seed,
+        )
+        db.add(submission)
+        db.flush()
+        self._queue.put(db, GRADE, key_of(submission.id))
+        return submission
+
+    def place(self, db: Session, submission: Submission) -> Place:
+        if submission.grading_id is not None:
+            return Place(State.done)
+        position = self._queue.position(db, GRADE, key_of(submission.id))
+        return Place(State.running) if position == 0 else Place(State.queued, position)
 
 
-def submit_answers(db: Session, account: Account, exercise_id: str, answers: Mapping[str, Any]) -> Submission:
-    """Stores answers given without code, to this account's draw, as canonical JSON. Raises as `submit` does."""
-    try:
-        text = canonical(answers)
-    except RecursionError as error:
-        raise Invalid("Ces réponses sont trop imbriquées.") from error
-    source = encoded(text, _settings(db).code_bytes, "Le texte des réponses")
-    return _store(db, account, exercise_id, text, source, draws.seed_of(db, account, exercise_id))
-
-
-def _store(db: Session, account: Account, exercise_id: str, code: str, source: bytes, seed: int) -> Submission:
-    settings = _settings(db)
-    limits.take(db, limits.of_submissions(account.id), settings.submission_bucket, TOO_FAST)
-    submission = Submission(
-        account_id=account.id,
-        exercise=exercise_id,
-        source=source,
-        digest=digest(code),
-        seed=seed,
-    )
-    queue.enqueue(db, submission)
-    return submission
-
-
-def _settings(db: Session) -> Settings:
-    settings = db.info["settings"]
-    if not isinstance(settings, Settings):
-        raise TypeError("the session's context must hold the settings")
-    return settings
+def key_of(submission_id: UUID) -> str:
+    """By which its job is known, and whoever waits for it."""
+    return str(submission_id)
 
 
 def digest(code: str) -> str:
@@ -84,63 +92,14 @@ def digest(code: str) -> str:
     return hashlib.sha256(kept.encode("utf-8", errors="replace")).hexdigest()
 
 
-def get_for(db: Session, account: Account | None, submission_id: UUID | str) -> Submission:
-    """One's own submission (any, for a teacher); raises NotFound for anything else, whatever exists."""
-    submission = repository.by_id(db, parse_id(submission_id))
-    if submission is None or account is None or not _may_see(account, submission):
-        raise NotFound("Cette soumission n’existe pas.")
-    return submission
-
-
 def parse_id(text: UUID | str) -> UUID:
+    """Raises NotFound."""
     try:
         return text if isinstance(text, UUID) else UUID(text)
     except ValueError as error:
-        raise NotFound("Cette soumission n’existe pas.") from error
+        raise NotFound(UNKNOWN) from error
 
 
-def _may_see(account: Account, submission: Submission) -> bool:
-    return account.is_teacher or submission.account_id == account.id
-
-
-def attempts(db: Session, account: Account | None, exercise_id: str) -> Sequence[Submission]:
-    """One's submissions to an exercise, newest first."""
-    return [] if account is None else repository.of_account(db, account.id, exercise_id)
-
-
-def progress(db: Session, account: Account | None) -> dict[str, Progress]:
-    if account is None:
-        return {}
-    rows = repository.progress(db, account.id)
-    return {exercise: Progress(best, count) for exercise, best, count in rows}
-
-
-def distinct_failed_attempts(
-    db: Session, account: Account | None, exercise_id: str, *, besides: Sequence[str] = ()
-) -> int:
-    """How many different codes have been graded without full marks; `besides`: codes that do not count (starter)."""
-    if account is None:
-        return 0
-    return repository.failed_digests(db, account.id, exercise_id, [digest(code) for code in besides])
-
-
-def solution_open(db: Session, account: Account | None, exercise_id: str) -> bool:
-    """May this account read the solution? After success, when a teacher has opened it, and always for a teacher."""
-    if repository.opening(db, exercise_id) is not None:
-        return True
-    return account is not None and (account.is_teacher or repository.has_succeeded(db, account.id, exercise_id))
-
-
-def open_solution(db: Session, exercise_id: str, by: Account) -> None:
-    if repository.opening(db, exercise_id) is None:
-        db.add(SolutionOpening(exercise=exercise_id, opened_by=by.id))
-
-
-def close_solution(db: Session, exercise_id: str) -> None:
-    repository.delete_opening(db, exercise_id)
-
-
-def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
-    """Gives a guest's submissions and draws to the account that the same person has just opened."""
-    repository.move(db, guest_id, account_id)
-    draws.adopt(db, guest_id, account_id)
+def may_see(account: Account | None, submission: Submission) -> bool:
+    """One's own submissions; any, for a teacher."""
+    return account is not None and (account.is_teacher or submission.account_id == account.id)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import html
 import json
-from collections import OrderedDict
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 from pathlib import Path
-from threading import Lock
 from typing import Any
+
+from server.base.caches import Lately
 
 KATEX = Path(__file__).parents[1] / "static" / "katex" / "katex.min.js"
 
@@ -72,32 +72,7 @@ def engine() -> Engine | None:
     return Engine(KATEX) if KATEX.is_file() else None
 
 
-class Drawn:
-    """The latest formulas."""
-
-    def __init__(self, kept: int) -> None:
-        self._kept = kept
-        self._html: OrderedDict[Formula, str] = OrderedDict()
-        self._lock = Lock()
-
-    def get(self, formula: Formula) -> str | None:
-        with self._lock:
-            if formula in self._html:
-                self._html.move_to_end(formula)
-            return self._html.get(formula)
-
-    def put(self, formula: Formula, drawing: str) -> None:
-        with self._lock:
-            self._html[formula] = drawing
-            while len(self._html) > self._kept:
-                self._html.popitem(last=False)
-
-    def clear(self) -> None:
-        with self._lock:
-            self._html.clear()
-
-
-drawn = Drawn(KEPT)
+drawn: Lately[Formula, str] = Lately(KEPT)
 
 
 def prepare(formulas: Iterable[Formula]) -> None:

@@ -10,6 +10,7 @@ from starlette.convertors import Convertor, register_url_convertor
 from server.course.dependencies import CourseOf
 from server.database.dependencies import Db
 from server.identity.dependencies import OptionalAccount
+from server.submissions.dependencies import SubmissionsOf
 from server.web.views import Reader
 
 
@@ -28,8 +29,8 @@ class ModuleConvertor(Convertor[str]):
 register_url_convertor("module", ModuleConvertor())
 
 
-def _reader(db: Db, course: CourseOf, account: OptionalAccount) -> Reader:
-    return Reader(db, course, account)
+def _reader(db: Db, course: CourseOf, submissions: SubmissionsOf, account: OptionalAccount) -> Reader:
+    return Reader(db, course, submissions, account)
 
 
 Reading = Annotated[Reader, Depends(_reader)]

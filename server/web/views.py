@@ -9,20 +9,20 @@ from sqlalchemy.orm import Session
 from server.base.errors import NotFound
 from server.course import Course, Exercise, Module
 from server.course.models import Document
+from server.gradebook.schemas import NOTHING_YET, Progress
 from server.identity.models import Account
-from server.submissions.service import Progress
+from server.submissions.service import Submissions
 from server.web.schemas import ExerciseRow, ModuleLink, OwnState
 from server.web.words import points
-
-NOTHING_YET = Progress(None, 0)
 
 
 @dataclass(frozen=True)
 class Reader:
-    """Who looks, at which course, through which transaction."""
+    """Who looks, at which course and which submissions, through which transaction."""
 
     db: Session
     course: Course
+    submissions: Submissions
     account: Account | None
 
 

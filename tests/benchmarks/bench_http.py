@@ -2,7 +2,7 @@
 
 python tests/benchmarks/bench_http.py l20/poses graders/l20/poses/solution.py --count 200
 
-The steps are told apart by the times that the server itself writes in the submission's row and in its verdict.
+The steps are told apart by the times that the server itself writes in the rows of the submission and of its grading.
 """
 
 from __future__ import annotations
@@ -92,7 +92,10 @@ def steps(exchange: Exchange, row: tuple[float, float, float]) -> dict[str, floa
 
 def rows(data: Path) -> dict[str, tuple[float, float, float]]:
     """The three times of each submission, by its id."""
-    query = "SELECT id, created_at, started_at, finished_at FROM submission"
+    query = (
+        "SELECT submission.id, submission.created_at, grading.started_at, grading.finished_at "
+        "FROM submission JOIN grading ON grading.id = submission.grading_id"
+    )
     with closing(sqlite3.connect(data / "balise.sqlite3")) as database:
         found = database.execute(query).fetchall()
     return {str(UUID(identity)): tuple(map(_seconds, times)) for identity, *times in found}  # type: ignore[misc]

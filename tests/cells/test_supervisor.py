@@ -8,6 +8,7 @@ import os
 import signal
 import sys
 from collections.abc import Awaitable, Callable, Coroutine
+from dataclasses import replace
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -69,7 +70,7 @@ def played(tmp_path: Path, test: Callable[[Cells], Awaitable[None]], script: str
         try:
             await test(cells)
         finally:
-            last = cells._process and process(cells)
+            last = cells.helper._process and process(cells)
             await cells.close()
         assert not (last and alive(last))
 
@@ -89,19 +90,19 @@ async def started(cells: Cells, code: str) -> asyncio.Task[bytes]:
 
 def process(cells: Cells) -> int:
     """The process that was started last."""
-    assert cells._process is not None
-    return cells._process._process.pid
+    assert cells.helper._process is not None
+    return cells.helper._process.pid
 
 
 def asked(cells: Cells) -> int:
     """How many questions it has not answered yet."""
-    assert cells._process is not None
-    return len(cells._process._asked)
+    assert cells.helper._process is not None
+    return len(cells.helper._process._asked)
 
 
 async def asking(cells: Cells) -> None:
     """Returns once its process has a question to answer: closed before, it would wait for the answer."""
-    await eventually(lambda: cells._process is not None and asked(cells) == 1)
+    await eventually(lambda: cells.helper._process is not None and asked(cells) == 1)
 
 
 async def eventually(condition: Callable[[], bool]) -> None:
@@ -110,7 +111,7 @@ async def eventually(condition: Callable[[], bool]) -> None:
 
 def test_cells_run_and_their_process_is_started_by_the_first(tmp_path: Path) -> None:
     async def test(cells: Cells) -> None:
-        assert cells._process is None
+        assert cells.helper._process is None
         first, second = await asyncio.gather(ran(cells, "print(H)"), ran(cells, "1 / 0"))
         assert json.loads(first)["stdout"] == "16\n"
         assert json.loads(second)["fault"]["line"] == 1
@@ -139,7 +140,7 @@ def test_a_process_that_was_killed_between_two_cells_is_replaced(tmp_path: Path)
     async def test(cells: Cells) -> None:
         await ran(cells, "1")
         first = process(cells)
-        gone = cells._process
+        gone = cells.helper._process
         os.kill(first, signal.SIGKILL)
         await eventually(lambda: gone is not None and gone.ended)
         assert json.loads(await ran(cells, "encore"))["code"] == "encore"
@@ -172,10 +173,11 @@ def test_a_stopped_process_is_killed(tmp_path: Path) -> None:
         await ran(cells, "1")
         first = process(cells)
         os.kill(first, signal.SIGSTOP)
-        cells._patience = 0.3
+        patient = cells.helper.program
+        cells.helper.program = replace(patient, patience=0.3)
         with pytest.raises(Failed):
             await ran(cells, "1")
-        cells._patience = LONG
+        cells.helper.program = patient
         assert json.loads(await ran(cells, "encore"))["code"] == "encore"
         await eventually(lambda: not alive(first))
 
@@ -285,8 +287,8 @@ def test_a_line_that_breaks_ends_the_process_and_its_sandbox(tmp_path: Path) -> 
         first = process(cells)
         below = children(first)
         assert below
-        assert cells._process is not None
-        cells._process._writer.close()
+        assert cells.helper._process is not None
+        cells.helper._process._writer.close()
         await eventually(lambda: not any(map(alive, [first, *below])))
 
     played(tmp_path, test)

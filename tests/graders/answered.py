@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from graders.core.answers import AnswersGrader
-from graders.core.contract.findings import Grading
+from graders.core.contract.findings import Judgement
 from tests.quick import the_course
 
 EXERCISES = {name: one for name, one in the_course().exercises.items() if one.kind == "answers"}
@@ -20,10 +20,10 @@ def grader_of(name: str) -> AnswersGrader:
     return grader
 
 
-def graded(name: str, answers: Any, seed: int = 7) -> Grading:
+def graded(name: str, answers: Any, seed: int = 7) -> Judgement:
     source = answers if isinstance(answers, bytes) else json.dumps(answers).encode()
     return grader_of(name).grade(source, seed=seed, version="v")
 
 
-def check_of(grading: Grading, name: str) -> dict[str, Any]:
+def check_of(grading: Judgement, name: str) -> dict[str, Any]:
     return next(one for one in grading.verdict.to_json()["checks"] if one["id"] == name)

@@ -15,7 +15,7 @@ from graders.core.answers import MalformedSheetError, Quantity, numeric
 from graders.core.answers.interval import around
 from graders.core.answers.numeric import DRAWS, NumericGrader, NumericSheet
 from graders.core.answers.wording import Datum, NumericWording
-from graders.core.contract.findings import Grading
+from graders.core.contract.findings import Judgement
 from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.outcomes import Outcome
 from tests.graders.answered import EXERCISES, ODOMETRY, PROOF, QUIZ, SEEDS, check_of, graded, grader_of
@@ -202,7 +202,7 @@ def test_every_order_that_respects_the_dependencies_is_right() -> None:
     proof = grader_of(PROOF)
     by_name = proof.letters(7).by_name  # type: ignore[attr-defined]
 
-    def placed(*names: str) -> Grading:
+    def placed(*names: str) -> Judgement:
         return graded(PROOF, {"ordre": [by_name[name] for name in names]})
 
     usual = ["definition", "bayes", "markov_mesure", "totales", "markov_etat", "commande", "conclusion"]

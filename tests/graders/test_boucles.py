@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.contract.findings import Grading
+from graders.core.contract.findings import Judgement
 from graders.core.contract.local import LOCAL, PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
 from graders.l20.boucles.readings import Unsuitable, read_signature
+from graders.plotting import counterexample
 from tests.graders.boucles_styles import ARRAY, DESCRIPTORS, DISTANCES, LIST, submission
 from tests.graders.shipped import CODE
 from tests.quick import one_in
@@ -23,7 +24,7 @@ GRADER = CODE["l20/boucles"]
 SEEDS = range(12)
 
 
-def graded(source: str, seed: int) -> Grading:
+def graded(source: str, seed: int) -> Judgement:
     return GRADER.grade(source.encode(), LOCAL, seed=seed, version="v")
 
 
@@ -244,13 +245,14 @@ def test_figures_draw(theme: str) -> None:
         figures = graded(mistake(name).source, 1).figures
         assert figures
         for check in {"signature_rotation", "sosies"} & set(figures):
-            assert GRADER.draw(json.loads(json.dumps(figures[check])), theme=theme).startswith(b"<?xml")
+            data = json.loads(json.dumps(figures[check]))
+            assert counterexample(GRADER.exercise, data, theme=theme).startswith(b"<?xml")
 
 
 def test_absurd_signatures_are_left_out_of_the_figure() -> None:
     data = graded(submission("scan * 1e140"), 1).figures["signature_rotation"]
     assert all(item["signature"] is None for item in data["scans"])
-    assert GRADER.draw(json.loads(json.dumps(data)), theme="light").startswith(b"<?xml")
+    assert counterexample(GRADER.exercise, json.loads(json.dumps(data)), theme="light").startswith(b"<?xml")
 
 
 @pytest.mark.parametrize("value", [None, 3, "S", {}, [], [[1, 2]], np.zeros((2, 2)), [1, [2]], [1, np.inf], [np.nan],

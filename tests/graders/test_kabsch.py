@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.contract.findings import Grading
+from graders.core.contract.findings import Judgement
 from graders.core.contract.local import LOCAL, PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
 from graders.l20.kabsch import cases
 from graders.l20.kabsch.checks import Pairing, Question, simpler_pairings
 from graders.l20.kabsch.judge import judge
+from graders.plotting import counterexample
 from reference.registration import kabsch
 from tests.graders.shipped import CODE
 from tests.quick import one_in
@@ -59,7 +60,7 @@ def kabsch(P, Q):
 """
 
 
-def graded(source: str, seed: int) -> Grading:
+def graded(source: str, seed: int) -> Judgement:
     return GRADER.grade(source.encode(), LOCAL, seed=seed, version="v")
 
 
@@ -252,7 +253,7 @@ def test_figures_draw(theme: str) -> None:
     wrong_shape = graded(mistake("points_en_colonnes").source, 1).figures
     drawn = (right_shape["exemples"], right_shape["exact_3d"], wrong_shape["degeneres"])
     for data in json.loads(json.dumps(drawn)):
-        assert GRADER.draw(data, theme=theme).startswith(b"<?xml")
+        assert counterexample(GRADER.exercise, data, theme=theme).startswith(b"<?xml")
 
 
 def test_absurd_answers_are_judged_and_left_out_of_the_figure() -> None:

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from graders.core.contract.local import LOCAL, PROJECT
+from graders.plotting import counterexample
 from tests.graders.shipped import CODE
 
 GRADER = CODE["l20/poses"]
@@ -47,4 +48,4 @@ def test_figures_draw(theme: str) -> None:
     mistake = next(m for m in GRADER.misconceptions if m.id == "degres_dans_cos")
     figures = json.loads(json.dumps(GRADER.grade(mistake.source.encode(), LOCAL, seed=1, version="v").figures))
     for check in ("composer_exemples", "relatif"):
-        assert GRADER.draw(figures[check], theme=theme).startswith(b"<?xml")
+        assert counterexample(GRADER.exercise, figures[check], theme=theme).startswith(b"<?xml")

@@ -13,6 +13,7 @@ from graders.core.contract.program import KitSettings, Program, StudentFault
 from graders.l20.predire2d import cases, trials
 from graders.l20.predire2d.beliefs import SameBelief, in_words, instead, one_hot
 from graders.l20.predire2d.checks import tells_something
+from graders.plotting import counterexample
 from reference.localisation.grid_filter import most_likely
 from tests.graders.shipped import CODE
 from tests.quick import one_in
@@ -290,7 +291,7 @@ def test_figures_draw(theme: str) -> None:
     figures = json.loads(json.dumps(grading(mistake("sens_inverse"), 0).figures))
     assert set(figures) == {"predire_exemples", "predire_murs", "predire_autre_carte", "localisation"}
     for name in ("predire_exemples", "predire_autre_carte", "localisation"):
-        assert GRADER.draw(figures[name], theme=theme).startswith(b"<?xml")
+        assert counterexample(GRADER.exercise, figures[name], theme=theme).startswith(b"<?xml")
 
 
 def test_every_failed_comparison_leaves_a_figure() -> None:
@@ -302,5 +303,7 @@ def test_every_failed_comparison_leaves_a_figure() -> None:
 
 def test_a_figure_without_anything_obtained_draws() -> None:
     data = {"kind": "beliefs", "free": [[True, False]], "given": [[1.0, 0.0]], "expected": [[1.0, 0.0]]}
-    assert GRADER.draw({**data, "got": None, "command": [0, -1], "scan": None}).startswith(b"<?xml")
-    assert GRADER.draw({**data, "got": None, "command": None, "scan": ["1", "2"]}).startswith(b"<?xml")
+    assert counterexample(GRADER.exercise, {**data, "got": None, "command": [0, -1], "scan": None}).startswith(b"<?xml")
+    assert counterexample(GRADER.exercise, {**data, "got": None, "command": None, "scan": ["1", "2"]}).startswith(
+        b"<?xml"
+    )

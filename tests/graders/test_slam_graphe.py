@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from graders.core.contract.findings import Grading
+from graders.core.contract.findings import Judgement
 from graders.core.contract.local import LOCAL, PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
+from graders.plotting import counterexample
 from tests.graders.shipped import CODE
 from tests.quick import one_in
 
@@ -24,7 +25,7 @@ NUMERIC, VECTORS, COMPOSED = SPECIMENS["numerique_dense"], SPECIMENS["lots_numpy
 SPARSE = SPECIMENS["creux_scipy"]
 
 
-def graded(source: str, seed: int) -> Grading:
+def graded(source: str, seed: int) -> Judgement:
     return GRADER.grade(source.encode(), LOCAL, seed=seed, version="v")
 
 
@@ -267,4 +268,4 @@ def test_figures_draw(theme: str) -> None:
         figures = graded(misconception(name), 1).figures
         assert figures
         for data in json.loads(json.dumps([*figures.values()][:1])):
-            assert GRADER.draw(data, theme=theme).startswith(b"<?xml")
+            assert counterexample(GRADER.exercise, data, theme=theme).startswith(b"<?xml")

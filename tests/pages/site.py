@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from typing import Any
 
 from starlette.testclient import TestClient
 
+from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
+from server.base.provided import provided_to
+from server.base.settings import Settings
+from server.course import Course
 from server.database import Database
+from server.grading.task import GradingTask
 from server.identity import service as accounts
-from server.queue import service as queue
-from server.queue.owner import owner_of
+from server.queue.port import NoSignals
+from server.queue.service import TableQueue
+from server.queue.worker import Worker
+from server.submissions.service import GRADE
 
 PAGE = "/m9/exercices/a"
 CHECK = {
@@ -56,11 +62,10 @@ class Site:
         return str(answer.json()["page"])
 
     def grade(self, result: dict[str, Any]) -> None:
-        with self.database.write() as db:
-            lease = queue.claim(db, owner_of(os.getpid()), 30)
-            assert lease is not None
-            written = {"outcome": result["outcome"], "score": result["score"], "verdict": result, "figures": {}}
-            assert queue.finish(db, lease, written)
+        app: Any = self.client.app
+        task = GradingTask(provided_to(app, Course), lambda _sent: Judgement(Verdict.from_json(result)))
+        queue = TableQueue(NoSignals())
+        assert Worker(self.database, queue, provided_to(app, Settings), {GRADE: task}).step()
 
     def attempt(self, code: str, result: dict[str, Any]) -> str:
         page = self.submit(code)

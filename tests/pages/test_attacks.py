@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from graders.core.contract.findings import Grading
+from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Verdict
 from server.grading.joint import Grader
 from server.sandbox import Sandbox
@@ -86,7 +86,7 @@ def assert_harmless(html: str) -> None:
     assert hidden == set()
 
 
-def shown(grading: Grading) -> str:
+def shown(grading: Judgement) -> str:
     stored = json.loads(json.dumps(grading.verdict.to_json(), allow_nan=False))
     return environment().from_string(SHOW).render(verdict=verdicts.view(Verdict.from_json(stored), "/figures"))
 

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import asyncio
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
 
 from graders.plotting import THEMES, palette
-from server.base.errors import NotFound
 from server.base.paths import ROOT
 from server.course import Course
-from server.course.models import Drawing
-from server.reading import figures
-from server.reading.figures import Drawings
+from server.figures import lessons, orders
 from tests.pages.conftest import CourseFolder
 from tests.pages.texts_on_disk import FIGURES, problems
-from tests.quick import in_a_loop, the_course
+from tests.quick import the_course
 
 PATH = "curriculum/m9/figures/dessins.py"
 BAD = {
@@ -62,56 +57,32 @@ def catalogue_of(course_folder: CourseFolder, text: str) -> Course:
 
 def test_a_drawing_is_the_same_each_time_and_not_in_the_other_theme(course_folder: CourseFolder) -> None:
     course = catalogue_of(course_folder, FIGURES)
-    light = Drawings(course).svg("m9", "trace", "light")
+    drawing = course.modules["m9"].drawings["trace"]
+    light = lessons.draw(drawing, "light", "svg").picture
     assert light.startswith(b"<?xml")
-    assert Drawings(course).svg("m9", "trace", "light") == light
-    dark = Drawings(course).svg("m9", "trace", "dark")
+    assert lessons.draw(drawing, "light", "svg").picture == light
+    dark = lessons.draw(drawing, "dark", "svg").picture
     assert palette("dark").paper.encode() in dark
     assert palette("dark").paper.encode() not in light
 
 
-def test_drawings_are_remembered_up_to_a_bound(course_folder: CourseFolder, monkeypatch: pytest.MonkeyPatch) -> None:
-    course = catalogue_of(course_folder, FIGURES)
-    drawn: list[str] = []
-    draw = figures.draw
+def test_another_text_makes_another_figure_and_the_same_text_the_same(course_folder: CourseFolder) -> None:
+    """Under the name of a picture, what is kept of an earlier start is found, or is not."""
+    drawing = catalogue_of(course_folder, FIGURES).modules["m9"].drawings["trace"]
 
-    def counted(drawing: Drawing, theme: str, extension: str) -> figures.Drawn:
-        drawn.append(drawing.name)
-        return draw(drawing, theme, extension)
+    def key(theme: orders.Theme = "light") -> str:
+        orders.folder_version.cache_clear()
+        return orders.of_lesson(drawing, theme).key
 
-    monkeypatch.setattr(figures, "draw", counted)
-    roomy, narrow = Drawings(course), Drawings(course, kept=1)
-    for drawings in (roomy, narrow):
-        for name in ("trace", "trace", "bande", "trace"):
-            drawings.svg("m9", name, "light")
-    assert drawn == ["trace", "bande", "trace", "bande", "trace"]
-
-
-def test_a_class_that_looks_together_has_each_drawing_made_once(
-    course_folder: CourseFolder, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    course = catalogue_of(course_folder, FIGURES)
-    drawn: list[str] = []
-
-    def slow(drawing: Drawing, theme: str, _extension: str) -> figures.Drawn:
-        drawn.append(f"{drawing.name} {theme}")
-        time.sleep(0.02)
-        return figures.Drawn(drawing.name.encode(), drawing.size)
-
-    monkeypatch.setattr(figures, "draw", slow)
-
-    async def look() -> list[bytes]:
-        drawings = Drawings(course)
-        return await asyncio.gather(*(drawings.picture("m9", name, "dark") for name in ("trace", "bande") * 20))
-
-    assert in_a_loop(look()) == [b"trace", b"bande"] * 20
-    assert sorted(drawn) == ["bande dark", "trace dark"]
-
-
-@pytest.mark.parametrize(("module", "name"), [("m9", "absente"), ("m8", "trace"), ("m9", "../../etc/passwd")])
-def test_what_is_not_announced_is_not_drawn(course_folder: CourseFolder, module: str, name: str) -> None:
-    with pytest.raises(NotFound):
-        Drawings(catalogue_of(course_folder, FIGURES)).svg(module, name, "light")
+    first = key()
+    assert key("dark") != first
+    course_folder.write("curriculum/m9/figures/_aide.py", "x = 1\n")
+    second = key()
+    course_folder.write("curriculum/m9/kit/m9.py", "def configurer():\n    return {1: 1}\n")
+    assert len({first, second, key()}) == 3
+    (course_folder.root / "curriculum/m9/figures/_aide.py").unlink()
+    course_folder.write("curriculum/m9/kit/m9.py", "def configurer():\n    return {}\n")
+    assert key() == first
 
 
 def test_check_tells_what_does_not_draw_or_changes_size(course_folder: CourseFolder) -> None:
@@ -122,7 +93,7 @@ def test_check_tells_what_does_not_draw_or_changes_size(course_folder: CourseFol
         "def juste(figure, palette):\n    figure.subplots()\n"
         'FIGURES = {\n    "panne": (panne, "A"),\n    "grand": (grand, "A"),\n    "juste": (juste, "A"),\n}\n',
     )
-    found = [(one.line, one.message) for one in figures.faults(course)]
+    found = [(one.line, one.message) for one in lessons.faults(course)]
     assert [line for line, _ in found] == [8, 9]
     assert "« panne » ne se dessine pas (ZeroDivisionError" in found[0][1]
     assert '"grand": (grand, "…", (6.4, 9))' in found[1][1]
@@ -130,13 +101,13 @@ def test_check_tells_what_does_not_draw_or_changes_size(course_folder: CourseFol
 
 @pytest.mark.slow
 def test_the_drawings_of_the_course_are_drawn_at_their_size() -> None:
-    assert [str(one) for one in figures.faults(the_course())] == []
+    assert [str(one) for one in lessons.faults(the_course())] == []
 
 
 @pytest.mark.parametrize("name", sorted(the_course().modules["l20"].drawings)[::4])
 def test_some_drawings_of_the_course_are_drawn_at_their_size(name: str) -> None:
     drawing = the_course().modules["l20"].drawings[name]
-    assert figures.size_fault(drawing, figures.draw(drawing, "light", "svg")) == ""
+    assert lessons.size_fault(drawing, lessons.draw(drawing, "light", "svg")) == ""
 
 
 @pytest.mark.parametrize("theme", THEMES)

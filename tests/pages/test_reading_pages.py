@@ -13,7 +13,7 @@ from starlette.testclient import TestClient
 from server.app import create_app
 from server.base.provided import provided
 from server.base.settings import Settings
-from server.reading.figures import Drawings
+from server.figures.service import Figures
 from server.reading.service import duration, plain
 from tests.pages.conftest import CourseFolder
 from tests.pages.site import PAGE, Site, verdict
@@ -112,10 +112,10 @@ def test_a_page_that_has_not_changed_is_not_sent_again(site: Site) -> None:
 
 def test_a_drawing_that_one_has_is_not_sent_again(site: Site) -> None:
     class Drawn:
-        async def picture(self, *_: str) -> bytes:
+        async def of_lesson(self, *_: str) -> bytes:
             return b"<svg/>"
 
-    site.client.app.dependency_overrides[provided(Drawings)] = Drawn  # type: ignore[attr-defined]
+    site.client.app.dependency_overrides[provided(Figures)] = Drawn  # type: ignore[attr-defined]
     path = "/m9/figures/dessin.svg?theme=dark"
     first = site.client.get(path)
     assert (first.content, first.headers["content-type"]) == (b"<svg/>", "image/svg+xml")

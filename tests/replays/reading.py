@@ -42,8 +42,7 @@ def unpacked(packed: dict[str, Any]) -> NDArray[np.float64]:
 def cells(grid: dict[str, Any]) -> NDArray[np.float64]:
     """The numbers of a grid of the wire, (H, W) in [0, 1]."""
     data = np.frombuffer(base64.b64decode(grid["d"]), dtype=np.uint8)
-    flat = np.repeat(data[1::2], data[::2]) if grid["runs"] else data
-    return flat.reshape(grid["h"], grid["w"]) / 255.0
+    return data.reshape(grid["h"], grid["w"]) / 255.0
 
 
 def layer(layers: list[dict[str, Any]], kind: str, **having: object) -> dict[str, Any]:

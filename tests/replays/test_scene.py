@@ -44,11 +44,6 @@ def test_pictures_come_back_as_they_are(bytes_: np.ndarray) -> None:
     np.testing.assert_array_equal(np.rint(255 * cells(grid)), bytes_)
 
 
-def test_a_plain_picture_is_sent_as_runs_and_a_busy_one_is_not() -> None:
-    assert picture(np.zeros((50, 50)))["runs"]
-    assert not picture(np.random.default_rng(0).random((50, 50)))["runs"]
-
-
 def test_numbers_are_short_and_gaps_are_null() -> None:
     assert rounded(123.456789) == 123.5
     assert rounded(5.0) == 5

@@ -17,6 +17,7 @@ from fastapi import FastAPI
 from sqlalchemy import create_engine, text
 from starlette.testclient import TestClient
 
+from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 from server.app import create_app
@@ -24,13 +25,15 @@ from server.base.provided import provide, provided_to
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
-from server.database.tables import metadata
-from server.grading.results import recorded
-from server.grading.worker import Worker
+from server.grading.task import Grade, GradingTask, SentFile
 from server.identity import service as accounts
 from server.identity.models import Account, Role
 from server.identity.service import Accounts
-from server.queue.service import Lease
+from server.queue.port import NoSignals, Queue
+from server.queue.service import TableQueue
+from server.queue.worker import Worker
+from server.submissions.service import GRADE, Submissions
+from server.tables import metadata
 from tests.quick import migrated, the_course, weak_hasher
 
 EXERCISE = "l20/poses"
@@ -47,8 +50,16 @@ def fake_verdict(code: str, seed: int) -> Verdict:
     return Verdict(EXERCISE, "v1", outcome, seed, checks)
 
 
-def fake_grade(lease: Lease) -> dict[str, Any]:
-    return recorded(fake_verdict(lease.source.decode(), lease.seed), {"b": {"kind": "fake"}})
+def fake_grade(sent: SentFile) -> Judgement:
+    return Judgement(fake_verdict(sent.source.decode(), sent.seed), {"b": {"kind": "fake"}})
+
+
+QUIET = TableQueue(NoSignals())
+
+
+def worker_of(database: Database, settings: Settings, grade: Grade = fake_grade, queue: Queue = QUIET) -> Worker:
+    """A worker that grades, to be stepped by hand."""
+    return Worker(database, queue, settings, {GRADE: GradingTask(the_course(), grade)})
 
 
 @pytest.fixture(autouse=True)
@@ -116,6 +127,7 @@ def opened(settings: Settings) -> Iterator[Database]:
     yield database
     if settings.database_url:  # the next test uses it too
         with database.write() as db:
+            db.execute(Account.__table__.delete())  # and what is theirs: a submission and its grading name each other
             for table in reversed(metadata.sorted_tables):
                 db.execute(table.delete())
     database.close()
@@ -141,6 +153,11 @@ def new_account(database: Database, role: Role = Role.student, name: str = "Ada"
         account = Account(role=role, name=name)
         db.add(account)
     return account
+
+
+@pytest.fixture
+def store(both: Settings) -> Submissions:
+    return Submissions(both, QUIET)
 
 
 @pytest.fixture
@@ -171,7 +188,10 @@ class Site:
 
     @cached_property
     def worker(self) -> Worker:
-        return Worker(self.database, self.settings, fake_grade)
+        return self.worker_with(fake_grade)
+
+    def worker_with(self, grade: Grade) -> Worker:
+        return worker_of(self.database, self.settings, grade, provided_to(self.app, Submissions)._queue)
 
     def token(self, role: Role = Role.student) -> dict[str, str]:
         """The headers of a new account's API token."""

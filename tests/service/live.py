@@ -20,8 +20,8 @@ PROJECT = Path(__file__).resolve().parents[2]
 PATIENCE = 60.0
 AUDIT = """
 CREATE TABLE audit (id TEXT);
-CREATE TRIGGER audit_done AFTER UPDATE OF state ON submission WHEN NEW.state = 'done'
-BEGIN INSERT INTO audit VALUES (NEW.id); END;
+CREATE TRIGGER audit_graded AFTER INSERT ON grading
+BEGIN INSERT INTO audit VALUES (NEW.submission_id); END;
 """
 
 
@@ -48,8 +48,12 @@ def rows(data: Path, query: str) -> list[Any]:
         return connection.execute(query).fetchall()
 
 
-def count(data: Path, condition: str) -> int:
-    return int(rows(data, f"SELECT count(*) FROM submission WHERE {condition}")[0][0])
+def count(data: Path, condition: str, table: str = "submission") -> int:
+    return int(rows(data, f"SELECT count(*) FROM {table} WHERE {condition}")[0][0])
+
+
+WAITING = "grading_id IS NULL"
+RUNNING = "lease_token IS NOT NULL"
 
 
 def children(pid: int) -> list[int]:

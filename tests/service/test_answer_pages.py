@@ -9,14 +9,15 @@ from typing import Any
 
 import pytest
 
+from graders.core.contract.findings import Judgement
 from server.course import Course
 from server.grading.joint import Grader
-from server.grading.results import recorded
-from server.grading.worker import Worker
+from server.grading.task import SentFile
 from server.identity import service as accounts
 from server.pages.answers import FIELD, PLACE
+from server.queue.worker import Worker
 from server.sandbox import Sandbox
-from server.submissions.models import Draw, Submission
+from server.submissions.models import Deal, Submission
 
 from .conftest import Site
 from .test_answers import ODOMETRY, PROOF, QUIZ, stored
@@ -55,11 +56,10 @@ def worker(site: Site, course: Course) -> Any:
     with Sandbox(course.kits) as sandbox:
         grader = Grader(course, sandbox)
 
-        def grade(lease: Any) -> dict[str, Any]:
-            found = grader.grade(lease.exercise, lease.source, lease.seed)
-            return recorded(found.verdict, found.figures)
+        def grade(sent: SentFile) -> Judgement:
+            return grader.grade(sent.exercise, sent.source, sent.seed)
 
-        yield Worker(site.database, site.settings, grade)
+        yield site.worker_with(grade)
 
 
 def path_of(name: str) -> str:
@@ -81,10 +81,10 @@ def fields_of(name: str, answers: Mapping[str, Any]) -> dict[str, Any]:
 
 def right(site: Site, course: Course, name: str) -> dict[str, Any]:
     page(site, path_of(name))
-    draw = next(one for one in stored(site.database, Draw) if one.exercise == name)
+    deal = next(row for row in stored(site.database, Deal) if row.exercise == name)
     grader = course.exercises[name].answers
     assert grader is not None
-    return dict(grader.right(draw.seed))
+    return dict(grader.right(deal.seed))
 
 
 def sent(site: Site, name: str, fields: Mapping[str, Any], status: int = 303) -> str:

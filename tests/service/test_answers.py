@@ -12,18 +12,19 @@ import pytest
 from sqlalchemy import select
 
 from graders.core.answers.numeric import NumericGrader
+from graders.core.contract.findings import Judgement
 from server.course import Course
 from server.database import Database
+from server.gradebook import service as gradebook
 from server.grading.joint import Grader
-from server.grading.results import recorded
-from server.grading.worker import Worker
+from server.grading.task import SentFile
 from server.identity import repository as identity
 from server.identity.models import Account, Role
-from server.queue.service import Lease
+from server.queue.worker import Worker
 from server.sandbox import Sandbox
-from server.submissions import draws
-from server.submissions import service as submissions
-from server.submissions.models import Draw, Submission
+from server.submissions import deals
+from server.submissions.models import Deal, Submission
+from server.submissions.service import Submissions
 
 from .conftest import EXERCISE, Site, new_account
 
@@ -39,11 +40,10 @@ def grading(site: Site, course: Course) -> Iterator[Worker]:
     with Sandbox(course.kits) as sandbox:
         grader = Grader(course, sandbox)
 
-        def grade(lease: Lease) -> dict[str, Any]:
-            found = grader.grade(lease.exercise, lease.source, lease.seed)
-            return recorded(found.verdict, found.figures)
+        def grade(sent: SentFile) -> Judgement:
+            return grader.grade(sent.exercise, sent.source, sent.seed)
 
-        yield Worker(site.database, site.settings, grade)
+        yield site.worker_with(grade)
 
 
 def stored(database: Database, row: Any) -> list[Any]:
@@ -70,17 +70,17 @@ def test_from_the_questions_to_the_verdict(site: Site, grading: Worker, course: 
     headers = site.token()
     shown = detail(site, headers, name)
     assert shown["kind"] == "answers"
-    (draw,) = stored(site.database, Draw)
+    (deal,) = stored(site.database, Deal)
     exercise = course.exercises[name]
     assert exercise.answers is not None
-    right = dict(exercise.answers.right(draw.seed))
+    right = dict(exercise.answers.right(deal.seed))
     assert set(right) == {one["id"] for one in shown["questions"]}
     good, blank = send(site, headers, right, name), send(site, headers, {}, name)
     while grading.step():
         pass
     done = [site.client.get(one["url"], headers=headers).json()["verdict"] for one in (good, blank)]
     assert [one["outcome"] for one in done] == ["ok", "invalid_output"]
-    assert {one["seed"] for one in done} == {draw.seed}
+    assert {one["seed"] for one in done} == {deal.seed}
     assert detail(site, headers, name) == shown
 
 
@@ -88,9 +88,9 @@ def test_a_row_alone_is_what_is_graded(site: Site, course: Course) -> None:
     headers = site.token()
     sent = send(site, headers, {"dtheta": "0,1", "ds": 1})
     (row,) = stored(site.database, Submission)
-    (draw,) = stored(site.database, Draw)
+    (deal,) = stored(site.database, Deal)
     assert str(row.id) == sent["id"]
-    assert (row.source, row.seed) == (b'{"ds":1,"dtheta":"0,1"}', draw.seed)
+    assert (row.source, row.seed) == (b'{"ds":1,"dtheta":"0,1"}', deal.seed)
     other = send(site, headers, {"ds": 1, "dtheta": "0,1"})
     same = next(one for one in stored(site.database, Submission) if str(one.id) == other["id"])
     assert same.digest == row.digest, "the order of the questions makes no new attempt"
@@ -102,7 +102,7 @@ def test_exercises_of_code_are_listed_as_such(site: Site) -> None:
     assert (kinds[EXERCISE], kinds[ODOMETRY]) == ("code", "answers")
     shown = detail(site, headers, EXERCISE)
     assert (shown["questions"], shown["given"]) == ([], [])
-    assert stored(site.database, Draw) == []
+    assert stored(site.database, Deal) == []
 
 
 @pytest.mark.parametrize(
@@ -150,30 +150,32 @@ def test_hostile_values_are_refused_or_judged(site: Site, grading: Worker, value
         assert verdict["outcome"] == "invalid_output"
 
 
-def test_a_draw_is_made_once_whoever_asks_first(database: Database, ada: Account) -> None:
+def test_a_deal_is_made_once_whoever_asks_first(database: Database, store: Submissions, ada: Account) -> None:
     with ThreadPoolExecutor(4) as pool:
-        seeds = set(pool.map(lambda _: draws.seed_to_show(database, ada, ODOMETRY), range(12)))
+        seeds = set(pool.map(lambda _: deals.seed_to_show(database, ada, ODOMETRY), range(12)))
     assert len(seeds) == 1
     with database.write() as db:
-        sent = submissions.submit_answers(db, ada, ODOMETRY, {"ds": 1})
+        sent = store.submit_answers(db, ada, ODOMETRY, {"ds": 1})
         assert {sent.seed} == seeds
-    assert draws.seed_to_show(database, ada, QUIZ) not in seeds
-    assert draws.seed_to_show(database, new_account(database), ODOMETRY) not in seeds
+    assert deals.seed_to_show(database, ada, QUIZ) not in seeds
+    assert deals.seed_to_show(database, new_account(database), ODOMETRY) not in seeds
 
 
-def test_a_guest_s_draws_follow_and_an_account_keeps_its_own(database: Database, ada: Account) -> None:
+def test_a_guest_s_deals_follow_and_an_account_keeps_its_own(
+    database: Database, store: Submissions, ada: Account
+) -> None:
     guest = new_account(database, Role.guest)
-    mine = draws.seed_to_show(database, ada, ODOMETRY)
-    theirs = {name: draws.seed_to_show(database, guest, name) for name in (ODOMETRY, QUIZ)}
+    mine = deals.seed_to_show(database, ada, ODOMETRY)
+    theirs = {name: deals.seed_to_show(database, guest, name) for name in (ODOMETRY, QUIZ)}
     with database.write() as db:
-        submissions.submit_answers(db, guest, ODOMETRY, {"ds": 1})
-        submissions.adopt(db, guest.id, ada.id)
+        store.submit_answers(db, guest, ODOMETRY, {"ds": 1})
+        gradebook.adopt(db, guest.id, ada.id)
         identity.delete_account(db, guest.id)
-    assert draws.seed_to_show(database, ada, ODOMETRY) == mine != theirs[ODOMETRY]
-    assert draws.seed_to_show(database, ada, QUIZ) == theirs[QUIZ]
-    assert [one.account_id for one in stored(database, Draw)] == [ada.id, ada.id]
+    assert deals.seed_to_show(database, ada, ODOMETRY) == mine != theirs[ODOMETRY]
+    assert deals.seed_to_show(database, ada, QUIZ) == theirs[QUIZ]
+    assert [one.account_id for one in stored(database, Deal)] == [ada.id, ada.id]
     (sent,) = stored(database, Submission)
-    assert (sent.account_id, sent.seed) == (ada.id, theirs[ODOMETRY]), "an attempt keeps the draw that it answers"
+    assert (sent.account_id, sent.seed) == (ada.id, theirs[ODOMETRY]), "an attempt keeps the deal that it answers"
 
 
 def test_a_visitor_keeps_the_numbers_through_sign_up_and_log_in(site: Site) -> None:
@@ -188,7 +190,7 @@ def test_a_visitor_keeps_the_numbers_through_sign_up_and_log_in(site: Site) -> N
     assert numbers.findall(site.client.get(PAGE).text) != seen
     site.client.post("/connexion", data={"login": FORM["login"], "password": FORM["password"]})
     assert numbers.findall(site.client.get(PAGE).text) == seen
-    assert len(stored(site.database, Draw)) == 1
+    assert len(stored(site.database, Deal)) == 1
 
 
 def test_reading_an_exercise_of_code_makes_no_guest(site: Site) -> None:
@@ -208,7 +210,7 @@ def test_our_own_failure_is_an_internal_error(site: Site, grading: Worker, monke
     assert (verdict["outcome"], verdict["checks"]) == ("internal_error", [])
 
 
-def test_nobody_sees_someone_else_s_draw(site: Site) -> None:
+def test_nobody_sees_someone_else_s_deal(site: Site) -> None:
     one, other = site.token(), site.token()
     assert detail(site, one)["given"] != detail(site, other)["given"]
     assert site.client.get(send(site, one, {"ds": 1})["url"], headers=other).status_code == 404

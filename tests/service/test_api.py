@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import pairwise
-from types import SimpleNamespace
 from typing import Any
 from uuid import uuid4
 
 import pytest
 import uvicorn
+from fastapi import FastAPI
 
 from server.app import create_app
+from server.base.helper import UnansweredError
 from server.base.provided import provided_to
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
+from server.figures.service import Figures
 from server.identity.models import Role
-from server.submissions.figures import Figures
 
 from .conftest import EXERCISE, Site
 
@@ -36,20 +38,24 @@ def problem(answer: Any, status: int) -> dict[str, Any]:
     return content
 
 
-class Drawing:
-    """An exercise whose grader counts what it draws."""
+class Drawer:
+    """Draws nothing, and counts. It may be told to do something before, or to fail."""
 
-    def __init__(self) -> None:
-        self.drawn: list[tuple[object, str, str]] = []
-        self.grader = self
+    def __init__(self, before: Callable[[], None] = lambda: None) -> None:
+        self.asked: list[dict[str, Any]] = []
+        self.before = before
 
-    def draw(self, data: object, *, theme: str, extension: str) -> bytes:
-        self.drawn.append((data, theme, extension))
+    async def ask(self, question: bytes) -> bytes:
+        self.asked.append(json.loads(question))
+        await asyncio.to_thread(self.before)
         return b"<svg/>"
 
+    async def close(self) -> None: ...
 
-def drawn_by(drawing: Drawing) -> Any:
-    return SimpleNamespace(exercises={EXERCISE: drawing})
+
+def draws(app: FastAPI, drawer: Drawer) -> None:
+    """The application has its figures drawn by this one."""
+    provided_to(app, Figures).pictures._drawer = drawer
 
 
 def test_exercises_are_listed_and_described(site: Site) -> None:
@@ -200,7 +206,7 @@ def test_an_unexpected_failure_is_a_problem_too(site: Site, monkeypatch: pytest.
     def broken(*_: object) -> None:
         raise RuntimeError("a secret of ours")
 
-    monkeypatch.setattr("server.submissions.service.submit", broken)
+    monkeypatch.setattr("server.submissions.service.Submissions.submit", broken)
     answer = site.client.post("/api/v1/submissions", json=BODY, headers=headers)
     assert "secret" not in json.dumps(problem(answer, 500))
     page = site.client.post("/l20/exercices/poses/soumissions", data={"code": "x"})
@@ -209,20 +215,65 @@ def test_an_unexpected_failure_is_a_problem_too(site: Site, monkeypatch: pytest.
 
 
 def test_figures_are_drawn_once_when_they_are_looked_at(site: Site) -> None:
-    drawing = Drawing()
-    provided_to(site.app, Figures)._course = drawn_by(drawing)
+    drawer = Drawer()
+    draws(site.app, drawer)
     headers = site.token()
     sent = site.submit(headers)
     problem(site.client.get(f"{sent['url']}/figures/b.svg", headers=headers), 404)
     site.worker.step()
-    assert drawing.drawn == []
+    assert drawer.asked == []
     for _ in range(2):
         answer = site.client.get(f"{sent['url']}/figures/b.svg", headers=headers)
         assert (answer.content, answer.headers["content-type"]) == (b"<svg/>", "image/svg+xml")
+        assert answer.headers["cache-control"] == "private, max-age=86400"
     assert site.client.get(f"{sent['url']}/figures/b.png?theme=dark", headers=headers).status_code == 200
-    assert drawing.drawn == [({"kind": "fake"}, "light", "svg"), ({"kind": "fake"}, "dark", "png")]
+    asked = {"kind": "verdict", "exercise": EXERCISE, "data": {"kind": "fake"}}
+    assert drawer.asked == [
+        {**asked, "form": "svg", "theme": "light"},
+        {**asked, "form": "png", "theme": "dark"},
+    ]
     problem(site.client.get(f"{sent['url']}/figures/zut.svg", headers=headers), 404)
     problem(site.client.get(f"{sent['url']}/figures/b.svg?theme=rose", headers=headers), 422)
+
+
+def test_a_figure_that_is_remembered_is_shown_to_nobody_else(site: Site) -> None:
+    drawer = Drawer()
+    draws(site.app, drawer)
+    mine, another, teacher = site.token(), site.token(), site.token(Role.teacher)
+    sent = site.submit(mine)
+    site.worker.step()
+    path = f"{sent['url']}/figures/b.svg"
+    assert site.client.get(path, headers=mine).status_code == 200
+    problem(site.client.get(path, headers=another), 404)
+    problem(site.client.get(path), 401)
+    assert site.client.get(f"/soumissions/{sent['id']}/figures/b.svg").status_code == 404
+    assert site.client.get(path, headers=teacher).content == b"<svg/>"
+    assert len(drawer.asked) == 1
+
+
+def test_nobody_holds_a_connection_to_the_database_while_a_figure_is_drawn(site: Site) -> None:
+    held: list[int] = []
+    draws(site.app, Drawer(before=lambda: held.append(site.database.engine.pool.checkedout())))  # type: ignore[attr-defined]
+    headers = site.token()
+    sent = site.submit(headers)
+    site.worker.step()
+    assert site.client.get(f"{sent['url']}/figures/b.svg", headers=headers).status_code == 200
+    assert held == [0]
+
+
+def test_a_figure_that_cannot_be_drawn_is_a_problem_each_time(site: Site) -> None:
+    def fail() -> None:
+        raise UnansweredError
+
+    drawer = Drawer(before=fail)
+    draws(site.app, drawer)
+    headers = site.token()
+    sent = site.submit(headers)
+    site.worker.step()
+    for _ in range(2):
+        answer = site.client.get(f"{sent['url']}/figures/b.svg", headers=headers)
+        assert "dessinée" in problem(answer, 500)["detail"]
+    assert len(drawer.asked) == 2
 
 
 def test_openapi_documents_every_route_and_its_problems(site: Site) -> None:
@@ -249,7 +300,7 @@ def test_openapi_documents_every_route_and_its_problems(site: Site) -> None:
 def address(sqlite: Database, settings: Settings, course: Course) -> Iterator[str]:
     """The application behind a real socket, in a thread."""
     app = create_app(settings.model_copy(update={"submission_refill_seconds": 0.0}), course=course)
-    provided_to(app, Figures)._course = drawn_by(Drawing())
+    draws(app, Drawer())
     server = uvicorn.Server(uvicorn.Config(app, port=0, log_level="warning", timeout_graceful_shutdown=1))
     thread = threading.Thread(target=server.run)
     thread.start()

@@ -167,4 +167,4 @@ def test_a_reader_who_leaves_leaves_the_queue(site: Site, play: Callable[[Echo],
 def test_no_process_is_started_before_the_first_cell(site: Site) -> None:
     cells = provided_to(site.app, Cells)
     assert site.client.get("/l20").status_code == 200
-    assert cells._process is None
+    assert cells.helper._process is None

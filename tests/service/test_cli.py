@@ -81,7 +81,9 @@ def test_what_cannot_be_graded_has_its_own_status(right: Path, tmp_path: Path, m
 
 WRONG_USAGE = {
     (): "il manque COMMANDE",
-    ("zut",): "COMMANDE : « zut » n’existe pas. Au choix : 'serve', 'grade', 'check', 'doctor', 'submit', 'worker'",
+    (
+        "zut",
+    ): "COMMANDE : « zut » n’existe pas. Au choix : 'serve', 'grade', 'check', 'doctor', 'submit', 'worker', 'admin'",
     ("grade",): "il manque EXERCISE",
     ("doctor", "--vite"): "argument inconnu : --vite",
     ("serve", "--port"): "--port : il manque sa valeur",

@@ -12,9 +12,9 @@ from sqlalchemy import select
 
 from server.database import Database, after_commit
 from server.database.migrate import upgrade
-from server.database.tables import metadata
 from server.identity.models import Account
 from server.limits.models import Allowance
+from server.tables import metadata
 
 
 def test_migrations_from_an_empty_database_give_the_models_schema(database: Database) -> None:

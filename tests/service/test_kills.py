@@ -20,7 +20,7 @@ import pytest
 from server.course import Course
 
 from .conftest import EXERCISE
-from .live import AUDIT, Live, alive, children, count, environment, rows, until
+from .live import AUDIT, RUNNING, WAITING, Live, alive, children, count, environment, rows, until
 
 pytestmark = pytest.mark.slow
 
@@ -64,7 +64,7 @@ class Field:
 
     def holders(self) -> list[int]:
         """The workers that are grading."""
-        owners = rows(self.data, "SELECT lease_owner FROM submission WHERE state = 'running'")
+        owners = rows(self.data, f"SELECT lease_owner FROM job WHERE {RUNNING}")
         return [int(owner.split("|")[3]) for (owner,) in owners]
 
     def grading(self, wanted: list[int]) -> int:
@@ -79,7 +79,7 @@ class Field:
         return True
 
     def drained(self) -> None:
-        until(lambda: count(self.data, "state != 'done'") == 0, "everything is graded")
+        until(lambda: count(self.data, WAITING) == 0, "everything is graded")
 
     def strike(self, victim: str, chance: random.Random) -> None:
         time.sleep(chance.uniform(0.0, 0.5))
@@ -173,5 +173,6 @@ def test_whatever_is_killed_each_gets_its_one_verdict(field: Field) -> None:
         field.drained()
     audit = Counter(one for (one,) in rows(field.data, "SELECT id FROM audit"))
     assert audit == Counter(field.sent), "each is graded exactly once"
-    assert rows(field.data, "SELECT DISTINCT outcome, score FROM submission") == [("ok", 1.0)]
+    assert rows(field.data, "SELECT DISTINCT outcome, score FROM grading") == [("ok", 1.0)]
+    assert count(field.data, "TRUE", "job") == 0
     field.close()

@@ -16,7 +16,7 @@ from server.cli import main
 from server.course import Course, Exercise
 
 from .conftest import EXERCISE
-from .live import AUDIT, Live, alive, balise, children, count, rows, until
+from .live import AUDIT, RUNNING, WAITING, Live, alive, balise, children, count, rows, until
 
 
 @pytest.fixture
@@ -50,7 +50,7 @@ def test_a_service_in_real_processes(
     kill_the_server(live, data)
     live = Live(data, BALISE_WORKERS="1")
     assert "/bienvenue/" not in live.output
-    until(lambda: count(data, "state != 'done'") == 0, "everything is graded")
+    until(lambda: count(data, WAITING) == 0, "everything is graded")
     graded = Counter(one for (one,) in rows(data, "SELECT id FROM audit"))
     assert graded == Counter(one.replace("-", "") for one in sent), "each is graded exactly once"
     for one in sent:
@@ -115,20 +115,20 @@ def send_slow_ones(live: Live, headers: dict[str, str], exercise: Exercise) -> l
 
 
 def kill_a_worker(live: Live, data: Path) -> None:
-    until(lambda: count(data, "state = 'running'") == 2, "two are being graded")
+    until(lambda: count(data, RUNNING, "job") == 2, "two are being graded")
     victim = live.workers()[0]
     below = children(victim)
     os.kill(victim, signal.SIGKILL)
     until(lambda: not any(map(alive, [victim, *below])), "the worker's own processes are gone")
-    until(lambda: count(data, "attempts = 2") >= 1, "what it was grading is taken again")
+    until(lambda: count(data, "tries = 2", "job") >= 1, "what it was grading is taken again")
 
 
 def kill_the_server(live: Live, data: Path) -> None:
-    assert count(data, "state != 'done'") >= 2, "it is killed in the middle"
+    assert count(data, WAITING) >= 2, "it is killed in the middle"
     below = live.kill()
     assert len(below) >= 2
     until(lambda: not any(map(alive, below)), "everything below the server is gone")
-    assert count(data, "state != 'done'") >= 1
+    assert count(data, WAITING) >= 1
 
 
 def stop_while_someone_watches(live: Live, headers: dict[str, str]) -> None:

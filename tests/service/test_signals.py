@@ -9,24 +9,24 @@ from collections.abc import AsyncIterator, Callable, Iterator
 from dataclasses import dataclass
 from queue import Queue
 from typing import Any
-from uuid import UUID, uuid4
 
 import pytest
 
 from server.base.settings import Settings
 from server.database import Database
-from server.grading.worker import Worker
 from server.identity.models import Account
 from server.queue.channel import Channel
 from server.queue.polling import Polling
 from server.queue.postgres import Listener, PostgresSignals, PostgresSource
+from server.queue.service import TableQueue
 from server.queue.switchboard import Switchboard
+from server.queue.worker import Worker
 from server.submissions import events as events_module
-from server.submissions import service as submissions
 from server.submissions.events import Events, as_sse
+from server.submissions.service import Submissions, key_of
 from tests.quick import in_a_loop
 
-from .conftest import EXERCISE, fake_grade, opened
+from .conftest import EXERCISE, opened, worker_of
 
 
 class Wire:
@@ -39,9 +39,9 @@ class Wire:
         self.sent.append(data)
 
 
-def run(scenario: Callable[[Switchboard, list[UUID]], Any]) -> None:
+def run(scenario: Callable[[Switchboard, list[str]], Any]) -> None:
     async def main() -> None:
-        told: list[UUID] = []
+        told: list[str] = []
         board = Switchboard(told.append)
         board.bind(asyncio.get_running_loop())
         await scenario(board, told)
@@ -50,7 +50,7 @@ def run(scenario: Callable[[Switchboard, list[UUID]], Any]) -> None:
 
 
 def test_one_idle_worker_is_woken_for_each_submission() -> None:
-    async def scenario(board: Switchboard, _told: list[UUID]) -> None:
+    async def scenario(board: Switchboard, _told: list[str]) -> None:
         one, two = Wire(), Wire()
         board.heard(one, "idle")
         board.heard(two, "idle")
@@ -67,7 +67,7 @@ def test_one_idle_worker_is_woken_for_each_submission() -> None:
 
 
 def test_a_wake_up_that_finds_nobody_is_owed_to_the_next_to_sleep() -> None:
-    async def scenario(board: Switchboard, _told: list[UUID]) -> None:
+    async def scenario(board: Switchboard, _told: list[str]) -> None:
         worker = Wire()
         board.wake()
         await asyncio.sleep(0.01)
@@ -80,7 +80,7 @@ def test_a_wake_up_that_finds_nobody_is_owed_to_the_next_to_sleep() -> None:
 
 
 def test_the_dead_are_not_woken() -> None:
-    async def scenario(board: Switchboard, _told: list[UUID]) -> None:
+    async def scenario(board: Switchboard, _told: list[str]) -> None:
         dead, alive = Wire(), Wire()
         board.heard(alive, "idle")
         board.heard(dead, "idle")
@@ -94,7 +94,7 @@ def test_the_dead_are_not_woken() -> None:
 
 def test_the_channel_carries_both_ways() -> None:
     web, worker = socket.socketpair()
-    channel, name = Channel(worker), uuid4()
+    channel, name = Channel(worker), "a"
     web.sendall(b"work\n")
     assert channel.wait(20)
     assert web.recv(100) == b"idle\n"
@@ -135,7 +135,7 @@ def test_watchers_see_each_change_once_and_the_end(monkeypatch: pytest.MonkeyPat
         return Count(reads[-1])
 
     async def main() -> list[int]:
-        events, name = Events(), uuid4()
+        events, name = Events(), "a"
         watching = asyncio.create_task(collect(events.follow(name, read)))
         for value in (1, 1, 2, 3):
             while reads[-1:] != state:  # the watcher has seen how things stand
@@ -152,7 +152,7 @@ def test_a_lost_signal_is_made_up_for(monkeypatch: pytest.MonkeyPatch) -> None:
     state = iter([0, 0, 1, 3])
 
     async def main() -> list[int]:
-        return await asyncio.wait_for(collect(Events().follow(uuid4(), lambda: Count(next(state)))), 20)
+        return await asyncio.wait_for(collect(Events().follow("a", lambda: Count(next(state)))), 20)
 
     assert in_a_loop(main()) == [0, 1, 3]
 
@@ -163,10 +163,10 @@ def test_those_who_wait_learn_that_the_queue_has_moved(monkeypatch: pytest.Monke
 
     async def main() -> list[int]:
         events = Events()
-        watching = asyncio.create_task(collect(events.follow(uuid4(), lambda: Count(state[0]))))
+        watching = asyncio.create_task(collect(events.follow("a", lambda: Count(state[0]))))
         await asyncio.sleep(0.05)
         state[0] = 3
-        events.changed(uuid4())
+        events.changed("b")
         return await asyncio.wait_for(watching, 20)
 
     assert in_a_loop(main()) == [2, 3]
@@ -174,7 +174,7 @@ def test_those_who_wait_learn_that_the_queue_has_moved(monkeypatch: pytest.Monke
 
 def test_nothing_is_kept_of_watchers_who_leave() -> None:
     async def main() -> dict[Any, Any]:
-        events, name = Events(), uuid4()
+        events, name = Events(), "a"
         await events.until_done(name, lambda: Count(0), 0.02)
         watching = asyncio.create_task(collect(events.follow(name, lambda: Count(0))))
         await asyncio.sleep(0.05)
@@ -188,7 +188,7 @@ def test_nothing_is_kept_of_watchers_who_leave() -> None:
 def test_a_stopping_server_ends_the_watches() -> None:
     async def main() -> list[int]:
         events = Events()
-        watching = asyncio.create_task(collect(events.follow(uuid4(), lambda: Count(0))))
+        watching = asyncio.create_task(collect(events.follow("a", lambda: Count(0))))
         await asyncio.sleep(0.05)
         events.close()
         return await asyncio.wait_for(watching, 20)
@@ -214,31 +214,25 @@ def far(settings: Settings, postgres_url: str) -> Iterator[Settings]:
 
 
 def test_postgresql_tells_other_machines(far: Settings) -> None:
-    told: Queue[UUID | str] = Queue()
+    told: Queue[str] = Queue()
     listener = Listener(far.url, lambda: told.put("queued"), told.put)
     listener.start()
     assert listener.listening.wait(20)
-    remote = Database(far.url, {"settings": far, "signals": PostgresSignals()})
+    remote, queue = Database(far.url), TableQueue(PostgresSignals())
     account = Account(name="Ada")
     with remote.write() as db:
         db.add(account)
-    working = threading.Thread(target=work_once, args=(remote, far, PostgresSource(far.url)))
+    working = threading.Thread(target=work_once, args=(worker_of(remote, far, queue=queue), PostgresSource(far.url)))
     working.start()
-    name = until_told(remote, account, told)
+    with remote.write() as db:
+        name = key_of(Submissions(far, queue).submit(db, account, EXERCISE, "pass").id)
+    assert told.get(timeout=20) == "queued"
     assert {told.get(timeout=20), told.get(timeout=20)} == {name}, "it began, then it was done"
     working.join()
     listener.stop()
     remote.close()
 
 
-def work_once(database: Database, settings: Settings, source: PostgresSource) -> None:
-    worker = Worker(database, settings, fake_grade)
+def work_once(worker: Worker, source: PostgresSource) -> None:
     while not worker.step():
         source.wait(20)
-
-
-def until_told(database: Database, account: Account, told: Queue[UUID | str]) -> UUID:
-    with database.write() as db:
-        name = submissions.submit(db, account, EXERCISE, "pass").id
-    assert told.get(timeout=20) == "queued"
-    return name

@@ -9,59 +9,168 @@ import signal
 import threading
 import time
 from collections.abc import Iterator
-from typing import Any
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
+from typing import Any, TypeVar
 from uuid import uuid4
 
 import pytest
-from sqlalchemy import select
+from sqlalchemy import delete, select
+from sqlalchemy.orm import Session
 
+from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
+from server.gradebook.models import Grading
 from server.grading import joint as grading
 from server.grading.joint import Grader
-from server.grading.worker import Stop, Worker
+from server.grading.task import SentFile
 from server.identity.models import Account
-from server.queue.service import Lease
+from server.queue.models import Job
+from server.queue.port import Lease
+from server.queue.worker import Stop, Worker
 from server.sandbox import FaultKind, Sandbox, SandboxFault
-from server.submissions import service as submissions
-from server.submissions.models import State, Submission
+from server.submissions.models import Submission
+from server.submissions.service import Submissions
 
-from .conftest import EXERCISE, fake_grade
+from .conftest import EXERCISE, QUIET, fake_grade, worker_of
+
+Row = TypeVar("Row")
 
 
-def submitted(database: Database, account: Account, code: str = "pass") -> None:
+def submitted(database: Database, settings: Settings, account: Account, code: str = "pass") -> Submission:
     with database.write() as db:
-        submissions.submit(db, account, EXERCISE, code)
+        return Submissions(settings, QUIET).submit(db, account, EXERCISE, code)
 
 
-def only(database: Database) -> Submission:
+def only(database: Database, table: type[Row]) -> Row:
     with database.read() as db:
-        return db.execute(select(Submission)).scalar_one()
+        return db.execute(select(table)).scalar_one()
+
+
+def none(database: Database, table: type[Row]) -> bool:
+    with database.read() as db:
+        return db.execute(select(table)).first() is None
 
 
 def test_a_step_grades_one_and_says_whether_it_found_work(database: Database, ada: Account, both: Settings) -> None:
-    worker = Worker(database, both, fake_grade)
+    worker = worker_of(database, both)
     assert not worker.step()
-    submitted(database, ada)
+    submitted(database, both, ada)
     assert worker.step()
     assert not worker.step()
-    row = only(database)
-    assert (row.state, row.outcome, row.attempts) == (State.done, "ok", 1)
-    assert row.verdict is not None
-    assert row.verdict["seed"] == row.seed
-    assert row.finished_at is not None
+    submission, grading = only(database, Submission), only(database, Grading)
+    assert (submission.grading_id, grading.submission_id) == (grading.id, submission.id)
+    assert (grading.outcome, grading.score, grading.seed) == (Outcome.OK, 1.0, submission.seed)
+    assert grading.verdict["seed"] == submission.seed
+    assert submission.created_at <= grading.started_at <= grading.finished_at
+    assert none(database, Job)
 
 
 def test_a_worker_told_to_stop_gives_its_work_back(database: Database, ada: Account, both: Settings) -> None:
-    def stopped(_lease: Lease) -> dict[str, Any]:
+    def stopped(_sent: SentFile) -> Judgement:
         raise Stop
 
-    submitted(database, ada)
+    submitted(database, both, ada)
     with pytest.raises(Stop):
-        Worker(database, both, stopped).step()
-    assert (only(database).state, only(database).attempts) == (State.queued, 0)
+        worker_of(database, both, stopped).step()
+    job = only(database, Job)
+    assert (job.lease_token, job.tries) == (None, 0)
+
+
+def test_what_fails_is_tried_again_then_given_up_as_our_error(
+    database: Database, ada: Account, both: Settings, caplog: pytest.LogCaptureFixture
+) -> None:
+    def broken(_sent: SentFile) -> Judgement:
+        raise RuntimeError("a disk is full")
+
+    submitted(database, both, ada)
+    worker = worker_of(database, both, broken)
+    assert [worker.step() for _ in range(4)] == [True, True, True, False]
+    assert only(database, Grading).outcome == Outcome.INTERNAL_ERROR
+    assert caplog.text.count("RuntimeError: a disk is full") == 3
+
+
+class Broken:
+    """Jobs that say nothing."""
+
+    def __init__(self) -> None:
+        self.given_up = 0
+
+    def read(self, _db: Session, lease: Lease) -> str:
+        return str(lease.payload["what"])
+
+    def run(self, work: str) -> str:
+        return work
+
+    def record(self, _db: Session, _work: str, _result: str) -> None:
+        raise NotImplementedError
+
+    def give_up(self, _db: Session, _lease: Lease) -> None:
+        self.given_up += 1
+
+
+@pytest.mark.parametrize("payload", [{}, {"what": "nothing that can be recorded"}])
+def test_a_job_that_cannot_be_read_or_recorded_stops_nobody_for_ever(
+    database: Database, both: Settings, payload: dict[str, str]
+) -> None:
+    task = Broken()
+    worker = Worker(database, QUIET, both, {"say": task})
+    with database.write() as db:
+        QUIET.put(db, "say", "a", payload)
+    assert [worker.step() for _ in range(4)] == [True, True, True, False]
+    assert task.given_up == 1
+    assert none(database, Job)
+
+
+def test_work_whose_author_has_gone_is_dropped(database: Database, ada: Account, both: Settings) -> None:
+    def forget(_sent: SentFile) -> Judgement:
+        with database.write() as db:
+            db.execute(delete(Account))
+        return fake_grade(_sent)
+
+    submitted(database, both, ada)
+    submitted(database, both, ada)
+    worker = worker_of(database, both, forget)
+    assert [worker.step() for _ in range(3)] == [True, True, False]
+    assert none(database, Job)
+    assert none(database, Grading)
+
+
+def test_a_kind_that_nobody_here_can_do_is_left_alone(database: Database, ada: Account, both: Settings) -> None:
+    with database.write() as db:
+        QUIET.put(db, "mail", "to Ada", {"subject": "hello"}, priority=-1)
+    submitted(database, both, ada)
+    worker = worker_of(database, both)
+    assert [worker.step() for _ in range(2)] == [True, False]
+    job = only(database, Job)
+    assert (job.kind, job.payload, job.tries) == ("mail", {"subject": "hello"}, 0)
+
+
+def test_a_worker_outlives_a_locked_database(
+    sqlite: Database, settings: Settings, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """As when a backup or a migration holds SQLite's only pen for longer than the driver waits."""
+    account = Account(name="Ada")
+    with sqlite.write() as db:
+        db.add(account)
+    submitted(sqlite, settings, account)
+    monkeypatch.setattr("server.database.engine.PRAGMAS", ("foreign_keys=ON", "busy_timeout=1"))
+    monkeypatch.setattr("server.queue.worker.LOCKED_PAUSE", 0.01)
+    impatient = Database(settings.url)
+    with closing(impatient), ThreadPoolExecutor(1) as thread:
+        with sqlite.write() as db:
+            db.add(Account(name="Bob"))
+            db.flush()
+            graded = thread.submit(worker_of(impatient, settings).step)
+            deadline = time.monotonic() + 20
+            while "the database is locked" not in caplog.text and time.monotonic() < deadline:
+                time.sleep(0.01)
+        assert graded.result()
+    assert "the database is locked" in caplog.text
+    assert only(sqlite, Grading).outcome == Outcome.OK
 
 
 def test_the_heartbeat_extends_the_lease_while_grading(sqlite: Database, settings: Settings) -> None:
@@ -69,24 +178,24 @@ def test_the_heartbeat_extends_the_lease_while_grading(sqlite: Database, setting
     account = Account(name="Ada")
     with sqlite.write() as db:
         db.add(account)
-    submitted(sqlite, account)
+    submitted(sqlite, settings, account)
     untils: list[Any] = []
 
-    def slow(lease: Lease) -> dict[str, Any]:
-        first = only(sqlite).lease_until
+    def slow(sent: SentFile) -> Judgement:
+        first = only(sqlite, Job).lease_until
         deadline = time.monotonic() + 20
-        while only(sqlite).lease_until == first and time.monotonic() < deadline:
+        while only(sqlite, Job).lease_until == first and time.monotonic() < deadline:
             time.sleep(0.01)
-        untils.extend([first, only(sqlite).lease_until])
-        return fake_grade(lease)
+        untils.extend([first, only(sqlite, Job).lease_until])
+        return fake_grade(sent)
 
     class Once:
         def wait(self, seconds: float) -> bool:
             return False
 
-    Worker(sqlite, beating, slow).run(Once())
+    worker_of(sqlite, beating, slow).run(Once())
     assert untils[1] > untils[0]
-    assert only(sqlite).state == State.done
+    assert none(sqlite, Job)
 
 
 @pytest.fixture(scope="module")

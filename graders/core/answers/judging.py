@@ -13,7 +13,7 @@ from typing import Any
 from graders.core.answers.mistakes import Mistake
 from graders.core.answers.paper import Paper, Told
 from graders.core.answers.reading import UnreadableAnswersError, canonical, is_blank, read_answers, shown
-from graders.core.contract.findings import Finding, Grading, verdict_of
+from graders.core.contract.findings import Finding, Judgement, verdict_of
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Programs
 from graders.core.contract.protocol import Known
@@ -101,13 +101,13 @@ class AnswersGrader(ABC):
     def correction(self, seed: int) -> str:
         """The full correction of this draw, in Markdown."""
 
-    def grade(self, source: bytes, programs: Programs | None = None, *, seed: int, version: str) -> Grading:
+    def grade(self, source: bytes, programs: Programs | None = None, *, seed: int, version: str) -> Judgement:
         """The verdict of a file of answers. Nothing runs: `programs` is what exercises of code need."""
         started = time.perf_counter()
         findings = self._findings(source, seed)
         took = round(1000.0 * (time.perf_counter() - started), 3)
         diagnosis = self._diagnosis(findings)
-        return Grading(verdict_of(self.exercise, version, seed, findings, diagnosis, timings={"total_ms": took}))
+        return Judgement(verdict_of(self.exercise, version, seed, findings, diagnosis, timings={"total_ms": took}))
 
     def _findings(self, source: bytes, seed: int) -> Sequence[Finding]:
         try:
@@ -169,9 +169,6 @@ class AnswersGrader(ABC):
     def moved(self, answers: Answers, old: int, new: int) -> Answers:
         """Answers to one draw as answers to another, where the letters differ."""
         return answers
-
-    def draw(self, data: dict[str, Any], *, theme: str = "light", extension: str = "svg") -> bytes:
-        raise LookupError(f"{self.exercise} draws no figure")
 
 
 def _written(answers: Callable[[int], Answers]) -> Callable[[int], bytes]:

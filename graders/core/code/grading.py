@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -19,7 +17,7 @@ from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.reenacting import Reenactor
 from graders.core.compare.shrinking import Budget
 from graders.core.compare.words import tidy, to_jsonable
-from graders.core.contract.findings import Finding, Grading, verdict_of
+from graders.core.contract.findings import Finding, Judgement, verdict_of
 from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings, Programs, StudentFault
@@ -50,7 +48,7 @@ class CodeGrader:
     reenactor: Reenactor = FRESH
     budget: Budget = DEFAULT_BUDGET
 
-    def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Grading:
+    def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Judgement:
         """The verdict of a file: every check is run on the program that `programs` starts of it.
 
         Whatever the student's program does ends in the verdict; an exception that leaves this is our own fault.
@@ -76,7 +74,7 @@ class CodeGrader:
             timings={name: round(1000.0 * (end - start), 3) for name, (start, end) in timings.items()},
         )
         figures = {f.result.id: to_jsonable(f.figure, limit=FIGURE_ITEMS) for f in findings if f.figure is not None}
-        return Grading(verdict, figures)
+        return Judgement(verdict, figures)
 
     def _diagnosis(
         self, findings: Sequence[Finding], observations: Sequence[Observation], kit: KitSettings, seed: int
@@ -110,15 +108,6 @@ class CodeGrader:
     def specimens(self) -> Iterator[Specimen]:
         """The submissions under `specimens/<outcome>/`. Raises MalformedExerciseError."""
         return read_specimens(self.folder)
-
-    def draw(self, data: dict[str, Any], *, theme: str = "light", extension: str = "svg") -> bytes:
-        """Draw the figure whose data a verdict left, as a "svg" or "png" file. Slow: it loads matplotlib."""
-        from graders.plotting import drawing, to_bytes
-
-        module = importlib.import_module(f"graders.{self.exercise.replace('/', '.')}.figures")
-        with drawing(theme) as figure:
-            module.FIGURES[data["kind"]](figure, data)
-            return to_bytes(figure, extension)
 
 
 def _always(source: bytes) -> Callable[[int], bytes]:

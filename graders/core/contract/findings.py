@@ -36,7 +36,7 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Grading:
+class Judgement:
     """A verdict, and the data of the figures that it names (JSON; drawn when they are looked at)."""
 
     verdict: Verdict

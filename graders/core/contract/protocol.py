@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
-from graders.core.contract.findings import Grading
+from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Programs
 
@@ -32,7 +32,7 @@ class Grader(Protocol):
     @property
     def exercise(self) -> str: ...
 
-    def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Grading:
+    def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Judgement:
         """The verdict of a submission. An exception that leaves it is our own fault."""
 
     def rehearse(self) -> None:
@@ -43,6 +43,3 @@ class Grader(Protocol):
 
     def mistakes(self) -> frozenset[str]:
         """The ids of the misconceptions that it can name."""
-
-    def draw(self, data: dict[str, Any], *, theme: str = "light", extension: str = "svg") -> bytes:
-        """Draw the figure whose data a verdict left, as a "svg" or "png" file."""

@@ -151,6 +151,11 @@ class Verdict:
         return round(MAX_POINTS * self.score, 4)
 
     @property
+    def misconception(self) -> str | None:
+        """The id of the diagnosis, if there is one."""
+        return self.diagnosis.id if self.diagnosis else None
+
+    @property
     def max_points(self) -> int:
         return int(MAX_POINTS)
 

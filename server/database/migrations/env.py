@@ -1,8 +1,10 @@
-"""Alembic's entry point: the connection is given by `server.database.migrate`."""
+"""Alembic's entry point: the connection is given by `server.database.migrate`.
+
+The rooms stand above this one: whoever compares them with the database gives their `metadata` along.
+"""
 
 from alembic import context
 
-from server.database.tables import metadata
-
-context.configure(connection=context.config.attributes["connection"], target_metadata=metadata, render_as_batch=True)
+given = context.config.attributes
+context.configure(connection=given["connection"], target_metadata=given.get("metadata"), render_as_batch=True)
 context.run_migrations()

@@ -23,17 +23,7 @@ export function rows(packed) {
 
 /** The bytes of a grid, row by row. */
 export function cells(grid) {
-  return once(grid, ({ w, h, runs, d }) => {
-    const data = bytes(d);
-    if (!runs) return data;
-    const flat = new Uint8Array(w * h);
-    let at = 0;
-    for (let i = 0; i < data.length; i += 2) {
-      flat.fill(data[i + 1], at, at + data[i]);
-      at += data[i];
-    }
-    return flat;
-  });
+  return once(grid, ({ d }) => bytes(d));
 }
 
 /** Rows a part (0 to 1) of the way from one array to another of the same shape; column `angle` turns the short way. */

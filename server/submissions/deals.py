@@ -1,4 +1,4 @@
-"""What was drawn for whom: an account keeps the numbers and the letters of an exercise, whatever it sends."""
+"""What was dealt to whom: an account keeps the numbers and the letters of an exercise, whatever it sends."""
 
 import secrets
 from uuid import UUID
@@ -13,13 +13,13 @@ SEED_BITS = 53
 
 
 def seed_of(db: Session, account: Account, exercise_id: str) -> int:
-    """The seed of this account's draw, which is drawn now, in this writing transaction, where there is none yet."""
+    """The seed of this account's deal, which is made now, in this writing transaction, where there is none yet."""
     repository.keep_seed(db, account.id, exercise_id, secrets.randbits(SEED_BITS))
-    return repository.drawn_seed(db, account.id, exercise_id)
+    return repository.dealt_seed(db, account.id, exercise_id)
 
 
 def find(db: Session, account: Account, exercise_id: str) -> int | None:
-    """The seed of this account's draw, if there is one."""
+    """The seed of this account's deal, if there is one."""
     return repository.find_seed(db, account.id, exercise_id)
 
 
@@ -34,5 +34,5 @@ def seed_to_show(database: Database, account: Account, exercise_id: str) -> int:
 
 
 def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
-    """Gives an account the draws of a guest; where both have one, the account keeps its own."""
-    repository.move_draws(db, guest_id, account_id)
+    """Gives an account the deals of a guest; where both have one, the account keeps its own."""
+    repository.move_deals(db, guest_id, account_id)

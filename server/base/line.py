@@ -1,0 +1,44 @@
+"""A helper process's own side: the line to the service that started it (see `server.base.helper`)."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import socket
+import threading
+from collections.abc import Iterator
+
+from server.base import frames
+from server.base.children import die_with
+
+#: Helpers leave the processors to graders, pages and whoever else has something to do.
+NICE = 5
+
+
+class Line:
+    """The service's end of the line, for several threads."""
+
+    def __init__(self, end: socket.socket) -> None:
+        self._end, self._sending = end, threading.Lock()
+
+    def questions(self) -> Iterator[tuple[int, bytes]]:
+        """Number and content of each question, until the service has nothing more to ask."""
+        with self._end.makefile("rb") as stream:
+            while len(header := stream.read(frames.HEADER.size)) == frames.HEADER.size:
+                length, number, _ = frames.HEADER.unpack(header)
+                yield number, stream.read(length)
+
+    def answer(self, number: int, status: int, payload: bytes) -> None:
+        with self._sending:
+            self._end.sendall(frames.framed(number, status, payload))
+
+
+def to_service(name: str, line: int, parent: int) -> Line:
+    """What a helper does first: it ends with the service, is nice, and leaves Ctrl+C to the service."""
+    die_with(parent)
+    logging.basicConfig(level=logging.WARNING, format=f"%(asctime)s %(levelname)s {name} %(name)s: %(message)s")
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.nice(NICE)
+    os.set_inheritable(line, False)  # no child of ours may keep the line open after our death
+    return Line(socket.socket(fileno=line))

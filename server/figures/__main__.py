@@ -1,0 +1,16 @@
+"""The process that the service starts at the first figure: `python -m server.figures LINE_FD PARENT_PID`."""
+
+import sys
+
+from server.base.line import to_service
+
+
+def main(line: int, parent: int) -> None:
+    service = to_service("figures", line, parent)
+    from server.figures.process import serve
+
+    serve(service)
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]), int(sys.argv[2]))

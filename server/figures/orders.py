@@ -1,0 +1,62 @@
+"""What is to be drawn, as the process that draws is asked it, and the name that its picture is kept under.
+
+The name is a digest of everything that changes the picture: what is drawn, its data, the theme, the format, and the
+code and the libraries that draw it. Nothing that a visitor writes becomes a part of a path.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, Literal
+
+from server.base.digest import digest
+from server.base.paths import ROOT
+from server.course.models import Drawing
+
+Form = Literal["svg", "png"]
+Theme = Literal["light", "dark"]
+MEDIA_TYPES = {"svg": "image/svg+xml", "png": "image/png"}
+LIBRARIES = ("matplotlib", "numpy", "scipy")
+
+
+@dataclass(frozen=True)
+class Order:
+    """`question` is JSON, read by `server.figures.process`."""
+
+    question: bytes
+    key: str
+
+
+def of_lesson(drawing: Drawing, theme: Theme) -> Order:
+    """A drawing of the texts."""
+    asked = {"path": str(drawing.path), "function": drawing.function, "size": drawing.size, "theme": theme}
+    return _order("lesson", asked, "svg", f"{code_version()} {folder_version(drawing.path.parent)}")
+
+
+def of_verdict(exercise: str, data: Mapping[str, Any], form: Form, theme: Theme) -> Order:
+    """A figure of a verdict, from the data that are stored with it."""
+    return _order("verdict", {"exercise": exercise, "data": data, "theme": theme}, form, code_version())
+
+
+def _order(kind: str, asked: Mapping[str, Any], form: Form, drawn_by: str) -> Order:
+    question = json.dumps({"kind": kind, "form": form, **asked}).encode()
+    return Order(question, hashlib.sha256(drawn_by.encode() + b"\0" + question).hexdigest())
+
+
+@cache
+def code_version() -> str:
+    """Of what draws the verdicts' figures, and of what the lessons' drawings call."""
+    rooms = [(name, ROOT / name) for name in ("graders", "reference", "server/figures")]
+    return " ".join((digest(rooms), *map(version, LIBRARIES)))
+
+
+@cache
+def folder_version(figures: Path) -> str:
+    """Of a module's drawings, and of its kit, which they call."""
+    return digest([("figures", figures), ("kit", figures.with_name("kit"))])

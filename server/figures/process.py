@@ -1,0 +1,57 @@
+"""The process that draws: one figure after the other, none of which may take the memory or the time of the machine.
+
+It ends when the service closes the line, and dies with it.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import resource
+import signal
+from pathlib import Path
+from typing import Any
+
+from graders.plotting import counterexample
+from server.base import frames
+from server.base.line import Line
+from server.figures.program import LARGEST, MEMORY
+
+log = logging.getLogger(__name__)
+
+
+def serve(line: Line) -> None:
+    """Until the line is closed."""
+    resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
+    questions = line.questions()
+    _, told = next(questions)
+    allowed = json.loads(told)["cpu_seconds"]
+    for number, asked in questions:
+        signal.setitimer(signal.ITIMER_PROF, allowed)  # its signal ends this process, in the midst of C code too
+        _answer(line, number, asked)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+
+
+def _answer(line: Line, number: int, asked: bytes) -> None:
+    try:
+        picture = drawn(json.loads(asked))
+    except Exception:
+        log.exception("a figure could not be drawn: %.200r", asked)
+        line.answer(number, frames.FAILED, b"")
+        return
+    if len(picture) > LARGEST:
+        log.error("a figure of %d bytes is too large: %.200r", len(picture), asked)
+        line.answer(number, frames.FAILED, b"")
+    else:
+        line.answer(number, frames.DONE, picture)
+
+
+def drawn(question: dict[str, Any]) -> bytes:
+    """The picture that an `Order` asks for."""
+    theme, form = question["theme"], question["form"]
+    if question["kind"] == "lesson":
+        from server.figures.lessons import draw_with  # slow to import: who waits for a verdict's figure need not wait
+
+        width, height = question["size"]
+        return draw_with(Path(question["path"]), question["function"], (width, height), theme, form).picture
+    return counterexample(question["exercise"], question["data"], theme=theme, extension=form)

@@ -1,0 +1,25 @@
+"""The process that draws, as the service starts it: matplotlib is never in the process that answers visitors."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+from server.base.children import bare_environment
+from server.base.helper import Program
+
+COMMAND = (sys.executable, "-P", "-m", "server.figures")
+#: Seconds of processor for one drawing: however busy the machine is, it is the same drawings that are refused.
+CPU_SECONDS = 10.0
+#: Seconds after which the process is taken for hung, its start included. It is niced, and may have to wait.
+PATIENCE = 60.0
+#: Bytes of one picture: the largest of the course is a tenth of that.
+LARGEST = 4 << 20
+#: Bytes of memory that drawing may take: the data are partly a student's.
+MEMORY = 2 << 30
+
+
+def program(*, patience: float = PATIENCE, cpu_seconds: float = CPU_SECONDS) -> Program:
+    """It needs nothing of the settings, and is given none."""
+    beginning = json.dumps({"cpu_seconds": cpu_seconds}).encode()
+    return Program(COMMAND, bare_environment(), LARGEST, patience, beginning=beginning)

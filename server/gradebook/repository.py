@@ -1,0 +1,126 @@
+"""Queries on gradings, attempts and open solutions. Lists never read a source, a verdict or a figure."""
+
+from collections.abc import Collection, Sequence
+from datetime import datetime
+from typing import Any
+from uuid import UUID, uuid4
+
+from sqlalchemy import ColumnElement, Row, and_, delete, func, insert, select, tuple_, update
+from sqlalchemy.orm import Session, undefer
+
+from graders.core.contract.outcomes import Blame, blamed_on
+from server.gradebook.models import Grading, SolutionOpening
+from server.gradebook.schemas import Graded
+from server.submissions.models import Submission
+
+FAILURES = blamed_on(Blame.STUDENT)
+
+
+def attempt(db: Session, submission_id: UUID) -> Row[Submission, Grading | None] | None:
+    """A submission with the grading that counts, as they stand now."""
+    query = select(Submission, Grading).outerjoin(Grading, Grading.id == Submission.grading_id)
+    query = query.where(Submission.id == submission_id).execution_options(populate_existing=True)
+    return db.execute(query).one_or_none()
+
+
+def latest(db: Session, account_id: UUID, exercise: str) -> Row[Submission, Grading | None] | None:
+    query = (
+        select(Submission, Grading)
+        .outerjoin(Grading, Grading.id == Submission.grading_id)
+        .where(_of(account_id, exercise))
+        .order_by(Submission.created_at.desc(), Submission.id.desc())
+    )
+    return db.execute(query.limit(1)).one_or_none()
+
+
+def attempts(
+    db: Session, account_id: UUID, exercise: str, *, most: int, skipped: int
+) -> Sequence[Row[int, UUID, datetime, str | None, float | None]]:
+    """How many attempts there are; identity, time, outcome and score of some, newest first."""
+    total = select(func.count()).select_from(Submission).where(_of(account_id, exercise)).scalar_subquery()
+    query = (
+        select(total, Submission.id, Submission.created_at, Grading.outcome, Grading.score)
+        .outerjoin(Grading, Grading.id == Submission.grading_id)
+        .where(_of(account_id, exercise))
+        .order_by(Submission.created_at.desc(), Submission.id.desc())
+    )
+    return db.execute(query.limit(most).offset(skipped)).all()
+
+
+def count_until(db: Session, submission: Submission) -> int:
+    """How many attempts at the same exercise its author had sent, with this one."""
+    order = tuple_(Submission.created_at, Submission.id)
+    until = order <= tuple_(submission.created_at, submission.id)
+    mine = _of(submission.account_id, submission.exercise)
+    return db.execute(select(func.count()).select_from(Submission).where(mine, until)).scalar_one()
+
+
+def _of(account_id: UUID, exercise: str) -> ColumnElement[bool]:
+    return and_(Submission.account_id == account_id, Submission.exercise == exercise)
+
+
+def failed_digests(db: Session, account_id: UUID, exercise: str, besides: Collection[str]) -> int:
+    """How many different codes were graded and failed."""
+    query = (
+        select(func.count(Submission.digest.distinct()))
+        .join(Grading, Grading.id == Submission.grading_id)
+        .where(_of(account_id, exercise), Grading.outcome.in_(FAILURES), Submission.digest.not_in(besides))
+    )
+    return db.execute(query).scalar_one()
+
+
+def locked(db: Session, submission_id: UUID) -> Row[UUID, str, datetime, UUID | None] | None:
+    """Author, exercise, time and current grading of a submission that nobody else changes until the commit."""
+    columns = (Submission.account_id, Submission.exercise, Submission.created_at, Submission.grading_id)
+    return db.execute(select(*columns).where(Submission.id == submission_id).with_for_update()).one_or_none()
+
+
+def add(db: Session, submission_id: UUID, graded: Graded) -> UUID:
+    """Adds to the history of a submission; the grading does not count yet."""
+    identity, verdict = uuid4(), graded.verdict
+    row = {
+        "id": identity,
+        "submission_id": submission_id,
+        "exercise_version": verdict.exercise_version,
+        "outcome": verdict.outcome.value,
+        "score": verdict.score if verdict.outcome.counts else None,
+        "diagnosis": verdict.misconception,
+        "seed": verdict.seed,
+        "started_at": graded.started_at,
+        "finished_at": graded.finished_at,
+        **{name: verdict.timings.get(name) for name in ("checks_ms", "diagnosis_ms", "total_ms")},
+        "verdict": verdict.to_json(),
+        "figures": graded.judgement.figures,
+    }
+    db.execute(insert(Grading).values(row))
+    return identity
+
+
+def point(db: Session, submission_id: UUID, grading_id: UUID) -> None:
+    """Has one of a submission's gradings count."""
+    statement = update(Submission).where(Submission.id == submission_id).values(grading_id=grading_id)
+    db.execute(statement.execution_options(synchronize_session=False))
+
+
+def is_of(db: Session, grading_id: UUID, submission_id: UUID) -> bool:
+    query = select(Grading.id).where(Grading.id == grading_id, Grading.submission_id == submission_id)
+    return db.execute(query).first() is not None
+
+
+def history(db: Session, submission_id: UUID) -> Sequence[Grading]:
+    """Every grading of a submission, oldest first."""
+    query = select(Grading).where(Grading.submission_id == submission_id)
+    return db.execute(query.order_by(Grading.finished_at, Grading.id)).scalars().all()
+
+
+def figures_of(db: Session, grading_id: UUID) -> dict[str, Any]:
+    query = select(Grading).where(Grading.id == grading_id).options(undefer(Grading.figures))
+    return db.execute(query.execution_options(populate_existing=True)).scalar_one().figures
+
+
+def opening(db: Session, exercise: str) -> SolutionOpening | None:
+    return db.get(SolutionOpening, exercise)
+
+
+def delete_opening(db: Session, exercise: str) -> None:
+    db.execute(delete(SolutionOpening).where(SolutionOpening.exercise == exercise))

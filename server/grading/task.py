@@ -1,0 +1,85 @@
+"""Grading a submission, as one kind of job."""
+
+import logging
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from graders.core.contract.findings import Judgement
+from graders.core.contract.verdict import internal_error_verdict
+from server.course.models import Course
+from server.gradebook import service as gradebook
+from server.gradebook.schemas import Graded
+from server.limits import service as limits
+from server.queue.port import GiveUp, Lease
+from server.submissions import repository as submissions
+from server.submissions.service import GRADE
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class SentFile:
+    """What it takes to grade one submission."""
+
+    submission_id: UUID
+    exercise: str
+    source: bytes
+    seed: int
+    started_at: datetime
+
+
+Grade = Callable[[SentFile], Judgement]
+
+
+class GradingTask:
+    """Fills the port `server.queue.port.Task`."""
+
+    def __init__(self, course: Course, grade: Grade) -> None:
+        self._grade = grade
+        self.give_up = _giving_up(course)
+
+    def read(self, db: Session, lease: Lease) -> SentFile | None:
+        """None when the submission has gone, with its author."""
+        sent = submissions.by_id(db, UUID(lease.key))
+        if sent is None:
+            return None
+        return SentFile(sent.id, sent.exercise, sent.source, sent.seed, lease.started_at)
+
+    def run(self, work: SentFile) -> Graded:
+        return Graded(self._grade(work), work.started_at)
+
+    def record(self, db: Session, work: SentFile, result: Graded) -> None:
+        _record(db, work.submission_id, result)
+
+
+def give_ups(course: Course) -> Mapping[str, GiveUp]:
+    """For whoever takes jobs back without ever grading."""
+    return {GRADE: _giving_up(course)}
+
+
+def _record(db: Session, submission_id: UUID, graded: Graded) -> None:
+    """Our own failure costs its author nothing: what it took from their allowance comes back with it."""
+    account_id = gradebook.record(db, submission_id, graded)
+    if account_id is not None and not graded.verdict.outcome.counts:
+        limits.give_back(db, limits.of_submissions(account_id))
+
+
+def _giving_up(course: Course) -> GiveUp:
+    """The end of a submission whose grading has ended its workers too often."""
+
+    def give_up(db: Session, lease: Lease) -> None:
+        sent = submissions.by_id(db, UUID(lease.key))
+        if sent is None:
+            return
+        log.error(
+            "submission %s of %s: given up (seed %d, %d bytes, digest %s)",
+            *(sent.id, sent.exercise, sent.seed, len(sent.source), sent.digest),
+        )
+        verdict = internal_error_verdict(sent.exercise, course.version_of(sent.exercise), sent.seed)
+        _record(db, sent.id, Graded(Judgement(verdict), lease.started_at))
+
+    return give_up

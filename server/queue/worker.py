@@ -1,0 +1,152 @@
+"""A worker: claim, run, record, again; sleep when nothing waits."""
+
+import logging
+import os
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from sqlalchemy.exc import OperationalError, SQLAlchemyError
+from sqlalchemy.orm import Session
+
+from server.base.settings import Settings
+from server.database import Database, is_locked
+from server.queue.owner import Owner, owner_of
+from server.queue.port import Lease, Queue, Tasks, WorkSource
+
+log = logging.getLogger(__name__)
+
+STUCK_EXIT = 70
+LOCKED_PAUSE = 0.5  # seconds between two tries at a database that another writer holds
+
+T = TypeVar("T")
+
+
+class Stop(BaseException):
+    """Raised in a worker that is asked to end (SIGTERM); what it was doing goes back to the queue."""
+
+
+class Heartbeat:
+    """Extends the lease of what is being done, from a thread of its own.
+
+    Work longer than `grading_seconds` is a fault of ours that nothing else would end: the process ends itself, and the
+    job is taken back like any dead worker's.
+    """
+
+    def __init__(self, database: Database, queue: Queue, settings: Settings) -> None:
+        self._database, self._queue, self._settings = database, queue, settings
+        self._current: tuple[Lease, float] | None = None
+        self._stopping = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="heartbeat", daemon=True)
+
+    def __enter__(self) -> "Heartbeat":
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_exc: object) -> None:
+        self._stopping.set()
+        self._thread.join()
+
+    def hold(self, lease: Lease | None) -> None:
+        self._current = None if lease is None else (lease, time.monotonic() + self._settings.grading_seconds)
+
+    def _run(self) -> None:
+        while not self._stopping.wait(self._settings.lease_seconds / 3):
+            current = self._current
+            if current is not None:
+                self._beat(*current)
+
+    def _beat(self, lease: Lease, deadline: float) -> None:
+        if time.monotonic() > deadline:
+            log.critical("job %s %s does not end, this worker gives up", lease.kind, lease.key)
+            os._exit(STUCK_EXIT)
+        try:
+            with self._database.write() as db:
+                self._queue.heartbeat(db, lease, self._settings.lease_seconds)
+        except SQLAlchemyError:
+            log.exception("job %s %s: heartbeat failed, trying again later", lease.kind, lease.key)
+
+
+class Worker:
+    """One job at a time, of the kinds that `tasks` knows."""
+
+    def __init__(
+        self, database: Database, queue: Queue, settings: Settings, tasks: Tasks, owner: Owner | None = None
+    ) -> None:
+        self._database, self._queue, self._settings, self._tasks = database, queue, settings, tasks
+        self._give_ups = {kind: task.give_up for kind, task in tasks.items()}
+        self._owner = owner or owner_of(os.getpid())
+        self._heartbeat = Heartbeat(database, queue, settings)
+
+    def step(self) -> bool:
+        """Does one job; False when none waits."""
+        begun = self._write(self._begin)
+        if begun is None:
+            return False
+        lease, work = begun
+        if work is not None:
+            self._do(lease, work)
+        return True
+
+    def _begin(self, db: Session) -> tuple[Lease, Any] | None:
+        lease = self._queue.claim(db, self._owner, self._tasks.keys(), self._settings.lease_seconds)
+        if lease is None:
+            return None
+        work = self._read(db, lease)
+        if work is None:
+            self._queue.finish(db, lease)
+        return lease, work
+
+    def _read(self, db: Session, lease: Lease) -> Any:
+        """A job that cannot be read is a failed try: else its claim would be undone, and made again for ever."""
+        try:
+            return self._tasks[lease.kind].read(db, lease)
+        except SQLAlchemyError:
+            raise
+        except Exception:
+            log.exception("job %s %s cannot be read, try %d", lease.kind, lease.key, lease.tries)
+            self._queue.fail(db, lease, self._give_ups)
+            return None
+
+    def _do(self, lease: Lease, work: Any) -> None:
+        self._heartbeat.hold(lease)
+        try:
+            result = self._tasks[lease.kind].run(work)
+            self._write(lambda db: self._record(db, lease, work, result))
+        except Stop:
+            with self._database.write() as db:
+                self._queue.give_back(db, lease)
+            raise
+        except Exception:
+            log.exception("job %s %s has failed, try %d", lease.kind, lease.key, lease.tries)
+            self._write(lambda db: self._queue.fail(db, lease, self._give_ups))
+        finally:
+            self._heartbeat.hold(None)
+
+    def _record(self, db: Session, lease: Lease, work: Any, result: Any) -> None:
+        if self._queue.finish(db, lease):
+            self._tasks[lease.kind].record(db, work, result)
+        else:
+            log.warning("job %s %s: the lease was lost, this result is dropped", lease.kind, lease.key)
+
+    def _write(self, step: Callable[[Session], T]) -> T:
+        """`step` in a transaction; done again where another writer of SQLite has outlasted the driver's wait."""
+        while True:
+            try:
+                with self._database.write() as db:
+                    return step(db)
+            except OperationalError as error:
+                if not is_locked(error):
+                    raise
+                log.warning("the database is locked, trying again")
+            time.sleep(LOCKED_PAUSE)
+
+    def run(self, work: WorkSource) -> None:
+        """Until `work` says that it is over, or Stop is raised."""
+        with self._heartbeat:
+            going = True
+            while going:
+                while self.step():
+                    pass
+                going = work.wait(self._settings.poll_seconds)

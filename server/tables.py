@@ -1,0 +1,23 @@
+"""Every table, so that the metadata is whole for whoever needs it whole (comparing with the migrations, tests)."""
+
+from server.database.base import Base
+from server.gradebook import models as gradebook
+from server.identity import models as identity
+from server.limits import models as limits
+from server.queue import models as queue
+from server.submissions import models as submissions
+
+TABLES = (
+    identity.Account,
+    identity.BrowserSession,
+    identity.ApiToken,
+    identity.Invitation,
+    limits.Allowance,
+    queue.Job,
+    submissions.Submission,
+    submissions.Deal,
+    gradebook.Grading,
+    gradebook.Standing,
+    gradebook.SolutionOpening,
+)
+metadata = Base.metadata

@@ -1,0 +1,190 @@
+"""The process that draws: it draws what the application would, alone has matplotlib, and is replaced when it fails."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+
+import pytest
+
+from graders.plotting import counterexample
+from server.base.helper import Helper, Program, UnansweredError
+from server.base.paths import ROOT
+from server.course.models import Drawing
+from server.figures import orders
+from server.figures.lessons import draw
+from server.figures.program import program
+from tests.quick import in_a_loop
+from tests.service.live import alive, until
+
+DRAWINGS = """import time
+
+
+def right(figure, palette):
+    figure.subplots().plot([0, 1], color=palette.truth)
+
+
+def wrong(figure, palette):
+    1 / 0
+
+
+def endless(figure, palette):
+    while True:
+        pass
+
+
+def asleep(figure, palette):
+    time.sleep(600)
+
+
+def greedy(figure, palette):
+    bytearray(1 << 40)
+
+
+def fatal(figure, palette):
+    import os
+    os.kill(os.getpid(), 9)
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    path = tmp_path / "m9" / "figures" / "dessins.py"
+    path.parent.mkdir(parents=True)
+    path.write_text(DRAWINGS, encoding="utf-8")
+    return path
+
+
+def drawing(path: Path, function: str) -> Drawing:
+    return Drawing(function, "Un texte.", (6.4, 2.0), path, 1, function)
+
+
+def question(path: Path, function: str) -> bytes:
+    return orders.of_lesson(drawing(path, function), "dark").question
+
+
+def play(scene: Callable[[Helper], Awaitable[None]], made: Program | None = None) -> None:
+    async def whole() -> None:
+        helper = Helper(made or program())
+        await scene(helper)
+        last = helper._process
+        await helper.close()
+        assert last is None or not alive(last.pid)
+
+    in_a_loop(whole())
+
+
+def test_a_drawing_is_as_it_would_be_here(folder: Path) -> None:
+    async def scene(helper: Helper) -> None:
+        assert await helper.ask(question(folder, "right")) == draw(drawing(folder, "right"), "dark", "svg").picture
+
+    play(scene)
+
+
+def test_a_figure_of_a_verdict_is_drawn_by_its_exercise() -> None:
+    frames = {"a": [0.0, 0.0, 0.0], "b": [1.0, 0.0, 0.5]}
+    data = {"kind": "frames", "title": "Essai", "frames": frames, "expected": [1.0, 0.0, 0.5], "got": [1.0, 0.0, 0.0]}
+    exercise = "l20/poses"
+
+    async def scene(helper: Helper) -> None:
+        for form in ("svg", "png"):
+            order = orders.of_verdict(exercise, data, form, "light")
+            assert await helper.ask(order.question) == counterexample(exercise, data, theme="light", extension=form)
+        with pytest.raises(UnansweredError):
+            await helper.ask(orders.of_verdict(exercise, {"kind": "rien"}, "svg", "light").question)
+
+    play(scene)
+
+
+def test_what_raises_or_takes_too_much_memory_fails_alone(folder: Path) -> None:
+    async def scene(helper: Helper) -> None:
+        await helper.ask(question(folder, "right"))
+        assert helper._process is not None
+        first = helper._process.pid
+        for function in ("wrong", "greedy"):
+            with pytest.raises(UnansweredError):
+                await helper.ask(question(folder, function))
+        assert await helper.ask(question(folder, "right"))
+        assert helper._process.pid == first
+
+    play(scene)
+
+
+def test_what_takes_too_much_of_the_processor_ends_its_process_and_the_next_is_drawn_by_another(folder: Path) -> None:
+    async def scene(helper: Helper) -> None:
+        with pytest.raises(UnansweredError) as caught:
+            await helper.ask(question(folder, "endless"))
+        assert isinstance(caught.value.__cause__, ConnectionError), "it ended by itself, long before the patience"
+        helper.program = program()
+        assert await helper.ask(question(folder, "right"))
+
+    play(scene, program(cpu_seconds=0.5, patience=600.0))
+
+
+def test_a_process_that_hangs_is_killed_and_the_next_is_drawn_by_another(folder: Path) -> None:
+    async def scene(helper: Helper) -> None:
+        await helper.ask(question(folder, "right"))
+        assert helper._process is not None
+        first = helper._process.pid
+        helper.program = program(patience=0.3)
+        with pytest.raises(UnansweredError):
+            await helper.ask(question(folder, "asleep"))
+        await asyncio.to_thread(until, lambda: not alive(first), "the one that hung is gone")
+        helper.program = program()
+        assert await helper.ask(question(folder, "right"))
+
+    play(scene)
+
+
+def test_a_process_that_dies_is_replaced(folder: Path) -> None:
+    async def scene(helper: Helper) -> None:
+        with pytest.raises(UnansweredError):
+            await helper.ask(question(folder, "fatal"))
+        assert await helper.ask(question(folder, "right"))
+        assert helper._process is not None
+        os.kill(helper._process.pid, signal.SIGKILL)
+        await asyncio.to_thread(until, lambda: helper._process is not None and helper._process.ended, "it is noticed")
+        assert await helper.ask(question(folder, "right"))
+
+    play(scene)
+
+
+def test_it_is_given_no_setting_of_the_service(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("BALISE_DATABASE_URL", "postgresql://balise:secret@localhost/balise")
+    assert not any("secret" in value or name.startswith("BALISE_") for name, value in program().environment.items())
+
+
+def test_a_web_process_that_shows_figures_does_not_load_matplotlib(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", SHOWS, str(tmp_path)], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    loaded = json.loads(done.stdout)
+    assert "server.figures.pictures" in loaded
+    assert not [name for name in loaded if name.split(".")[0] == "matplotlib"]
+
+
+SHOWS = """
+import json, sys
+from pathlib import Path
+from starlette.testclient import TestClient
+from server.app import create_app
+from server.base.settings import Settings
+from tests.quick import migrated, the_course
+
+settings = Settings(data_dir=Path(sys.argv[1]) / "data", workers=0)
+migrated(settings).close()
+course = the_course()
+name = next(iter(course.modules["l20"].drawings))
+with TestClient(create_app(settings, course=course)) as client:
+    answer = client.get(f"/l20/figures/{name}.svg")
+    assert answer.status_code == 200, answer.text
+    assert b"<svg" in answer.content
+print(json.dumps(sorted(sys.modules)))
+"""
