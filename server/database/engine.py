@@ -14,7 +14,9 @@ from typing import Any
 from sqlalchemy import Connection, Engine, create_engine, event, make_url
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.exc import OperationalError
-from sqlalchemy.orm import DeclarativeBase, Session, sessionmaker
+from sqlalchemy.orm import Session, sessionmaker
+
+from server.database.base import Base, table_of
 
 PRAGMAS = ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON", "busy_timeout=15000")
 AFTER_COMMIT = "after_commit"
@@ -51,9 +53,10 @@ def is_locked(error: OperationalError) -> bool:
     return getattr(error.orig, "sqlite_errorcode", None) in {sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED}
 
 
-def upserting(db: Session, table: type[DeclarativeBase]) -> sqlite.Insert | postgresql.Insert:
+def upserting(db: Session, model: type[Base]) -> sqlite.Insert | postgresql.Insert:
     """An INSERT that can say what to do `on_conflict_…`."""
-    return postgresql.insert(table) if db.get_bind().dialect.name == "postgresql" else sqlite.insert(table)
+    insert = postgresql.insert if db.get_bind().dialect.name == "postgresql" else sqlite.insert
+    return insert(table_of(model))
 
 
 class Database:

@@ -5,14 +5,25 @@ from datetime import datetime
 from typing import Any
 from uuid import UUID, uuid4
 
-from sqlalchemy import ColumnElement, Row, and_, delete, func, insert, select, tuple_, update
+from sqlalchemy import ColumnElement, Row, and_, bindparam, delete, func, insert, select, tuple_, update
 from sqlalchemy.orm import Session, undefer
 
 from graders.core.contract.outcomes import Blame, blamed_on
+from server.database import table_of
 from server.gradebook.models import Grading, SolutionOpening
 from server.gradebook.schemas import Graded
 from server.submissions.models import Submission
 
+_submissions = table_of(Submission)
+
+#: What is on the way to a verdict is made once.
+LOCK = (
+    select(Submission.account_id, Submission.exercise, Submission.created_at, Submission.grading_id)
+    .where(Submission.id == bindparam("locked"))
+    .with_for_update()
+)
+ADD = insert(table_of(Grading))
+POINT = update(_submissions).where(_submissions.c.id == bindparam("pointing")).values(grading_id=bindparam("grading"))
 FAILURES = blamed_on(Blame.STUDENT)
 
 
@@ -71,8 +82,7 @@ def failed_digests(db: Session, account_id: UUID, exercise: str, besides: Collec
 
 def locked(db: Session, submission_id: UUID) -> Row[UUID, str, datetime, UUID | None] | None:
     """Author, exercise, time and current grading of a submission that nobody else changes until the commit."""
-    columns = (Submission.account_id, Submission.exercise, Submission.created_at, Submission.grading_id)
-    return db.execute(select(*columns).where(Submission.id == submission_id).with_for_update()).one_or_none()
+    return db.execute(LOCK, {"locked": submission_id}).one_or_none()
 
 
 def add(db: Session, submission_id: UUID, graded: Graded) -> UUID:
@@ -92,14 +102,13 @@ def add(db: Session, submission_id: UUID, graded: Graded) -> UUID:
         "verdict": verdict.to_json(),
         "figures": graded.judgement.figures,
     }
-    db.execute(insert(Grading).values(row))
+    db.execute(ADD, row)
     return identity
 
 
 def point(db: Session, submission_id: UUID, grading_id: UUID) -> None:
     """Has one of a submission's gradings count."""
-    statement = update(Submission).where(Submission.id == submission_id).values(grading_id=grading_id)
-    db.execute(statement.execution_options(synchronize_session=False))
+    db.execute(POINT, {"pointing": submission_id, "grading": grading_id})
 
 
 def is_of(db: Session, grading_id: UUID, submission_id: UUID) -> bool:

@@ -67,6 +67,7 @@ def rebuild(database: Database) -> tuple[int, int]:
 
 def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Gives a guest's attempts and deals to the account that the same person has just opened."""
+    standings.lock(db, [guest_id, account_id])
     stored.move(db, guest_id, account_id)
     deals.adopt(db, guest_id, account_id)
     for owner in (guest_id, account_id):

@@ -3,14 +3,16 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime
+from functools import cache
 from itertools import groupby
 from uuid import UUID
 
-from sqlalchemy import Select, case, delete, func, select, union
+from sqlalchemy import Insert, Select, case, delete, func, select, union
+from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
-from server.database import upserting
+from server.database import table_of, upserting
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -61,19 +63,27 @@ def add(db: Session, account_id: UUID, exercise: str, attempt: Counted) -> None:
 
     Two attempts of one account at one instant do not happen: sending takes turns at the account's allowance.
     """
-    statement = upserting(db, Standing).values(account_id=account_id, exercise=exercise, **asdict(sums_of([attempt])))
-    new = statement.excluded
-    later = new.last_at >= Standing.last_at
-    sooner = Standing.first_success_at.is_(None) | (new.first_success_at < Standing.first_success_at)
+    row = {"account_id": account_id, "exercise": exercise, **asdict(sums_of([attempt]))}
+    db.execute(_counting(db.get_bind().dialect.name), row)
+
+
+@cache
+def _counting(dialect: str) -> Insert:
+    """The statement that `add` runs, made once: it stands on the way to a verdict."""
+    insert = postgresql.insert if dialect == "postgresql" else sqlite.insert
+    statement = insert(table_of(Standing))
+    new, old = statement.excluded, table_of(Standing).c
+    later = new.last_at >= old.last_at
+    sooner = old.first_success_at.is_(None) | (new.first_success_at < old.first_success_at)
     changes = {
-        "attempts": Standing.attempts + 1,
-        "best_score": case((new.best_score > Standing.best_score, new.best_score), else_=Standing.best_score),
-        "last_outcome": case((later, new.last_outcome), else_=Standing.last_outcome),
-        "last_diagnosis": case((later, new.last_diagnosis), else_=Standing.last_diagnosis),
-        "first_success_at": case((sooner, new.first_success_at), else_=Standing.first_success_at),
-        "last_at": case((later, new.last_at), else_=Standing.last_at),
+        "attempts": old.attempts + 1,
+        "best_score": case((new.best_score > old.best_score, new.best_score), else_=old.best_score),
+        "last_outcome": case((later, new.last_outcome), else_=old.last_outcome),
+        "last_diagnosis": case((later, new.last_diagnosis), else_=old.last_diagnosis),
+        "first_success_at": case((sooner, new.first_success_at), else_=old.first_success_at),
+        "last_at": case((later, new.last_at), else_=old.last_at),
     }
-    db.execute(statement.on_conflict_do_update(index_elements=KEY, set_=changes))
+    return statement.on_conflict_do_update(index_elements=KEY, set_=changes)
 
 
 def recount(db: Session, account_id: UUID, exercise: str | None = None) -> int:
@@ -82,13 +92,18 @@ def recount(db: Session, account_id: UUID, exercise: str | None = None) -> int:
     The account's row and its standings are locked before the history is read, so that a grading that ends meanwhile
     (`add` inserts, which asks for the account's row, or updates) is counted after.
     """
-    db.execute(select(Account.id).where(Account.id == account_id).with_for_update())
+    lock(db, [account_id])
     kept = _kept(db, account_id, exercise)
     right = _from_history(db, account_id, exercise)
     wrong = [name for name in kept.keys() | right.keys() if kept.get(name) != right.get(name)]
     for name in wrong:
         _write(db, account_id, name, right.get(name))
     return len(wrong)
+
+
+def lock(db: Session, accounts: Collection[UUID]) -> None:
+    """Keeps others from adding to what these accounts have sent, until the commit. Always in the same order."""
+    db.execute(select(Account.id).where(Account.id.in_(accounts)).order_by(Account.id).with_for_update())
 
 
 def _write(db: Session, account_id: UUID, exercise: str, sums: Sums | None) -> None:

@@ -48,5 +48,5 @@ def refilled(tokens: float, elapsed: float, bucket: Bucket) -> float:
 
 def _locked(db: Session, key: str, bucket: Bucket, now: datetime) -> Allowance:
     full = {"key": key, "tokens": float(bucket.burst), "updated_at": now}
-    db.execute(upserting(db, Allowance).values(full).on_conflict_do_nothing())
+    db.execute(upserting(db, Allowance).on_conflict_do_nothing(), full)
     return db.execute(select(Allowance).where(Allowance.key == key).with_for_update()).scalar_one()

@@ -1,57 +1,82 @@
 """Queries of the queue: claim, heartbeat, conditional end, recovery.
 
-Each change of state is ONE conditional statement, so that it is atomic on both databases.
+Each change of state is ONE conditional statement, so that it is atomic on both databases. Those on the way to a verdict
+are made once.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
-from uuid import UUID
+from typing import Any
+from uuid import UUID, uuid4
 
-from sqlalchemy import ColumnElement, Row, and_, delete, func, select, tuple_, update
+from sqlalchemy import Row, and_, bindparam, delete, func, insert, select, tuple_, update
 from sqlalchemy.orm import Session, aliased
 
+from server.database import table_of, utc_now
 from server.queue.models import Job
+from server.queue.port import Lease
 
-FREED = {"lease_owner": None, "lease_token": None, "lease_until": None, "started_at": None}
+_jobs = table_of(Job)
+_held = and_(_jobs.c.id == bindparam("held"), _jobs.c.lease_token == bindparam("by"))
+_next = (
+    select(_jobs.c.id)
+    .where(_jobs.c.lease_token.is_(None), _jobs.c.kind.in_(bindparam("kinds", expanding=True)))
+    .order_by(_jobs.c.priority, _jobs.c.created_at, _jobs.c.id)
+    .limit(1)
+    .with_for_update(skip_locked=True)
+    .scalar_subquery()
+)
+_freed = {"lease_owner": None, "lease_token": None, "lease_until": None, "started_at": None}
+
+PUT = insert(_jobs)
+#: PostgreSQL skips rows being claimed; SQLite's writers take turns.
+CLAIM = (
+    update(_jobs)
+    .where(_jobs.c.id == _next)
+    .values(
+        tries=_jobs.c.tries + 1,
+        lease_owner=bindparam("owner"),
+        lease_token=bindparam("token"),
+        lease_until=bindparam("until"),
+        started_at=bindparam("now"),
+    )
+    .returning(_jobs.c.id, _jobs.c.kind, _jobs.c.key, _jobs.c.payload, _jobs.c.tries)
+)
+EXTEND = update(_jobs).where(_held).values(lease_until=bindparam("until")).returning(_jobs.c.id)
+END = delete(_jobs).where(_held).returning(_jobs.c.id)
+FREE = update(_jobs).where(_held).values(tries=_jobs.c.tries - bindparam("untried"), **_freed).returning(_jobs.c.id)
+_other = aliased(Job)
+_before = tuple_(_other.priority, _other.created_at, _other.id) < tuple_(Job.priority, Job.created_at, Job.id)
+_ahead = select(func.count()).select_from(_other).where(_other.lease_token.is_(None), _before).scalar_subquery()
+PLACE = select(Job.lease_token, _ahead).where(Job.kind == bindparam("kind"), Job.key == bindparam("key"))
+
+
+def put(db: Session, kind: str, key: str, payload: Mapping[str, Any], priority: int) -> None:
+    row = {"id": uuid4(), "kind": kind, "key": key, "payload": dict(payload), "priority": priority}
+    db.execute(PUT, {**row, "created_at": utc_now(), "tries": 0})
 
 
 def claim(
     db: Session, kinds: Collection[str], *, owner: str, token: UUID, now: datetime, until: datetime
-) -> Job | None:
-    """Leases the next waiting job. PostgreSQL skips rows being claimed; SQLite's writers take turns."""
-    following = (
-        select(Job.id)
-        .where(Job.lease_token.is_(None), Job.kind.in_(list(kinds)))
-        .order_by(Job.priority, Job.created_at, Job.id)
-        .limit(1)
-        .with_for_update(skip_locked=True)
-        .scalar_subquery()
-    )
-    lease = {"lease_owner": owner, "lease_token": token, "lease_until": until, "started_at": now}
-    statement = update(Job).where(Job.id == following).values(tries=Job.tries + 1, **lease).returning(Job)
-    return db.execute(statement).scalar_one_or_none()
-
-
-def _held(job_id: UUID, token: UUID) -> ColumnElement[bool]:
-    return and_(Job.id == job_id, Job.lease_token == token)
+) -> Lease | None:
+    """Leases the next waiting job."""
+    lease = {"kinds": list(kinds), "owner": owner, "token": token, "now": now, "until": until}
+    row = db.execute(CLAIM, lease).one_or_none()
+    return None if row is None else Lease(row.id, token, row.kind, row.key, row.payload, row.tries, now)
 
 
 def extend(db: Session, job_id: UUID, token: UUID, until: datetime) -> bool:
-    statement = update(Job).where(_held(job_id, token)).values(lease_until=until).returning(Job.id)
-    return db.execute(statement).first() is not None
+    return db.execute(EXTEND, {"held": job_id, "by": token, "until": until}).first() is not None
 
 
 def end(db: Session, job_id: UUID, token: UUID) -> bool:
     """Removes the job if the lease is still held; True when it was."""
-    statement = delete(Job).where(_held(job_id, token)).returning(Job.id)
-    return db.execute(statement.execution_options(synchronize_session=False)).first() is not None
+    return db.execute(END, {"held": job_id, "by": token}).first() is not None
 
 
 def free(db: Session, job_id: UUID, token: UUID, *, tried: bool) -> bool:
     """Puts an unfinished job back where it waited; `tried`: this try counts."""
-    values = FREED if tried else {**FREED, "tries": Job.tries - 1}
-    statement = update(Job).where(_held(job_id, token)).values(values).returning(Job.id)
-    return db.execute(statement.execution_options(synchronize_session=False)).first() is not None
+    return db.execute(FREE, {"held": job_id, "by": token, "untried": 0 if tried else 1}).first() is not None
 
 
 def leased(db: Session, kinds: Collection[str]) -> Sequence[Job]:
@@ -66,7 +91,4 @@ def leased_to(db: Session, kinds: Collection[str], owner: str) -> Sequence[Job]:
 
 def place(db: Session, kind: str, key: str) -> Row[UUID | None, int] | None:
     """The token of the job's lease, and how many waiting jobs come before it in the order of claiming."""
-    other = aliased(Job)
-    before = tuple_(other.priority, other.created_at, other.id) < tuple_(Job.priority, Job.created_at, Job.id)
-    ahead = select(func.count()).select_from(other).where(other.lease_token.is_(None), before).scalar_subquery()
-    return db.execute(select(Job.lease_token, ahead).where(Job.kind == kind, Job.key == key)).one_or_none()
+    return db.execute(PLACE, {"kind": kind, "key": key}).one_or_none()

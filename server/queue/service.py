@@ -33,18 +33,16 @@ class TableQueue:
     def put(
         self, db: Session, kind: str, key: str, payload: Mapping[str, Any] | None = None, priority: int = 0
     ) -> None:
-        db.add(Job(kind=kind, key=key, payload=dict(payload or {}), priority=priority))
-        db.flush()
+        repository.put(db, kind, key, payload or {}, priority)
         self._signals.queued(db)
 
     def claim(self, db: Session, owner: Owner, kinds: Collection[str], lease_seconds: float) -> Lease | None:
         token, now = uuid4(), utc_now()
         until = now + timedelta(seconds=lease_seconds)
-        job = repository.claim(db, kinds, owner=str(owner), token=token, now=now, until=until)
-        if job is None:
-            return None
-        self._signals.changed(db, job.key)
-        return _lease(job)
+        lease = repository.claim(db, kinds, owner=str(owner), token=token, now=now, until=until)
+        if lease is not None:
+            self._signals.changed(db, lease.key)
+        return lease
 
     def heartbeat(self, db: Session, lease: Lease, lease_seconds: float) -> bool:
         return repository.extend(db, lease.job_id, lease.token, utc_now() + timedelta(seconds=lease_seconds))

@@ -43,7 +43,7 @@ def dealt_seed(db: Session, account_id: UUID, exercise: str) -> int:
 def keep_seed(db: Session, account_id: UUID, exercise: str, seed: int) -> None:
     """Keeps a seed, unless there is one already: of two requests at once, the first one's stays."""
     row = {"account_id": account_id, "exercise": exercise, "seed": seed, "created_at": utc_now()}
-    db.execute(upserting(db, Deal).values(row).on_conflict_do_nothing())
+    db.execute(upserting(db, Deal).on_conflict_do_nothing(), row)
 
 
 def move_deals(db: Session, old: UUID, new: UUID) -> None:

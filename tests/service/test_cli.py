@@ -84,6 +84,7 @@ WRONG_USAGE = {
     (
         "zut",
     ): "COMMANDE : « zut » n’existe pas. Au choix : 'serve', 'grade', 'check', 'doctor', 'submit', 'worker', 'admin'",
+    ("admin",): "il manque ACTION",
     ("grade",): "il manque EXERCISE",
     ("doctor", "--vite"): "argument inconnu : --vite",
     ("serve", "--port"): "--port : il manque sa valeur",

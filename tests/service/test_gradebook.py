@@ -126,6 +126,22 @@ def test_gradings_that_end_together_all_count(database: Database, ada: Account, 
         assert service.recount(db, ada.id) == 0
 
 
+def test_guests_who_join_an_account_at_once_all_do(database: Database, ada: Account) -> None:
+    guests = [new_account(database, Role.guest).id for _ in range(6)]
+    for guest in guests:
+        record(database, sent(database, guest), graded(score=0.5))
+
+    def join(guest: UUID) -> None:
+        with database.write() as db:
+            service.adopt(db, guest, ada.id)
+            identity.delete_account(db, guest)
+
+    with ThreadPoolExecutor(6) as pool:
+        list(pool.map(join, guests))
+    assert sums(database, ada.id)[EXERCISE].attempts == 6
+    assert service.rebuild(database) == (1, 0)
+
+
 @dataclass
 class Story:
     """A database, and what ought to be in it, kept in the plainest way."""
@@ -231,11 +247,22 @@ def tell(database: Database, steps: list[tuple[Any, ...]]) -> None:
         story.check()
 
 
-@given(st.lists(STEP, max_size=25))
-@runs(max_examples=40, deadline=None, database=None)
-def test_kept_and_rebuilt_standings_always_agree(steps: list[tuple[Any, ...]]) -> None:
+def in_a_file(steps: list[tuple[Any, ...]]) -> None:
     with TemporaryDirectory() as folder, closing(migrated(Settings(data_dir=Path(folder), workers=0))) as database:
         tell(database, steps)
+
+
+@given(st.lists(STEP, max_size=25))
+@runs(max_examples=20, deadline=None, database=None)
+def test_kept_and_rebuilt_standings_always_agree(steps: list[tuple[Any, ...]]) -> None:
+    in_a_file(steps)
+
+
+@pytest.mark.slow
+@given(st.lists(STEP, max_size=60))
+@runs(max_examples=200, deadline=None, database=None)
+def test_kept_and_rebuilt_standings_agree_in_long_stories(steps: list[tuple[Any, ...]]) -> None:
+    in_a_file(steps)
 
 
 @pytest.fixture
@@ -246,8 +273,8 @@ def on_postgres(settings: Settings, postgres_url: str) -> Iterator[Database]:
             db.execute(delete(Account))
 
 
-@given(st.lists(STEP, max_size=15))
-@runs(max_examples=10, deadline=None, database=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.lists(STEP, max_size=12))
+@runs(max_examples=6, deadline=None, database=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_kept_and_rebuilt_standings_agree_on_postgresql(on_postgres: Database, steps: list[tuple[Any, ...]]) -> None:
     with on_postgres.write() as db:
         db.execute(delete(Account))
