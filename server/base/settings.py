@@ -40,7 +40,7 @@ class Settings(BaseSettings):
 
     data_dir: Path = Field(
         default_factory=default_data_dir,
-        description="the folder of the data: the SQLite database, and the lock of the server that serves it",
+        description="the folder of the data: the SQLite database, figures that were drawn, the lock of its only server",
         json_schema_extra=_told("`$XDG_DATA_HOME/balise`, or `~/.local/share/balise`"),
     )
     database_url: str | None = Field(

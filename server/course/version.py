@@ -11,15 +11,14 @@ course says: the sandbox, Python, NumPy.
 
 from __future__ import annotations
 
-import hashlib
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
+from server.base.digest import digest, files
 from server.course.closure import Imports
 from server.course.schemas import ExerciseFile
 
-DIGITS = 12
 GRADER = "grader"
 IN_THE_COURSE = ("misconceptions.toml", "questions.toml")
 SPECIMENS = "specimens"
@@ -28,8 +27,8 @@ NOT_DATA = {".py", ".md"}
 
 
 def version(imports: Imports, code: Path, folder: Path, card: ExerciseFile, grader: object) -> str:
-    """First 12 hexadecimal digits of a sha256. `folder` is the exercise's, in the course; `code` holds the graders."""
-    return _digest(_asked(card), grading_files(imports, code, folder, card, grader))
+    """See the head of this file. `folder` is the exercise's, in the course; `code` holds the graders."""
+    return digest(grading_files(imports, code, folder, card, grader), _asked(card))
 
 
 def grading_files(
@@ -40,16 +39,11 @@ def grading_files(
     graders = code / "graders" / module / folder.name
     described = imports.closure(f"graders.{module}.{folder.name}.{GRADER}")
     yield from sorted((described | imports.closure(type(grader).__module__)).items())
-    yield from ((f"grader/{name}", path) for name, path in _files(graders) if _decides(Path(name)))
+    yield from (named for named in files(GRADER, graders) if _decides(named[1].relative_to(graders)))
     if card.kind == "code":
         yield "kit", folder.parents[1] / "kit" / f"{module}.py"
     else:
         yield from ((name, folder / name) for name in IN_THE_COURSE if (folder / name).is_file())
-
-
-def digest(folders: Iterable[tuple[str, Path]]) -> str:
-    """The same of everything in named folders."""
-    return _digest(b"", ((f"{name}/{file}", path) for name, folder in folders for file, path in _files(folder)))
 
 
 def _asked(card: ExerciseFile) -> bytes:
@@ -62,25 +56,3 @@ def _decides(relative: Path) -> bool:
     if relative.parts[0] in {SPECIMENS, MISTAKES}:
         return relative.parts[0] == MISTAKES
     return relative.suffix not in NOT_DATA or relative.name == "solution.py"
-
-
-def _digest(head: bytes, files: Iterable[tuple[str, Path]]) -> str:
-    """Over names and contents, in the order given."""
-    total = hashlib.sha256(head)
-    for name, path in files:
-        content = path.read_bytes()
-        total.update(f"\0{name}\0{len(content)}\0".encode())
-        total.update(content)
-    return total.hexdigest()[:DIGITS]
-
-
-def _files(root: Path) -> Iterator[tuple[str, Path]]:
-    """The files below a folder, by their names from there."""
-    for path in sorted(root.rglob("*")):
-        relative = path.relative_to(root)
-        if path.is_file() and not _is_debris(relative):
-            yield relative.as_posix(), path
-
-
-def _is_debris(relative: Path) -> bool:
-    return any(part.startswith(".") or part == "__pycache__" for part in relative.parts)

@@ -15,9 +15,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
 
+from server.base.digest import digest
 from server.base.paths import ROOT
 from server.course.models import Drawing
-from server.course.version import digest
 
 Form = Literal["svg", "png"]
 Theme = Literal["light", "dark"]

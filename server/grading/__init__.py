@@ -1,1 +1,1 @@
-"""Grading, one kind of job: sandbox and graders joined, and the workers that the service keeps alive."""
+"""The worker of submissions: it has them graded in the sandbox, and records the verdicts."""

@@ -1,1 +1,1 @@
-"""Jobs of any kind: rows with a lease, their tasks, and how a worker learns that there is work."""
+"""The queue of jobs: rows with a lease, the worker that takes them, and how it learns that there is work."""

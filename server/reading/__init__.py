@@ -1,1 +1,1 @@
-"""The texts of the course as they are read: their drawings, and the search through them."""
+"""The texts of the course as they are read, the search through them, and what one takes away."""

@@ -1,1 +1,1 @@
-"""What was sent: submissions, what was dealt to whom, and the news of their grading."""
+"""What was sent, and what was dealt to whom; who waits for which job, and the news of it."""

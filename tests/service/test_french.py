@@ -98,28 +98,39 @@ def test_the_compiled_catalogue_is_the_one_that_is_read() -> None:
 
 
 def parsers() -> dict[str, argparse.ArgumentParser]:
-    (commands,) = (action for action in _parser()._actions if isinstance(action, argparse._SubParsersAction))
-    return dict(commands.choices)
+    """Every command, and those inside it, by what one types."""
+    return dict(_below("", _parser()))
 
 
-def misuses(command: str, parser: argparse.ArgumentParser) -> Iterator[list[str]]:
+def _below(name: str, parser: argparse.ArgumentParser) -> Iterator[tuple[str, argparse.ArgumentParser]]:
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for part, inner in action.choices.items():
+                yield f"{name} {part}".strip(), inner
+                yield from _below(f"{name} {part}".strip(), inner)
+
+
+def misuses(command: list[str], parser: argparse.ArgumentParser) -> Iterator[list[str]]:
     """Ways of asking wrongly for a command, from what it takes."""
     positionals = [action for action in parser._actions if not action.option_strings]
     needed = ["x" for action in positionals if action.nargs is None]
-    if needed:
-        yield [command]
+    if any(action.required and action.nargs != "*" for action in parser._actions):
+        yield command
+    if any(isinstance(action, argparse._SubParsersAction) for action in positionals):
+        yield [*command, "zut"]
+        return
     if all(action.nargs != "*" for action in positionals):
-        yield [command, *("x" for _ in positionals), "--no-such", *["de trop"] * (len(positionals) + 1)]
-    yield [command, *needed, "--absent"]
+        yield [*command, *("x" for _ in positionals), "--no-such", *["de trop"] * (len(positionals) + 1)]
+    yield [*command, *needed, "--absent"]
     for action in parser._actions:
         for option in action.option_strings:
             if action.nargs == 0:
                 if option.startswith("--"):
-                    yield [command, *needed, f"{option}=oui"]
+                    yield [*command, *needed, f"{option}=oui"]
             else:
-                yield [command, *needed, option]
+                yield [*command, *needed, option]
                 if action.type is not None and action.metavar != "DIR":
-                    yield [command, *needed, option, "deux"]
+                    yield [*command, *needed, option, "deux"]
 
 
 MISUSES = [
@@ -127,7 +138,7 @@ MISUSES = [
     ["zut"],
     ["--absent"],
     ["serve", "--h"],
-    *(misuse for command, parser in parsers().items() for misuse in misuses(command, parser)),
+    *(misuse for command, parser in parsers().items() for misuse in misuses(command.split(), parser)),
 ]
 
 
