@@ -1,1 +1,1 @@
-"""The worker: it takes submissions from the queue, has them graded in the sandbox, and records the verdicts."""
+"""Grading as one kind of job: what it reads, how sandbox and graders are joined, what it records."""

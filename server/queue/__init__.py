@@ -1,1 +1,1 @@
-"""The queue of submissions: rows with a lease, and how a worker learns that there is work."""
+"""Jobs to be done later, of any kind: rows with a lease, the worker that does them, and how it learns of them."""

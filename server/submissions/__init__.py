@@ -1,1 +1,1 @@
-"""What was submitted: attempts, their draws and figures, and the news of their grading."""
+"""What was submitted and what was dealt to whom: sending, finding again, and the news of it."""

@@ -38,7 +38,6 @@ from .conftest import EXERCISE, new_account, worker_of
 from .counting import Counted
 
 EXERCISES = ("m/a", "m/b")
-SCORES = {Outcome.OK: 1.0, Outcome.INTERNAL_ERROR: None}
 
 
 def graded(outcome: Outcome = Outcome.WRONG_ANSWER, score: float = 0.0, diagnosis: str | None = None) -> Graded:
@@ -201,16 +200,16 @@ class Story:
 
     def expected(self, account: UUID, exercise: str) -> Sums | None:
         rows = [row for row in self.sent if (row["account"], row["exercise"]) == (account, exercise)]
-        pairs = [(row["at"], row["gradings"][row["counting"]]) for row in rows if row["counting"]]
+        pairs = [(row["at"], row["gradings"][row["counting"]].verdict) for row in rows if row["counting"]]
         pairs = [pair for pair in pairs if pair[1].outcome is not Outcome.INTERNAL_ERROR]
         if not pairs:
             return None
         return Sums(
-            best_score=max(grading.score for _, grading in pairs),
+            best_score=max(verdict.score for _, verdict in pairs),
             attempts=len(pairs),
             last_outcome=pairs[-1][1].outcome,
-            last_diagnosis=pairs[-1][1].diagnosis,
-            first_success_at=min((at for at, grading in pairs if grading.outcome is Outcome.OK), default=None),
+            last_diagnosis=pairs[-1][1].misconception,
+            first_success_at=min((at for at, verdict in pairs if verdict.outcome is Outcome.OK), default=None),
             last_at=pairs[-1][0],
         )
 
