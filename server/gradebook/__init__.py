@@ -1,1 +1,1 @@
-"""Every grading of every submission, which one counts, where each account stands, and what attempts open."""
+"""What was found each time that a submission was graded, where each account stands, and what that opens."""

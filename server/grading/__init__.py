@@ -1,1 +1,1 @@
-"""Grading as one kind of job: what it reads, how sandbox and graders are joined, what it records."""
+"""Grading, one kind of job: sandbox and graders joined, and the workers that the service keeps alive."""

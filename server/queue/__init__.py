@@ -1,1 +1,1 @@
-"""Jobs to be done later, of any kind: rows with a lease, the worker that does them, and how it learns of them."""
+"""Jobs of any kind: rows with a lease, their tasks, and how a worker learns that there is work."""

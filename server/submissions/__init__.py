@@ -1,1 +1,1 @@
-"""What was submitted and what was dealt to whom: sending, finding again, and the news of it."""
+"""What was sent: submissions, what was dealt to whom, and the news of their grading."""

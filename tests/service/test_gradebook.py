@@ -42,7 +42,7 @@ EXERCISES = ("m/a", "m/b")
 
 def graded(outcome: Outcome = Outcome.WRONG_ANSWER, score: float = 0.0, diagnosis: str | None = None) -> Graded:
     passed = outcome is Outcome.OK
-    check = CheckResult("a", "Une", passed, 20.0 if passed else 20.0 * score, 20.0)
+    check = CheckResult("a", "Une", passed, 20.0 if passed else 20.0 * min(score, 0.95), 20.0)
     checks = [check] if outcome.counts else []
     name = Diagnosis(diagnosis, "Une erreur", "Son explication.") if diagnosis else None
     return Graded(Judgement(Verdict("m/a", "v1", outcome, 1, checks, name, timings={"total_ms": 2.0})), utc_now())
