@@ -38,7 +38,6 @@ from .conftest import EXERCISE, new_account, worker_of
 from .counting import Counted
 
 EXERCISES = ("m/a", "m/b")
-SCORES = {Outcome.OK: 1.0, Outcome.INTERNAL_ERROR: None}
 
 
 def graded(outcome: Outcome = Outcome.WRONG_ANSWER, score: float = 0.0, diagnosis: str | None = None) -> Graded:
