@@ -173,7 +173,7 @@ def create_app(
     for router in (api_router, accounts_router, pages_router, reading_router, cells_router, replays_router):
         app.include_router(router)
     errors.install(app)
-    _document(app)
+    _lesson(app)
     return app
 
 
@@ -194,7 +194,7 @@ def _protect(app: FastAPI, settings: Settings) -> None:
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=GZIP_LEVEL)
 
 
-def _document(app: FastAPI) -> None:
+def _lesson(app: FastAPI) -> None:
     original = app.openapi
 
     def openapi() -> dict[str, Any]:

@@ -13,7 +13,7 @@ from tests.quick import the_course
 
 TABLE = Path(course.__file__).parents[2] / "curriculum" / "l20" / "COUVERTURE.md"
 MODULE = the_course().modules["l20"]
-PAGES = {document.slug: document for document in MODULE.documents}
+PAGES = {lesson.slug: lesson for lesson in MODULE.lessons}
 EXERCISES = {exercise.slug for exercise in MODULE.exercises}
 LINK = re.compile(r"\[[^\]]+\]\(([^()\s]*)\)")
 TARGET = re.compile(r"(?P<kind>page|exo|terme|accueil):(?P<name>[\w-]+)(#(?P<anchor>[\w-]+))?")

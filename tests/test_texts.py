@@ -20,13 +20,13 @@ from server.sandbox import Sandbox
 from tests.quick import migrated, the_course
 
 COURSE = the_course()
-PAGES = [f"/{one.module}/lire/{one.slug}" for module in COURSE.modules.values() for one in module.documents]
+PAGES = [f"/{one.module}/lire/{one.slug}" for module in COURSE.modules.values() for one in module.lessons]
 OTHERS = [f"/{slug}" for slug in COURSE.modules] + [f"/{slug}/glossaire" for slug in COURSE.modules]
 EXERCISES = [f"/{one.module}/exercices/{one.slug}" for one in COURSE.exercises.values()]
 CELLS = [
     pytest.param(one.module, cell, id=f"{one.slug}-{cell.name}")
     for module in COURSE.modules.values()
-    for one in module.documents
+    for one in module.lessons
     for cell in one.cells
 ]
 EMPTY = {"area", "base", "br", "col", "embed", "hr", "img", "input", "link", "meta", "source", "track", "wbr"}

@@ -82,9 +82,7 @@ def _summary(exercise: Exercise) -> ExerciseOut:
 
 
 def _limits(exercise: Exercise) -> LimitsOut:
-    from server.grading.joint import policy_of
-
-    policy = policy_of(exercise)
+    policy = exercise.policy
     return LimitsOut(
         cpu_seconds=policy.cpu_seconds,
         wall_seconds=policy.wall_seconds,

@@ -122,7 +122,7 @@ class BoundedBody:
         if body is None:
             error = TooLarge(f"Cette demande dépasse {size(self._most)}.")
             return await self._refuse(Request(scope), error)(scope, receive, send)
-        await self._app(scope, _replay(body, receive), send)
+        await self._app(scope, _resend(body, receive), send)
 
     async def _read(self, receive: Receive) -> bytes | None:
         chunks, size, more = [], 0, True
@@ -137,14 +137,14 @@ class BoundedBody:
         return b"".join(chunks)
 
 
-def _replay(body: bytes, receive: Receive) -> Callable[[], Awaitable[Message]]:
+def _resend(body: bytes, receive: Receive) -> Callable[[], Awaitable[Message]]:
     given = False
 
-    async def replay() -> Message:
+    async def resend() -> Message:
         nonlocal given
         if given:
             return await receive()
         given = True
         return {"type": "http.request", "body": body, "more_body": False}
 
-    return replay
+    return resend

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import Known
-from server.cells import check as cells
+from server.cells import faults as cells
 from server.cli.local import find, local_grader, start_probing
 from server.course import Exercise, load
 from server.figures import lessons

@@ -10,21 +10,13 @@ from functools import cached_property
 from pathlib import Path
 
 from server.course import glossary, toml_file
-from server.course.models import CourseFault, Document, Drawing, Kind, Problem
+from server.course.kinds import BY_FOLDER
+from server.course.models import CourseFault, Drawing, Lesson, Problem
 from server.course.schemas import FrontMatter
-from server.text.markup import Names, PageName, Picture, Source, Target, Text
+from server.text.markup import LessonName, Names, Picture, Source, Target, Text
 from server.text.markup.blocks import EQUATION, KINDS
 from server.text.markup.text import GLOSSARY, SLUG
 
-FOLDERS: Mapping[str, Kind] = {
-    "fiches": "fiche",
-    "seances": "seance",
-    "cours": "cours",
-    "tp": "tp",
-    "defis": "defi",
-    "annexes": "annexe",
-}
-ORDER: tuple[Kind, ...] = tuple(FOLDERS.values())
 NO_PAGES = {"exercices"}
 PIXELS = 100  # a drawing's inch is shown as so many CSS pixels
 FENCE = "+++"
@@ -43,7 +35,7 @@ class Library:
     exercises: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.documents = tuple(self._documents())
+        self.lessons = tuple(self._lessons())
         self.glossary = glossary.read(self.folder / glossary.FILE, self.names, self.problems)
         self.files = {path.stem: path for path in sorted((self.folder / "fichiers").glob("[!_.]*.py"))}
         self.replays = {path.stem.replace("_", "-") for path in (self.folder / "rejeux").glob("[!_.]*.py")}
@@ -57,7 +49,7 @@ class Library:
         return Names(
             module=self.folder.name,
             labels=labels,
-            pages={one.slug: _page_name(one) for one in self.documents},
+            pages={one.slug: _lesson_name(one) for one in self.lessons},
             exercises=self.exercises,
             terms={one.id: one.word for one in self.glossary.values()},
             pictures={one.name: _picture(one) for one in self.drawings.values()},
@@ -67,31 +59,31 @@ class Library:
 
     @cached_property
     def labels(self) -> tuple[Labelled, ...]:
-        return tuple(_numbered(self.documents))
+        return tuple(_numbered(self.lessons))
 
-    def _documents(self) -> list[Document]:
-        found: dict[str, Document] = {}
+    def _lessons(self) -> list[Lesson]:
+        found: dict[str, Lesson] = {}
         for path in sorted(self.folder.glob("*/*.md")):
             if path.parent.name in NO_PAGES or path.name.startswith((".", "_")):
                 continue
             try:
-                document = self._document(path)
-                if document.slug in found:
-                    raise CourseFault(Problem(path, None, f"une autre page se nomme déjà « {document.slug} »"))
-                found[document.slug] = document
+                lesson = self._lesson(path)
+                if lesson.slug in found:
+                    raise CourseFault(Problem(path, None, f"une autre page se nomme déjà « {lesson.slug} »"))
+                found[lesson.slug] = lesson
             except CourseFault as fault:
                 self.problems.append(fault.problem)
-        return sorted(found.values(), key=lambda one: (ORDER.index(one.kind), one.order, one.slug))
+        return sorted(found.values(), key=lambda lesson: (lesson.kind.numbered, lesson.order, lesson.slug))
 
-    def _document(self, path: Path) -> Document:
-        kind = FOLDERS.get(path.parent.name)
+    def _lesson(self, path: Path) -> Lesson:
+        kind = BY_FOLDER.get(path.parent.name)
         if kind is None:
-            raise CourseFault(Problem(path, None, f"dossier de pages inconnu (connus : {', '.join(FOLDERS)})"))
+            raise CourseFault(Problem(path, None, f"dossier de pages inconnu (connus : {', '.join(BY_FOLDER)})"))
         if not re.fullmatch(SLUG, path.stem) or path.stem == GLOSSARY:
             raise CourseFault(Problem(path, None, "nom de page : minuscules sans accent, chiffres et tirets"))
         head, body, line = _split(path, toml_file.read_text(path))
         card = toml_file.parse(head, path, FrontMatter, first_line=2)
-        return Document(
+        return Lesson(
             module=self.folder.name,
             slug=path.stem,
             kind=kind,
@@ -106,7 +98,7 @@ class Library:
 
     def check(self, *, formulas: bool) -> Iterator[Problem]:
         """Everything that is wrong in the texts, but not so wrong that they cannot be served."""
-        for one in self.documents:
+        for one in self.lessons:
             yield from problems_of(one.text, formulas=formulas)
         for again in self.labels:
             if not again.first:
@@ -127,18 +119,18 @@ class Labelled:
     first: bool
 
 
-def _numbered(documents: tuple[Document, ...]) -> Iterator[Labelled]:
+def _numbered(lessons: tuple[Lesson, ...]) -> Iterator[Labelled]:
     """Labels in the order of the pages, each kind counting for itself over the whole module."""
     counts: Counter[str] = Counter()
     pages: dict[str, str] = {}
-    for document in documents:
-        text = document.text
+    for lesson in lessons:
+        text = lesson.text
         for label in text.outline.labels:
             kind = EQUATION if label.kind == "equation" else KINDS[label.kind]
-            first = pages.setdefault(label.id, document.slug) == document.slug
+            first = pages.setdefault(label.id, lesson.slug) == lesson.slug
             counts[label.kind] += kind.numbered and first
             number = counts[label.kind] if kind.numbered else 0
-            target = Target(label.kind, kind.noun, number, document.slug, label.line)
+            target = Target(label.kind, kind.noun, number, lesson.slug, label.line)
             yield Labelled(label.id, target, text.source.path, first)
 
 
@@ -147,10 +139,10 @@ def problems_of(text: Text, *, formulas: bool) -> Iterator[Problem]:
         yield Problem(text.source.path, fault.line, fault.message)
 
 
-def _page_name(document: Document) -> PageName:
-    outline = document.text.outline
+def _lesson_name(lesson: Lesson) -> LessonName:
+    outline = lesson.text.outline
     figures = {name: number for number, name in enumerate(outline.figures, 1)}
-    return PageName(document.title, frozenset(outline.anchors), figures)
+    return LessonName(lesson.title, frozenset(outline.anchors), figures)
 
 
 def _picture(drawing: Drawing) -> Picture:

@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
+from server.course.kinds import LessonKind
+from server.sandbox.policy import Policy
 from server.text.markup import Cell, Heading, Names, Section, Text
 from server.text.markup.text import no_names
 from server.text.prose import line, prose
@@ -21,12 +23,11 @@ __all__ = [
     "Cell",
     "Course",
     "CourseFault",
-    "Document",
     "Drawing",
     "Exercise",
     "FunctionSpec",
     "Heading",
-    "Kind",
+    "Lesson",
     "Module",
     "Problem",
     "Section",
@@ -75,7 +76,7 @@ class Exercise:
     `seance` is the slug of the page that it follows.
     `version` is a digest of everything that can change a verdict (see `server.course.version`).
     An exercise answered without code (`answers`) has no function, and neither starter nor solution as files: its grader
-    gives questions and correction. `policy_overrides` replaces fields of `server.sandbox.Policy` by name.
+    gives questions and correction. `policy` bounds what its programs may use.
     """
 
     module: str
@@ -95,7 +96,7 @@ class Exercise:
     answers: AnswersGrader | None = None
     names: Callable[[], Names] = no_names
     seance: str = ""
-    policy_overrides: Mapping[str, Any] = field(default_factory=dict)
+    policy: Policy = field(default_factory=Policy)
 
     @property
     def id(self) -> str:
@@ -124,16 +125,13 @@ class Exercise:
         return first.html, second.html, third.html
 
 
-Kind = Literal["seance", "fiche", "cours", "tp", "defi", "annexe"]
-
-
 @dataclass(frozen=True, eq=False)
-class Document:
+class Lesson:
     """A page to read. What its front matter says is here at once; its text is read and rendered at the first need."""
 
     module: str
     slug: str
-    kind: Kind
+    kind: LessonKind
     title: str
     label: str
     order: int
@@ -221,7 +219,7 @@ class Module:
     order: int
     kit: str
     exercises: tuple[Exercise, ...]
-    documents: tuple[Document, ...] = ()
+    lessons: tuple[Lesson, ...] = ()
     glossary: Mapping[str, Term] = field(default_factory=dict)
     drawings: Mapping[str, Drawing] = field(default_factory=dict)
     files: Mapping[str, Path] = field(default_factory=dict)

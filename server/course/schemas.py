@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from dataclasses import replace
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from pydantic_core import PydanticCustomError
+
+from server.sandbox.policy import Policy
 
 Text = Annotated[str, Field(min_length=1)]
 
@@ -49,8 +52,8 @@ class FunctionEntry(Strict):
     doc: str = ""
 
 
-class Limits(Strict):
-    """Overrides of `server.sandbox.Policy`, field by field."""
+class PolicyEntry(Strict):
+    """What an exercise overrides of `server.sandbox.Policy`, field by field."""
 
     cpu_seconds: Annotated[float, Field(gt=0, le=120)] | None = None
     wall_seconds: Annotated[float, Field(gt=0, le=300)] | None = None
@@ -65,7 +68,11 @@ class Limits(Strict):
     file_bytes: Annotated[int, Field(ge=1024, le=64 << 20)] | None = None
     folder_bytes: Annotated[int, Field(ge=64 << 10, le=256 << 20)] | None = None
 
-    def overrides(self) -> dict[str, int | float]:
+    def policy(self) -> Policy:
+        """The general limits, and what is overridden here."""
+        return replace(Policy(), **self.model_dump(exclude_none=True))
+
+    def overrides(self) -> dict[str, Any]:
         return self.model_dump(exclude_none=True)
 
 
@@ -80,7 +87,7 @@ class ExerciseFile(Strict):
     kind: Literal["code", "answers"] = "code"
     seance: str = ""
     functions: list[FunctionEntry] = []
-    limits: Limits = Limits()
+    limits: PolicyEntry = PolicyEntry()
 
 
 class FrontMatter(Strict):

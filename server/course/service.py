@@ -130,7 +130,7 @@ def _module(sources: Sources, path: Path, problems: list[Problem], look: Look) -
         order=card.order,
         kit=kit,
         exercises=tuple(exercises),
-        documents=library.documents,
+        lessons=library.lessons,
         glossary=MappingProxyType(library.glossary),
         drawings=MappingProxyType(library.drawings),
         files=MappingProxyType(library.files),
@@ -154,7 +154,7 @@ def _faults(exercise: Exercise, look: Look) -> Iterator[Problem]:
 
 def _lost(module: Path, exercises: list[Exercise], library: Library) -> Iterator[Problem]:
     """Exercises that are said to follow a page that does not exist."""
-    pages = {one.slug for one in library.documents}
+    pages = {one.slug for one in library.lessons}
     for one in exercises:
         if one.seance and one.seance not in pages:
             path = module / "exercices" / one.slug / "exercise.toml"
@@ -183,7 +183,7 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
         names=sources.names,
         version=version(sources.imports, sources.code, path, card, graded["grader"]),
         seance=card.seance,
-        policy_overrides=MappingProxyType(card.limits.overrides()),
+        policy=card.limits.policy(),
     )
 
 

@@ -7,7 +7,6 @@ ends as `internal_error`.
 import hashlib
 import logging
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from uuid import UUID
 
 from graders.core.contract.findings import Judgement
@@ -15,7 +14,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, KitSettings, Reply, StudentFault
 from graders.core.contract.values import Arguments, Value
 from graders.core.contract.verdict import internal_error_verdict
-from server.course.models import Course, Exercise
+from server.course.models import Course
 from server.sandbox import Frame, Kit, Policy, ProgramFault, Sandbox, Session
 
 log = logging.getLogger(__name__)
@@ -85,11 +84,6 @@ def _frame_text(frame: Frame) -> str:
     return f"{place} : {frame.source.strip()}" if frame.source else place
 
 
-def policy_of(exercise: Exercise) -> Policy:
-    """The limits of an exercise: the general ones, and what it overrides."""
-    return replace(Policy(), **exercise.policy_overrides)
-
-
 class Grader:
     """Grades files with one sandbox; thread-safe as far as the sandbox is."""
 
@@ -103,7 +97,7 @@ class Grader:
         for attempt in range(1, TRIES + 1):
             try:
                 exercise = self._course.exercises[exercise_id]
-                programs = SandboxPrograms(self._sandbox, policy_of(exercise))
+                programs = SandboxPrograms(self._sandbox, exercise.policy)
                 return exercise.grader.grade(source, programs, seed=seed, version=version)
             except Exception:
                 # All that it takes to grade the same again: the source is in the database, or the caller has it.

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from server.base.sizes import NO_BREAK, size
 from server.course import Exercise
-from server.sandbox import Policy
 from server.web.words import points
 
 _THIN = "\u202f"
@@ -43,7 +41,6 @@ LINES: dict[str, tuple[str, Callable[[float], str]]] = {
 }
 
 
-def limits_of(exercise: Exercise) -> tuple[tuple[str, str], ...]:
+def policy_lines(exercise: Exercise) -> tuple[tuple[str, str], ...]:
     """Name and value of each limit, for this exercise."""
-    policy = replace(Policy(), **exercise.policy_overrides)
-    return tuple((name, read(getattr(policy, field))) for field, (name, read) in LINES.items())
+    return tuple((name, read(getattr(exercise.policy, field))) for field, (name, read) in LINES.items())

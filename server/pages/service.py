@@ -12,7 +12,7 @@ from server.base.errors import NotFound
 from server.course import Exercise, Module
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts, Progress
-from server.pages.policy import limits_of
+from server.pages.policy import policy_lines
 from server.pages.schemas import (
     AttemptPage,
     AttemptRow,
@@ -31,7 +31,7 @@ from server.submissions.models import State
 from server.submissions.service import Place
 from server.web import verdicts
 from server.web.rendering import python
-from server.web.views import Reader, document_href, exercise_href, in_order, module_link, own_state
+from server.web.views import Reader, exercise_href, in_order, lesson_href, module_link, own_state
 from server.web.words import moment, moment_text, plural, points
 
 HINT_OPENS_AFTER = (1, 2, 4)  # changed attempts without success
@@ -62,7 +62,7 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
         starter=exercise.starter,
         code=taken if taken is not None else latest.submission.code if latest else exercise.starter,
         taken=taken is not None,
-        limits=limits_of(exercise),
+        limits=policy_lines(exercise),
         kit_href=f"/{exercise.module}/kit/{kit}",
         kit_name=kit,
     )
@@ -70,8 +70,8 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
 
 def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:
     """The page that the exercise follows: its address and its short name."""
-    found = next((one for one in module.documents if one.slug == exercise.seance), None)
-    return (document_href(found), found.label) if found else None
+    found = next((one for one in module.lessons if one.slug == exercise.seance), None)
+    return (lesson_href(found), found.label) if found else None
 
 
 def common_parts(reader: Reader, exercise: Exercise, latest: Attempt | None) -> dict[str, Any]:

@@ -32,10 +32,10 @@ def course_home(request: Request, module: str, reader: Reading) -> HTMLResponse:
 
 
 @router.get("/{module:module}/lire/{slug}")
-def document(request: Request, module: str, slug: str, reader: Reading) -> HTMLResponse:
+def lesson(request: Request, module: str, slug: str, reader: Reading) -> HTMLResponse:
     found = find_module(reader.course, module)
-    view = service.document_page(reader, found, service.find_document(found, slug))
-    return page(request, "reading/document.html", reader.account, page=view)
+    view = service.lesson_page(reader, found, service.find_lesson(found, slug))
+    return page(request, "reading/lesson.html", reader.account, page=view)
 
 
 @router.get("/{module:module}/glossaire")

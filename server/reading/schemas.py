@@ -19,7 +19,7 @@ class Entry:
 
 
 @dataclass(frozen=True)
-class PageLink:
+class LessonLink:
     """A page of the course in a list. `duration` is in words, or empty; `parts` counts its sections."""
 
     slug: str
@@ -36,7 +36,7 @@ class PageLink:
 class SessionCard:
     """A séance with the exercises that follow it; `done` of them have full marks."""
 
-    page: PageLink
+    page: LessonLink
     figure: FigureView | None
     exercises: tuple[ExerciseRow, ...]
 
@@ -51,7 +51,7 @@ class Shelf:
 
     id: str
     title: str
-    pages: tuple[PageLink, ...]
+    pages: tuple[LessonLink, ...]
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class CourseHome:
     facts: tuple[tuple[str, str], ...]
     objectives: tuple[str, ...]
     references: tuple[str, ...]
-    start: PageLink | None
+    start: LessonLink | None
     resumed: ExerciseRow | None
     sessions: tuple[SessionCard, ...]
     shelves: tuple[Shelf, ...]
@@ -90,7 +90,7 @@ class TermView:
 
 
 @dataclass(frozen=True)
-class DocumentPage:
+class LessonPage:
     """A page to read. `terms` are the words whose definition it may be asked for."""
 
     module: ModuleLink
@@ -105,8 +105,8 @@ class DocumentPage:
     contents: tuple[Entry, ...]
     exercises: tuple[ExerciseRow, ...]
     terms: tuple[TermView, ...]
-    previous: PageLink | None
-    following: PageLink | None
+    previous: LessonLink | None
+    following: LessonLink | None
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from markupsafe import Markup, escape
 
 from graders.typography import french
 from server.course import Exercise, Module
-from server.course.models import Document, Term
+from server.course.models import Lesson, Term
 from server.reading.schemas import HitView
 
 MOST_HITS = 30
@@ -123,8 +123,8 @@ def _clean(text: str) -> str:
 def _passages(module: Module) -> Iterator[Passage]:
     for term in module.glossary.values():
         yield _of_term(module, term)
-    for document in module.documents:
-        yield from _of_document(document)
+    for lesson in module.lessons:
+        yield from _of_lesson(lesson)
     for exercise in module.exercises:
         yield _of_exercise(exercise)
 
@@ -133,15 +133,15 @@ def _of_term(module: Module, term: Term) -> Passage:
     return Passage(f"/{module.slug}/glossaire#t-{term.id}", "Glossaire", "", term.word, term.text, term.id)
 
 
-def _of_document(document: Document) -> Iterator[Passage]:
-    href = f"/{document.module}/lire/{document.slug}"
-    above = " ".join(section.text for section in document.sections if not section.id)
-    yield Passage(href, document.label, document.title, document.title, f"{french(document.summary)} {above}")
-    for section in document.sections:
+def _of_lesson(lesson: Lesson) -> Iterator[Passage]:
+    href = f"/{lesson.module}/lire/{lesson.slug}"
+    above = " ".join(section.text for section in lesson.sections if not section.id)
+    yield Passage(href, lesson.label, lesson.title, lesson.title, f"{french(lesson.summary)} {above}")
+    for section in lesson.sections:
         if section.id:
             numbered = " ".join(NUMBERED.findall(section.text))
             place = f"{href}#{section.id}"
-            yield Passage(place, document.label, document.title, section.title, section.text, numbered)
+            yield Passage(place, lesson.label, lesson.title, section.title, section.text, numbered)
 
 
 def _of_exercise(exercise: Exercise) -> Passage:

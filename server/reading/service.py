@@ -12,57 +12,50 @@ from markupsafe import Markup
 from graders.typography import unaccented
 from server.base.errors import NotFound
 from server.course import Exercise, Module
-from server.course.models import Document, Heading, Kind, Term
+from server.course.kinds import KINDS, SEANCE
+from server.course.models import Heading, Lesson, Term
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, Progress
 from server.reading import search
 from server.reading.schemas import (
     CourseHome,
-    DocumentPage,
     Entry,
     GlossaryPage,
+    LessonLink,
+    LessonPage,
     Letter,
-    PageLink,
     SearchPage,
     SessionCard,
     Shelf,
     TermView,
 )
 from server.web.schemas import ExerciseRow, FigureView
-from server.web.views import Reader, document_href, exercise_row, in_order, module_link
+from server.web.views import Reader, exercise_row, in_order, lesson_href, module_link
 from server.web.words import plural
 
-SHELVES: tuple[tuple[Kind, str], ...] = (
-    ("cours", "Cours"),
-    ("fiche", "Fiches"),
-    ("tp", "Travaux pratiques"),
-    ("defi", "Défis"),
-    ("annexe", "Annexes"),
-)
-ON_THE_WAY: tuple[Kind, ...] = ("seance", *(kind for kind, _ in SHELVES))
 DEEPEST = 3  # level of the smallest headings in a table of contents
 TERM_LINK = re.compile(r'data-term="([^"]+)"')
 HOUR = 60
 EXAMPLES = 4  # words proposed to one who has not found, or not looked yet
 
 
-def find_document(module: Module, slug: str) -> Document:
+def find_lesson(module: Module, slug: str) -> Lesson:
     """Raises NotFound."""
-    for one in module.documents:
+    for one in module.lessons:
         if one.slug == slug:
             return one
     raise NotFound("Cette page n’existe pas.")
 
 
-def on_the_way(module: Module) -> tuple[Document, ...]:
+def on_the_way(module: Module) -> tuple[Lesson, ...]:
     """The pages in the order in which one reads them: the séances, then what the module's page lists after them."""
-    return tuple(sorted(module.documents, key=lambda one: ON_THE_WAY.index(one.kind)))
+    return tuple(sorted(module.lessons, key=lambda lesson: KINDS.index(lesson.kind)))
 
 
 def course_home(reader: Reader, module: Module) -> CourseHome:
     rows = _rows(reader, in_order(module))
     way = on_the_way(module)
-    sessions = tuple(_session(module, one, _following(module, rows, one)) for one in way if one.kind == "seance")
+    sessions = tuple(_session(module, one, _following(module, rows, one)) for one in way if one.kind is SEANCE)
     placed = {row.href for card in sessions for row in card.exercises}
     left = tuple(row for row in rows.values() if row.href not in placed)
     length = plural(module.sessions, "séance") if module.sessions else ""
@@ -108,45 +101,45 @@ def _resumed(rows: Sequence[ExerciseRow]) -> ExerciseRow | None:
     return next((row for row in waiting if row.own.attempts), waiting[0] if waiting else None)
 
 
-def _following(module: Module, rows: Mapping[str, ExerciseRow], document: Document) -> tuple[ExerciseRow, ...]:
-    return tuple(rows[one.slug] for one in exercises_after(module, document))
+def _following(module: Module, rows: Mapping[str, ExerciseRow], lesson: Lesson) -> tuple[ExerciseRow, ...]:
+    return tuple(rows[one.slug] for one in exercises_after(module, lesson))
 
 
-def exercises_after(module: Module, document: Document) -> list[Exercise]:
+def exercises_after(module: Module, lesson: Lesson) -> list[Exercise]:
     """Those that the page leads to."""
-    return [one for one in module.exercises if one.seance == document.slug]
+    return [one for one in module.exercises if one.seance == lesson.slug]
 
 
-def _session(module: Module, document: Document, exercises: tuple[ExerciseRow, ...]) -> SessionCard:
-    return SessionCard(_link(document), _ornament(module, document), exercises)
+def _session(module: Module, lesson: Lesson, exercises: tuple[ExerciseRow, ...]) -> SessionCard:
+    return SessionCard(_link(lesson), _ornament(module, lesson), exercises)
 
 
-def _ornament(module: Module, document: Document) -> FigureView | None:
+def _ornament(module: Module, lesson: Lesson) -> FigureView | None:
     """The séance's first drawing, without its description, which stands on the page itself."""
-    name = next((one for one in document.figures if one in module.drawings), None)
+    name = next((one for one in lesson.figures if one in module.drawings), None)
     if name is None:
         return None
     light, dark = (f"/{module.slug}/figures/{name}.svg?theme={theme}" for theme in ("light", "dark"))
     return FigureView(light, dark, "")
 
 
-def _shelves(way: Sequence[Document]) -> Iterator[Shelf]:
-    for kind, title in SHELVES:
-        pages = tuple(_link(one) for one in way if one.kind == kind)
-        if pages:
-            yield Shelf(kind, title, pages)
+def _shelves(way: Sequence[Lesson]) -> Iterator[Shelf]:
+    for kind in KINDS:
+        lessons = tuple(_link(lesson) for lesson in way if lesson.kind is kind)
+        if lessons and kind.shelf:
+            yield Shelf(kind.name, kind.shelf, lessons)
 
 
-def _link(document: Document) -> PageLink:
-    return PageLink(
-        slug=document.slug,
-        href=document_href(document),
-        label=document.label,
-        title=document.title,
-        summary=document.summary,
-        duration=duration(document.minutes),
-        objectives=len(document.objectives),
-        parts=sum(heading.level == 2 for heading in document.headings),
+def _link(lesson: Lesson) -> LessonLink:
+    return LessonLink(
+        slug=lesson.slug,
+        href=lesson_href(lesson),
+        label=lesson.label,
+        title=lesson.title,
+        summary=lesson.summary,
+        duration=duration(lesson.minutes),
+        objectives=len(lesson.objectives),
+        parts=sum(heading.level == 2 for heading in lesson.headings),
     )
 
 
@@ -158,31 +151,31 @@ def duration(minutes: int) -> str:
     return f"{hours}\u00a0h\u00a0{rest:02}" if rest else f"{hours}\u00a0h"
 
 
-def document_page(reader: Reader, module: Module, document: Document) -> DocumentPage:
+def lesson_page(reader: Reader, module: Module, lesson: Lesson) -> LessonPage:
     way = on_the_way(module)
-    place = way.index(document)
-    return DocumentPage(
+    place = way.index(lesson)
+    return LessonPage(
         module=module_link(module),
-        slug=document.slug,
-        kind=document.kind,
-        label=document.label,
-        title=document.title,
-        summary=document.summary,
-        duration=duration(document.minutes),
-        objectives=document.objectives,
-        html=Markup(document.html),
-        contents=contents(document),
-        exercises=tuple(_rows(reader, exercises_after(module, document)).values()),
-        terms=_terms(module, document),
+        slug=lesson.slug,
+        kind=lesson.kind.name,
+        label=lesson.label,
+        title=lesson.title,
+        summary=lesson.summary,
+        duration=duration(lesson.minutes),
+        objectives=lesson.objectives,
+        html=Markup(lesson.html),
+        contents=contents(lesson),
+        exercises=tuple(_rows(reader, exercises_after(module, lesson)).values()),
+        terms=_terms(module, lesson),
         previous=_link(way[place - 1]) if place else None,
         following=_link(way[place + 1]) if place + 1 < len(way) else None,
     )
 
 
 @lru_cache(maxsize=512)
-def contents(document: Document) -> tuple[Entry, ...]:
+def contents(lesson: Lesson) -> tuple[Entry, ...]:
     """The page's headings as a tree of two levels."""
-    shown = [heading for heading in document.headings if heading.level <= DEEPEST]
+    shown = [heading for heading in lesson.headings if heading.level <= DEEPEST]
     top = min((heading.level for heading in shown), default=0)
     tree: list[tuple[Heading, list[Heading]]] = []
     for heading in shown:
@@ -198,15 +191,15 @@ def _entry(heading: Heading, below: tuple[Entry, ...]) -> Entry:
 
 
 @lru_cache(maxsize=512)
-def _terms(module: Module, document: Document) -> tuple[TermView, ...]:
+def _terms(module: Module, lesson: Lesson) -> tuple[TermView, ...]:
     """The words that the page links to the glossary, each once."""
-    names = dict.fromkeys(TERM_LINK.findall(document.html))
+    names = dict.fromkeys(TERM_LINK.findall(lesson.html))
     return tuple(_term(module, module.glossary[name]) for name in names)
 
 
 def _term(module: Module, term: Term) -> TermView:
-    page = next((one for one in module.documents if one.slug == term.page), None)
-    href, where = (document_href(page), page.title) if page else ("", "")
+    page = next((one for one in module.lessons if one.slug == term.page), None)
+    href, where = (lesson_href(page), page.title) if page else ("", "")
     return TermView(term.id, term.word, Markup(term.html), href, where)
 
 

@@ -1,6 +1,6 @@
-"""Which walls stand on this machine, each learnt by a real attempt in a real child.
+"""Which walls stand on this machine, each learnt by a real assault in a real child.
 
-Where several walls stop the same thing, the others are left down for the attempt, so that the answer is about one wall.
+Where several walls stop the same thing, the others are left down for the assault, so that the answer is about one wall.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from server.sandbox import messages
-from server.sandbox.attempts import ATTEMPTS, Attempt
+from server.sandbox.assaults import ASSAULTS, Assault
 from server.sandbox.cgroups import Seats, hierarchies
 from server.sandbox.faults import ProgramFault, TemplateFault
 from server.sandbox.launch import Setting
@@ -29,7 +29,7 @@ class WallStatus(StrEnum):
 
 @dataclass(frozen=True)
 class WallReport:
-    """One attempt on one wall: `detail` and `mend` are French; without a `required` wall, serving is not safe."""
+    """One assault on one wall: `detail` and `mend` are French; without a `required` wall, serving is not safe."""
 
     name: str
     status: WallStatus
@@ -39,18 +39,18 @@ class WallReport:
 
 
 def probe(*, slow: bool = True, imports: str = "numpy") -> list[WallReport]:
-    """Tries every wall, in a second or two; without `slow`, leaves out the attempts that must wait for a limit.
+    """Tries every wall, in a second or two; without `slow`, leaves out the assaults that must wait for a limit.
 
     The walls do not depend on the import set; tests try them with each.
     """
-    attempts = [attempt for attempt in ATTEMPTS if slow or not attempt.slow]
+    assaults = [assault for assault in ASSAULTS if slow or not assault.slow]
     with ThreadPoolExecutor(1) as spawner:
         templates = _Templates(spawner, imports)
         try:
-            for lifted in {attempt.hiders for attempt in attempts}:
+            for lifted in {assault.hiders for assault in assaults}:
                 templates.get(lifted, namespaces=False)
             with ThreadPoolExecutor(4) as pool:
-                return list(pool.map(lambda attempt: _report(attempt, templates), attempts))
+                return list(pool.map(lambda assault: _report(assault, templates), assaults))
         finally:
             templates.close()
 
@@ -108,30 +108,30 @@ def _session(template: TemplateProcess, source: str, policy: Policy) -> Iterator
         session.close()
 
 
-def _report(attempt: Attempt, templates: _Templates) -> WallReport:
-    if attempt.controller and attempt.controller not in templates.controllers:
-        return _told(attempt, WallStatus.UNAVAILABLE, templates.why_no_seat)
-    template = templates.get(attempt.hiders, namespaces=attempt.namespaces)
+def _report(assault: Assault, templates: _Templates) -> WallReport:
+    if assault.controller and assault.controller not in templates.controllers:
+        return _told(assault, WallStatus.UNAVAILABLE, templates.why_no_seat)
+    template = templates.get(assault.hiders, namespaces=assault.namespaces)
     if isinstance(template, str):
-        return _told(attempt, WallStatus.UNAVAILABLE, template)
+        return _told(assault, WallStatus.UNAVAILABLE, template)
     try:
-        crossed = crossing(attempt, template)
+        crossed = crossing(assault, template)
     except TemplateFault as error:
-        return _told(attempt, WallStatus.UNAVAILABLE, _last_line(error))
+        return _told(assault, WallStatus.UNAVAILABLE, _last_line(error))
     except ProgramFault as fault:
-        return _told(attempt, WallStatus.UNAVAILABLE, fault.message)
-    if crossed and attempt.namespaces and (refusal := template.hello["refusal"]):
+        return _told(assault, WallStatus.UNAVAILABLE, fault.message)
+    if crossed and assault.namespaces and (refusal := template.hello["refusal"]):
         crossed = f"{crossed} ({refusal})"
-    return _told(attempt, WallStatus.MISSING if crossed else WallStatus.STANDING, crossed)
+    return _told(assault, WallStatus.MISSING if crossed else WallStatus.STANDING, crossed)
 
 
-def crossing(attempt: Attempt, template: TemplateProcess) -> str:
-    """What the attempt managed to do; "" when the wall held, be it by ending the program."""
+def crossing(assault: Assault, template: TemplateProcess) -> str:
+    """What the assault managed to do; "" when the wall held, be it by ending the program."""
     with ExitStack() as stack:
-        argument = attempt.argument(stack)
-        if attempt.accomplice:
-            stack.enter_context(_session(template, attempt.accomplice, attempt.policy)).call("prepare", argument)
-        session = stack.enter_context(_session(template, attempt.source, attempt.policy))
+        argument = assault.argument(stack)
+        if assault.accomplice:
+            stack.enter_context(_session(template, assault.accomplice, assault.policy)).call("prepare", argument)
+        session = stack.enter_context(_session(template, assault.source, assault.policy))
         try:
             return str(session.call("essai", argument).value)
         except ProgramFault as fault:
@@ -140,7 +140,7 @@ def crossing(attempt: Attempt, template: TemplateProcess) -> str:
             raise
 
 
-def _told(attempt: Attempt, status: WallStatus, why: str) -> WallReport:
-    detail = f"{attempt.detail} : {why}" if why else attempt.detail
-    mend = "" if status == WallStatus.STANDING else messages.typeset(attempt.mend)
-    return WallReport(attempt.name, status, messages.typeset(detail), attempt.required, mend)
+def _told(assault: Assault, status: WallStatus, why: str) -> WallReport:
+    detail = f"{assault.detail} : {why}" if why else assault.detail
+    mend = "" if status == WallStatus.STANDING else messages.typeset(assault.mend)
+    return WallReport(assault.name, status, messages.typeset(detail), assault.required, mend)

@@ -67,7 +67,7 @@ def account_view(account: Account | None) -> AccountView:
 def _here(request: Request, modules: Mapping[str, Module]) -> HereView | None:
     """The module that the address is in, when there is something to search there."""
     found = modules.get(request.path_params.get("module", ""))
-    if found is None or not found.documents:
+    if found is None or not found.lessons:
         return None
     return HereView(found.slug, found.number, request.url.path == f"/{found.slug}/recherche")
 

@@ -72,7 +72,7 @@ class CounterexampleView:
     inputs: tuple[tuple[str, ValueView], ...]
     expected: ValueView | None
     got: ValueView | None
-    replay: str
+    code: str
 
 
 @dataclass(frozen=True)

@@ -128,7 +128,7 @@ def _list(value: list[Any], expected: Any) -> ValueView:
     return ValueView("list", items=shown, note=f"et {left} autres" if left > 0 else "")
 
 
-def replay(inputs: Mapping[str, Any]) -> str:
+def as_code(inputs: Mapping[str, Any]) -> str:
     """Python lines that give the same inputs again, to try at home; empty when a value has been cut short."""
     lines = [f"{name} = {_literal(value)}" for name, value in inputs.items() if name.isidentifier()]
     if len(lines) != len(inputs) or any(_is_cut(value) for value in inputs.values()):

@@ -81,7 +81,7 @@ def _counterexample(found: Counterexample, *, shows_inputs: bool) -> Counterexam
         inputs=tuple((name, values.view(value)) for name, value in given.items()),
         expected=values.view(found.expected) if judged else None,
         got=values.view(found.got, expected=found.expected) if judged else None,
-        replay=values.replay(given),
+        code=values.as_code(given),
     )
 
 

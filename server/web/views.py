@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 
 from server.base.errors import NotFound
 from server.course import Course, Exercise, Module
-from server.course.models import Document
+from server.course.models import Lesson
 from server.gradebook.schemas import NOTHING_YET, Progress
 from server.identity.models import Account
 from server.submissions.service import Submissions
@@ -45,8 +45,8 @@ def exercise_href(exercise: Exercise) -> str:
     return f"/{exercise.module}/exercices/{exercise.slug}"
 
 
-def document_href(document: Document) -> str:
-    return f"/{document.module}/lire/{document.slug}"
+def lesson_href(lesson: Lesson) -> str:
+    return f"/{lesson.module}/lire/{lesson.slug}"
 
 
 def module_link(module: Module, progress: dict[str, Progress] | None = None) -> ModuleLink:
@@ -66,5 +66,5 @@ def own_state(progress: Progress) -> OwnState:
 
 def in_order(module: Module) -> list[Exercise]:
     """The exercises in the order in which one meets them: those of each page, then those that follow none."""
-    places = {one.slug: place for place, one in enumerate(module.documents)}
+    places = {one.slug: place for place, one in enumerate(module.lessons)}
     return sorted(module.exercises, key=lambda one: places.get(one.seance, len(places)))

@@ -13,7 +13,7 @@ import pytest
 
 from graders.core.answers import MalformedSheetError, Quantity, numeric
 from graders.core.answers.interval import around
-from graders.core.answers.numeric import DRAWS, NumericGrader, NumericSheet
+from graders.core.answers.numeric import DEALS, NumericGrader, NumericSheet
 from graders.core.answers.wording import Datum, NumericWording
 from graders.core.contract.findings import Judgement
 from graders.core.contract.malformed import MalformedExerciseError
@@ -109,14 +109,14 @@ def test_draws_keep_slips_apart_and_are_rarely_refused() -> None:
         assert all(round(value, one.digits) == value for one in grader.sheet.data for value in [data[one.name]])
 
 
-def made_up(draw: Any, *quantities: Quantity, text: str = "Combien ?", folder: Path) -> Any:
+def made_up(deal: Any, *quantities: Quantity, text: str = "Combien ?", folder: Path) -> Any:
     slips = "".join(
         f'[[misconception]]\nid = "{name}"\ntitle = "T"\nexplanation = "E"\nquestion = "Q"\n'
         for name in sorted({name for one in quantities for name in one.slips})
     )
     if slips:
         (folder / "misconceptions.toml").write_text(slips, encoding="utf-8")
-    definition = numeric(str(folder / "grader.py"), draw=draw, quantities=quantities)
+    definition = numeric(str(folder / "grader.py"), deal=deal, quantities=quantities)
     wordings = tuple(NumericWording(one.id, "T", text, "m", "") for one in quantities)
     return definition.bind(NumericSheet((Datum("a", "a", "m", 1, "un nombre"),), wordings))
 
@@ -127,21 +127,21 @@ def test_a_draw_on_which_a_slip_is_right_is_drawn_again(tmp_path: Path) -> None:
     assert Counter(grader.data(seed)["a"] for seed in range(60)).keys() == {1.0, 3.0}
 
 
-def test_a_draw_that_is_never_right_is_our_own_fault(tmp_path: Path) -> None:
+def test_a_deal_that_is_never_right_is_our_own_fault(tmp_path: Path) -> None:
     asked = Quantity("q", 20, lambda d, _: d["a"], slips={"meme": lambda d, _: d["a"]})
-    with pytest.raises(MalformedExerciseError, match="no draw"):
+    with pytest.raises(MalformedExerciseError, match="no deal"):
         made_up(lambda _: {"a": 1.0}, asked, folder=tmp_path)
-    assert DRAWS > 50
+    assert DEALS > 50
 
 
 def test_definitions_that_do_not_hold_together_are_refused(tmp_path: Path) -> None:
-    def draw(_: Any) -> dict[str, float]:
+    def deal(_: Any) -> dict[str, float]:
         return {"a": 1.0}
 
     with pytest.raises(MalformedExerciseError, match="not 20"):
-        made_up(draw, Quantity("q", 3, lambda d, _: d["a"]), folder=tmp_path)
+        made_up(deal, Quantity("q", 3, lambda d, _: d["a"]), folder=tmp_path)
     with pytest.raises(MalformedSheetError, match="unknown data"):
-        made_up(draw, Quantity("q", 20, lambda d, _: d["a"]), text="Et {{b}} ?", folder=tmp_path)
+        made_up(deal, Quantity("q", 20, lambda d, _: d["a"]), text="Et {{b}} ?", folder=tmp_path)
     with pytest.raises(MalformedExerciseError, match="differ"):
         made_up(lambda _: {"a": 1.0, "b": 2.0}, Quantity("q", 20, lambda d, _: d["a"]), folder=tmp_path)
 

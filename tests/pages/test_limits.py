@@ -9,9 +9,8 @@ from dataclasses import fields
 import pytest
 
 from server.base.sizes import size
-from server.course.schemas import Limits
-from server.grading.joint import policy_of
-from server.pages.policy import LINES, limits_of
+from server.course.schemas import PolicyEntry
+from server.pages.policy import LINES, policy_lines
 from server.sandbox import Policy
 from tests.pages.conftest import EXERCISE, CourseFolder
 from tests.pages.site import PAGE, Site
@@ -42,7 +41,7 @@ def shown(page: str) -> list[tuple[str, str]]:
 
 def test_no_limit_is_kept_from_students_nor_from_authors() -> None:
     assert sorted(LINES) == sorted(POLICY)
-    assert sorted(Limits.model_fields) == sorted(POLICY)
+    assert sorted(PolicyEntry.model_fields) == sorted(POLICY)
 
 
 def test_the_page_shows_every_limit(site: Site) -> None:
@@ -61,8 +60,8 @@ def test_an_exercises_own_limit_binds_and_shows(course_folder: CourseFolder, fie
     course = course_folder.load()
     assert not course.problems
     own, usual = (course.exercises[f"m9/{slug}"] for slug in ("a", "b"))
-    assert getattr(policy_of(own), field) == value
-    changed = set(limits_of(own)) - set(limits_of(usual))
+    assert getattr(own.policy, field) == value
+    changed = set(policy_lines(own)) - set(policy_lines(usual))
     assert changed == {(LINES[field][0], told)}
 
 

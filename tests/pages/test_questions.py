@@ -92,7 +92,7 @@ def loaded(
     if graded if graded is not None else 'form = "numeric"' in (questions or ""):
         asked = Quantity("q", 20, lambda data, _: 2 * data["a"])
         file = str(course_folder.root / "graders/m9/c/grader.py")
-        found.definitions["m9/c"] = numeric(file, draw=lambda rng: {"a": float(rng.integers(1, 9))}, quantities=[asked])
+        found.definitions["m9/c"] = numeric(file, deal=lambda rng: {"a": float(rng.integers(1, 9))}, quantities=[asked])
     return course_folder.load(found)
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from server.text.plain import visible
 from server.web.rendering import environment, ticks
-from server.web.values import MAX_ROWS, ValueView, replay, view
+from server.web.values import MAX_ROWS, ValueView, as_code, view
 from server.web.words import plural, points
 
 SHOW = '{% from "values.html" import show %}{{ show(value) }}'
@@ -75,14 +75,14 @@ def test_replayed_lines_give_the_same_inputs(inputs: dict[str, Any]) -> None:
     import numpy as np
 
     names: dict[str, Any] = {"np": np}
-    exec(replay(inputs), names)
+    exec(as_code(inputs), names)
     for name, value in inputs.items():
         wanted = np.array(value, dtype=float) if value not in ("nan", "inf", "-inf") else float(value)
         np.testing.assert_array_equal(np.asarray(names[name], dtype=float), wanted)
 
 
 def test_an_edge_of_a_graph_is_replayed_with_its_arrays() -> None:
-    lines = replay({"aretes": [[0, 1, [1.0, "nan"], [[1, 0], [0, 2]]], [1, 2, [3], [[1, 0]]]]})
+    lines = as_code({"aretes": [[0, 1, [1.0, "nan"], [[1, 0], [0, 2]]], [1, 2, [3], [[1, 0]]]]})
     assert lines == (
         "aretes = [[0, 1, np.array([1.0, np.nan]), np.array([[1, 0], [0, 2]])], "
         "[1, 2, np.array([3]), np.array([[1, 0]])]]"
@@ -90,8 +90,8 @@ def test_an_edge_of_a_graph_is_replayed_with_its_arrays() -> None:
 
 
 def test_a_value_cut_short_cannot_be_replayed() -> None:
-    assert replay({"a": 1, "b": [{"forme": [900], "premiers": [1]}]}) == ""
-    assert replay({"argument 1": 3}) == ""
+    assert as_code({"a": 1, "b": [{"forme": [900], "premiers": [1]}]}) == ""
+    assert as_code({"argument 1": 3}) == ""
 
 
 @pytest.mark.parametrize("strange", ["\x1b[31m", "\u202e", "\u2066", "\u200b", "\ufeff", "\x00", "\x7f", "\U000e0041"])

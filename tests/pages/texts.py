@@ -8,7 +8,8 @@ from types import MappingProxyType
 from typing import Any
 
 from server.course import Course
-from server.course.models import Cell, Document, Drawing, Heading, Kind, Section, Term
+from server.course.kinds import KINDS
+from server.course.models import Cell, Drawing, Heading, Lesson, Section, Term
 
 BODY = """
 <h2 id="s-un">Un <em>début</em></h2>
@@ -45,13 +46,13 @@ class Made:
     cells: tuple[Cell, ...] = ()
 
 
-def document(slug: str, kind: Kind = "seance", **changes: Any) -> Document:
+def lesson(slug: str, kind: str = "seance", **changes: Any) -> Lesson:
     made = Made(BODY, HEADINGS, SECTIONS, figures=changes.pop("figures", ()))
-    return Document(
+    return Lesson(
         **{
             "module": "m9",
             "slug": slug,
-            "kind": kind,
+            "kind": next(each for each in KINDS if each.name == kind),
             "title": f"Titre de {slug}",
             "label": "Séance 1" if kind == "seance" else "Fiche",
             "order": 10,
@@ -71,17 +72,17 @@ def term(name: str, word: str, page: str = "depart") -> Term:
 def with_texts(course: Course) -> Course:
     """The same course with a séance, a fiche before it, an annex after it, and a glossary of three words."""
     module = course.modules["m9"]
-    documents = (
-        document("memoire", "fiche", minutes=0, objectives=()),
-        document("depart", figures=("dessin",)),
-        document("arrivee", label="Séance 2", minutes=120),
-        document("recherche", "annexe", label="Annexe", minutes=0, objectives=()),
+    lessons = (
+        lesson("memoire", "fiche", minutes=0, objectives=()),
+        lesson("depart", figures=("dessin",)),
+        lesson("arrivee", label="Séance 2", minutes=120),
+        lesson("recherche", "annexe", label="Annexe", minutes=0, objectives=()),
     )
     words = (term("pose", "pose"), term("etat", "état"), term("amer", "amer", "nulle-part"))
     exercises = tuple(replace(one, seance="depart" if one.slug == "a" else "") for one in module.exercises)
     changed = replace(
         module,
-        documents=documents,
+        lessons=lessons,
         glossary=MappingProxyType({one.id: one for one in words}),
         exercises=exercises,
         drawings={"dessin": Drawing("dessin", "Un dessin.", (6.4, 4.0), Path("dessin.py"), 1, "draw")},

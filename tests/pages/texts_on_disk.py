@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from server.course.models import Document, Problem
+from server.course.models import Lesson, Problem
 from tests.pages.conftest import CourseFolder
 
 FRONT = """+++
@@ -36,15 +36,15 @@ def write_page(course_folder: CourseFolder, slug: str, body: str, folder: str = 
     course_folder.write(f"curriculum/m9/{folder}/{slug}.md", FRONT.format(slug=slug, order=order) + body)
 
 
-def read_page(course_folder: CourseFolder, body: str) -> Document:
+def read_page(course_folder: CourseFolder, body: str) -> Lesson:
     """The page `une` with this body, which has no fault."""
     write_page(course_folder, "une", body)
     assert problems(course_folder) == []
     return page(course_folder, "une")
 
 
-def page(course_folder: CourseFolder, slug: str) -> Document:
-    (found,) = (one for one in course_folder.load(render=False).modules["m9"].documents if one.slug == slug)
+def page(course_folder: CourseFolder, slug: str) -> Lesson:
+    (found,) = (one for one in course_folder.load(render=False).modules["m9"].lessons if one.slug == slug)
     return found
 
 

@@ -1,4 +1,4 @@
-"""The walls are probed by real attempts, and each attempt succeeds when its wall is left down: the probe can fail."""
+"""The walls are probed by real assaults, and each assault succeeds when its wall is left down: the probe can fail."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from server.sandbox import Sandbox, WallReport, WallStatus, probe, safe_to_serve
-from server.sandbox.attempts import ATTEMPTS, Attempt
+from server.sandbox.assaults import ASSAULTS, Assault
 from server.sandbox.cgroups import Seats
 from server.sandbox.child import landlock, libc, seccomp, syscalls
 from server.sandbox.child.walls import WALLS
@@ -25,13 +25,13 @@ from .family import probed
 
 
 def test_every_wall_that_must_stand_stands_here(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The attempts that must wait for a limit are made here, and the others once for all the tests."""
-    at_once, slow = probed(), tuple(attempt for attempt in ATTEMPTS if attempt.slow)
-    monkeypatch.setattr(import_module("server.sandbox.probe"), "ATTEMPTS", slow)
+    """The assaults that must wait for a limit are made here, and the others once for all the tests."""
+    at_once, slow = probed(), tuple(assault for assault in ASSAULTS if assault.slow)
+    monkeypatch.setattr(import_module("server.sandbox.probe"), "ASSAULTS", slow)
     waited = probe()
-    assert [report.name for report in waited] == [attempt.name for attempt in slow] == ["limite-temps"]
+    assert [report.name for report in waited] == [assault.name for assault in slow] == ["limite-temps"]
     reports = [*at_once.values(), *waited]
-    assert {report.name for report in reports} == {attempt.name for attempt in ATTEMPTS}
+    assert {report.name for report in reports} == {assault.name for assault in ASSAULTS}
     assert [report for report in reports if report.required and report.status != WallStatus.STANDING] == []
     assert safe_to_serve(reports)
 
@@ -45,7 +45,7 @@ def test_it_is_unsafe_to_serve_without_a_required_wall(status: WallStatus) -> No
 
 
 class Templates:
-    """One for each set of lifted walls, while it lives: an attempt that crosses a wall may have ended it."""
+    """One for each set of lifted walls, while it lives: an assault that crosses a wall may have ended it."""
 
     def __init__(self, spawner: ThreadPoolExecutor) -> None:
         self._spawner = spawner
@@ -71,23 +71,23 @@ def open_templates() -> Iterator[Templates]:
         made.close()
 
 
-def unavailable(attempt: Attempt) -> str:
+def unavailable(assault: Assault) -> str:
     """Why this machine cannot show what the wall stops; "" when it can."""
-    if attempt.wall == "identity" and os.geteuid() != 0:
+    if assault.wall == "identity" and os.geteuid() != 0:
         return "only root has an identity to drop"
-    report = probed().get(attempt.name)
+    report = probed().get(assault.name)
     return report.detail if report and report.status == WallStatus.UNAVAILABLE else ""
 
 
-@pytest.mark.parametrize("attempt", ATTEMPTS, ids=lambda attempt: str(attempt.name))
-def test_an_attempt_succeeds_when_its_wall_is_lifted(attempt: Attempt, open_templates: Templates) -> None:
+@pytest.mark.parametrize("assault", ASSAULTS, ids=lambda assault: str(assault.name))
+def test_an_attempt_succeeds_when_its_wall_is_lifted(assault: Assault, open_templates: Templates) -> None:
     """So what stops it with the wall up is that wall, and nothing else."""
-    assert attempt.wall not in attempt.hiders
-    if reason := unavailable(attempt):
+    assert assault.wall not in assault.hiders
+    if reason := unavailable(assault):
         pytest.skip(reason)
-    lifted = attempt.hiders | {attempt.wall}
+    lifted = assault.hiders | {assault.wall}
     try:
-        assert crossing(attempt, open_templates.get(lifted))
+        assert crossing(assault, open_templates.get(lifted))
     finally:
         remove_traces()
 
@@ -99,7 +99,7 @@ def remove_traces() -> None:
 
 
 def test_every_wall_is_attempted() -> None:
-    assert {attempt.wall for attempt in ATTEMPTS} == WALLS
+    assert {assault.wall for assault in ASSAULTS} == WALLS
 
 
 def test_a_wall_that_does_not_exist_cannot_be_lifted() -> None:

@@ -47,7 +47,7 @@ class ChoiceQuestion:
         return [one.id for one in self.options if one.right]
 
     def letters(self, seed: int) -> Letters:
-        return Letters.drawn([one.id for one in self.options], seed, self.id)
+        return Letters.dealt([one.id for one in self.options], seed, self.id)
 
     def option(self, name: str) -> Option:
         return next(one for one in self.options if one.id == name)

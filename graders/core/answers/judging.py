@@ -64,7 +64,7 @@ class Check:
 
 @dataclass(frozen=True, eq=False)
 class AnswersGrader(ABC):
-    """Grades the answers to one exercise; the same for the same seed, which also draws what the student is given.
+    """Grades the answers to one exercise; the same for the same seed, which also deals what the student is given.
 
     `folder` holds its `misconceptions.toml` and its specimens.
     """
@@ -99,7 +99,7 @@ class AnswersGrader(ABC):
 
     @abstractmethod
     def correction(self, seed: int) -> str:
-        """The full correction of this draw, in Markdown."""
+        """The full correction of this deal, in Markdown."""
 
     def grade(self, source: bytes, programs: Programs | None = None, *, seed: int, version: str) -> Judgement:
         """The verdict of a file of answers. Nothing runs: `programs` is what exercises of code need."""
@@ -159,15 +159,15 @@ class AnswersGrader(ABC):
         return write
 
     def lettered(self, answers: Answers, seed: int) -> Answers | None:
-        """Answers given with the course's names, under the letters of a draw; None where nothing has a letter."""
+        """Answers given with the course's names, under the letters of a deal; None where nothing has a letter."""
         return None
 
     def sample(self, wording: str) -> str:
-        """A text of the sheet as a student may read it: with the numbers of some draw in it."""
+        """A text of the sheet as a student may read it: with the numbers of some deal in it."""
         return wording
 
     def moved(self, answers: Answers, old: int, new: int) -> Answers:
-        """Answers to one draw as answers to another, where the letters differ."""
+        """Answers to one deal as answers to another, where the letters differ."""
         return answers
 
 

@@ -1,4 +1,4 @@
-"""Options and steps leave the server under letters drawn with the seed: neither name nor order tells anything.
+"""Options and steps leave the server under letters dealt with the seed: neither name nor order tells anything.
 
 Verdicts tell the seed: who knows it must not find the places in the course's file again, where right ones come first.
 """
@@ -23,7 +23,7 @@ class Letters:
     names: tuple[str, ...]
 
     @classmethod
-    def drawn(cls, names: Sequence[str], seed: int, key: str) -> Letters:
+    def dealt(cls, names: Sequence[str], seed: int, key: str) -> Letters:
         """The letters that `seed` gives to `names`, which are at most 26; `key` separates one question from another."""
         shuffled = stream(seed, f"letters {key}").permutation(len(names))
         placeless = sorted(names, key=lambda name: sha256(name.encode()).digest())

@@ -1,4 +1,4 @@
-"""Questions answered by a number, on data drawn afresh for each student."""
+"""Questions answered by a number, on data dealt afresh for each student."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Values = Mapping[str, float]
 #: From the data and the answers to earlier questions to a value.
 Formula = Callable[[Data, Values], float]
 
-DRAWS = 1000  # one draw in thirteen is kept in some exercises: an unlucky seed would stay so for ever
+DEALS = 1000  # one deal in thirteen is kept in some exercises: an unlucky seed would stay so for ever
 APART = 10  # tolerances between a slip and the right value, and between two slips
 FOLLOW_THROUGH = 0.5
 
@@ -66,20 +66,20 @@ class NumericDefinition(Definition):
     """See `numeric`."""
 
     catalogue: Mapping[str, Mistake]
-    drawing: Callable[[np.random.Generator], Data]
+    dealing: Callable[[np.random.Generator], Data]
     quantities: tuple[Quantity, ...]
 
     def bind(self, sheet: NumericSheet) -> NumericGrader:
         """The grader. Raises MalformedExerciseError where definition and sheet do not go together."""
-        grader = NumericGrader(self.exercise, self.folder, self.catalogue, self.drawing, self.quantities, sheet)
+        grader = NumericGrader(self.exercise, self.folder, self.catalogue, self.dealing, self.quantities, sheet)
         asked, judged = [one.id for one in sheet.questions], [one.id for one in self.quantities]
         if asked != judged:
             raise MalformedExerciseError(self.file, f"judges {judged}, but the sheet asks {asked}")
         shown_data = {one.name for one in sheet.data}
-        drawn = grader.data(0)
-        if shown_data != drawn.keys():
-            odd = sorted(shown_data ^ drawn.keys())
-            raise MalformedExerciseError(self.file, f"drawn and shown data differ: {odd}")
+        dealt = grader.data(0)
+        if shown_data != dealt.keys():
+            odd = sorted(shown_data ^ dealt.keys())
+            raise MalformedExerciseError(self.file, f"dealt and shown data differ: {odd}")
         for place, unknown in enumerate(sheet.unknown()):
             if unknown:
                 raise MalformedSheetError(f"the sheet speaks of unknown data: {unknown}", ("question", place))
@@ -87,11 +87,11 @@ class NumericDefinition(Definition):
 
 
 def numeric(
-    file: str, *, draw: Callable[[np.random.Generator], Data], quantities: Sequence[Quantity]
+    file: str, *, deal: Callable[[np.random.Generator], Data], quantities: Sequence[Quantity]
 ) -> NumericDefinition:
-    """Describe an exercise from its grader's module: `numeric(__file__, draw=…, quantities=…)`.
+    """Describe an exercise from its grader's module: `numeric(__file__, deal=…, quantities=…)`.
 
-    `draw` gives the data, rounded as they are shown. Raises MalformedExerciseError.
+    `deal` gives the data, rounded as they are shown. Raises MalformedExerciseError.
     """
     folder = Path(file).parent
     catalogue = read_mistakes(folder)
@@ -99,12 +99,12 @@ def numeric(
     if abs(total - MAX_POINTS) > 1e-9:
         raise MalformedExerciseError(Path(file), f"the questions sum to {total} points, not {MAX_POINTS}")
     same_mistakes(folder, catalogue, {slip for one in quantities for slip in one.slips})
-    return NumericDefinition(folder, catalogue, draw, tuple(quantities))
+    return NumericDefinition(folder, catalogue, deal, tuple(quantities))
 
 
 @dataclass(frozen=True)
-class Drawn:
-    """One draw: the data, the right values, and what each slip gives in their place."""
+class Dealt:
+    """One deal: the data, the right values, and what each slip gives in their place."""
 
     data: Data
     right: Values
@@ -113,12 +113,12 @@ class Drawn:
 
 @dataclass(frozen=True, eq=False)
 class NumericGrader(AnswersGrader):
-    drawing: Callable[[np.random.Generator], Data]
+    dealing: Callable[[np.random.Generator], Data]
     quantities: tuple[Quantity, ...]
     sheet: NumericSheet
 
     def data(self, seed: int) -> Data:
-        return _drawn(self, seed).data
+        return _dealt(self, seed).data
 
     def paper(self, seed: int) -> Paper:
         data = self.data(seed)
@@ -134,32 +134,32 @@ class NumericGrader(AnswersGrader):
         return [Check(one.id, one.title, quantity.points, one.hint or None) for one, quantity in pairs]
 
     def right(self, seed: int) -> Answers:
-        return {name: float(value) for name, value in _drawn(self, seed).right.items()}
+        return {name: float(value) for name, value in _dealt(self, seed).right.items()}
 
     def judge(self, answers: Answers, seed: int) -> Sequence[Finding]:
-        drawn, findings = _drawn(self, seed), []
-        own = dict(drawn.right)
+        dealt, findings = _dealt(self, seed), []
+        own = dict(dealt.right)
         for check, quantity in zip(self.checks(), self.quantities, strict=True):
             raw = answers.get(quantity.id)
             value = _read(raw)
             if raw is None:
                 findings.append(check.blank())
             elif isinstance(value, float):
-                findings.append(self._judged(check, quantity, value, raw, drawn, own, seed))
+                findings.append(self._judged(check, quantity, value, raw, dealt, own, seed))
                 own[quantity.id] = value
             else:
                 findings.append(check.unreadable(value, raw))
         return findings
 
     def _judged(
-        self, check: Check, quantity: Quantity, value: float, raw: Any, drawn: Drawn, own: Values, seed: int
+        self, check: Check, quantity: Quantity, value: float, raw: Any, dealt: Dealt, own: Values, seed: int
     ) -> Finding:
-        right = drawn.right[quantity.id]
+        right = dealt.right[quantity.id]
         if quantity.same(value, right):
             return check.passed()
-        inputs = {one.name: drawn.data[one.name] for one in self.sheet.data}
+        inputs = {one.name: dealt.data[one.name] for one in self.sheet.data}
         expected = self._expected(quantity.id, right, seed)
-        followed = _computed(quantity.expected, drawn.data, own)
+        followed = _computed(quantity.expected, dealt.data, own)
         worked = value != 0.0  # zeros follow from zeros without any calculation
         if worked and followed is not None and not quantity.same(followed, right) and quantity.same(value, followed):
             message = (
@@ -168,21 +168,21 @@ class NumericGrader(AnswersGrader):
             )
             points = FOLLOW_THROUGH * quantity.points
             return check.failed(message, inputs=inputs, expected=expected, got=shown(raw), points=points)
-        slip = self._slip(quantity, value, drawn, own)
+        slip = self._slip(quantity, value, dealt, own)
         message = self.catalogue[slip].brief if slip else _wrong(value, right)
         return check.failed(message, inputs=inputs, expected=expected, got=shown(raw), slip=slip)
 
-    def _slip(self, quantity: Quantity, value: float, drawn: Drawn, own: Values) -> str | None:
+    def _slip(self, quantity: Quantity, value: float, dealt: Dealt, own: Values) -> str | None:
         """The slip that gives this value, from the right earlier values or from the student's own."""
         for name, formula in quantity.slips.items():
-            followed = _computed(formula, drawn.data, own)
-            wrong = (drawn.slips[quantity.id][name], *(() if followed is None else (followed,)))
+            followed = _computed(formula, dealt.data, own)
+            wrong = (dealt.slips[quantity.id][name], *(() if followed is None else (followed,)))
             if any(quantity.same(value, one) for one in wrong):
                 return name
         return None
 
     def _expected(self, name: str, right: float, seed: int) -> str:
-        """A sign and an interval, drawn once for a draw: trying again tells no more; nor does the seed by itself."""
+        """A sign and an interval, dealt once for a deal: trying again tells no more; nor does the seed by itself."""
         low, high = around(right, stream(seed, f"interval {name} {right:.6g}"))
         unit = next(one.unit for one in self.sheet.questions if one.id == name)
         return f"un nombre entre {number(low)} et {number(high)} {unit}".rstrip()
@@ -195,11 +195,11 @@ class NumericGrader(AnswersGrader):
 
     def mistaken(self, name: str, seed: int, *, follow: bool = True) -> Answers:
         """The answers of someone who makes this mistake wherever it can be made; `follow`: and goes on from there."""
-        drawn = _drawn(self, seed)
+        dealt = _dealt(self, seed)
         own: dict[str, float] = {}
         for one in self.quantities:
             formula = one.slips.get(name, one.expected)
-            own[one.id] = float(formula(drawn.data, own if follow else drawn.right))
+            own[one.id] = float(formula(dealt.data, own if follow else dealt.right))
         return own
 
     def told(self, answers: Answers, seed: int) -> Sequence[Told]:
@@ -210,45 +210,45 @@ class NumericGrader(AnswersGrader):
         ]
 
     def correction(self, seed: int) -> str:
-        drawn = _drawn(self, seed)
+        dealt = _dealt(self, seed)
         parts = []
         for place, (one, quantity) in enumerate(zip(self.sheet.questions, self.quantities, strict=True), 1):
-            value = number(drawn.right[quantity.id], 4)
-            parts.append(f"**{place}. {one.title}.** {self.sheet.filled(one.text, drawn.data)}")
+            value = number(dealt.right[quantity.id], 4)
+            parts.append(f"**{place}. {one.title}.** {self.sheet.filled(one.text, dealt.data)}")
             if one.correction:
-                parts.append(self.sheet.filled(one.correction, {**drawn.data, **drawn.right}))
+                parts.append(self.sheet.filled(one.correction, {**dealt.data, **dealt.right}))
             parts.append(f"Réponse : **{value} {one.unit}**".rstrip("* ") + "**")
         return "\n\n".join(parts)
 
     def sample(self, wording: str) -> str:
-        drawn = _drawn(self, 0)
-        return self.sheet.filled(wording, {**drawn.data, **drawn.right})
+        dealt = _dealt(self, 0)
+        return self.sheet.filled(wording, {**dealt.data, **dealt.right})
 
 
 @lru_cache(maxsize=512)
-def _drawn(grader: NumericGrader, seed: int) -> Drawn:
-    """The draw of a seed: the first for which no slip gives the right value, nor two slips the same, and nothing is 0.
+def _dealt(grader: NumericGrader, seed: int) -> Dealt:
+    """The deal of a seed: the first for which no slip gives the right value, nor two slips the same, and nothing is 0.
 
     No interval on one side of zero holds zero: it would be guessed at once.
     """
-    for attempt in range(DRAWS):
-        drawn = _one_draw(grader, grader.drawing(stream(seed, f"draw {attempt}")))
-        if all(_apart(one, drawn) for one in grader.quantities):
-            return drawn
-    raise MalformedExerciseError(grader.folder / MODULE_FILE, f"no draw of seed {seed} keeps the slips apart")
+    for attempt in range(DEALS):
+        dealt = _one_deal(grader, grader.dealing(stream(seed, f"draw {attempt}")))
+        if all(_apart(one, dealt) for one in grader.quantities):
+            return dealt
+    raise MalformedExerciseError(grader.folder / MODULE_FILE, f"no deal of seed {seed} keeps the slips apart")
 
 
-def _one_draw(grader: NumericGrader, data: Data) -> Drawn:
+def _one_deal(grader: NumericGrader, data: Data) -> Dealt:
     right: dict[str, float] = {}
     slips: dict[str, dict[str, float]] = {}
     for one in grader.quantities:
         slips[one.id] = {name: float(formula(data, right)) for name, formula in one.slips.items()}
         right[one.id] = float(one.expected(data, right))
-    return Drawn(data, right, slips)
+    return Dealt(data, right, slips)
 
 
-def _apart(quantity: Quantity, drawn: Drawn) -> bool:
-    values = [drawn.right[quantity.id], *drawn.slips[quantity.id].values()]
+def _apart(quantity: Quantity, dealt: Dealt) -> bool:
+    values = [dealt.right[quantity.id], *dealt.slips[quantity.id].values()]
     if not all(map(math.isfinite, values)) or quantity.same(values[0], 0.0, APART):
         return False
     pairs = ((one, other) for place, one in enumerate(values) for other in values[:place])

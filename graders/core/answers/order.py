@@ -94,7 +94,7 @@ class OrderGrader(AnswersGrader):
         return (STEPS, BEGINNING, WHOLE)
 
     def letters(self, seed: int) -> Letters:
-        return Letters.drawn([one.id for one in self.sheet.pieces], seed, ORDER)
+        return Letters.dealt([one.id for one in self.sheet.pieces], seed, ORDER)
 
     def paper(self, seed: int) -> Paper:
         question = Question(

@@ -1,4 +1,4 @@
-"""What a student is given: the data of their draw, the questions in Markdown, nothing that tells an answer."""
+"""What a student is given: the data of their deal, the questions in Markdown, nothing that tells an answer."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Form = Literal["number", "one", "several", "order"]
 
 @dataclass(frozen=True)
 class Given:
-    """One datum of the draw. `symbol` is TeX, `text` the number in French, as it is to be used."""
+    """One datum of the deal. `symbol` is TeX, `text` the number in French, as it is to be used."""
 
     symbol: str
     name: str
@@ -20,7 +20,7 @@ class Given:
 
 @dataclass(frozen=True)
 class Piece:
-    """An option, or a step, under the letter that this draw gives it."""
+    """An option, or a step, under the letter that this deal gives it."""
 
     id: str
     text: str
@@ -41,7 +41,7 @@ class Question:
 
 @dataclass(frozen=True)
 class Paper:
-    """The questions of one draw."""
+    """The questions of one deal."""
 
     given: tuple[Given, ...]
     questions: tuple[Question, ...]

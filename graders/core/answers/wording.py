@@ -1,4 +1,4 @@
-"""The wording of questions on drawn numbers, and the numbers put in it as a French reader writes them."""
+"""The wording of questions on dealt numbers, and the numbers put in it as a French reader writes them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ DIGITS = 4  # of a value that is computed
 
 @dataclass(frozen=True)
 class Datum:
-    """How one number of the draw is shown: `digits` after the decimal comma; `symbol` is TeX."""
+    """How one number of the deal is shown: `digits` after the decimal comma; `symbol` is TeX."""
 
     name: str
     symbol: str

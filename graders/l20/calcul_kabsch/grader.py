@@ -17,7 +17,7 @@ NAMES = [f"{cloud}{k}{axis}" for k in (1, 2, 3) for cloud in "pq" for axis in "x
 LEAST_AREA = 0.5
 
 
-def draw(rng: np.random.Generator) -> Data:
+def deal(rng: np.random.Generator) -> Data:
     """A triangle on a grid of half metres, turned by an angle whose cosine and sine are tenths: all is exact."""
     p = _triangle(rng)
     c, s = ROTATIONS[int(rng.integers(len(ROTATIONS)))]
@@ -132,4 +132,4 @@ QUANTITIES = (
     _along("ty", 1),
 )
 
-DEFINITION = numeric(__file__, draw=draw, quantities=QUANTITIES)
+DEFINITION = numeric(__file__, deal=deal, quantities=QUANTITIES)

@@ -10,7 +10,7 @@ from graders.core.answers.numeric import Data, Quantity, Values, numeric
 from reference.occupancy import log_odds, probability
 
 
-def draw(rng: np.random.Generator) -> Data:
+def deal(rng: np.random.Generator) -> Data:
     """A prior that is not one half, so that forgetting it shows, and a sensor whose two cases are not opposite."""
     return {
         "p0": int(rng.integers(20, 46)) / 100,
@@ -103,4 +103,4 @@ QUANTITIES = (
     Quantity("retours", 2, misses, rel=0.0, abs=WHOLE, slips={"arrondi_en_dessous": lambda d, f: misses(d, f) - 1}),
 )
 
-DEFINITION = numeric(__file__, draw=draw, quantities=QUANTITIES)
+DEFINITION = numeric(__file__, deal=deal, quantities=QUANTITIES)

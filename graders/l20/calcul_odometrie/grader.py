@@ -12,7 +12,7 @@ from reference.odometry import DifferentialDrive, LateralDrift
 MILLI = 1e-3
 
 
-def draw(rng: np.random.Generator) -> Data:
+def deal(rng: np.random.Generator) -> Data:
     """A robot that turns by a visible angle, and a start that is not along an axis."""
     return {
         "L": int(rng.integers(20, 46)) / 100,
@@ -136,4 +136,4 @@ QUANTITIES = (
     ),
 )
 
-DEFINITION = numeric(__file__, draw=draw, quantities=QUANTITIES)
+DEFINITION = numeric(__file__, deal=deal, quantities=QUANTITIES)

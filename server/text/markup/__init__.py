@@ -9,10 +9,20 @@ from threading import RLock
 
 from server.text.markup.outline import Cell, Outline, Section, completed, outline
 from server.text.markup.render import Rendered, render, render_title
-from server.text.markup.text import Fault, Names, PageName, Picture, Source, Target
+from server.text.markup.text import Fault, LessonName, Names, Picture, Source, Target
 
 __all__ = [
-    "Cell", "Fault", "Heading", "Names", "Outline", "PageName", "Picture", "Rendered", "Section", "Source", "Target",
+    "Cell",
+    "Fault",
+    "Heading",
+    "LessonName",
+    "Names",
+    "Outline",
+    "Picture",
+    "Rendered",
+    "Section",
+    "Source",
+    "Target",
     "Text",
 ]  # fmt: skip
 

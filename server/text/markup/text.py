@@ -41,7 +41,7 @@ class Target:
 
 
 @dataclass(frozen=True)
-class PageName:
+class LessonName:
     """A page that can be linked to, and the places in it. `figures` have their numbers."""
 
     title: str
@@ -74,7 +74,7 @@ class Names:
 
     module: str = ""
     labels: Mapping[str, Target] = field(default_factory=dict)
-    pages: Mapping[str, PageName] = field(default_factory=dict)
+    pages: Mapping[str, LessonName] = field(default_factory=dict)
     exercises: Mapping[str, str] = field(default_factory=dict)
     terms: Mapping[str, str] = field(default_factory=dict)
     pictures: Mapping[str, Picture] = field(default_factory=dict)

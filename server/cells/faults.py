@@ -13,9 +13,9 @@ def faults(course: Course) -> Iterator[Problem]:
     """Runs every cell of every page as a reader would; a problem for each one that fails. Slow; raises SandboxFault."""
     with Sandbox(course.kits, POLICY) as sandbox:
         for module in course.modules.values():
-            for document in module.documents:
-                path = document.text.source.path
-                for cell in document.cells:
+            for lesson in module.lessons:
+                path = lesson.text.source.path
+                for cell in lesson.cells:
                     shown = run(sandbox, module.slug, cell.code.encode())
                     if message := _wrong(shown):
                         yield Problem(path, _line(cell, shown), f"cellule « {cell.name} » : {message}")

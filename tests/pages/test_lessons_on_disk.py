@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import get_args
-
 import pytest
 
-from server.course.library import ORDER
-from server.course.models import Kind, Module
+from server.course.kinds import KINDS
+from server.course.models import Module
 from tests.pages.conftest import EXERCISE, CourseFolder
 from tests.pages.texts_on_disk import FIGURES, FRONT, GLOSSARY, page, problems, write_page
 
@@ -32,13 +30,13 @@ def module(course_folder: CourseFolder) -> Module:
 def test_front_matter(course_folder: CourseFolder) -> None:
     course_folder.write("curriculum/m9/seances/localiser.md", FULL)
     assert problems(course_folder) == []
-    document = page(course_folder, "localiser")
-    assert (document.module, document.slug, document.kind) == ("m9", "localiser", "seance")
-    assert (document.title, document.label, document.summary) == ("Localiser : où suis-je ?", "Séance 1", "Une phrase.")
-    assert (document.order, document.minutes) == (10, 120)
-    assert document.objectives == ("Dire où l'on est.", "Le prouver.")
-    assert document.html == "<p>Du texte.</p>\n"
-    assert (document.headings, document.figures, document.replays, document.cells) == ((), (), (), ())
+    lesson = page(course_folder, "localiser")
+    assert (lesson.module, lesson.slug, lesson.kind.name) == ("m9", "localiser", "seance")
+    assert (lesson.title, lesson.label, lesson.summary) == ("Localiser : où suis-je ?", "Séance 1", "Une phrase.")
+    assert (lesson.order, lesson.minutes) == (10, 120)
+    assert lesson.objectives == ("Dire où l'on est.", "Le prouver.")
+    assert lesson.html == "<p>Du texte.</p>\n"
+    assert (lesson.headings, lesson.figures, lesson.replays, lesson.cells) == ((), (), (), ())
 
 
 BAD_FRONT = {
@@ -66,7 +64,7 @@ def test_bad_front_matter_keeps_that_page_out(
         (problem,) = problems(course_folder, render=render)
         assert (problem.path, problem.line) == (path, line)
         assert message in problem.message
-    assert [one.slug for one in module(course_folder).documents] == ["une"]
+    assert [one.slug for one in module(course_folder).lessons] == ["une"]
 
 
 def test_pages_come_in_the_order_of_reading(course_folder: CourseFolder) -> None:
@@ -81,7 +79,7 @@ def test_pages_come_in_the_order_of_reading(course_folder: CourseFolder) -> None
     course_folder.write("curriculum/m9/seances/_brouillon.md", "Pas une page.")
     assert problems(course_folder) == []
     kinds = ("fiche", "seance", "cours", "tp", "defi", "annexe")
-    assert [one.slug for one in module(course_folder).documents] == [f"{kind}-{end}" for kind in kinds for end in "bca"]
+    assert [one.slug for one in module(course_folder).lessons] == [f"{kind}-{end}" for kind in kinds for end in "bca"]
 
 
 def test_numbers_run_over_the_whole_module(course_folder: CourseFolder) -> None:
@@ -190,7 +188,7 @@ def test_nothing_is_read_before_it_is_asked_for(course_folder: CourseFolder, mon
     write_page(course_folder, "une", "A\n")
     course_folder.write("curriculum/m9/glossaire.toml", GLOSSARY)
     monkeypatch.setattr("server.text.markup.parser.markdown", refuse)
-    assert len(module(course_folder).documents) == 1
+    assert len(module(course_folder).lessons) == 1
 
 
 def test_no_formula_is_drawn_when_the_service_starts(
@@ -205,6 +203,6 @@ def test_no_formula_is_drawn_when_the_service_starts(
     assert problems(course_folder, render=False, check=True) == []
 
 
-def test_every_kind_of_page_has_a_folder_and_its_place_in_the_order() -> None:
-    assert set(ORDER) == set(get_args(Kind))
-    assert len(ORDER) == len(set(ORDER))
+def test_every_kind_has_a_name_a_folder_and_a_place_of_its_own() -> None:
+    for column in ("name", "folder", "numbered"):
+        assert len({getattr(kind, column) for kind in KINDS}) == len(KINDS)

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from server.cells import check, run
+from server.cells import run
+from server.cells.faults import faults
 from server.course import load
 from tests.quick import the_course
 
@@ -45,7 +46,7 @@ def _far_limits(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.slow
 @pytest.mark.long
 def test_every_cell_of_the_course_runs() -> None:
-    assert [str(problem) for problem in check.faults(the_course())] == []
+    assert [str(problem) for problem in faults(the_course())] == []
 
 
 def test_a_cell_that_fails_is_told_with_its_place(tmp_path: Path) -> None:
@@ -59,7 +60,7 @@ def test_a_cell_that_fails_is_told_with_its_place(tmp_path: Path) -> None:
         (module / name).parent.mkdir(parents=True, exist_ok=True)
         (module / name).write_text(text, encoding="utf-8")
     course = load(tmp_path, render=False)
-    found = [(problem.path, problem.line, problem.message) for problem in check.faults(course)]
+    found = [(problem.path, problem.line, problem.message) for problem in faults(course)]
     lines = PAGE.splitlines()
     assert [(path, line) for path, line, _ in found] == [
         (module / "seances/page.md", lines.index("1 / 0") + 1),

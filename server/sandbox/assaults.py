@@ -1,4 +1,4 @@
-"""The attempts of the probe: for each wall, at least one program that tries to cross it, and what it is told."""
+"""The assaults of the probe: for each wall, at least one program that tries to cross it, and what it is told."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from server.sandbox.policy import MIB, Policy
 
 
 @dataclass(frozen=True)
-class Attempt:
+class Assault:
     """A program that tries to cross one wall; `hiders` are the other walls that would stop it too, left down meanwhile.
 
     `detail` and `mend` (what to do where the wall is missing) are French. It runs in the namespaces where this machine
@@ -44,7 +44,7 @@ class Attempt:
         return HURRIED if self.slow else POLICY
 
 
-#: Only a slow attempt is about time: another one that ran out of it, on a busy machine, would pass for stopped.
+#: Only a slow assault is about time: another one that ran out of it, on a busy machine, would pass for stopped.
 POLICY = Policy(cpu_seconds=20.0, wall_seconds=60.0, memory_bytes=32 * MIB, folder_bytes=1 * MIB)
 #: The kernel counts whole seconds of the processor, of which two end the program.
 HURRIED = replace(POLICY, cpu_seconds=0.9, wall_seconds=300.0)
@@ -107,45 +107,45 @@ _MEND_CGROUP = "lancez le service par systemd avec Delegate=yes et DelegateSubgr
 _MEND_IDENTITY = "lancez le service en utilisateur ordinaire, ou dans un conteneur qui a plus d'une identité (subuid)"
 _MEND_OURS = "cette protection est posée par Balise elle-même : signalez ce défaut, et ne servez pas"
 
-ATTEMPTS = (
-    Attempt("espace-utilisateurs", "user", "trousseau de clés d'une autre copie", trials.KEYRING, _MEND_NAMESPACES,
+ASSAULTS = (
+    Assault("espace-utilisateurs", "user", "trousseau de clés d'une autre copie", trials.KEYRING, _MEND_NAMESPACES,
             namespaces=True, hiders=_FILTERS, argument=_machine, accomplice=trials.KEYRING),
-    Attempt("espace-processus", "pid", "signal à un autre processus", trials.SIGNAL, _MEND_NAMESPACES,
+    Assault("espace-processus", "pid", "signal à un autre processus", trials.SIGNAL, _MEND_NAMESPACES,
             namespaces=True, hiders=_FILTERS, accomplice=trials.WAIT),
-    Attempt("espace-fichiers-lecture", "view", "lecture d'un fichier de la machine", trials.READ, _MEND_NAMESPACES,
+    Assault("espace-fichiers-lecture", "view", "lecture d'un fichier de la machine", trials.READ, _MEND_NAMESPACES,
             namespaces=True, hiders=_FILTERS, argument=_canary),
-    Attempt("espace-fichiers-écriture", "view", "écriture hors du dossier privé", trials.WRITE, _MEND_NAMESPACES,
+    Assault("espace-fichiers-écriture", "view", "écriture hors du dossier privé", trials.WRITE, _MEND_NAMESPACES,
             namespaces=True, hiders=_FILTERS),
-    Attempt("dossier-privé", "view", "fichier laissé par une autre copie", trials.FIND, _MEND_NAMESPACES,
+    Assault("dossier-privé", "view", "fichier laissé par une autre copie", trials.FIND, _MEND_NAMESPACES,
             namespaces=True, hiders=_FILTERS, accomplice=trials.LEAVE),
-    Attempt("espace-réseau", "network", "connexion à la machine", trials.CONNECT, _MEND_NAMESPACES,
+    Assault("espace-réseau", "network", "connexion à la machine", trials.CONNECT, _MEND_NAMESPACES,
             namespaces=True, hiders=_FILTERS, argument=_listener),
-    Attempt("espace-ipc", "ipc", "file de messages de la machine", trials.QUEUE, _MEND_NAMESPACES,
+    Assault("espace-ipc", "ipc", "file de messages de la machine", trials.QUEUE, _MEND_NAMESPACES,
             namespaces=True, hiders=_FILTERS, argument=_message_queue),
-    Attempt("espace-uts", "uts", "nom de la machine", trials.HOST, _MEND_NAMESPACES, namespaces=True, argument=_host),
-    Attempt("landlock-lecture", "landlock", "lecture hors des dossiers permis", trials.REACH, _MEND_LANDLOCK,
+    Assault("espace-uts", "uts", "nom de la machine", trials.HOST, _MEND_NAMESPACES, namespaces=True, argument=_host),
+    Assault("landlock-lecture", "landlock", "lecture hors des dossiers permis", trials.REACH, _MEND_LANDLOCK,
             required=True, hiders=_ALL_BUT_LANDLOCK, argument=_canary),
-    Attempt("landlock-écriture", "landlock", "création d'un fichier", trials.WRITE, _MEND_LANDLOCK,
+    Assault("landlock-écriture", "landlock", "création d'un fichier", trials.WRITE, _MEND_LANDLOCK,
             required=True, hiders=_ALL_BUT_LANDLOCK),
-    Attempt("seccomp-refus", "seccomp", "appels système refusés (réseau, processus)", trials.SYSTEM_CALLS,
+    Assault("seccomp-refus", "seccomp", "appels système refusés (réseau, processus)", trials.SYSTEM_CALLS,
             _MEND_SECCOMP, required=True),
-    Attempt("seccomp-arrêt", "seccomp", "appels système qui arrêtent le programme (ptrace)", trials.KILLED,
+    Assault("seccomp-arrêt", "seccomp", "appels système qui arrêtent le programme (ptrace)", trials.KILLED,
             _MEND_SECCOMP, required=True),
-    Attempt("limite-mémoire", "rlimits", "allocation au-delà de la limite", trials.MEMORY, _MEND_OURS,
+    Assault("limite-mémoire", "rlimits", "allocation au-delà de la limite", trials.MEMORY, _MEND_OURS,
             required=True, argument=_twice_the_memory),
-    Attempt("limite-temps", "rlimits", "boucle sans fin qui ignore les signaux", trials.TIME, _MEND_OURS,
+    Assault("limite-temps", "rlimits", "boucle sans fin qui ignore les signaux", trials.TIME, _MEND_OURS,
             required=True, argument=_beyond_the_time, slow=True),
-    Attempt("limite-processus", "rlimits", "création d'un processus", trials.FORK, _MEND_IDENTITY,
+    Assault("limite-processus", "rlimits", "création d'un processus", trials.FORK, _MEND_IDENTITY,
             hiders=_ALL_BUT_LANDLOCK),
-    Attempt("cgroup-mémoire", "cgroup", "mémoire occupée au-delà de la limite", trials.RESIDENT, _MEND_CGROUP,
+    Assault("cgroup-mémoire", "cgroup", "mémoire occupée au-delà de la limite", trials.RESIDENT, _MEND_CGROUP,
             hiders=_ALL_BUT_CGROUP, argument=_twice_the_memory, controller="memory"),
-    Attempt("cgroup-processus", "cgroup", "création d'un processus", trials.FORK, _MEND_CGROUP,
+    Assault("cgroup-processus", "cgroup", "création d'un processus", trials.FORK, _MEND_CGROUP,
             hiders=_ALL_BUT_CGROUP, controller="pids"),
-    Attempt("capacités", "capabilities", "droits d'administration", trials.CAPABILITY, _MEND_OURS,
+    Assault("capacités", "capabilities", "droits d'administration", trials.CAPABILITY, _MEND_OURS,
             required=True, hiders=_FILTERS),
-    Attempt("identité", "identity", "retour à root", trials.ROOT, _MEND_IDENTITY, required=True, hiders=_FILTERS),
-    Attempt("inspection", "dumpable", "lecture du processus par un autre", trials.INSPECTION, _MEND_OURS,
+    Assault("identité", "identity", "retour à root", trials.ROOT, _MEND_IDENTITY, required=True, hiders=_FILTERS),
+    Assault("inspection", "dumpable", "lecture du processus par un autre", trials.INSPECTION, _MEND_OURS,
             required=True, hiders=_FILTERS),
-    Attempt("environnement", "environment", "variables de la machine", trials.ENVIRONMENT, _MEND_OURS, required=True),
-    Attempt("descripteurs", "descriptors", "descripteurs hérités", trials.DESCRIPTORS, _MEND_OURS, required=True),
+    Assault("environnement", "environment", "variables de la machine", trials.ENVIRONMENT, _MEND_OURS, required=True),
+    Assault("descripteurs", "descriptors", "descripteurs hérités", trials.DESCRIPTORS, _MEND_OURS, required=True),
 )  # fmt: skip

@@ -1,0 +1,34 @@
+"""The kinds of lessons: one table for their folders, the order in which one reads them, and their shelf.
+
+A new kind is a new row.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class LessonKind:
+    """`folder` holds them, in the module's. `shelf` is their title on the module's page, none where they stand alone.
+
+    `numbered` says whose theorems and formulas are counted first: those of the sheets, which the others refer to.
+    """
+
+    name: str
+    folder: str
+    shelf: str
+    numbered: int
+
+
+#: In the order of reading.
+KINDS = (
+    LessonKind("seance", "seances", "", 2),
+    LessonKind("cours", "cours", "Cours", 3),
+    LessonKind("fiche", "fiches", "Fiches", 1),
+    LessonKind("tp", "tp", "Travaux pratiques", 4),
+    LessonKind("defi", "defis", "Défis", 5),
+    LessonKind("annexe", "annexes", "Annexes", 6),
+)
+BY_FOLDER = {kind.folder: kind for kind in KINDS}
+SEANCE = KINDS[0]
