@@ -133,7 +133,7 @@ def test_anything_out_of_the_ordinary_is_refused(given: bytes) -> None:
 
 def test_a_bomb_takes_no_more_memory_than_its_header_says() -> None:
     packer = zlib.compressobj(9)
-    packed = b"".join(packer.compress(bytes(1 << 20)) for _ in range(300)) + packer.flush()
+    packed = b"".join(packer.compress(bytes(1 << 20)) for _ in range(48)) + packer.flush()
     bomb = SIGNATURE + header(100, 100) + chunk(b"IDAT", packed) + IEND
     tracemalloc.start()
     try:

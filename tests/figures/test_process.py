@@ -108,43 +108,33 @@ def test_one_process_draws_as_it_would_be_drawn_here_whatever_failed_before(fold
     play(scene)
 
 
-def test_what_takes_too_much_of_the_processor_ends_its_process_and_the_next_is_drawn_by_another(folder: Path) -> None:
+def test_what_ends_its_process_fails_alone_and_the_next_is_drawn_by_another(folder: Path) -> None:
+    """Too much of the processor, a hang, a death of its own and one between two drawings."""
+    draws, processes = question(folder, "right"), []
+
+    async def drawn_by_another(helper: Helper) -> None:
+        helper.program = program()
+        assert await helper.ask(draws)
+        assert helper._process is not None
+        processes.append(helper._process.pid)
+        assert len(set(processes)) == len(processes)
+
     async def scene(helper: Helper) -> None:
         with pytest.raises(UnansweredError) as caught:
             await helper.ask(question(folder, "endless"))
         assert isinstance(caught.value.__cause__, ConnectionError), "it ended by itself, long before the patience"
-        helper.program = program()
-        assert await helper.ask(question(folder, "right"))
+        await drawn_by_another(helper)
+        helper.program = program(patience=0.3)
+        await raises(helper, question(folder, "asleep"))
+        await asyncio.to_thread(until, lambda: not alive(processes[-1]), "the one that hung is gone")
+        await drawn_by_another(helper)
+        await raises(helper, question(folder, "fatal"))
+        await drawn_by_another(helper)
+        os.kill(processes[-1], signal.SIGKILL)
+        await asyncio.to_thread(until, lambda: helper._process is not None and helper._process.ended, "it is noticed")
+        await drawn_by_another(helper)
 
     play(scene, program(cpu_seconds=0.5, patience=600.0))
-
-
-def test_a_process_that_hangs_is_killed_and_the_next_is_drawn_by_another(folder: Path) -> None:
-    async def scene(helper: Helper) -> None:
-        await helper.ask(question(folder, "right"))
-        assert helper._process is not None
-        first = helper._process.pid
-        helper.program = program(patience=0.3)
-        with pytest.raises(UnansweredError):
-            await helper.ask(question(folder, "asleep"))
-        await asyncio.to_thread(until, lambda: not alive(first), "the one that hung is gone")
-        helper.program = program()
-        assert await helper.ask(question(folder, "right"))
-
-    play(scene)
-
-
-def test_a_process_that_dies_is_replaced(folder: Path) -> None:
-    async def scene(helper: Helper) -> None:
-        with pytest.raises(UnansweredError):
-            await helper.ask(question(folder, "fatal"))
-        assert await helper.ask(question(folder, "right"))
-        assert helper._process is not None
-        os.kill(helper._process.pid, signal.SIGKILL)
-        await asyncio.to_thread(until, lambda: helper._process is not None and helper._process.ended, "it is noticed")
-        assert await helper.ask(question(folder, "right"))
-
-    play(scene)
 
 
 def test_it_is_given_no_setting_of_the_service(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -46,7 +46,7 @@ def test_resident_memory_is_bounded_even_without_resource_limits() -> None:
         with sandbox.open(HUNGRY) as session:
             assert session.call("f", 20).value == 20
         with pytest.raises(ProgramFault) as caught, sandbox.open(HUNGRY) as session:
-            session.call("f", 400)
+            session.call("f", 160)
         assert caught.value.kind == "memory_limit"
         assert "32 Mio" in caught.value.message
 
@@ -55,13 +55,13 @@ def test_resident_memory_is_bounded_even_without_resource_limits() -> None:
 def test_a_seat_is_used_again_with_the_limits_of_its_new_policy(others: set[Path]) -> None:
     generous = only(memory_bytes=512 << 20)
     with Sandbox({}, POLICY, spares=0, lifted=frozenset({"rlimits"})) as sandbox:
-        for policy, count in ((POLICY, 20), (generous, 400), (POLICY, 20)):
+        for policy, count in ((POLICY, 20), (generous, 160), (POLICY, 20)):
             with sandbox.open(HUNGRY, policy=policy) as session:
                 assert session.call("f", count).value == count
             assert session.usage.max_rss_bytes > count * 1_000_000, "its process has ended"
             assert len(mine() - others) == len(FOUND)
         with pytest.raises(ProgramFault), sandbox.open(HUNGRY) as session:
-            session.call("f", 400)
+            session.call("f", 160)
 
 
 @available
