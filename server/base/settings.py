@@ -73,6 +73,7 @@ class Settings(BaseSettings):
     cell_refill_seconds: Seconds = Field(default=2.0, ge=0, description="then one more after so long")
     cells_at_once: int = Field(default=2, ge=1, le=64, description="cells that run at the same time")
     cells_waiting: int = Field(default=16, ge=0, le=1024, description="cells that wait; more are refused")
+    warm_figures: bool = Field(default=True, description="start what draws figures before somebody looks at one")
     session_days: Count = Field(default=180, description="how long a browser stays logged in")
 
     lease_seconds: Seconds = Field(

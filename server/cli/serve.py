@@ -25,6 +25,7 @@ from server.cli.local import require_safe_sandbox, start_probing
 from server.course import Course, load
 from server.database import Database
 from server.database.migrate import upgrade
+from server.figures.service import Figures
 from server.identity import service as accounts
 from server.submissions.events import Events
 
@@ -45,7 +46,13 @@ def run(arguments: Namespace) -> int:
         require_safe_sandbox(probing)
         app = create_app(settings, course=course)
         gc.freeze()  # what is loaded stays: no collection, while someone waits for an answer, needs to look at it again
-        _serve(app, listener, lambda: _announce(settings, course, _address(listener)))
+
+        def ready() -> None:
+            _announce(settings, course, _address(listener))
+            if settings.warm_figures:
+                provided_to(app, Figures).pictures.warm()
+
+        _serve(app, listener, ready)
     return 0
 
 
