@@ -235,7 +235,9 @@ class Course:
     @cached_property
     def exercises(self) -> Mapping[str, Exercise]:
         """Exercises by id ("l20/poses"), in the order of the course."""
-        return MappingProxyType({one.id: one for module in self.modules.values() for one in module.exercises})
+        return MappingProxyType(
+            {exercise.id: exercise for module in self.modules.values() for exercise in module.exercises}
+        )
 
     def version_of(self, exercise: str) -> str:
         """The version of an exercise by its id, which may have left the course."""
