@@ -83,7 +83,9 @@ def examinations(grader: Grader, exercise: Exercise) -> Iterator[Examination]:
 
 def cases(exercise: Exercise) -> Iterator[Case]:
     """Everything that is known of an exercise, with what must be found of it."""
-    reference, *others = (Case(one.subject, one.write, judge_of(one), one.rounds) for one in exercise.grader.known())
+    reference, *others = (
+        Case(known.subject, known.write, judge_of(known), known.rounds) for known in exercise.grader.known()
+    )
     yield reference
     yield Case("fichier de départ", lambda _: exercise.starter.encode(), not_full_marks)
     yield from others
@@ -95,7 +97,7 @@ def judge_of(known: Known) -> Judge:
     if known.diagnosis is None:
         return marks
     name = named(known.diagnosis)
-    return lambda grading: marks(grading) or name(grading)
+    return lambda judgement: marks(judgement) or name(judgement)
 
 
 def examine(grader: Grader, exercise: Exercise, case: Case, seed: int) -> Examination:
@@ -107,8 +109,8 @@ def examine(grader: Grader, exercise: Exercise, case: Case, seed: int) -> Examin
     return Examination(exercise.id, case.subject, "", seed)
 
 
-def not_full_marks(grading: Judgement) -> str:
-    verdict = grading.verdict
+def not_full_marks(judgement: Judgement) -> str:
+    verdict = judgement.verdict
     if not verdict.outcome.counts:
         return "la correction a échoué"
     return "obtient tous les points" if verdict.outcome is Outcome.OK else ""
@@ -117,20 +119,20 @@ def not_full_marks(grading: Judgement) -> str:
 def named(misconception: str) -> Judge:
     """Rejected, and named by its own id."""
 
-    def judge(grading: Judgement) -> str:
-        diagnosis = grading.verdict.diagnosis
+    def judge(judgement: Judgement) -> str:
+        diagnosis = judgement.verdict.diagnosis
         got = diagnosis.id if diagnosis else "aucun"
-        return not_full_marks(grading) or ("" if got == misconception else f"diagnostic obtenu : {got}")
+        return not_full_marks(judgement) or ("" if got == misconception else f"diagnostic obtenu : {got}")
 
     return judge
 
 
 def outcome(expected: Outcome) -> Judge:
-    def judge(grading: Judgement) -> str:
-        got = grading.verdict.outcome
+    def judge(judgement: Judgement) -> str:
+        got = judgement.verdict.outcome
         if got is expected:
             return ""
-        failed = ", ".join(check.id for check in grading.verdict.checks if not check.passed)
+        failed = ", ".join(check.id for check in judgement.verdict.checks if not check.passed)
         return f"{expected.value} attendu, {got.value} obtenu" + (f" ({failed})" if failed else "")
 
     return judge

@@ -45,9 +45,9 @@ def require_safe_sandbox(probing: Probing) -> None:
     reports = probing.result()
     if not safe_to_serve(reports):
         missing = "".join(
-            f"\n  {one.name} : {one.detail}\n    remède : {one.mend}"
-            for one in reports
-            if one.required and one.status != WallStatus.STANDING
+            f"\n  {report.name} : {report.detail}\n    remède : {report.mend}"
+            for report in reports
+            if report.required and report.status != WallStatus.STANDING
         )
         raise CannotRun(f"le bac à sable n’est pas sûr sur cette machine (voir « balise doctor ») :{missing}")
 

@@ -83,7 +83,7 @@ def _check(answer: httpx.Response) -> None:
     if answer.headers.get("content-type") != "application/problem+json":
         raise CannotRun(f"le serveur répond {answer.status_code}, sans explication.")
     problem = _json_object(answer.text)
-    places = "".join(f"\n  {one.get('pointer', '')} : {one['detail']}" for one in problem.get("errors") or ())
+    places = "".join(f"\n  {error.get('pointer', '')} : {error['detail']}" for error in problem.get("errors") or ())
     raise CannotRun(f"le serveur refuse ({answer.status_code}) : {problem['detail']}{places}")
 
 
