@@ -46,8 +46,10 @@ def read_exercise(
         statement_html=exercise.statement_html,
         starter=exercise.starter,
         limits=_limits(exercise),
-        given=[GivenOut(symbol=one.symbol, name=one.name, value=one.text, unit=one.unit) for one in paper.given],
-        questions=[_question(exercise, one) for one in paper.questions],
+        given=[
+            GivenOut(symbol=datum.symbol, name=datum.name, value=datum.text, unit=datum.unit) for datum in paper.given
+        ],
+        questions=[_question(exercise, question) for question in paper.questions],
     )
 
 
@@ -59,7 +61,7 @@ def _question(exercise: Exercise, question: Question) -> QuestionOut:
         form=question.form,
         points=question.points,
         unit=question.unit,
-        pieces=[PieceOut(id=one.id, text_html=exercise.prose(one.text)) for one in question.pieces],
+        pieces=[PieceOut(id=piece.id, text_html=exercise.prose(piece.text)) for piece in question.pieces],
     )
 
 

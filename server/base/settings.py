@@ -118,8 +118,8 @@ def table() -> Iterator[tuple[str, str, str]]:
     """Name, default and meaning of each, as they are documented."""
     for name, field in Settings.model_fields.items():
         extra = field.json_schema_extra
-        told = extra["told"] if isinstance(extra, dict) else f"{field.default:g}"
-        yield variable(name), str(told), field.description or ""
+        default = extra["told"] if isinstance(extra, dict) else f"{field.default:g}"
+        yield variable(name), str(default), field.description or ""
 
 
 def misspelt(environment: Iterable[str]) -> Iterator[tuple[str, str | None]]:
