@@ -85,9 +85,9 @@ class Outline:
 
     def unresolved(self, names: Names, page: str) -> Iterator[Fault]:
         """What the text speaks of and that does not exist."""
-        for one in self.references:
-            if message := missing(one, names, page):
-                yield Fault(one.line, message)
+        for reference in self.references:
+            if message := missing(reference, names, page):
+                yield Fault(reference.line, message)
 
 
 def missing(reference: Reference, names: Names, page: str) -> str:
@@ -124,7 +124,7 @@ def outline(source: Source) -> Outline:
     job = Job(source)
     walk = _Walk(job)
     walk.read(parse(job))
-    walk.found.faults = sorted(job.faults, key=lambda one: one.line)
+    walk.found.faults = sorted(job.faults, key=lambda fault: fault.line)
     return walk.found
 
 

@@ -39,19 +39,19 @@ def render(source: Source, *, inline: bool = False) -> Rendered:
     tokens = parse_inline(job) if inline else parse(job)
     katex.prepare(_formulas(tokens))
     written = Writer(job, source.names()).write(tokens)
-    return Rendered(written, tuple(sorted(job.faults, key=lambda one: one.line)))
+    return Rendered(written, tuple(sorted(job.faults, key=lambda fault: fault.line)))
 
 
 def _formulas(tokens: Sequence[Token]) -> Iterator[katex.Formula]:
     for token in tokens:
-        for one in (token, *(token.children or ())):
-            if one.type.startswith("math"):
-                yield one.content.strip(), one.type != "math_inline"
+        for part in (token, *(token.children or ())):
+            if part.type.startswith("math"):
+                yield part.content.strip(), part.type != "math_inline"
 
 
 def render_title(source: Source, title: Title) -> str:
     """A heading for a table of contents: without the links and the calls of notes that it may hold."""
-    kept = [one for one in title.inline.children or () if one.type not in NOT_IN_CONTENTS]
+    kept = [child for child in title.inline.children or () if child.type not in NOT_IN_CONTENTS]
     return Writer(Job(source), source.names()).write_inline(kept)
 
 

@@ -109,22 +109,22 @@ class Names:
             figure = here.figures.get(label.removeprefix("fig-")) if label.startswith("fig-") else None
             known = self.labels.get(label)
             return Link(f"#{label}", f"figure\u00a0{figure}" if figure else known.name if known else "")
-        found = self.labels.get(label)
-        if found is None:
+        target = self.labels.get(label)
+        if target is None:
             raise Unresolved(f"étiquette inconnue : « #{label} »")
-        return Link(f"/{self.module}/lire/{found.page}#{label}", found.name)
+        return Link(f"/{self.module}/lire/{target.page}#{label}", target.name)
 
     def _page(self, slug: str, anchor: str) -> Link:
         if slug == GLOSSARY:
             if anchor and anchor.removeprefix("t-") not in self.terms:
                 raise Unresolved(f"terme inconnu du glossaire : « {anchor} »")
             return Link(f"/{self.module}/{GLOSSARY}" + (f"#{anchor}" if anchor else ""), "glossaire")
-        found = self.pages.get(slug)
-        if found is None:
+        lesson = self.pages.get(slug)
+        if lesson is None:
             raise Unresolved(f"page inconnue : « {slug} »")
-        if anchor and anchor not in found.anchors:
+        if anchor and anchor not in lesson.anchors:
             raise Unresolved(f"la page « {slug} » n’a pas de « #{anchor} »")
-        return Link(f"/{self.module}/lire/{slug}" + (f"#{anchor}" if anchor else ""), "" if anchor else found.title)
+        return Link(f"/{self.module}/lire/{slug}" + (f"#{anchor}" if anchor else ""), "" if anchor else lesson.title)
 
 
 def _known(names: Mapping[str, str], name: str, otherwise: str) -> str:
