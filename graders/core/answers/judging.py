@@ -48,8 +48,8 @@ class Check:
         cause: Outcome = Outcome.WRONG_ANSWER,
         slip: str | None = None,
     ) -> Finding:
-        found = None if inputs is None else Counterexample(inputs, expected, got)
-        result = CheckResult(self.id, self.title, False, points, self.points, message, found, self.hint)
+        counterexample = None if inputs is None else Counterexample(inputs, expected, got)
+        result = CheckResult(self.id, self.title, False, points, self.points, message, counterexample, self.hint)
         return Finding(result, cause, slip)
 
     def unreadable(self, reason: str, value: Any) -> Finding:

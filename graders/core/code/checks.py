@@ -167,19 +167,19 @@ class Cases(Check):
     def _shrunk(self, bench: Bench, failure: Failure) -> Failure:
         if not self.shrinkers or (failure.fault and failure.fault.fatal):
             return failure
-        found = [failure]
+        failures = [failure]
 
         def still_fails(args: Arguments) -> bool:
-            if (found[-1].fault and found[-1].fault.fatal) or not self.valid(args):
+            if (failures[-1].fault and failures[-1].fault.fatal) or not self.valid(args):
                 return False
             simpler = self._judged(args, _answer(bench, self.function, args))
             if simpler is None or not _same_kind(failure, simpler):
                 return False
-            found.append(simpler)
+            failures.append(simpler)
             return True
 
         shrink(failure.args, self.shrinkers, still_fails, bench.runner.budget)
-        return found[-1]
+        return failures[-1]
 
     def _rejection(self, failure: Failure) -> Rejection:
         inputs = dict(zip(self.names, failure.args, strict=True))
@@ -228,10 +228,10 @@ def fault_rejection(fault: StudentFault, *, inputs: dict[str, Value] | None, exp
     return Rejection(fault.message + where, inputs=inputs, expected=expected, got=got, cause=fault.outcome)
 
 
-def _same_kind(one: Failure, other: Failure) -> bool:
+def _same_kind(first: Failure, other: Failure) -> bool:
     """A shrunk case must fail as the first one did: by the same exception, or by a wrong value of the same cause."""
-    if one.fault or other.fault:
-        return bool(one.fault and other.fault) and one.fault.exception == other.fault.exception  # type: ignore[union-attr]
-    assert one.mismatch is not None
+    if first.fault or other.fault:
+        return bool(first.fault and other.fault) and first.fault.exception == other.fault.exception  # type: ignore[union-attr]
+    assert first.mismatch is not None
     assert other.mismatch is not None
-    return (one.mismatch.slip, one.mismatch.cause) == (other.mismatch.slip, other.mismatch.cause)
+    return (first.mismatch.slip, first.mismatch.cause) == (other.mismatch.slip, other.mismatch.cause)

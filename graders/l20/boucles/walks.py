@@ -146,9 +146,9 @@ def _lookalikes(pool: Pool, statistic: Statistic) -> list[tuple[int, int]]:
     values = statistic(pool.scans)
     if np.ptp(values) == 0.0:
         return []
-    one, two = np.triu_indices(len(values), 1)
-    nearest = np.argsort(np.abs(values[one] - values[two]))[:ATTEMPTS]
-    return [(int(one[k]), int(two[k])) for k in nearest]
+    first, second = np.triu_indices(len(values), 1)
+    nearest = np.argsort(np.abs(values[first] - values[second]))[:ATTEMPTS]
+    return [(int(first[k]), int(second[k])) for k in nearest]
 
 
 def _trap(rng: Rng, pool: Pool, pair: tuple[int, int], statistic: Statistic, readings: int) -> Walk | None:

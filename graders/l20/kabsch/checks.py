@@ -97,20 +97,20 @@ class Alignments(Check):
     def _shrunk(bench: Bench, failure: Failure) -> Failure:
         if bench.runner.reenacting or failure.stops or failure.pairing.is_whole or not failure.best.unique:
             return failure
-        found = [failure]
+        failures = [failure]
 
         def still_fails(arguments: tuple[Value, ...]) -> bool:
             question = Question.about(arguments[0])
-            if found[-1].stops or not question.best.unique:
+            if failures[-1].stops or not question.best.unique:
                 return False
             simpler = attempt(bench, question, record=False)
             if simpler is None or simpler.kind != failure.kind:
                 return False
-            found.append(simpler)
+            failures.append(simpler)
             return True
 
         shrink((failure.pairing,), (simpler_pairings,), still_fails, bench.runner.budget)
-        return found[-1]
+        return failures[-1]
 
 
 @lru_cache(maxsize=64)

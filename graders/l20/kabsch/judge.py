@@ -137,9 +137,9 @@ def _not_minimal(P: Floats, Q: Floats, best: RigidAlignment, R: Floats, t: Float
     return Mismatch(f"{total.format(*_told_apart(cost, minimum))} {_culprit(P, Q, best, R, t)}".strip())
 
 
-def _told_apart(one: float, other: float) -> tuple[str, str]:
+def _told_apart(value: float, other: float) -> tuple[str, str]:
     """Two different numbers with as many digits as it takes to tell them apart."""
-    texts = [(render.number(one, digits), render.number(other, digits)) for digits in (5, 8, 12, 17)]
+    texts = [(render.number(value, digits), render.number(other, digits)) for digits in (5, 8, 12, 17)]
     return next((pair for pair in texts if pair[0] != pair[1]), texts[-1])
 
 

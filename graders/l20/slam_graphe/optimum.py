@@ -188,19 +188,19 @@ def _observe_fault(bench: Bench, fault: StudentFault) -> None:
 def _shrunk(bench: Bench, failure: Failure) -> Failure:
     if failure.fault and _hopeless(failure.fault):
         return failure
-    found = [failure]
+    failures = [failure]
 
     def still_fails(arguments: tuple[Value, ...]) -> bool:
-        if found[-1].fault and _hopeless(found[-1].fault):
+        if failures[-1].fault and _hopeless(failures[-1].fault):
             return False
         simpler = attempt(bench, arguments[0], record=False)
         if simpler is None or not simpler.resembles(failure):
             return False
-        found.append(simpler)
+        failures.append(simpler)
         return True
 
     shrink((failure.graph,), (simpler_graphs,), still_fails, bench.runner.budget)
-    return found[-1]
+    return failures[-1]
 
 
 def simpler_graphs(graph: Graph) -> Iterator[Graph]:
