@@ -35,7 +35,7 @@ def read_exercise(
 ) -> ExerciseDetail:
     """One exercise, with its statement (HTML), the file to start from, and the limits of an execution.
 
-    An exercise answered without code comes with the questions that were drawn for this account.
+    An exercise answered without code comes with the questions that were dealt to this account.
     """
     exercise = find(course, f"{module}/{slug}")
     paper = NO_PAPER

@@ -32,7 +32,7 @@ Probing = Future[list[WallReport]]
 def start_probing(*, slow: bool = True) -> Probing:
     """Probes the sandbox's walls in a thread (it takes seconds, mostly waiting) while other things are read.
 
-    A command that runs one file of its user leaves out the `slow` attempts, which wait for a time limit.
+    A command that runs one file of its user leaves out the `slow` assaults, which wait for a time limit.
     """
     pool = ThreadPoolExecutor(1)
     probing = pool.submit(probe, slow=slow)

@@ -7,7 +7,7 @@ EXAMPLES = {"number": '"0,1"', "one": '"a"', "several": '["a", "b"]', "order": '
 
 
 def render(exercise: str, paper: Paper, seed: int) -> str:
-    """The questions of a draw, their formulas in TeX."""
+    """The questions of a deal, their formulas in TeX."""
     lines = [f"{exercise}, graine {seed}", ""]
     lines += [f"  {datum.symbol} = {datum.text} {datum.unit}".rstrip() + f"  ({datum.name})" for datum in paper.given]
     for question in paper.questions:

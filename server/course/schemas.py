@@ -69,7 +69,7 @@ class PolicyEntry(Strict):
     folder_bytes: Annotated[int, Field(ge=64 << 10, le=256 << 20)] | None = None
 
     def policy(self) -> Policy:
-        """The general limits, and what is overridden here."""
+        """The general policy, and what is overridden here."""
         return replace(Policy(), **self.model_dump(exclude_none=True))
 
     def overrides(self) -> dict[str, Any]:
@@ -91,7 +91,7 @@ class ExerciseFile(Strict):
 
 
 class FrontMatter(Strict):
-    """Between the `+++` lines of a page."""
+    """Between the `+++` lines of a lesson."""
 
     title: PlainText
     label: PlainText

@@ -1,4 +1,4 @@
-"""The limits of the sandbox, in words: they are data, and a student has a right to know them."""
+"""What a program may use, in words: the policy is data, and a student has a right to know it."""
 
 from __future__ import annotations
 
@@ -42,5 +42,5 @@ LINES: dict[str, tuple[str, Callable[[float], str]]] = {
 
 
 def policy_lines(exercise: Exercise) -> tuple[tuple[str, str], ...]:
-    """Name and value of each limit, for this exercise."""
+    """Name and value of each line of the policy, for this exercise."""
     return tuple((name, read(getattr(exercise.policy, field))) for field, (name, read) in LINES.items())

@@ -1,4 +1,4 @@
-"""The addresses of what one reads: a module's page, its texts, its glossary, its drawings, its search."""
+"""The addresses of what one reads: a module's page, its lessons, its glossary, its drawings, its search."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Full text of a module: its pages by section, its glossary, its exercises. Accents, capitals and plurals do not count.
+"""Full text of a module: lessons by section, glossary, exercises. Accents, capitals and plurals do not count.
 
 The index is an SQLite table in memory (FTS5), built at the first search.
 """

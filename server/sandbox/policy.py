@@ -1,4 +1,4 @@
-"""The limits of one execution, as data: enforced by the walls, shown to the student, overridable for an exercise."""
+"""What one program may use, as data: enforced by the walls, shown to the student, overridable for an exercise."""
 
 from __future__ import annotations
 

@@ -28,13 +28,13 @@ __all__ = [
 
 log = logging.getLogger(__name__)
 
-#: A class that opens one page together has it rendered once (formulas are drawn by one thread anyway).
+#: A class that opens one lesson together has it rendered once (formulas are drawn by one thread anyway).
 _RENDERING = RLock()
 
 
 @dataclass(frozen=True)
 class Heading:
-    """A heading of a page (`level` 2 to 4), for its table of contents. `html` may hold formulas."""
+    """A heading of a lesson (`level` 2 to 4), for its table of contents. `html` may hold formulas."""
 
     level: int
     id: str
