@@ -22,13 +22,13 @@ NO_BALISE = "cette adresse ne répond pas comme un serveur Balise."
 
 def run(arguments: Namespace) -> int:
     answers = arguments.file.endswith(ANSWERS)
-    sent = {"answers": read_answers(arguments.file)} if answers else {"code": read_text(arguments.file)}
+    body = {"answers": read_answers(arguments.file)} if answers else {"code": read_text(arguments.file)}
     if not arguments.token.isascii():
         raise CannotRun("le jeton porte un caractère qui n’en fait pas partie ; recopiez-le depuis votre compte.")
     headers = {"Authorization": f"Bearer {arguments.token}"}
     try:
         with httpx.Client(base_url=_base(arguments.server), headers=headers, timeout=TIMEOUT) as client:
-            verdict = _verdict(client, {"exercise": arguments.exercise, **sent})
+            verdict = _verdict(client, {"exercise": arguments.exercise, **body})
     except (httpx.HTTPError, httpx.InvalidURL) as error:
         raise CannotRun(_explained(error, arguments.server)) from error
     print(report.render(verdict))

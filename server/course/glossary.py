@@ -38,9 +38,9 @@ def read(path: Path, names: Callable[[], Names], problems: list[Problem]) -> dic
     return terms
 
 
-def lost(path: Path, terms: Mapping[str, Term], pages: Collection[str]) -> Iterator[Problem]:
-    """The words that are said to be explained on a page that does not exist."""
-    missing = [term for term in terms.values() if term.page not in pages]
+def lost(path: Path, terms: Mapping[str, Term], lessons: Collection[str]) -> Iterator[Problem]:
+    """The words that are said to be explained in a lesson that does not exist."""
+    missing = [term for term in terms.values() if term.page not in lessons]
     text = toml_file.read_text(path) if missing else ""
     written = [entry.get("id") for entry in toml_file.load(text, path)["terme"]] if missing else []
     for term in missing:

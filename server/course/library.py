@@ -1,4 +1,4 @@
-"""The pages to read of a module and its glossary, and the names by which its texts speak of each other."""
+"""The lessons of a module and its glossary, and the names by which its texts speak of each other."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ class Library:
 
 @dataclass(frozen=True)
 class Labelled:
-    """A label where it stands; `first` is False where another page has it already."""
+    """A label where it stands; `first` is False where another lesson has it already."""
 
     id: str
     target: Target
@@ -120,14 +120,14 @@ class Labelled:
 
 
 def _numbered(lessons: tuple[Lesson, ...]) -> Iterator[Labelled]:
-    """Labels in the order of the pages, each kind counting for itself over the whole module."""
+    """Labels in the order of the lessons, each kind counting for itself over the whole module."""
     counts: Counter[str] = Counter()
-    pages: dict[str, str] = {}
+    owners: dict[str, str] = {}
     for lesson in lessons:
         text = lesson.text
         for label in text.outline.labels:
             kind = EQUATION if label.kind == "equation" else KINDS[label.kind]
-            first = pages.setdefault(label.id, lesson.slug) == lesson.slug
+            first = owners.setdefault(label.id, lesson.slug) == lesson.slug
             counts[label.kind] += kind.numbered and first
             number = counts[label.kind] if kind.numbered else 0
             target = Target(label.kind, kind.noun, number, lesson.slug, label.line)

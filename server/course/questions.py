@@ -30,7 +30,7 @@ PLAIN = frozenset({"id", "form", "title", "unit", "name", "misconception", "afte
 
 
 class DatumEntry(Strict):
-    """A number of the draw: `name` for the grader, `symbol` in TeX, `meaning` in words."""
+    """A number of the deal: `name` for the grader, `symbol` in TeX, `meaning` in words."""
 
     name: Id | Annotated[str, Field(pattern=r"^[A-Za-z]\w{0,39}$")]
     symbol: Words

@@ -153,7 +153,7 @@ def _faults(exercise: Exercise, look: Look) -> Iterator[Problem]:
 
 
 def _lost(module: Path, exercises: list[Exercise], library: Library) -> Iterator[Problem]:
-    """Exercises that are said to follow a page that does not exist."""
+    """Exercises that are said to follow a lesson that does not exist."""
     lessons = {lesson.slug for lesson in library.lessons}
     for exercise in exercises:
         if exercise.seance and exercise.seance not in lessons:

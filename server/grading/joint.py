@@ -52,7 +52,7 @@ class SandboxProgram:
 
 
 class SandboxPrograms:
-    """Starts students' files behind the walls, under the limits of one exercise."""
+    """Starts students' files behind the walls, under the policy of one exercise."""
 
     def __init__(self, sandbox: Sandbox, policy: Policy) -> None:
         self._sandbox, self._policy = sandbox, policy

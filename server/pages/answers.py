@@ -50,11 +50,11 @@ def _grader(exercise: Exercise) -> AnswersGrader:
     return exercise.answers
 
 
-def _answers(grader: AnswersGrader, sent: Submission | None, seed: int) -> Mapping[str, Any]:
-    if sent is None:
+def _answers(grader: AnswersGrader, submission: Submission | None, seed: int) -> Mapping[str, Any]:
+    if submission is None:
         return {}
     try:
-        return grader.moved(read_answers(sent.source), sent.seed, seed)
+        return grader.moved(read_answers(submission.source), submission.seed, seed)
     except UnreadableAnswersError:
         return {}
 
@@ -109,14 +109,14 @@ def _placed(fields: FormData, question: Question) -> Any:
     return [places[place] for place in sorted(places)]
 
 
-def told(exercise: Exercise, sent: Submission) -> Sequence[ToldView]:
+def told(exercise: Exercise, submission: Submission) -> Sequence[ToldView]:
     """What was answered in an attempt, to be read again."""
     grader = _grader(exercise)
     try:
-        answers = read_answers(sent.source)
+        answers = read_answers(submission.source)
     except UnreadableAnswersError:
-        return [ToldView("Fichier envoyé", shown(sent.code), ())]
-    return [told_view(exercise, answer) for answer in grader.told(answers, sent.seed)]
+        return [ToldView("Fichier envoyé", shown(submission.code), ())]
+    return [told_view(exercise, answer) for answer in grader.told(answers, submission.seed)]
 
 
 def told_view(exercise: Exercise, answer: Told) -> ToldView:

@@ -1,4 +1,4 @@
-"""From the course's pages, glossary and exercises to what the reading templates show."""
+"""From the course's lessons, glossary and exercises to what the reading templates show."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def find_lesson(module: Module, slug: str) -> Lesson:
 
 
 def on_the_way(module: Module) -> tuple[Lesson, ...]:
-    """The pages in the order in which one reads them: the séances, then what the module's page lists after them."""
+    """The lessons in the order in which one reads them: the séances, then what the module's page lists after them."""
     return tuple(sorted(module.lessons, key=lambda lesson: KINDS.index(lesson.kind)))
 
 
@@ -108,7 +108,7 @@ def _following(module: Module, rows: Mapping[str, ExerciseRow], lesson: Lesson) 
 
 
 def exercises_after(module: Module, lesson: Lesson) -> list[Exercise]:
-    """Those that the page leads to."""
+    """Those that the lesson leads to."""
     return [exercise for exercise in module.exercises if exercise.seance == lesson.slug]
 
 
@@ -117,7 +117,7 @@ def _session(module: Module, lesson: Lesson, exercises: tuple[ExerciseRow, ...])
 
 
 def _ornament(module: Module, lesson: Lesson) -> FigureView | None:
-    """The séance's first drawing, without its description, which stands on the page itself."""
+    """The séance's first drawing, without its description, which stands in the lesson itself."""
     name = next((figure for figure in lesson.figures if figure in module.drawings), None)
     if name is None:
         return None
@@ -176,11 +176,11 @@ def lesson_page(reader: Reader, module: Module, lesson: Lesson) -> LessonPage:
 
 @lru_cache(maxsize=512)
 def contents(lesson: Lesson) -> tuple[Entry, ...]:
-    """The page's headings as a tree of two levels."""
-    shown = [heading for heading in lesson.headings if heading.level <= DEEPEST]
-    top = min((heading.level for heading in shown), default=0)
+    """The lesson's headings as a tree of two levels."""
+    headings = [heading for heading in lesson.headings if heading.level <= DEEPEST]
+    top = min((heading.level for heading in headings), default=0)
     tree: list[tuple[Heading, list[Heading]]] = []
-    for heading in shown:
+    for heading in headings:
         if heading.level == top:
             tree.append((heading, []))
         elif tree:
@@ -194,7 +194,7 @@ def _entry(heading: Heading, below: tuple[Entry, ...]) -> Entry:
 
 @lru_cache(maxsize=512)
 def _terms(module: Module, lesson: Lesson) -> tuple[TermView, ...]:
-    """The words that the page links to the glossary, each once."""
+    """The words that the lesson links to the glossary, each once."""
     names = dict.fromkeys(TERM_LINK.findall(lesson.html))
     return tuple(_term(module, module.glossary[name]) for name in names)
 

@@ -109,10 +109,10 @@ def located(line: int | None, frames: tuple[Frame, ...], sentence: str) -> str:
 
 def syntax_error(text: str, source: str, line: int | None) -> str:
     where = f"Ligne {line} : " if line else ""
-    what = next(
+    explanation = next(
         (french.format(*(m.groups())) for pattern, french in _SYNTAX if (m := re.fullmatch(pattern, text))), None
     )
-    sentence = f"{what} [{text}]" if what else text
+    sentence = f"{explanation} [{text}]" if explanation else text
     quoted = f"\nLigne lue : {source}" if source else ""
     return f"{where}{sentence}.{quoted}"
 
@@ -153,8 +153,8 @@ def _about_module(module: str) -> str:
     root = module.partition(".")[0]
     if root in ("matplotlib", "pylab", "seaborn", "plotly"):
         return 'Rien ne se trace pendant l\'évaluation : mettez vos tracés sous « if __name__ == "__main__": ».'
-    for known in (("numpy", "scipy"), sys.stdlib_module_names):
-        near = difflib.get_close_matches(root, known, 1, 0.75)
+    for names in (("numpy", "scipy"), sys.stdlib_module_names):
+        near = difflib.get_close_matches(root, names, 1, 0.75)
         if near and near[0] != root:
             return f"Vouliez-vous écrire « {near[0]} » ?"
     return "Sont disponibles numpy, scipy et la bibliothèque standard de Python."

@@ -97,9 +97,9 @@ def render(tex: str, *, display: bool) -> str:
     if current is None:
         tag = "div" if display else "span"
         return f'<{tag} class="tex"><code>{html.escape(tex.strip())}</code></{tag}>'
-    known = drawn.get((tex, display))
-    if known is not None:
-        return known
+    html_of = drawn.get((tex, display))
+    if html_of is not None:
+        return html_of
     (answer,) = current.render([(tex, display)])
     if isinstance(answer, TexError):
         raise answer

@@ -90,8 +90,8 @@ def page(
     }
     body = environment().get_template(template).render(account=account_view(account), **surroundings, **context)
     # A page shows one person's own work: nobody else's cache may keep it.
-    kept = {"Cache-Control": "private, no-cache", **(headers or {})}
-    answer = HTMLResponse(body, status, headers=kept)
+    all_headers = {"Cache-Control": "private, no-cache", **(headers or {})}
+    answer = HTMLResponse(body, status, headers=all_headers)
     return once(request, answer) if request.method == "GET" and status == HTTPStatus.OK else answer
 
 
