@@ -132,8 +132,8 @@ class ChoiceGrader(AnswersGrader):
         return self._mapped(answers, letters)
 
     def _mapped(self, answers: Answers, letters: Callable[[ChoiceQuestion], Mapping[str, str]]) -> Answers:
-        known = {question.id: letters(question) for question in self.questions}
-        return {name: _renamed(value, known.get(name, {})) for name, value in answers.items()}
+        maps = {question.id: letters(question) for question in self.questions}
+        return {name: _renamed(value, maps.get(name, {})) for name, value in answers.items()}
 
     def told(self, answers: Answers, seed: int) -> Sequence[Told]:
         return [
@@ -174,18 +174,18 @@ def _judged(question: ChoiceQuestion, check: Check, raw: Any, letters: Letters) 
     if isinstance(ticked, str):
         return check.unreadable(ticked, raw)
     options = [question.option(name) for name in ticked]
-    wanted = set(question.right)
-    why = "\n\n".join(option.why.strip() for option in _explained(options, len(wanted)))
-    if set(ticked) == wanted:
+    right = set(question.right)
+    why = "\n\n".join(option.why.strip() for option in _explained(options, len(right)))
+    if set(ticked) == right:
         return check.passed(why)
-    missing = bool(wanted - set(ticked)) and question.several
-    lacking = TOO_MANY if len(options) > len(wanted) else LACKING if missing else ""
+    missing = bool(right - set(ticked)) and question.several
+    lacking = TOO_MANY if len(options) > len(right) else LACKING if missing else ""
     hits = sum(option.right for option in options)
-    share = max(0, 2 * hits - len(options)) / len(wanted) if question.several else 0.0
+    share = max(0, 2 * hits - len(options)) / len(right) if question.several else 0.0
     return check.failed(
         "\n\n".join(part for part in (why, lacking) if part),
         inputs={},
-        expected=_plural(len(wanted)) if question.several else "une autre réponse",
+        expected=_plural(len(right)) if question.several else "une autre réponse",
         got=", ".join(letters.by_name[name] for name in ticked),
         points=share * check.points,
         slip=next((option.misconception for option in options if option.misconception), None),
@@ -204,11 +204,11 @@ def _plural(count: int) -> str:
 def _read(question: ChoiceQuestion, raw: Any, letters: Letters) -> list[str] | str:
     """The names of the ticked options, or why the answer cannot be read."""
     ticked = [raw] if isinstance(raw, str) else raw
-    known = ", ".join(letters.by_letter)
+    offered = ", ".join(letters.by_letter)
     if not isinstance(ticked, list) or not all(isinstance(letter, str) for letter in ticked):
-        return f"on attend une lettre parmi {known}" + (", ou une liste de lettres" if question.several else "")
+        return f"on attend une lettre parmi {offered}" + (", ou une liste de lettres" if question.several else "")
     if any(letter not in letters.by_letter for letter in ticked):
-        return f"une lettre n'est celle d'aucune réponse proposée (les lettres sont {known})"
+        return f"une lettre n'est celle d'aucune réponse proposée (les lettres sont {offered})"
     if len(set(ticked)) != len(ticked):
         return "une même lettre est donnée deux fois"
     if len(ticked) != 1 and not question.several:

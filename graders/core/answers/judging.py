@@ -128,8 +128,8 @@ class AnswersGrader(ABC):
 
     def _diagnosis(self, findings: Sequence[Finding]) -> Diagnosis | None:
         """The misconception seen in most of the failed checks; of several, the one that was seen first."""
-        seen = Counter(finding.slip for finding in findings if finding.slip and not finding.passed)
-        return self.catalogue[seen.most_common(1)[0][0]].diagnosis if seen else None
+        slips = Counter(finding.slip for finding in findings if finding.slip and not finding.passed)
+        return self.catalogue[slips.most_common(1)[0][0]].diagnosis if slips else None
 
     def rehearse(self) -> None:
         self.grade(canonical(self.right(0)).encode(), seed=0, version="")

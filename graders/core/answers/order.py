@@ -143,12 +143,12 @@ class OrderGrader(AnswersGrader):
         return [step for step in self.sheet.steps if step.id not in placed and set(step.after) <= set(placed)]
 
     def _steps(self, names: Sequence[str], letters: Letters) -> Finding:
-        known = {distractor.id: distractor for distractor in self.sheet.distractors}
-        false = [known[name] for name in names if name in known]
+        distractors = {distractor.id: distractor for distractor in self.sheet.distractors}
+        false = [distractors[name] for name in names if name in distractors]
         lacking = len(self.sheet.steps) - (len(names) - len(false))
         if not false and not lacking:
             return STEPS.passed()
-        share = 1.0 - lacking / len(self.sheet.steps) - len(false) / max(1, len(known))
+        share = 1.0 - lacking / len(self.sheet.steps) - len(false) / max(1, len(distractors))
         first = false[0] if false else None
         return STEPS.failed(
             first.why.strip() if first else "Il manque des étapes.",

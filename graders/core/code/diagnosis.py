@@ -103,8 +103,8 @@ def slip_diagnosis(slips: Sequence[str | None]) -> Diagnosis | None:
 
     `slips` holds one entry for each failed check, None where no slip explains it.
     """
-    seen = [slip for slip in slips if slip is not None]
-    if len(set(seen)) != 1 or 2 * len(seen) <= len(slips):
+    named = [slip for slip in slips if slip is not None]
+    if len(set(named)) != 1 or 2 * len(named) <= len(slips):
         return None
-    slip = SLIPS[seen[0]]
+    slip = SLIPS[named[0]]
     return Diagnosis(slip.id, slip.title, f"{slip.explanation}\n\n{slip.question}")

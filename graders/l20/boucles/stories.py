@@ -51,8 +51,8 @@ def _sentence(search: Search) -> str:
             "moins de scans : plus le seuil est grand, plus il doit y avoir de candidats."
         )
     if search.outcome is Outcome.ALWAYS:
-        seen = f"Depuis le scan {search.wrong_from}, le scan {wrong}, pris ailleurs,"
-        return f"{seen} est trouvé même avec un seuil minuscule."
+        whence = f"Depuis le scan {search.wrong_from}, le scan {wrong}, pris ailleurs,"
+        return f"{whence} est trouvé même avec un seuil minuscule."
     seen_from = "" if search.wrong_from in (None, i) else f" depuis le scan {search.wrong_from}"
     return (
         f"Aucun seuil ne convient. Avec {render.number(search.threshold, 3)}, depuis le scan {i}, le scan {missed} "

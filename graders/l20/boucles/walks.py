@@ -82,8 +82,8 @@ def separable(walk: Walk, margin: float = MARGIN) -> bool:
     asked = np.arange(past) <= np.array(rows)[:, None] - GAP
     same = (walk.places[:past] == walk.places[rows][:, None]) & asked
     others = asked & ~same
-    kept = np.concatenate([walk.scans[rows], walk.scans[:past]])
-    for signatures in signatures_of(kept).values():
+    scans = np.concatenate([walk.scans[rows], walk.scans[:past]])
+    for signatures in signatures_of(scans).values():
         for distance in DISTANCES.values():
             away = distance(signatures[: len(rows)], signatures[len(rows) :])
             if not np.min(away[others]) > margin * np.max(away[same], initial=0.0) + 1e-6:

@@ -91,10 +91,10 @@ def _read_item(name: str, item: Value) -> Floats:
 def _wrong_shapes(R: Floats, t: Floats, d: int) -> Mismatch:
     if R.shape == (d,) and t.shape == (d, d):
         return Mismatch("La paire est dans l'ordre (t, R) : on attend (R, t).", "forme")
-    wanted = {"R": (R.shape, (d, d)), "t": (t.shape, (d,))}
+    shapes = {"R": (R.shape, (d, d)), "t": (t.shape, (d,))}
     wrong = [
         f"{name} est de forme {render.shape_text(got)} au lieu de {render.shape_text(right)}"
-        for name, (got, right) in wanted.items()
+        for name, (got, right) in shapes.items()
         if got != right
     ]
     return Mismatch(f"En dimension {d}, " + " et ".join(wrong) + ".", "forme")

@@ -71,8 +71,8 @@ def _draw_errors(axes: Axes, data: dict[str, Any]) -> None:
         axes.barh(where + BAR / 2, data["errors_got"], BAR, color=OBTAINED)
         if max(data["errors_got"]) > 50.0 * (1.0 + max(data["errors_expected"])):
             axes.set_xscale("symlog")
-    shown = where[:: 1 + len(where) // (MAX_TICKS + 1)]
-    axes.set_yticks(shown, [f"{i} → {j}" for i, j in (data["ends"][k] for k in shown)])
+    ticks = where[:: 1 + len(where) // (MAX_TICKS + 1)]
+    axes.set_yticks(ticks, [f"{i} → {j}" for i, j in (data["ends"][k] for k in ticks)])
     axes.set_ylim(max(len(where), 3) - 0.5, -0.5)
     axes.grid(axis="y", visible=False)
     axes.set_xlabel("√(eᵀΩe)")
