@@ -11,11 +11,11 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, fault_rejection
-from graders.core.compare.shrinking import shrink, shrink_number
+from graders.core.compare.shrinking import shrink_failure, shrink_number
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
-from graders.core.contract.values import Floats, Value
+from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20.kabsch.judge import Judgement, judge
 from reference.registration import RigidAlignment, kabsch
 
@@ -97,20 +97,15 @@ class Alignments(Check):
     def _shrunk(bench: Bench, failure: Failure) -> Failure:
         if bench.runner.reenacting or failure.stops or failure.pairing.is_whole or not failure.best.unique:
             return failure
-        failures = [failure]
 
-        def still_fails(arguments: tuple[Value, ...]) -> bool:
+        def again(last: Failure, arguments: Arguments) -> Failure | None:
             question = Question.about(arguments[0])
-            if failures[-1].stops or not question.best.unique:
-                return False
+            if last.stops or not question.best.unique:
+                return None
             simpler = attempt(bench, question, record=False)
-            if simpler is None or simpler.kind != failure.kind:
-                return False
-            failures.append(simpler)
-            return True
+            return simpler if simpler is not None and simpler.kind == failure.kind else None
 
-        shrink((failure.pairing,), (simpler_pairings,), still_fails, bench.runner.budget)
-        return failures[-1]
+        return shrink_failure(failure, (failure.pairing,), (simpler_pairings,), again, bench.runner.budget)
 
 
 @lru_cache(maxsize=64)
