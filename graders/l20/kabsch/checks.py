@@ -86,7 +86,7 @@ class Alignments(Check):
             observed = question.pairing.observed
             if bench.runner.reenacting and not observed:
                 continue
-            failure = attempt(bench, question, record=observed)
+            failure = failure_on(bench, question, record=observed)
             first = first or failure
             if failure is not None and failure.stops:
                 break
@@ -102,7 +102,7 @@ class Alignments(Check):
             question = Question.about(arguments[0])
             if last.stops or not question.best.unique:
                 return None
-            simpler = attempt(bench, question, record=False)
+            simpler = failure_on(bench, question, record=False)
             return simpler if simpler is not None and simpler.kind == failure.kind else None
 
         return shrink_failure(failure, (failure.pairing,), (simpler_pairings,), again, bench.runner.budget)
@@ -114,8 +114,8 @@ def drawn(pairings: Drawing, seed: int) -> tuple[Question, ...]:
     return tuple(Question.about(pairing) for pairing in pairings(np.random.default_rng(seed)))
 
 
-def attempt(bench: Bench, question: Question, *, record: bool) -> Failure | None:
-    """Call `kabsch` on one pairing and judge the answer; None when it is right."""
+def failure_on(bench: Bench, question: Question, *, record: bool) -> Failure | None:
+    """How `kabsch` fails on one pairing; None when its answer is right."""
     pairing, best = question
     P, Q, _ = pairing
     try:

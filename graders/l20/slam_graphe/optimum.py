@@ -142,7 +142,7 @@ class Optimum(Check):
         first: Failure | None = None
         graphs = self.graphs(bench.rng)
         for graph in _brief(graphs) if bench.runner.reenacting else graphs:
-            failure = attempt(bench, graph, record=True)
+            failure = failure_on(bench, graph, record=True)
             if failure and graph.judged:
                 first = first or failure
             if failure and failure.fault and _hopeless(failure.fault):
@@ -161,8 +161,8 @@ def _hopeless(fault: StudentFault) -> bool:
     return fault.fatal or fault.outcome is Outcome.MISSING_FUNCTION
 
 
-def attempt(bench: Bench, graph: Graph, *, record: bool) -> Failure | None:
-    """One call on one graph."""
+def failure_on(bench: Bench, graph: Graph, *, record: bool) -> Failure | None:
+    """How one call on one graph fails; None when it does not."""
     try:
         with np.errstate(all="ignore"):  # a mistake that diverges, run in this process for a diagnosis
             got = bench.call(FUNCTION, *graph.inputs.values())
@@ -192,7 +192,7 @@ def _shrunk(bench: Bench, failure: Failure) -> Failure:
     def again(last: Failure, arguments: Arguments) -> Failure | None:
         if last.fault and _hopeless(last.fault):
             return None
-        simpler = attempt(bench, arguments[0], record=False)
+        simpler = failure_on(bench, arguments[0], record=False)
         return simpler if simpler is not None and simpler.resembles(failure) else None
 
     return shrink_failure(failure, (failure.graph,), (simpler_graphs,), again, bench.runner.budget)
