@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from graders.core.answers.judging import Answers, AnswersGrader, Check
-from graders.core.answers.letters import MOST, Letters
+from graders.core.answers.letters import MOST, Letters, renamed
 from graders.core.answers.mistakes import read_mistakes, same_mistakes
-from graders.core.answers.paper import Paper, Piece, Question, Told
+from graders.core.answers.paper import Paper, Piece, Question, Told, quoted
 from graders.core.answers.reading import is_blank, shown
 from graders.core.answers.sheet import MalformedSheetError
 from graders.core.contract.findings import Finding
@@ -148,7 +148,7 @@ class ChoiceGrader(AnswersGrader):
             parts.append(f"**{place}. {question.title}.** {question.text}")
             for letter, name in question.letters(seed).by_letter.items():
                 option = question.option(name)
-                parts.append(f"{'✓' if option.right else '✗'} **{letter}.** {option.text}\n\n> {_quoted(option.why)}")
+                parts.append(f"{'✓' if option.right else '✗'} **{letter}.** {option.text}\n\n> {quoted(option.why)}")
         return "\n\n".join(parts)
 
 
@@ -217,9 +217,7 @@ def _read(question: ChoiceQuestion, raw: Any, letters: Letters) -> list[str] | s
 
 
 def _renamed(value: Any, names: Mapping[str, str]) -> Any:
-    if isinstance(value, list):
-        return [_renamed(item, names) if isinstance(item, str) else item for item in value]
-    return names.get(value, value) if isinstance(value, str) else value
+    return names.get(value, value) if isinstance(value, str) else renamed(value, names)
 
 
 def _told(title: str, value: Any, pieces: Mapping[str, Piece]) -> Told:
@@ -227,7 +225,3 @@ def _told(title: str, value: Any, pieces: Mapping[str, Piece]) -> Told:
     if isinstance(ids, list) and all(isinstance(letter, str) and letter in pieces for letter in ids):
         return Told(title, "", tuple(pieces[letter] for letter in ids))
     return Told(title, shown(value))
-
-
-def _quoted(text: str) -> str:
-    return text.strip().replace("\n", "\n> ")

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from graders.core.answers.judging import Answers, AnswersGrader, Check
-from graders.core.answers.letters import MOST, Letters
+from graders.core.answers.letters import MOST, Letters, renamed
 from graders.core.answers.mistakes import read_mistakes, same_mistakes
-from graders.core.answers.paper import Paper, Piece, Question, Told
+from graders.core.answers.paper import Paper, Piece, Question, Told, quoted
 from graders.core.answers.reading import is_blank, shown
 from graders.core.answers.sheet import MalformedSheetError
 from graders.core.contract.findings import Finding
@@ -196,12 +196,12 @@ class OrderGrader(AnswersGrader):
         yield "sans la fin", None, partial(self._written, names[:-1])
 
     def lettered(self, answers: Answers, seed: int) -> Answers:
-        return {name: _renamed(value, self.letters(seed).by_name) for name, value in answers.items()}
+        return {name: renamed(value, self.letters(seed).by_name) for name, value in answers.items()}
 
     def moved(self, answers: Answers, old: int, new: int) -> Answers:
         fresh = self.letters(new).by_name
         letters = {letter: fresh[name] for letter, name in self.letters(old).by_letter.items()}
-        return {name: _renamed(value, letters) for name, value in answers.items()}
+        return {name: renamed(value, letters) for name, value in answers.items()}
 
     def told(self, answers: Answers, seed: int) -> Sequence[Told]:
         value, pieces = answers.get(ORDER), self._pieces(seed)
@@ -214,11 +214,11 @@ class OrderGrader(AnswersGrader):
     def correction(self, seed: int) -> str:
         letters = self.letters(seed).by_name
         steps = [
-            f"**{place}.** ({letters[step.id]}) {step.text.strip()}\n\n> Ici, il faut {_quoted(step.role)}"
+            f"**{place}.** ({letters[step.id]}) {step.text.strip()}\n\n> Ici, il faut {quoted(step.role)}"
             for place, step in enumerate(self.sheet.steps, 1)
         ]
         false = [
-            f"✗ ({letters[distractor.id]}) {distractor.text.strip()}\n\n> {_quoted(distractor.why)}"
+            f"✗ ({letters[distractor.id]}) {distractor.text.strip()}\n\n> {quoted(distractor.why)}"
             for distractor in self.sheet.distractors
         ]
         return "\n\n".join([*steps, *(["**Les intrus**"] if false else []), *false])
@@ -237,13 +237,3 @@ def _read(raw: Any, letters: Letters) -> list[str] | str:
 
 def _written_out(names: Sequence[str], letters: Letters) -> str:
     return ", ".join(letters.by_name[name] for name in names)
-
-
-def _renamed(value: Any, names: Mapping[str, str]) -> Any:
-    if not isinstance(value, list):
-        return value
-    return [names.get(item, item) if isinstance(item, str) else item for item in value]
-
-
-def _quoted(text: str) -> str:
-    return text.strip().replace("\n", "\n> ")
