@@ -16,7 +16,7 @@ from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Arguments, Floats, Value
-from graders.l20.kabsch.judge import Judgement, judge
+from graders.l20.kabsch.judge import Assessment, judge
 from reference.registration import RigidAlignment, kabsch
 
 ANY_BEST = "plusieurs rotations conviennent : toute paire (R, t) avec det R = +1 dont la somme des carrés est minimale"
@@ -53,12 +53,12 @@ class Question(NamedTuple):
 
 @dataclass(frozen=True)
 class Failure:
-    """A pairing that a program fails on: the value and its judgement, or the fault."""
+    """A pairing that a program fails on: the value and its assessment, or the fault."""
 
     pairing: Pairing
     best: RigidAlignment
     value: Value
-    judgement: Judgement | None
+    assessment: Assessment | None
     fault: StudentFault | None
 
     @property
@@ -71,7 +71,7 @@ class Failure:
         """What a simpler failure must have in common with this one."""
         if self.fault is not None:
             return self.fault.exception, self.fault.outcome
-        return self.judgement and self.judgement.aspect
+        return self.assessment and self.assessment.aspect
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,10 +124,10 @@ def failure_on(bench: Bench, question: Question, *, record: bool) -> Failure | N
         if record:
             bench.observe("kabsch", None, ok=False, fault=fault)
         return Failure(pairing, best, None, None, fault)
-    judgement = judge(P, Q, best, value)
+    assessment = judge(P, Q, best, value)
     if record:
-        bench.observe("kabsch", judgement.observed, ok=judgement.mismatch is None)
-    return Failure(pairing, best, value, judgement, None) if judgement.mismatch else None
+        bench.observe("kabsch", assessment.observed, ok=assessment.mismatch is None)
+    return Failure(pairing, best, value, assessment, None) if assessment.mismatch else None
 
 
 def rejection(failure: Failure) -> Rejection:
@@ -137,9 +137,9 @@ def rejection(failure: Failure) -> Rejection:
     expected = (failure.best.R_q_p, failure.best.t_q_p) if failure.best.unique else ANY_BEST
     if failure.fault is not None:
         return fault_rejection(failure.fault, inputs=inputs, expected=expected)
-    assert failure.judgement is not None
-    assert failure.judgement.mismatch is not None
-    mismatch = failure.judgement.mismatch
+    assert failure.assessment is not None
+    assert failure.assessment.mismatch is not None
+    mismatch = failure.assessment.mismatch
     return Rejection(
         mismatch.message,
         inputs=inputs,
@@ -147,15 +147,15 @@ def rejection(failure: Failure) -> Rejection:
         got=failure.value,
         slip=mismatch.slip,
         cause=mismatch.cause,
-        figure=clouds_figure(P, Q, failure.best, failure.judgement),
+        figure=clouds_figure(P, Q, failure.best, failure.assessment),
     )
 
 
-def clouds_figure(P: Floats, Q: Floats, best: RigidAlignment, judgement: Judgement) -> FigureData:
+def clouds_figure(P: Floats, Q: Floats, best: RigidAlignment, assessment: Assessment) -> FigureData:
     """The data of the figure: the clouds, P moved by the best transformation and, when it can be drawn, by theirs."""
     moved = None
-    if judgement.R is not None and judgement.t is not None:
-        moved = P @ judgement.R.T + judgement.t
+    if assessment.R is not None and assessment.t is not None:
+        moved = P @ assessment.R.T + assessment.t
         reach = DRAWN_WITHIN * max(1.0, float(np.max(np.abs(P))), float(np.max(np.abs(Q))))
         moved = moved if float(np.max(np.abs(moved))) <= reach else None
     expected = P @ best.R_q_p.T + best.t_q_p

@@ -25,7 +25,7 @@ LOOKS_THE_SAME = 1e-5
 
 
 @dataclass(frozen=True)
-class Judgement:
+class Assessment:
     """What is wrong, if anything; what is written down for the diagnosis; R and t when they are of the right shape.
 
     `aspect` is what was looked at last: the "form", the numbers being "finite", the "rotation", or the "cost".
@@ -38,24 +38,24 @@ class Judgement:
     t: Floats | None = None
 
 
-def judge(P: Floats, Q: Floats, best: RigidAlignment, value: Value) -> Judgement:
+def judge(P: Floats, Q: Floats, best: RigidAlignment, value: Value) -> Assessment:
     """Judge what `kabsch(P, Q)` returned against the best alignment. Never raises for a student's value."""
     d = P.shape[1]
     try:
         R, t = read_pair(value)
     except UnreadableError as error:
-        return Judgement("form", unreadable(error), "illisible")
+        return Assessment("form", unreadable(error), "illisible")
     except NotAPairError as error:
-        return Judgement("form", Mismatch(str(error), "forme"), str(error))
+        return Assessment("form", Mismatch(str(error), "forme"), str(error))
     if R.shape != (d, d) or t.shape != (d,):
-        return Judgement("form", _wrong_shapes(R, t, d), f"R {R.shape}, t {t.shape}")
+        return Assessment("form", _wrong_shapes(R, t, d), f"R {R.shape}, t {t.shape}")
     if not (np.all(np.isfinite(R)) and np.all(np.isfinite(t))):
-        return Judgement("finite", _not_finite(R, t), (R, t))
+        return Assessment("finite", _not_finite(R, t), (R, t))
     with np.errstate(over="ignore", invalid="ignore"):
         improper = _not_a_rotation(R)
         if improper is not None:
-            return Judgement("rotation", improper, (R, t), R, t)
-        return Judgement("cost", _not_minimal(P, Q, best, R, t), (R, t), R, t)
+            return Assessment("rotation", improper, (R, t), R, t)
+        return Assessment("cost", _not_minimal(P, Q, best, R, t), (R, t), R, t)
 
 
 class NotAPairError(Exception):
