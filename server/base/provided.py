@@ -31,7 +31,7 @@ def provided(kind: type[T]) -> Callable[[HTTPConnection], Awaitable[T]]:
 def provide(app: FastAPI, *objects: object) -> None:
     """Hands these to the application's routes, beside what it has already; a later one of a type replaces it."""
     known: dict[type, object] = getattr(app.state, "provided", {})
-    app.state.provided = {**known, **{type(each): each for each in objects}}
+    app.state.provided = {**known, **{type(instance): instance for instance in objects}}
 
 
 def check_provided(app: FastAPI) -> None:

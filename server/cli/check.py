@@ -2,7 +2,7 @@
 
 The texts are rendered; their figures are drawn and their cells run unless only some exercises are asked for. For each
 exercise: the reference gets full marks, the starter does not, every catalogued misconception is rejected and named,
-each specimen gets the outcome of its folder. What is known of answers without code is tried on several draws.
+each specimen gets the outcome of its folder. What is known of answers without code is tried on several deals.
 """
 
 import logging
@@ -27,9 +27,9 @@ Judge = Callable[[Judgement], str]
 
 @dataclass(frozen=True)
 class Case:
-    """A submission that is known; `judge` says what is wrong with its grading, or nothing.
+    """A submission that is known; `judge` says what is wrong with its judgement, or nothing.
 
-    `write` gives it for a seed, and it is tried on `rounds` seeds.
+    `write` gives it for a seed, and it is judged on `rounds` seeds.
     """
 
     subject: str
@@ -92,7 +92,7 @@ def cases(exercise: Exercise) -> Iterator[Case]:
 
 
 def judge_of(known: Known) -> Judge:
-    """What is wrong with the grading of a known submission: its marks or its outcome first, then its name."""
+    """What is wrong with the judgement of a known submission: its marks or its outcome first, then its name."""
     marks = not_full_marks if known.outcome is None else outcome(known.outcome)
     if known.diagnosis is None:
         return marks
@@ -102,10 +102,10 @@ def judge_of(known: Known) -> Judge:
 
 def examine(grader: Grader, exercise: Exercise, case: Case, seed: int) -> Examination:
     """What is wrong with a case on `seed`, or on one of the seeds that follow it."""
-    for tried in range(seed, seed + case.rounds):
-        fault = case.judge(grader.grade(exercise.id, case.write(tried), tried))
+    for trial_seed in range(seed, seed + case.rounds):
+        fault = case.judge(grader.grade(exercise.id, case.write(trial_seed), trial_seed))
         if fault:
-            return Examination(exercise.id, case.subject, fault, tried)
+            return Examination(exercise.id, case.subject, fault, trial_seed)
     return Examination(exercise.id, case.subject, "", seed)
 
 

@@ -18,7 +18,7 @@ from reference.filters.unscented import SigmaPoints, Spread
 
 Floats = NDArray[np.float64]
 
-# The example of the page: x = 2 ± 1 m, a move of 3 ± 0.5 m, then a range of 4.4 ± 0.5 m to a wall at 10 m.
+# The example of the lesson: x = 2 ± 1 m, a move of 3 ± 0.5 m, then a range of 4.4 ± 0.5 m to a wall at 10 m.
 PRIOR = (2.0, 1.0)
 PREDICTED = (5.0, float(np.sqrt(1.25)))
 LIKELIHOOD = (5.6, 0.5)

@@ -20,7 +20,7 @@ from graders.l20.boucles.places import BEAMS, NOISE, Pool, Rng, noisy, signature
 GAP = 10
 MARGIN = 2.0
 PREFILTER = 3.0
-ATTEMPTS = 400
+MAX_DRAWS = 400
 READINGS = 40
 NEARER = 3.0
 Statistic = Callable[[Floats], Floats]
@@ -96,7 +96,7 @@ def draw_walk(rng: Rng, pool: Pool, *, with_noise: bool) -> Walk:
 
     Noiseless walks are chosen with the same noise as the others, so that their places are as distinct.
     """
-    for _ in range(ATTEMPTS):
+    for _ in range(MAX_DRAWS):
         chosen = _distinct_places(rng, pool)
         if chosen is None:
             continue
@@ -126,7 +126,7 @@ def _itinerary(rng: Rng, chosen: NDArray[np.int64]) -> tuple[NDArray[np.int64], 
     return np.array([*past, *recent, a, b]), (20, 21)
 
 
-def draw_trap(rng: Rng, pool: Pool, statistic: Statistic, *, readings: int = READINGS, pairs: int = ATTEMPTS) -> Walk:
+def draw_trap(rng: Rng, pool: Pool, statistic: Statistic, *, readings: int = READINGS, pairs: int = MAX_DRAWS) -> Walk:
     """Fourteen scans; one of the first three is of the place of the last, another has the same `statistic` elsewhere.
 
     By this number alone, and whatever the distance, the other place is nearer than the same place.
@@ -147,7 +147,7 @@ def _lookalikes(pool: Pool, statistic: Statistic) -> list[tuple[int, int]]:
     if np.ptp(values) == 0.0:
         return []
     first, second = np.triu_indices(len(values), 1)
-    nearest = np.argsort(np.abs(values[first] - values[second]))[:ATTEMPTS]
+    nearest = np.argsort(np.abs(values[first] - values[second]))[:MAX_DRAWS]
     return [(int(first[k]), int(second[k])) for k in nearest]
 
 
