@@ -1,5 +1,7 @@
 """What there is to solve."""
 
+from dataclasses import asdict
+
 from fastapi import APIRouter
 
 from graders.core.answers import Paper, Question
@@ -45,7 +47,7 @@ def read_exercise(
         **_summary(exercise).model_dump(),
         statement_html=exercise.statement_html,
         starter=exercise.starter,
-        limits=_limits(exercise),
+        limits=LimitsOut(**asdict(exercise.policy)),
         given=[
             GivenOut(symbol=datum.symbol, name=datum.name, value=datum.text, unit=datum.unit) for datum in paper.given
         ],
@@ -80,15 +82,4 @@ def _summary(exercise: Exercise) -> ExerciseOut:
             FunctionOut(name=f.name, signature=f.signature, returns=f.returns, doc=f.doc) for f in exercise.functions
         ],
         url=f"/api/v1/exercises/{exercise.id}",
-    )
-
-
-def _limits(exercise: Exercise) -> LimitsOut:
-    policy = exercise.policy
-    return LimitsOut(
-        cpu_seconds=policy.cpu_seconds,
-        wall_seconds=policy.wall_seconds,
-        memory_bytes=policy.memory_bytes,
-        source_bytes=policy.source_bytes,
-        stdout_bytes=policy.stdout_bytes,
     )
