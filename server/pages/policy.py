@@ -35,5 +35,5 @@ READ: dict[Unit, Callable[[float], str]] = {
 
 
 def policy_lines(exercise: Exercise) -> tuple[tuple[str, str], ...]:
-    """Name and value of each line of the policy, for this exercise."""
+    """Name and value of each limit of the policy, for this exercise."""
     return tuple((row.words, READ[row.unit](getattr(exercise.policy, name))) for name, row in ROWS.items())

@@ -1,6 +1,6 @@
 """What one program may use: one table, enforced by the walls, shown to the student, overridable for an exercise.
 
-A new line is a new field of `Policy` with its row: the course's files, the pages and the API take all from there.
+A new limit is a new field of `Policy` with its row: the course's files, the pages and the API take all from there.
 """
 
 from __future__ import annotations
