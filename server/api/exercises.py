@@ -37,7 +37,7 @@ def read_exercise(
 ) -> ExerciseDetail:
     """One exercise, with its statement (HTML), the file to start from, and the limits of an execution.
 
-    An exercise answered without code comes with the questions that were drawn for this account.
+    An exercise answered without code comes with the questions that were dealt to this account.
     """
     exercise = find(course, f"{module}/{slug}")
     paper = NO_PAPER
@@ -48,8 +48,10 @@ def read_exercise(
         statement_html=exercise.statement_html,
         starter=exercise.starter,
         limits=LimitsOut(**asdict(exercise.policy)),
-        given=[GivenOut(symbol=one.symbol, name=one.name, value=one.text, unit=one.unit) for one in paper.given],
-        questions=[_question(exercise, one) for one in paper.questions],
+        given=[
+            GivenOut(symbol=datum.symbol, name=datum.name, value=datum.text, unit=datum.unit) for datum in paper.given
+        ],
+        questions=[_question(exercise, question) for question in paper.questions],
     )
 
 
@@ -61,7 +63,7 @@ def _question(exercise: Exercise, question: Question) -> QuestionOut:
         form=question.form,
         points=question.points,
         unit=question.unit,
-        pieces=[PieceOut(id=one.id, text_html=exercise.prose(one.text)) for one in question.pieces],
+        pieces=[PieceOut(id=piece.id, text_html=exercise.prose(piece.text)) for piece in question.pieces],
     )
 
 

@@ -131,7 +131,7 @@ else:
 
 
 class GivenOut(Strict):
-    """A number drawn for this account, as it is to be used."""
+    """A number dealt to this account, as it is to be used."""
 
     symbol: Annotated[str, Field(description="In TeX.")]
     name: str

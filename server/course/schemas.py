@@ -56,7 +56,7 @@ class Overrides(Strict):
     """Of `server.sandbox.Policy`, field by field, each within the bounds of its row."""
 
     def policy(self) -> Policy:
-        """The general limits, and what is overridden here."""
+        """The general policy, and what is overridden here."""
         return replace(Policy(), **self.overrides())
 
     def overrides(self) -> dict[str, Any]:
@@ -91,7 +91,7 @@ class ExerciseFile(Strict):
 
 
 class FrontMatter(Strict):
-    """Between the `+++` lines of a page."""
+    """Between the `+++` lines of a lesson."""
 
     title: PlainText
     label: PlainText

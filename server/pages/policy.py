@@ -1,4 +1,4 @@
-"""The limits of the sandbox, in words: they are data, and a student has a right to know them."""
+"""What a program may use, in words: the policy is data, and a student has a right to know it."""
 
 from __future__ import annotations
 
@@ -35,5 +35,5 @@ READ: dict[Unit, Callable[[float], str]] = {
 
 
 def policy_lines(exercise: Exercise) -> tuple[tuple[str, str], ...]:
-    """Name and value of each limit, for this exercise."""
+    """Name and value of each limit of the policy, for this exercise."""
     return tuple((row.words, READ[row.unit](getattr(exercise.policy, name))) for name, row in ROWS.items())

@@ -1,4 +1,4 @@
-"""The limits of one execution: one table, enforced by the walls, shown to the student, overridable for an exercise.
+"""What one program may use: one table, enforced by the walls, shown to the student, overridable for an exercise.
 
 A new limit is a new field of `Policy` with its row: the course's files, the pages and the API take all from there.
 """
