@@ -1,7 +1,5 @@
 """What `balise check` proves of the course, in the real sandbox, on seeds that do not change."""
 
-from collections.abc import Iterator
-
 import pytest
 
 from server.cli.check import Case, cases, examine
@@ -10,15 +8,16 @@ from server.grading.joint import Grader
 from server.sandbox import Sandbox
 from tests.quick import the_course
 
+pytestmark = pytest.mark.long
+
 COURSE = the_course()
 KNOWN = [(exercise, case) for exercise in COURSE.exercises.values() for case in cases(exercise)]
 NAMES = [f"{exercise.id}-{case.subject}" for exercise, case in KNOWN]
 
 
 @pytest.fixture(scope="module")
-def grader() -> Iterator[Grader]:
-    with Sandbox(COURSE.kits) as sandbox:
-        yield Grader(COURSE, sandbox)
+def grader(course_sandbox: Sandbox) -> Grader:
+    return Grader(COURSE, course_sandbox)
 
 
 def test_the_course_has_its_exercises_and_no_problem() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from string import ascii_lowercase
 from typing import Any
@@ -36,15 +35,14 @@ FORM = {"name": "Ada L.", "login": "ada@example.org", "password": "une phrase as
 
 
 @pytest.fixture
-def grading(site: Site, course: Course) -> Iterator[Worker]:
+def grading(site: Site, course: Course, course_sandbox: Sandbox) -> Worker:
     """A worker that grades in earnest; answers never reach the sandbox."""
-    with Sandbox(course.kits) as sandbox:
-        grader = Grader(course, sandbox)
+    grader = Grader(course, course_sandbox)
 
-        def grade(sent: SentFile) -> Judgement:
-            return grader.grade(sent.exercise, sent.source, sent.seed)
+    def grade(sent: SentFile) -> Judgement:
+        return grader.grade(sent.exercise, sent.source, sent.seed)
 
-        yield site.worker_with(grade)
+    return site.worker_with(grade)
 
 
 def stored(database: Database, row: Any) -> list[Any]:
