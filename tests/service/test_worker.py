@@ -267,6 +267,11 @@ def test_our_own_fault_is_retried_once_logged_and_never_a_zero(
         assert told in caplog.text
 
 
+def asleep_when_told_to_stop() -> None:
+    threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGTERM)).start()
+    time.sleep(60)
+
+
 def test_sigterm_stops_a_worker_in_its_main_thread() -> None:
     from server.grading.process import stop_on_signals
 
@@ -274,8 +279,7 @@ def test_sigterm_stops_a_worker_in_its_main_thread() -> None:
     try:
         stop_on_signals()
         with pytest.raises(Stop):
-            threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGTERM)).start()
-            time.sleep(20)
+            asleep_when_told_to_stop()
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
