@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: the processes of xdist share the processors already
+
 from collections.abc import Iterator
 
 import pytest
