@@ -1,5 +1,4 @@
-"""What many tests need and one process makes once: the course, an SQLite file at the current schema, a quick hasher;
-and which of many alike wait for the thorough run."""
+"""What many tests need and one process makes once: the course, an SQLite file at the current schema, a quick hasher."""
 
 from __future__ import annotations
 
@@ -26,9 +25,15 @@ from tests.graders.reenactments import steady
 T = TypeVar("T")
 
 
-def one_in(step: int, values: Iterable[Any]) -> list[Any]:
-    """Parameters of a test, of which one in `step` runs in the fast suite, and the others with `-m slow`."""
-    return [one if k % step == 0 else pytest.param(one, marks=pytest.mark.slow) for k, one in enumerate(values)]
+#: Of a figure: the light one is drawn in the fast suite.
+THEMES = ["light", pytest.param("dark", marks=pytest.mark.slow)]
+
+
+def some(values: Iterable[T]) -> list[T]:
+    """These, of which there is at least one: a test that walks nothing proves nothing."""
+    found = list(values)
+    assert found, "there is nothing to walk through"
+    return found
 
 
 @cache

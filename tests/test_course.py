@@ -1,7 +1,5 @@
 """What `balise check` proves of the course, in the real sandbox, on seeds that do not change."""
 
-from collections.abc import Iterator
-
 import pytest
 
 from server.cli.check import Case, cases, examine
@@ -10,24 +8,16 @@ from server.grading.joint import Grader
 from server.sandbox import Sandbox
 from tests.quick import the_course
 
+pytestmark = pytest.mark.long
+
 COURSE = the_course()
 KNOWN = [(exercise, case) for exercise in COURSE.exercises.values() for case in cases(exercise)]
 NAMES = [f"{exercise.id}-{case.subject}" for exercise, case in KNOWN]
-#: The fast suite leaves out one known mistake of code in two, which `-m slow` and `balise check` try.
-LATER = [
-    k % 2 == 1 and exercise.kind == "code" and case.subject.startswith("erreur")
-    for k, (exercise, case) in enumerate(KNOWN)
-]
-TRIED = [
-    pytest.param(*known, id=name, marks=[pytest.mark.slow] if later else [])
-    for known, name, later in zip(KNOWN, NAMES, LATER, strict=True)
-]
 
 
 @pytest.fixture(scope="module")
-def grader() -> Iterator[Grader]:
-    with Sandbox(COURSE.kits) as sandbox:
-        yield Grader(COURSE, sandbox)
+def grader(course_sandbox: Sandbox) -> Grader:
+    return Grader(COURSE, course_sandbox)
 
 
 def test_the_course_has_its_exercises_and_no_problem() -> None:
@@ -36,7 +26,7 @@ def test_the_course_has_its_exercises_and_no_problem() -> None:
     assert COURSE.problems == ()
 
 
-@pytest.mark.parametrize(("exercise", "case"), TRIED)
+@pytest.mark.parametrize(("exercise", "case"), KNOWN, ids=NAMES)
 def test_solutions_pass_starters_do_not_and_mistakes_are_named(exercise: Exercise, case: Case, grader: Grader) -> None:
     assert examine(grader, exercise, case, seed=2026).fault == ""
 

@@ -107,15 +107,9 @@ def test_every_figure_says_what_it_shows(client: TestClient, path: str) -> None:
             assert alt
 
 
-@pytest.fixture(scope="module")
-def sandbox() -> Iterator[Sandbox]:
-    with Sandbox(COURSE.kits) as made:
-        yield made
-
-
 @pytest.mark.parametrize(("module", "cell"), CELLS)
-def test_every_cell_runs_and_shows_something(sandbox: Sandbox, module: str, cell: Cell) -> None:
-    shown = run(sandbox, module, cell.code.encode())
+def test_every_cell_runs_and_shows_something(course_sandbox: Sandbox, module: str, cell: Cell) -> None:
+    shown = run(course_sandbox, module, cell.code.encode())
     assert shown.fault is None, shown.fault
     assert shown.stdout or shown.figures
     assert not shown.truncated

@@ -64,10 +64,10 @@ class Settings(BaseSettings):
         default=3.0, ge=0, description="then one more after so long; 0: as many as one likes"
     )
     guest_burst: Count = Field(
-        default=300, description="guests from one address at once; also its attempts to log in, to any account"
+        default=300, description="guests from one address at once; also the log-ins that it tries, to any account"
     )
     guest_refill_seconds: Seconds = Field(default=1.0, ge=0, description="then one more after so long")
-    login_burst: Count = Field(default=10, description="attempts to log in to one account from one address, at once")
+    login_burst: Count = Field(default=10, description="log-ins tried to one account from one address, at once")
     login_refill_seconds: Seconds = Field(default=30.0, ge=0, description="then one more after so long")
     cell_burst: Count = Field(default=30, description="runs of a page's cells by an account at once")
     cell_refill_seconds: Seconds = Field(default=2.0, ge=0, description="then one more after so long")
@@ -119,8 +119,8 @@ def table() -> Iterator[tuple[str, str, str]]:
     """Name, default and meaning of each, as they are documented."""
     for name, field in Settings.model_fields.items():
         extra = field.json_schema_extra
-        told = extra["told"] if isinstance(extra, dict) else f"{field.default:g}"
-        yield variable(name), str(told), field.description or ""
+        default = extra["told"] if isinstance(extra, dict) else f"{field.default:g}"
+        yield variable(name), str(default), field.description or ""
 
 
 def misspelt(environment: Iterable[str]) -> Iterator[tuple[str, str | None]]:

@@ -92,8 +92,8 @@ def _serve(app: FastAPI, listener: socket.socket, ready: Callable[[], None]) -> 
 def _listening(host: str, port: int) -> Iterator[socket.socket]:
     """The listening socket; a port that is taken or an address that is not ours is told in words."""
     try:
-        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-        family, kind, protocol, _, address = found[0]
+        addresses = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        family, kind, protocol, _, address = addresses[0]
         listener = socket.socket(family, kind, protocol)  # without its protocol, asyncio would leave Nagle's delays on
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(address)

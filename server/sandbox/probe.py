@@ -67,9 +67,9 @@ class _Templates:
     def __init__(self, spawner: ThreadPoolExecutor) -> None:
         self._spawner = spawner
         self._known: dict[tuple[bool, frozenset[str]], TemplateProcess | str] = {}
-        found, self.why_no_seat = hierarchies()
-        self.controllers = frozenset(name for hierarchy in found for name in hierarchy.controllers)
-        self._seats, self._no_seats = Seats(found), Seats(())
+        usable, self.why_no_seat = hierarchies()
+        self.controllers = frozenset(name for hierarchy in usable for name in hierarchy.controllers)
+        self._seats, self._no_seats = Seats(usable), Seats(())
 
     def get(self, lifted: frozenset[str], *, namespaces: bool) -> TemplateProcess | str:
         """The template, in the namespaces if they can be had or are asked for; or why there is none."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from tests.browser.conftest import NewVisit, sync_api
-from tests.quick import one_in
 
 expect = sync_api.expect
 READ = "/l20/lire/localiser"
@@ -77,7 +76,7 @@ def test_the_button_fetches_every_drawing_before_it_prints(visit: NewVisit) -> N
     assert page.locator(".figure-light").evaluate_all("images => images.every(one => one.naturalWidth > 0)")
 
 
-@pytest.mark.parametrize("script", one_in(2, [True, False]))
+@pytest.mark.parametrize("script", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_on_paper_everything_is_unfolded_and_nothing_is_dark(visit: NewVisit, script: bool) -> None:
     visitor = visit(color_scheme="dark", java_script_enabled=script)
     page = visitor.open("/l20/lire/exercices-corriges")

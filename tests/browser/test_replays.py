@@ -8,7 +8,6 @@ import pytest
 
 from server.replays.service import Replays
 from tests.browser.conftest import NewVisit, Page, Visit, sync_api
-from tests.quick import one_in
 
 expect = sync_api.expect
 NAMES = Replays().names("l20")
@@ -43,7 +42,7 @@ def reading(visitor: Visit, *names: str) -> Page:
     return visitor.page
 
 
-@pytest.mark.parametrize("width", one_in(2, [390, 1280]))
+@pytest.mark.parametrize("width", [390, pytest.param(1280, marks=pytest.mark.slow)])
 def test_every_replay_draws_plays_and_follows_the_theme(visit: NewVisit, width: int) -> None:
     page = reading(visit(width=width, color_scheme="light"), *NAMES)
     for name in NAMES:

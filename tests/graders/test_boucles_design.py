@@ -12,6 +12,7 @@ from graders.l20 import world
 from graders.l20.boucles import calibration, family, scenes, walks
 from graders.l20.boucles.calibration import Outcome as Ending
 from graders.l20.boucles.places import module_map, module_pool
+from tests.quick import some
 
 
 def test_shifted_scans_are_those_of_the_lidar() -> None:
@@ -30,7 +31,7 @@ def test_walks_keep_what_the_contract_says_of_them() -> None:
         assert np.all(np.abs(walk.poses[:, 2]) <= np.pi)
         assert np.all(np.abs(walk.poses[:, :2] % 1.0 - 0.5) >= 0.09)
         assert np.all((walk.scans >= 0.0) & (walk.scans <= world.RANGE))
-        for i in walk.queries:
+        for i in some(walk.queries):
             assert len(walk.same_place(i)) == 2
             assert i - walks.GAP not in walk.same_place(i)
 
@@ -76,8 +77,8 @@ def candidats_boucle(scans, i, seuil):
 
 def test_the_family_is_invariant_and_tells_places_apart() -> None:
     scans = module_pool(3).scans[:12]
-    for name, describe in family.DESCRIPTORS.items():
+    for name, describe in some(family.DESCRIPTORS.items()):
         np.testing.assert_allclose(describe(np.roll(scans, 7, axis=1)), describe(scans), atol=1e-7, err_msg=name)
-        for distance in family.DISTANCES.values():
+        for distance in some(family.DISTANCES.values()):
             away = distance(describe(scans), describe(scans))
             assert np.all(np.diag(away) <= 1e-6)

@@ -8,6 +8,7 @@ import pytest
 from graders.core.contract.local import LOCAL, PROJECT
 from graders.plotting import counterexample
 from tests.graders.shipped import CODE
+from tests.quick import THEMES
 
 GRADER = CODE["l20/poses"]
 
@@ -43,7 +44,7 @@ def test_the_counterexample_of_a_forgotten_rotation_is_a_quarter_turn() -> None:
     assert sorted(map(abs, counterexample.inputs["b"])) == [0.0, 0.0, 1.0]
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("theme", THEMES)
 def test_figures_draw(theme: str) -> None:
     mistake = next(m for m in GRADER.misconceptions if m.id == "degres_dans_cos")
     figures = json.loads(json.dumps(GRADER.grade(mistake.source.encode(), LOCAL, seed=1, version="v").figures))

@@ -16,7 +16,7 @@ from graders.l20.predire2d.checks import tells_something
 from graders.plotting import counterexample
 from reference.localisation.grid_filter import most_likely
 from tests.graders.shipped import CODE
-from tests.quick import one_in
+from tests.quick import THEMES, some
 
 GRADER = CODE["l20/predire2d"]
 
@@ -185,7 +185,7 @@ def test_the_counterexample_of_a_wrong_likelihood_is_a_doubt_between_two_cells()
 def test_every_walk_is_followed_with_a_margin_and_not_by_standing_still() -> None:
     grid = cases.module_world()
     for seed in range(6):
-        for episode in trials.episodes(seed):
+        for episode in some(trials.episodes(seed)):
             assert trials.gap(most_likely(episode.belief), episode.end) <= 1
             assert len(episode.cells) == len(episode.commands) == trials.STEPS
             assert all(grid.free[cell] for cell in (episode.start, *episode.cells))
@@ -196,7 +196,7 @@ def test_scans_are_likely_enough_for_every_honest_formula(draw: Callable[..., An
     rng = np.random.default_rng(8)
     for _ in range(10):
         grid = cases.open_world(rng) if draw is cases.noisy_scans else cases.module_world()
-        for belief, scan, sigma in draw(rng, grid):
+        for belief, scan, sigma in some(draw(rng, grid)):
             likelihood = np.exp(-np.sum((scan - grid.scans) ** 2, axis=2) / (2 * sigma**2))
             assert np.sum(belief * likelihood) > 2e-3
             assert not belief[~grid.free].any()
@@ -210,7 +210,7 @@ def test_beliefs_given_are_beliefs() -> None:
         (cases.moves_near_walls, cases.module_world()),
         (cases.moves_at_the_edge, cases.open_world(rng)),
     ):
-        for belief, _, _ in draw(rng, grid):
+        for belief, _, _ in some(draw(rng, grid)):
             assert not belief[~grid.free].any()
             assert belief.sum() == pytest.approx(1.0)
 
@@ -286,7 +286,7 @@ def test_a_mistake_is_named_in_another_style(name: str, change: str) -> None:
         assert found.diagnosis.id == name
 
 
-@pytest.mark.parametrize("theme", one_in(2, ["light", "dark"]))
+@pytest.mark.parametrize("theme", THEMES)
 def test_figures_draw(theme: str) -> None:
     figures = json.loads(json.dumps(grading(mistake("sens_inverse"), 0).figures))
     assert set(figures) == {"predire_exemples", "predire_murs", "predire_autre_carte", "localisation"}

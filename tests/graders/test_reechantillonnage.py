@@ -23,7 +23,7 @@ from graders.l20.reechantillonnage.judge import TAIL, is_comb, plausible
 from graders.plotting import counterexample
 from reference.filters.resampling import comb, systematic_resampling
 from tests.graders.shipped import CODE
-from tests.quick import one_in
+from tests.quick import THEMES, some
 
 GRADER = CODE["l20/reechantillonnage"]
 
@@ -280,7 +280,7 @@ def test_the_starter_earns_nothing() -> None:
 
 @pytest.mark.parametrize("name", STYLES)
 def test_mistakes_are_named_in_any_style_and_with_any_generator(name: str) -> None:
-    for body in STYLES[name]:
+    for body in some(STYLES[name]):
         found = verdict(submission(body), 7)
         assert found.diagnosis is not None, body
         assert found.diagnosis.id == name
@@ -370,8 +370,8 @@ def test_rows_are_recognised_up_to_the_tolerance(n: int, d: int) -> None:
     assert np.all((found.copies >= case.low) & (found.copies <= case.high))
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
-@pytest.mark.parametrize("name", one_in(2, ["poids_ignores", "un_tirage_par_dent"]))
+@pytest.mark.parametrize("theme", THEMES)
+@pytest.mark.parametrize("name", ["poids_ignores", "un_tirage_par_dent"])
 def test_figures_draw(theme: str, name: str) -> None:
     figures = GRADER.grade(mistake(name).source.encode(), LOCAL, seed=1, version="v").figures
     assert figures

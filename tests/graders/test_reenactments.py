@@ -16,6 +16,7 @@ from graders.core.contract.local import LOCAL
 from graders.core.contract.streams import stream
 from tests.graders.reenactments import Remembering
 from tests.graders.shipped import CODE
+from tests.quick import some
 
 GRADERS = pytest.mark.parametrize("name", ["l20/poses", "l20/kabsch", "l20/reechantillonnage"])
 
@@ -31,7 +32,7 @@ def same(one: Sequence[Observation], other: Sequence[Observation]) -> bool:
 def test_a_reenactment_is_the_same_in_whatever_pieces_it_was_made(name: str) -> None:
     grader, memory = CODE[name], Remembering()
     given: dict[str, Any] = {"checks": grader.checks, "kit": grader.kit(stream(3, "kit")), "seed": 3}
-    for misconception in grader.misconceptions[:6]:
+    for misconception in some(grader.misconceptions[:6]):
         fresh = FRESH.reenact(misconception, **given).seen()
         assert fresh
         for count in (1, len(fresh) // 2, len(fresh) + 1, 1):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import unicodedata
-from collections.abc import Iterator
 from html.parser import HTMLParser
 from xml.etree import ElementTree
 
@@ -62,9 +61,8 @@ def attack(exercise: str, value: str) -> bytes:
 
 
 @pytest.fixture(scope="module")
-def grader() -> Iterator[Grader]:
-    with Sandbox(COURSE.kits) as sandbox:
-        yield Grader(COURSE, sandbox)
+def grader(course_sandbox: Sandbox) -> Grader:
+    return Grader(COURSE, course_sandbox)
 
 
 class Tags(HTMLParser):

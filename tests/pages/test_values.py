@@ -70,7 +70,11 @@ def test_any_json_can_be_shown(value: Any, expected: Any) -> None:
 
 
 @settings(deadline=None, max_examples=60)
-@given(st.dictionaries(st.sampled_from(["a", "bel", "scan_obs"]), numbers | st.lists(numbers, min_size=1, max_size=4)))
+@given(
+    st.dictionaries(
+        st.sampled_from(["a", "bel", "scan_obs"]), numbers | st.lists(numbers, min_size=1, max_size=4), min_size=1
+    )
+)
 def test_replayed_lines_give_the_same_inputs(inputs: dict[str, Any]) -> None:
     import numpy as np
 

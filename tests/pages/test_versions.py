@@ -6,7 +6,7 @@ import json
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -185,12 +185,6 @@ def test_each_file_that_grades_a_real_exercise_changes_its_version(tmp_path: Pat
         assert (after != before) is (path in grading), path
 
 
-@pytest.fixture(scope="module")
-def sandbox() -> Iterator[Sandbox]:
-    with Sandbox(the_course().kits) as opened:
-        yield opened
-
-
 def closure_of(exercise: Exercise) -> set[str]:
     imports = Imports(ROOT)
     described = imports.closure(f"graders.{exercise.module}.{exercise.slug}.grader")
@@ -217,11 +211,11 @@ def test_what_a_grader_really_imports_is_in_its_closure(exercise: Exercise) -> N
 
 
 @EXERCISES
-def test_what_runs_to_grade_a_submission_is_in_the_closure(exercise: Exercise, sandbox: Sandbox) -> None:
+def test_what_runs_to_grade_a_submission_is_in_the_closure(exercise: Exercise, course_sandbox: Sandbox) -> None:
     """Also what is imported only then, for a right submission and for a mistake that has a name."""
     known = list(exercise.grader.known())
     submissions = [known[0], next(one for one in known if one.diagnosis)] if exercise.kind == "code" else known[:4]
-    grader, before, running = Grader(the_course(), sandbox), set(sys.modules), set()
+    grader, before, running = Grader(the_course(), course_sandbox), set(sys.modules), set()
     for submission in submissions:
         sys.setprofile(lambda frame, _event, _value: running.add(frame.f_globals.get("__name__", "")))
         try:

@@ -22,7 +22,7 @@ from server.base.errors import Invalid, NotFound, TooMany
 from server.base.settings import Settings
 from server.replays.routes import MOST_WAITING, Desk
 from server.replays.service import Answer, Replays, Script
-from tests.quick import migrated
+from tests.quick import migrated, the_course
 
 SCRIPT = """
 from graders.scene.replay import *
@@ -47,7 +47,7 @@ def replays(tmp_path: Path) -> Replays:
 def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
     settings = Settings(data_dir=tmp_path_factory.mktemp("data"), workers=0)
     database = migrated(settings)
-    with TestClient(create_app(settings)) as made:
+    with TestClient(create_app(settings, course=the_course())) as made:
         yield made
     database.close()
 

@@ -52,14 +52,13 @@ class Form(HTMLParser):
 
 
 @pytest.fixture
-def worker(site: Site, course: Course) -> Any:
-    with Sandbox(course.kits) as sandbox:
-        grader = Grader(course, sandbox)
+def worker(site: Site, course: Course, course_sandbox: Sandbox) -> Any:
+    grader = Grader(course, course_sandbox)
 
-        def grade(sent: SentFile) -> Judgement:
-            return grader.grade(sent.exercise, sent.source, sent.seed)
+    def grade(sent: SentFile) -> Judgement:
+        return grader.grade(sent.exercise, sent.source, sent.seed)
 
-        yield site.worker_with(grade)
+    return site.worker_with(grade)
 
 
 def path_of(name: str) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from string import ascii_lowercase
 from typing import Any
@@ -25,6 +24,7 @@ from server.sandbox import Sandbox
 from server.submissions import deals
 from server.submissions.models import Deal, Submission
 from server.submissions.service import Submissions
+from tests.quick import some
 
 from .conftest import EXERCISE, Site, new_account
 
@@ -35,15 +35,14 @@ FORM = {"name": "Ada L.", "login": "ada@example.org", "password": "une phrase as
 
 
 @pytest.fixture
-def grading(site: Site, course: Course) -> Iterator[Worker]:
+def grading(site: Site, course: Course, course_sandbox: Sandbox) -> Worker:
     """A worker that grades in earnest; answers never reach the sandbox."""
-    with Sandbox(course.kits) as sandbox:
-        grader = Grader(course, sandbox)
+    grader = Grader(course, course_sandbox)
 
-        def grade(sent: SentFile) -> Judgement:
-            return grader.grade(sent.exercise, sent.source, sent.seed)
+    def grade(sent: SentFile) -> Judgement:
+        return grader.grade(sent.exercise, sent.source, sent.seed)
 
-        yield site.worker_with(grade)
+    return site.worker_with(grade)
 
 
 def stored(database: Database, row: Any) -> list[Any]:
@@ -219,7 +218,7 @@ def test_nobody_sees_someone_else_s_deal(site: Site) -> None:
 def test_the_exercise_tells_no_secret(site: Site) -> None:
     headers = site.token()
     for name in (QUIZ, PROOF):
-        for question in detail(site, headers, name)["questions"]:
+        for question in some(detail(site, headers, name)["questions"]):
             assert question.keys() == {"id", "title", "text_html", "form", "points", "unit", "pieces"}
             assert [one["id"] for one in question["pieces"]] == list(ascii_lowercase[: len(question["pieces"])])
             assert all(one.keys() == {"id", "text_html"} for one in question["pieces"])

@@ -127,10 +127,11 @@ def test_a_cell_that_was_not_run_is_told_and_does_not_count(
 
 def test_a_reader_who_leaves_leaves_the_queue(site: Site, play: Callable[[Echo], Echo]) -> None:
     """The application is called as a server does, with a reader who closes the page while the cell waits."""
-    ended = asyncio.Event()
+    begun, ended = asyncio.Event(), asyncio.Event()
 
     class Endless(Echo):
         async def run(self, module: str, code: str, *, reader: str, address: str) -> bytes:
+            begun.set()
             try:
                 await asyncio.sleep(600)
             finally:
@@ -142,7 +143,8 @@ def test_a_reader_who_leaves_leaves_the_queue(site: Site, play: Callable[[Echo],
     coming: list[Message] = [{"type": "http.request", "body": body}, {"type": "http.disconnect"}]
 
     async def receive() -> Message:
-        await asyncio.sleep(0.05)
+        if len(coming) == 1:
+            await asyncio.wait_for(begun.wait(), 20)
         return coming.pop(0)
 
     async def send(_: Message) -> None:

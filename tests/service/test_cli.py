@@ -161,18 +161,20 @@ class Shifted:
         return self.grader.grade(exercise, self.source, seed)
 
 
-def test_check_passes_the_course_and_notices_what_is_wrong(course: Course, monkeypatch: Any) -> None:
+def test_check_tries_all_that_is_known_of_an_exercise_and_notices_what_is_wrong(
+    course: Course, course_sandbox: Sandbox, monkeypatch: Any
+) -> None:
+    """That all of it is well is the work of `test_course.py`."""
     monkeypatch.setattr("server.cli.check.secrets.randbits", lambda _: 2026)  # one seed: re-enacted mistakes are shared
     exercise = course.exercises[EXERCISE]
-    with Sandbox(course.kits) as sandbox:
-        grader = Grader(course, sandbox)
-        good = list(check.examinations(grader, exercise))
-        assert [one for one in good if one.fault] == []
-        assert len(good) == 2 + len(exercise.grader.misconceptions) + len(list(exercise.grader.specimens()))
-        all_right, all_wrong = (
-            {one.subject: one.fault for one in islice(check.examinations(Shifted(grader, source), exercise), 3)}  # type: ignore[arg-type]
-            for source in (exercise.solution, "x = 1\n")
-        )
+    known = [case.subject for case in check.cases(exercise)]
+    assert len(known) == 2 + len(exercise.grader.misconceptions) + len(list(exercise.grader.specimens()))
+    grader = Grader(course, course_sandbox)
+    good, all_right, all_wrong = (
+        {one.subject: one.fault for one in islice(check.examinations(tried, exercise), 3)}  # type: ignore[arg-type]
+        for tried in (grader, Shifted(grader, exercise.solution), Shifted(grader, "x = 1\n"))
+    )
+    assert good == dict.fromkeys(known[:3], "")
     first = f"erreur {exercise.grader.misconceptions[0].id}"
     assert all_right["référence"] == ""
     assert "obtient tous les points" in all_right["fichier de départ"]

@@ -159,12 +159,17 @@ def test_a_lost_signal_is_made_up_for(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_those_who_wait_learn_that_the_queue_has_moved(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(events_module, "SAFETY_POLL", 60.0)
-    state = [2]
+    state, reads = [2], list[int]()
+
+    def read() -> Count:
+        reads.append(state[0])
+        return Count(reads[-1])
 
     async def main() -> list[int]:
         events = Events()
-        watching = asyncio.create_task(collect(events.follow("a", lambda: Count(state[0]))))
-        await asyncio.sleep(0.05)
+        watching = asyncio.create_task(collect(events.follow("a", read)))
+        while not reads:
+            await asyncio.sleep(0.005)
         state[0] = 3
         events.changed("b")
         return await asyncio.wait_for(watching, 20)
@@ -172,12 +177,17 @@ def test_those_who_wait_learn_that_the_queue_has_moved(monkeypatch: pytest.Monke
     assert in_a_loop(main()) == [2, 3]
 
 
+async def watched(events: Events) -> None:
+    while not events._watchers:
+        await asyncio.sleep(0.005)
+
+
 def test_nothing_is_kept_of_watchers_who_leave() -> None:
     async def main() -> dict[Any, Any]:
         events, name = Events(), "a"
         await events.until_done(name, lambda: Count(0), 0.02)
         watching = asyncio.create_task(collect(events.follow(name, lambda: Count(0))))
-        await asyncio.sleep(0.05)
+        await watched(events)
         watching.cancel()
         await asyncio.wait([watching])
         return dict(events._watchers)
@@ -189,7 +199,7 @@ def test_a_stopping_server_ends_the_watches() -> None:
     async def main() -> list[int]:
         events = Events()
         watching = asyncio.create_task(collect(events.follow("a", lambda: Count(0))))
-        await asyncio.sleep(0.05)
+        await watched(events)
         events.close()
         return await asyncio.wait_for(watching, 20)
 

@@ -8,7 +8,6 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from typing import Any, TypeVar
@@ -198,15 +197,9 @@ def test_the_heartbeat_extends_the_lease_while_grading(sqlite: Database, setting
     assert none(sqlite, Job)
 
 
-@pytest.fixture(scope="module")
-def sandbox(course: Course) -> Iterator[Sandbox]:
-    with Sandbox(course.kits) as one:
-        yield one
-
-
 @pytest.fixture
-def grader(course: Course, sandbox: Sandbox) -> Grader:
-    return Grader(course, sandbox)
+def grader(course: Course, course_sandbox: Sandbox) -> Grader:
+    return Grader(course, course_sandbox)
 
 
 def test_the_reference_gets_full_marks_through_the_sandbox(grader: Grader, course: Course) -> None:
@@ -260,9 +253,9 @@ class Failing:
 
 @pytest.mark.parametrize(("failures", "outcome"), [(1, Outcome.OK), (99, Outcome.INTERNAL_ERROR)])
 def test_our_own_fault_is_retried_once_logged_and_never_a_zero(
-    failures: int, outcome: Outcome, sandbox: Sandbox, course: Course, caplog: pytest.LogCaptureFixture
+    failures: int, outcome: Outcome, course_sandbox: Sandbox, course: Course, caplog: pytest.LogCaptureFixture
 ) -> None:
-    failing = Failing(sandbox, failures)
+    failing = Failing(course_sandbox, failures)
     source = course.exercises[EXERCISE].solution.encode()
     with caplog.at_level(logging.ERROR):
         one = uuid4()
@@ -274,15 +267,19 @@ def test_our_own_fault_is_retried_once_logged_and_never_a_zero(
         assert told in caplog.text
 
 
+def asleep_when_told_to_stop() -> None:
+    threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGTERM)).start()
+    time.sleep(60)
+
+
 def test_sigterm_stops_a_worker_in_its_main_thread() -> None:
     from server.grading.process import stop_on_signals
 
     before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
     try:
         stop_on_signals()
-        threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGTERM)).start()
         with pytest.raises(Stop):
-            time.sleep(20)
+            asleep_when_told_to_stop()
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
