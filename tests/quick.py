@@ -12,10 +12,12 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import pytest
+from fastapi import FastAPI
 from pwdlib import PasswordHash
 from pwdlib.hashers.argon2 import Argon2Hasher
 
 from graders.core.code.grading import CodeGrader
+from server.app import create_app
 from server.base.settings import Settings
 from server.course import Course, Exercise, load
 from server.database import Database
@@ -75,6 +77,22 @@ def _upgrade_once(url: str) -> None:
     database = Database(url)
     upgrade(database.engine)
     database.close()
+
+
+_standing: dict[tuple[int, int], FastAPI] = {}
+
+
+def standing_app(settings: Settings, course: Course) -> FastAPI:
+    """An application whose routes this process puts together only once; it serves one test at a time.
+
+    All that it holds is new: what it was built with, what runs while it serves, and nothing is overridden.
+    """
+    new = create_app(settings, course=course)
+    app = _standing.setdefault((settings.body_bytes, settings.session_days), new)  # what its middleware was told
+    app.state.provided = new.state.provided
+    app.router.lifespan_context = new.router.lifespan_context
+    app.dependency_overrides.clear()
+    return app
 
 
 @cache

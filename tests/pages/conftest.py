@@ -13,11 +13,10 @@ from graders.core.code.checks import Trial
 from graders.core.code.exercise import CodeDefinition
 from graders.core.contract.program import KitSettings
 from graders.discovery import Discovery
-from server.app import create_app
 from server.base.settings import Settings
 from server.course import Course, load
 from tests.pages.site import Site
-from tests.quick import migrated, weak_hasher
+from tests.quick import migrated, standing_app, weak_hasher
 
 MODULE = 'title = "Un module"\nnumber = "M9"\nsummary = "De quoi essayer."\n'
 EXERCISE = """title = "Doubler"
@@ -90,7 +89,7 @@ def site(course_folder: CourseFolder, tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.setattr("server.identity.secrets._hasher", weak_hasher)
     settings = Settings(data_dir=tmp_path / "data", workers=0, submission_burst=8, submission_refill_seconds=1000)
     database = migrated(settings)
-    app = create_app(settings, course=course_folder.load())
+    app = standing_app(settings, course_folder.load())
     with TestClient(app) as client:
         yield Site(client, database)
     database.close()

@@ -15,11 +15,10 @@ from reference.formats.map_server import read_map
 from reference.formats.trajectory_files import read_tum
 from reference.metrics import absolute_trajectory_error
 from reference.odometry import DifferentialDrive, integrate
-from server.app import create_app
 from server.base.errors import NotFound
 from server.base.settings import Settings
 from server.reading.downloads import Downloads, archive_of
-from tests.quick import migrated, the_course
+from tests.quick import migrated, standing_app, the_course
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +32,7 @@ def journey() -> dict[str, bytes]:
 def site_of_the_course(tmp_path: Path) -> Iterator[TestClient]:
     settings = Settings(data_dir=tmp_path / "data", workers=0)
     database = migrated(settings)
-    with TestClient(create_app(settings, course=the_course())) as client:
+    with TestClient(standing_app(settings, the_course())) as client:
         yield client
     database.close()
 

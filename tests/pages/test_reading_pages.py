@@ -18,7 +18,7 @@ from server.reading.service import duration, plain
 from tests.pages.conftest import CourseFolder
 from tests.pages.site import PAGE, Site, verdict
 from tests.pages.texts import with_texts
-from tests.quick import migrated, weak_hasher
+from tests.quick import migrated, standing_app, weak_hasher
 
 READ = "/m9/lire/depart"
 
@@ -28,7 +28,7 @@ def site(course_folder: CourseFolder, tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.setattr("server.identity.secrets._hasher", weak_hasher)
     settings = Settings(data_dir=tmp_path / "data", workers=0)
     database = migrated(settings)
-    app = create_app(settings, course=with_texts(course_folder.load()))
+    app = standing_app(settings, with_texts(course_folder.load()))
     with TestClient(app) as client:
         yield Site(client, database)
     database.close()

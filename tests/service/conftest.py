@@ -20,7 +20,6 @@ from starlette.testclient import TestClient
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
-from server.app import create_app
 from server.base.provided import provide, provided_to
 from server.base.settings import Settings
 from server.course import Course
@@ -34,7 +33,7 @@ from server.queue.service import TableQueue
 from server.queue.worker import Worker
 from server.submissions.service import GRADE, Submissions
 from server.tables import metadata
-from tests.quick import migrated, the_course, weak_hasher
+from tests.quick import migrated, standing_app, the_course, weak_hasher
 
 EXERCISE = "l20/poses"
 
@@ -209,6 +208,6 @@ class Site:
 
 @pytest.fixture
 def site(sqlite: Database, settings: Settings, course: Course) -> Iterator[Site]:
-    app = create_app(settings, course=course)
+    app = standing_app(settings, course)
     with TestClient(app, follow_redirects=False, raise_server_exceptions=False) as client:
         yield Site(app, client, settings)

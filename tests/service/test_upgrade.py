@@ -13,7 +13,6 @@ from sqlalchemy import create_engine, func, make_url, select, text
 from starlette.testclient import TestClient
 
 from graders.core.contract.verdict import Outcome
-from server.app import create_app
 from server.base.request import COOKIE
 from server.base.settings import Settings
 from server.course import Course
@@ -28,6 +27,7 @@ from server.queue.models import Job
 from server.queue.port import Lease
 from server.submissions.models import Deal, Submission
 from server.submissions.service import GRADE
+from tests.quick import standing_app
 
 from .conftest import QUIET
 from .landed import ANSWERS, MANY, OWNER, POSES, Landed
@@ -139,7 +139,7 @@ def pages_of(landed: Landed, names: tuple[str, ...]) -> Iterator[tuple[str, UUID
 def test_every_page_shows_what_was_there(upgraded: Upgraded) -> None:
     landed = upgraded.landed
     marks = {"wrong": "10", "right": "20", "late": "5", "answers": "8"}
-    app = create_app(upgraded.settings, course=upgraded.course)
+    app = standing_app(upgraded.settings, upgraded.course)
     with TestClient(app, cookies={COOKIE: "Ada"}) as client:
 
         def page(path: str) -> str:
@@ -167,7 +167,7 @@ def test_every_page_shows_what_was_there(upgraded: Upgraded) -> None:
 
 def test_every_route_of_the_api_tells_what_was_there(upgraded: Upgraded) -> None:
     landed = upgraded.landed
-    app = create_app(upgraded.settings, course=upgraded.course)
+    app = standing_app(upgraded.settings, upgraded.course)
     with TestClient(app, headers={"Authorization": "Bearer Ada"}) as client:
         told = {
             name: client.get(f"/api/v1/submissions/{landed.sent[name]}").json()
