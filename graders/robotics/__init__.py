@@ -1,1 +1,1 @@
-"""What graders of the robotics modules share: poses compared, simplified."""
+"""What graders of the robotics modules share: poses compared and simplified, frames drawn."""

@@ -167,11 +167,11 @@ class Chart:
             "yRange": [None if bound is None else rounded(bound) for bound in self.y_range],
             "logarithmic": self.logarithmic,
             "timeless": self.timeless,
-            "series": [one.wire() for one in self.series],
+            "series": [curve.wire() for curve in self.series],
             "levels": [
-                {"y": rounded(one.y), "label": french(one.label), "color": one.color} for one in self.levels
+                {"y": rounded(level.y), "label": french(level.label), "color": level.color} for level in self.levels
             ],
-            "marks": [{"x": rounded(one.x), "label": french(one.label), "color": one.color} for one in self.marks],
+            "marks": [{"x": rounded(mark.x), "label": french(mark.label), "color": mark.color} for mark in self.marks],
             "cursor": [rounded(float(x), 5) for x in cursor],
         }  # fmt: skip
 

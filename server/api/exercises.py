@@ -1,5 +1,7 @@
 """What there is to solve."""
 
+from dataclasses import asdict
+
 from fastapi import APIRouter
 
 from graders.core.answers import Paper, Question
@@ -35,7 +37,7 @@ def read_exercise(
 ) -> ExerciseDetail:
     """One exercise, with its statement (HTML), the file to start from, and the limits of an execution.
 
-    An exercise answered without code comes with the questions that were drawn for this account.
+    An exercise answered without code comes with the questions that were dealt to this account.
     """
     exercise = find(course, f"{module}/{slug}")
     paper = NO_PAPER
@@ -45,9 +47,11 @@ def read_exercise(
         **_summary(exercise).model_dump(),
         statement_html=exercise.statement_html,
         starter=exercise.starter,
-        limits=_limits(exercise),
-        given=[GivenOut(symbol=one.symbol, name=one.name, value=one.text, unit=one.unit) for one in paper.given],
-        questions=[_question(exercise, one) for one in paper.questions],
+        limits=LimitsOut(**asdict(exercise.policy)),
+        given=[
+            GivenOut(symbol=datum.symbol, name=datum.name, value=datum.text, unit=datum.unit) for datum in paper.given
+        ],
+        questions=[_question(exercise, question) for question in paper.questions],
     )
 
 
@@ -59,7 +63,7 @@ def _question(exercise: Exercise, question: Question) -> QuestionOut:
         form=question.form,
         points=question.points,
         unit=question.unit,
-        pieces=[PieceOut(id=one.id, text_html=exercise.prose(one.text)) for one in question.pieces],
+        pieces=[PieceOut(id=piece.id, text_html=exercise.prose(piece.text)) for piece in question.pieces],
     )
 
 
@@ -78,15 +82,4 @@ def _summary(exercise: Exercise) -> ExerciseOut:
             FunctionOut(name=f.name, signature=f.signature, returns=f.returns, doc=f.doc) for f in exercise.functions
         ],
         url=f"/api/v1/exercises/{exercise.id}",
-    )
-
-
-def _limits(exercise: Exercise) -> LimitsOut:
-    policy = exercise.policy
-    return LimitsOut(
-        cpu_seconds=policy.cpu_seconds,
-        wall_seconds=policy.wall_seconds,
-        memory_bytes=policy.memory_bytes,
-        source_bytes=policy.source_bytes,
-        stdout_bytes=policy.stdout_bytes,
     )

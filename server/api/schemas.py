@@ -1,12 +1,14 @@
 """The shapes of the HTTP interface (contract, sections 3 and 5)."""
 
+from dataclasses import asdict
 from datetime import datetime
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 from uuid import UUID
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from graders.core.contract.outcomes import Outcome
+from server.sandbox.policy import ROWS, Policy
 
 Json = Any
 Status = Literal["queued", "running", "done"]
@@ -114,16 +116,22 @@ class ExerciseOut(Strict):
     url: str
 
 
-class LimitsOut(Strict):
-    cpu_seconds: float
-    wall_seconds: float
-    memory_bytes: int
-    source_bytes: int
-    stdout_bytes: int
+class LimitsRead(Strict):
+    """Limits of one execution: a field for each of `server.sandbox.Policy`."""
+
+
+if TYPE_CHECKING:
+    LimitsOut = LimitsRead
+else:
+    LimitsOut = create_model(
+        "LimitsOut",
+        __base__=LimitsRead,
+        **{name: (type(value), Field(description=ROWS[name].words)) for name, value in asdict(Policy()).items()},
+    )
 
 
 class GivenOut(Strict):
-    """A number drawn for this account, as it is to be used."""
+    """A number dealt to this account, as it is to be used."""
 
     symbol: Annotated[str, Field(description="In TeX.")]
     name: str

@@ -78,10 +78,10 @@ def _require_its_kind(exercise: Exercise, body: NewSubmission) -> None:
 def _store(database: Database, store: Submissions, account: Account, body: NewSubmission) -> Resource:
     with database.write() as db:
         if "answers" in body.model_fields_set:
-            sent = store.submit_answers(db, account, body.exercise, body.answers)
+            submission = store.submit_answers(db, account, body.exercise, body.answers)
         else:
-            sent = store.submit(db, account, body.exercise, body.code)
-        return resource(db, store, Attempt(sent, None))
+            submission = store.submit(db, account, body.exercise, body.code)
+        return resource(db, store, Attempt(submission, None))
 
 
 async def _wait(hub: Events, read: Callable[[], Resource], current: Resource, seconds: float) -> Resource:

@@ -44,16 +44,20 @@ class TooLarge(ServiceError):
     title = "Contenu trop volumineux"
 
 
-class TooMany(ServiceError):
-    """The rate limit is reached; `retry_after` is in whole seconds, at least 1."""
-
-    status = HTTPStatus.TOO_MANY_REQUESTS
-    slug = "trop-de-demandes"
-    title = "Trop de demandes"
+class Later(ServiceError):
+    """Refused for now; `retry_after` is in whole seconds, at least 1."""
 
     def __init__(self, detail: str, *, retry_after: int) -> None:
         super().__init__(detail, headers={"Retry-After": str(retry_after)})
         self.retry_after = retry_after
+
+
+class TooMany(Later):
+    """The rate limit is reached."""
+
+    status = HTTPStatus.TOO_MANY_REQUESTS
+    slug = "trop-de-demandes"
+    title = "Trop de demandes"
 
 
 class Conflict(ServiceError):
@@ -68,15 +72,12 @@ class Invalid(ServiceError):
     title = "Données refusées"
 
 
-class Crowded(ServiceError):
+class Crowded(Later):
     """Too many people want the same thing at once."""
 
     status = HTTPStatus.SERVICE_UNAVAILABLE
     slug = "trop-de-monde"
     title = "Beaucoup de monde"
-
-    def __init__(self, detail: str, *, retry_after: int) -> None:
-        super().__init__(detail, headers={"Retry-After": str(retry_after)})
 
 
 class Failed(ServiceError):

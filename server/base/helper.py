@@ -109,6 +109,7 @@ class _Process:
         self._numbers = count(1)
         self._asked: dict[int, asyncio.Future[bytes]] = {}
         self._listening = asyncio.create_task(self._listen())
+        self._answered = False
         self.ended = False
 
     @classmethod
@@ -162,6 +163,7 @@ class _Process:
             self._end()
 
     def _hear(self, number: int, status: int, payload: bytes) -> None:
+        self._answered = True
         answer = self._asked.get(number)
         if answer is None or answer.done():
             return
@@ -172,9 +174,12 @@ class _Process:
 
     def _end(self) -> None:
         """It gets no more questions, and whoever still waits is told so."""
-        self.ended = True
+        self._refuse()
         self._kill()
         self._writer.close()
+
+    def _refuse(self) -> None:
+        self.ended = True
         for answer in self._asked.values():
             if not answer.done():
                 answer.set_exception(ConnectionError("the process has ended"))
@@ -184,11 +189,12 @@ class _Process:
             self._process.kill()
 
     async def close(self) -> None:
-        """Lets it end what it has below it by itself, for a while."""
-        if not self.ended:
-            self._writer.close()
-            with suppress(TimeoutError):
+        """Lets it end what it has below it by itself, for a while; not one that has done nothing yet, and comes up."""
+        if not self.ended and self._answered:
+            self._refuse()
+            with suppress(OSError, TimeoutError):
+                self._writer.write_eof()  # closing the line would end our listening, and the end of that is its death
                 await asyncio.wait_for(self._process.wait(), STOP_SECONDS)
-        self._kill()
+        self._end()
         self._listening.cancel()
         await self._process.wait()

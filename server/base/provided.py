@@ -31,7 +31,7 @@ def provided(kind: type[T]) -> Callable[[HTTPConnection], Awaitable[T]]:
 def provide(app: FastAPI, *objects: object) -> None:
     """Hands these to the application's routes, beside what it has already; a later one of a type replaces it."""
     known: dict[type, object] = getattr(app.state, "provided", {})
-    app.state.provided = {**known, **{type(each): each for each in objects}}
+    app.state.provided = {**known, **{type(instance): instance for instance in objects}}
 
 
 def check_provided(app: FastAPI) -> None:
@@ -43,7 +43,7 @@ def check_provided(app: FastAPI) -> None:
 
 def provided_to(app: FastAPI, kind: type[T]) -> T:
     """For what is no route: an error's page, the header of every page, a test."""
-    found = app.state.provided[kind]
-    if not isinstance(found, kind):
-        raise TypeError(f"{found!r} stands where a {kind.__qualname__} should")
-    return found
+    instance = app.state.provided[kind]
+    if not isinstance(instance, kind):
+        raise TypeError(f"{instance!r} stands where a {kind.__qualname__} should")
+    return instance

@@ -64,15 +64,16 @@ class Settings(BaseSettings):
         default=3.0, ge=0, description="then one more after so long; 0: as many as one likes"
     )
     guest_burst: Count = Field(
-        default=300, description="guests from one address at once; also its attempts to log in, to any account"
+        default=300, description="guests from one address at once; also the log-ins that it tries, to any account"
     )
     guest_refill_seconds: Seconds = Field(default=1.0, ge=0, description="then one more after so long")
-    login_burst: Count = Field(default=10, description="attempts to log in to one account from one address, at once")
+    login_burst: Count = Field(default=10, description="log-ins tried to one account from one address, at once")
     login_refill_seconds: Seconds = Field(default=30.0, ge=0, description="then one more after so long")
     cell_burst: Count = Field(default=30, description="runs of a page's cells by an account at once")
     cell_refill_seconds: Seconds = Field(default=2.0, ge=0, description="then one more after so long")
     cells_at_once: int = Field(default=2, ge=1, le=64, description="cells that run at the same time")
     cells_waiting: int = Field(default=16, ge=0, le=1024, description="cells that wait; more are refused")
+    warm_figures: bool = Field(default=True, description="start what draws figures before somebody looks at one")
     session_days: Count = Field(default=180, description="how long a browser stays logged in")
 
     lease_seconds: Seconds = Field(
@@ -118,8 +119,8 @@ def table() -> Iterator[tuple[str, str, str]]:
     """Name, default and meaning of each, as they are documented."""
     for name, field in Settings.model_fields.items():
         extra = field.json_schema_extra
-        told = extra["told"] if isinstance(extra, dict) else f"{field.default:g}"
-        yield variable(name), str(told), field.description or ""
+        default = extra["told"] if isinstance(extra, dict) else f"{field.default:g}"
+        yield variable(name), str(default), field.description or ""
 
 
 def misspelt(environment: Iterable[str]) -> Iterator[tuple[str, str | None]]:

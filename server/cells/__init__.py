@@ -1,1 +1,1 @@
-"""The cells of code in the pages, run in the sandbox for whoever reads, a few at once."""
+"""The cells of code in the lessons, run in the sandbox for whoever reads, a few at once."""

@@ -10,7 +10,7 @@ from server.sandbox import Sandbox
 
 
 def faults(course: Course) -> Iterator[Problem]:
-    """Runs every cell of every page as a reader would; a problem for each one that fails. Slow; raises SandboxFault."""
+    """Runs every cell of every lesson as a reader would; a problem for each that fails. Slow; raises SandboxFault."""
     with Sandbox(course.kits, POLICY) as sandbox:
         for module in course.modules.values():
             for lesson in module.lessons:

@@ -23,8 +23,8 @@ log = logging.getLogger(__name__)
 def serve(line: Line) -> None:
     """Until the line is closed."""
     questions = line.questions()
-    _, told = next(questions)
-    beginning = json.loads(told)
+    _, opening = next(questions)
+    beginning = json.loads(opening)
     gc.freeze()
     with Sandbox(beginning["kits"], POLICY) as sandbox:
         threading.Thread(target=_warm, args=(sandbox,), name="warm-up", daemon=True).start()

@@ -76,7 +76,7 @@ def _figures(session: Session) -> tuple[tuple[bytes, ...], ProgramFault | None]:
     try:
         with session:
             given = session.figures()
-        return tuple(png.rebuilt(one) for one in given), None
+        return tuple(png.rebuilt(file) for file in given), None
     except ProgramFault as fault:
         return (), fault
     except png.Malformed:
@@ -88,7 +88,7 @@ def _told(fault: ProgramFault) -> FaultOut:
     message = fault.message
     for pattern, instead in _INSTEAD:
         message = re.sub(pattern, instead, message)
-    return FaultOut(title=title, message=message, line=fault.line, frames=[_place(one) for one in fault.frames])
+    return FaultOut(title=title, message=message, line=fault.line, frames=[_place(frame) for frame in fault.frames])
 
 
 def _place(frame: Frame) -> str:

@@ -36,8 +36,8 @@ def _require_database(settings: Settings) -> None:
 
 def _standings(database: Database) -> None:
     total, changed = gradebook.rebuild(database)
-    told = plural(changed, "ligne corrigée", "lignes corrigées")
-    print(f"Bilans refaits d’après l’historique des corrections : {told}, {total} en tout.")
+    corrected = plural(changed, "ligne corrigée", "lignes corrigées")
+    print(f"Bilans refaits d’après l’historique des corrections : {corrected}, {total} en tout.")
 
 
 ACTIONS: Mapping[str, Callable[[Database], None]] = {"standings": _standings}

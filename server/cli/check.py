@@ -2,7 +2,7 @@
 
 The texts are rendered; their figures are drawn and their cells run unless only some exercises are asked for. For each
 exercise: the reference gets full marks, the starter does not, every catalogued misconception is rejected and named,
-each specimen gets the outcome of its folder. What is known of answers without code is tried on several draws.
+each specimen gets the outcome of its folder. What is known of answers without code is tried on several deals.
 """
 
 import logging
@@ -27,9 +27,9 @@ Judge = Callable[[Judgement], str]
 
 @dataclass(frozen=True)
 class Case:
-    """A submission that is known; `judge` says what is wrong with its grading, or nothing.
+    """A submission that is known; `judge` says what is wrong with its judgement, or nothing.
 
-    `write` gives it for a seed, and it is tried on `rounds` seeds.
+    `write` gives it for a seed, and it is judged on `rounds` seeds.
     """
 
     subject: str
@@ -83,32 +83,34 @@ def examinations(grader: Grader, exercise: Exercise) -> Iterator[Examination]:
 
 def cases(exercise: Exercise) -> Iterator[Case]:
     """Everything that is known of an exercise, with what must be found of it."""
-    reference, *others = (Case(one.subject, one.write, judge_of(one), one.rounds) for one in exercise.grader.known())
+    reference, *others = (
+        Case(known.subject, known.write, judge_of(known), known.rounds) for known in exercise.grader.known()
+    )
     yield reference
     yield Case("fichier de départ", lambda _: exercise.starter.encode(), not_full_marks)
     yield from others
 
 
 def judge_of(known: Known) -> Judge:
-    """What is wrong with the grading of a known submission: its marks or its outcome first, then its name."""
+    """What is wrong with the judgement of a known submission: its marks or its outcome first, then its name."""
     marks = not_full_marks if known.outcome is None else outcome(known.outcome)
     if known.diagnosis is None:
         return marks
     name = named(known.diagnosis)
-    return lambda grading: marks(grading) or name(grading)
+    return lambda judgement: marks(judgement) or name(judgement)
 
 
 def examine(grader: Grader, exercise: Exercise, case: Case, seed: int) -> Examination:
     """What is wrong with a case on `seed`, or on one of the seeds that follow it."""
-    for tried in range(seed, seed + case.rounds):
-        fault = case.judge(grader.grade(exercise.id, case.write(tried), tried))
+    for trial_seed in range(seed, seed + case.rounds):
+        fault = case.judge(grader.grade(exercise.id, case.write(trial_seed), trial_seed))
         if fault:
-            return Examination(exercise.id, case.subject, fault, tried)
+            return Examination(exercise.id, case.subject, fault, trial_seed)
     return Examination(exercise.id, case.subject, "", seed)
 
 
-def not_full_marks(grading: Judgement) -> str:
-    verdict = grading.verdict
+def not_full_marks(judgement: Judgement) -> str:
+    verdict = judgement.verdict
     if not verdict.outcome.counts:
         return "la correction a échoué"
     return "obtient tous les points" if verdict.outcome is Outcome.OK else ""
@@ -117,20 +119,20 @@ def not_full_marks(grading: Judgement) -> str:
 def named(misconception: str) -> Judge:
     """Rejected, and named by its own id."""
 
-    def judge(grading: Judgement) -> str:
-        diagnosis = grading.verdict.diagnosis
+    def judge(judgement: Judgement) -> str:
+        diagnosis = judgement.verdict.diagnosis
         got = diagnosis.id if diagnosis else "aucun"
-        return not_full_marks(grading) or ("" if got == misconception else f"diagnostic obtenu : {got}")
+        return not_full_marks(judgement) or ("" if got == misconception else f"diagnostic obtenu : {got}")
 
     return judge
 
 
 def outcome(expected: Outcome) -> Judge:
-    def judge(grading: Judgement) -> str:
-        got = grading.verdict.outcome
+    def judge(judgement: Judgement) -> str:
+        got = judgement.verdict.outcome
         if got is expected:
             return ""
-        failed = ", ".join(check.id for check in grading.verdict.checks if not check.passed)
+        failed = ", ".join(check.id for check in judgement.verdict.checks if not check.passed)
         return f"{expected.value} attendu, {got.value} obtenu" + (f" ({failed})" if failed else "")
 
     return judge

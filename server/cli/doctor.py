@@ -10,11 +10,11 @@ UNSAFE = 1
 
 def run(_arguments: Namespace) -> int:
     reports = probe()
-    for one in reports:
-        need = "indispensable" if one.required else "souhaitable"
-        print(f"  {MARKS[one.status]} {one.name} ({need}) : {one.detail}")
-        if one.mend:
-            print(f"      remède : {one.mend}")
+    for report in reports:
+        need = "indispensable" if report.required else "souhaitable"
+        print(f"  {MARKS[report.status]} {report.name} ({need}) : {report.detail}")
+        if report.mend:
+            print(f"      remède : {report.mend}")
     if safe_to_serve(reports):
         print("Cette machine peut exécuter le code des étudiants.")
         return 0

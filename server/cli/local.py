@@ -32,7 +32,7 @@ Probing = Future[list[WallReport]]
 def start_probing(*, slow: bool = True) -> Probing:
     """Probes the sandbox's walls in a thread (it takes seconds, mostly waiting) while other things are read.
 
-    A command that runs one file of its user leaves out the `slow` attempts, which wait for a time limit.
+    A command that runs one file of its user leaves out the `slow` assaults, which wait for a time limit.
     """
     pool = ThreadPoolExecutor(1)
     probing = pool.submit(probe, slow=slow)
@@ -45,9 +45,9 @@ def require_safe_sandbox(probing: Probing) -> None:
     reports = probing.result()
     if not safe_to_serve(reports):
         missing = "".join(
-            f"\n  {one.name} : {one.detail}\n    remède : {one.mend}"
-            for one in reports
-            if one.required and one.status != WallStatus.STANDING
+            f"\n  {report.name} : {report.detail}\n    remède : {report.mend}"
+            for report in reports
+            if report.required and report.status != WallStatus.STANDING
         )
         raise CannotRun(f"le bac à sable n’est pas sûr sur cette machine (voir « balise doctor ») :{missing}")
 

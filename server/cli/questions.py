@@ -7,16 +7,20 @@ EXAMPLES = {"number": '"0,1"', "one": '"a"', "several": '["a", "b"]', "order": '
 
 
 def render(exercise: str, paper: Paper, seed: int) -> str:
-    """The questions of a draw, their formulas in TeX."""
+    """The questions of a deal, their formulas in TeX."""
     lines = [f"{exercise}, graine {seed}", ""]
-    lines += [f"  {one.symbol} = {one.text} {one.unit}".rstrip() + f"  ({one.name})" for one in paper.given]
-    for one in paper.questions:
-        unit = f" [{one.unit}]" if one.unit else ""
-        lines += ["", f"{one.id}{unit} : {one.title} ({number(one.points)} points)", *paragraph(one.text, indent=2)]
-        for piece in one.pieces:
+    lines += [f"  {datum.symbol} = {datum.text} {datum.unit}".rstrip() + f"  ({datum.name})" for datum in paper.given]
+    for question in paper.questions:
+        unit = f" [{question.unit}]" if question.unit else ""
+        lines += [
+            "",
+            f"{question.id}{unit} : {question.title} ({number(question.points)} points)",
+            *paragraph(question.text, indent=2),
+        ]
+        for piece in question.pieces:
             lines += list(paragraph(f"{piece.id}) {piece.text}", indent=4))
     return "\n".join([*lines, "", f"Réponses attendues en JSON : {{{_example(paper)}}}"])
 
 
 def _example(paper: Paper) -> str:
-    return ", ".join(f'"{one.id}": {EXAMPLES[one.form]}' for one in paper.questions)
+    return ", ".join(f'"{question.id}": {EXAMPLES[question.form]}' for question in paper.questions)

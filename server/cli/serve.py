@@ -25,6 +25,7 @@ from server.cli.local import require_safe_sandbox, start_probing
 from server.course import Course, load
 from server.database import Database
 from server.database.migrate import upgrade
+from server.figures.service import Figures
 from server.identity import service as accounts
 from server.submissions.events import Events
 
@@ -45,7 +46,13 @@ def run(arguments: Namespace) -> int:
         require_safe_sandbox(probing)
         app = create_app(settings, course=course)
         gc.freeze()  # what is loaded stays: no collection, while someone waits for an answer, needs to look at it again
-        _serve(app, listener, lambda: _announce(settings, course, _address(listener)))
+
+        def ready() -> None:
+            _announce(settings, course, _address(listener))
+            if settings.warm_figures:
+                provided_to(app, Figures).pictures.warm()
+
+        _serve(app, listener, ready)
     return 0
 
 
@@ -85,8 +92,8 @@ def _serve(app: FastAPI, listener: socket.socket, ready: Callable[[], None]) -> 
 def _listening(host: str, port: int) -> Iterator[socket.socket]:
     """The listening socket; a port that is taken or an address that is not ours is told in words."""
     try:
-        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
-        family, kind, protocol, _, address = found[0]
+        addresses = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        family, kind, protocol, _, address = addresses[0]
         listener = socket.socket(family, kind, protocol)  # without its protocol, asyncio would leave Nagle's delays on
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(address)

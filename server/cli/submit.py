@@ -22,13 +22,13 @@ NO_BALISE = "cette adresse ne répond pas comme un serveur Balise."
 
 def run(arguments: Namespace) -> int:
     answers = arguments.file.endswith(ANSWERS)
-    sent = {"answers": read_answers(arguments.file)} if answers else {"code": read_text(arguments.file)}
+    body = {"answers": read_answers(arguments.file)} if answers else {"code": read_text(arguments.file)}
     if not arguments.token.isascii():
         raise CannotRun("le jeton porte un caractère qui n’en fait pas partie ; recopiez-le depuis votre compte.")
     headers = {"Authorization": f"Bearer {arguments.token}"}
     try:
         with httpx.Client(base_url=_base(arguments.server), headers=headers, timeout=TIMEOUT) as client:
-            verdict = _verdict(client, {"exercise": arguments.exercise, **sent})
+            verdict = _verdict(client, {"exercise": arguments.exercise, **body})
     except (httpx.HTTPError, httpx.InvalidURL) as error:
         raise CannotRun(_explained(error, arguments.server)) from error
     print(report.render(verdict))
@@ -83,7 +83,7 @@ def _check(answer: httpx.Response) -> None:
     if answer.headers.get("content-type") != "application/problem+json":
         raise CannotRun(f"le serveur répond {answer.status_code}, sans explication.")
     problem = _json_object(answer.text)
-    places = "".join(f"\n  {one.get('pointer', '')} : {one['detail']}" for one in problem.get("errors") or ())
+    places = "".join(f"\n  {error.get('pointer', '')} : {error['detail']}" for error in problem.get("errors") or ())
     raise CannotRun(f"le serveur refuse ({answer.status_code}) : {problem['detail']}{places}")
 
 

@@ -25,15 +25,15 @@ class Imports:
 
     def closure(self, module: str) -> dict[str, Path]:
         """The files behind the import of a module, by the names of the modules; packages on the way are among them."""
-        found: dict[str, Path] = {}
+        files: dict[str, Path] = {}
         left = {module}
         while left:
             name = left.pop()
             path, imported = self._module(name)
             if path is not None:
-                found[name] = path
-                left |= imported - found.keys()
-        return found
+                files[name] = path
+                left |= imported - files.keys()
+        return files
 
     def _read(self, module: str) -> tuple[Path | None, frozenset[str]]:
         base = self._root.joinpath(*module.split("."))

@@ -19,16 +19,16 @@ def load_file(path: Path) -> ModuleType:
     """
     name = ".".join(("curriculum", path.parents[1].name, path.parent.name, path.stem))
     with _LOADING:
-        known = sys.modules.get(name)
-        if known is not None and known.__file__ == str(path):
-            return known
+        loaded = sys.modules.get(name)
+        if loaded is not None and loaded.__file__ == str(path):
+            return loaded
         spec = importlib.util.spec_from_file_location(name, path)
         assert spec is not None, "a .py file has a loader"
         assert spec.loader is not None
-        made = sys.modules[name] = importlib.util.module_from_spec(spec)
+        module = sys.modules[name] = importlib.util.module_from_spec(spec)
         try:
-            spec.loader.exec_module(made)
+            spec.loader.exec_module(module)
         except BaseException:
             del sys.modules[name]
             raise
-        return made
+        return module

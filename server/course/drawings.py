@@ -17,16 +17,16 @@ SHAPE = 'FIGURES = {"nom": (fonction, "Texte de remplacement.")} ou (fonction, "
 
 def read(folder: Path, problems: list[Problem]) -> dict[str, Drawing]:
     """The drawings of a module's `figures` folder, by name. A fault is noted, and the others go on."""
-    found: dict[str, Drawing] = {}
+    drawings: dict[str, Drawing] = {}
     for path in sorted(folder.glob("[!_.]*.py")):
         try:
             for drawing in _announced(path):
-                if (other := found.get(drawing.name)) is not None:
+                if (other := drawings.get(drawing.name)) is not None:
                     raise _fault(path, drawing.line, f"figure « {drawing.name} » déjà dessinée dans {other.path.name}")
-                found[drawing.name] = drawing
+                drawings[drawing.name] = drawing
         except CourseFault as fault:
             problems.append(fault.problem)
-    return found
+    return drawings
 
 
 def _fault(path: Path, line: int | None, message: str) -> CourseFault:

@@ -18,29 +18,29 @@ FILE = "glossaire.toml"
 
 def read(path: Path, names: Callable[[], Names], problems: list[Problem]) -> dict[str, Term]:
     """The words by their id, in the order of the file; none where there is no file."""
-    found: dict[str, Term] = {}
+    terms: dict[str, Term] = {}
     if not path.is_file():
-        return found
+        return terms
     try:
         text = toml_file.read_text(path)
         entries = toml_file.parse(text, path, Glossary).terme
     except CourseFault as fault:
         problems.append(fault.problem)
-        return found
+        return terms
     for index, entry in enumerate(entries):
         try:
             term = _term(path, text, index, entry, names)
-            if term.id in found:
+            if term.id in terms:
                 raise _fault(path, text, index, "id", f"mot déjà défini : « {term.id} »")
-            found[term.id] = term
+            terms[term.id] = term
         except CourseFault as fault:
             problems.append(fault.problem)
-    return found
+    return terms
 
 
-def lost(path: Path, terms: Mapping[str, Term], pages: Collection[str]) -> Iterator[Problem]:
-    """The words that are said to be explained on a page that does not exist."""
-    missing = [term for term in terms.values() if term.page not in pages]
+def lost(path: Path, terms: Mapping[str, Term], lessons: Collection[str]) -> Iterator[Problem]:
+    """The words that are said to be explained in a lesson that does not exist."""
+    missing = [term for term in terms.values() if term.page not in lessons]
     text = toml_file.read_text(path) if missing else ""
     written = [entry.get("id") for entry in toml_file.load(text, path)["terme"]] if missing else []
     for term in missing:

@@ -1,4 +1,4 @@
-"""The pages to read of a module and its glossary, and the names by which its texts speak of each other."""
+"""The lessons of a module and its glossary, and the names by which its texts speak of each other."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ class Library:
 
     @cached_property
     def _names(self) -> Names:
-        labels = {one.id: one.target for one in self.labels if one.first}
+        labels = {label.id: label.target for label in self.labels if label.first}
         return Names(
             module=self.folder.name,
             labels=labels,
-            pages={one.slug: _lesson_name(one) for one in self.lessons},
+            pages={lesson.slug: _lesson_name(lesson) for lesson in self.lessons},
             exercises=self.exercises,
-            terms={one.id: one.word for one in self.glossary.values()},
-            pictures={one.name: _picture(one) for one in self.drawings.values()},
+            terms={term.id: term.word for term in self.glossary.values()},
+            pictures={drawing.name: _picture(drawing) for drawing in self.drawings.values()},
             replays=self.replays,
             files=self.files,
         )
@@ -62,18 +62,18 @@ class Library:
         return tuple(_numbered(self.lessons))
 
     def _lessons(self) -> list[Lesson]:
-        found: dict[str, Lesson] = {}
+        lessons: dict[str, Lesson] = {}
         for path in sorted(self.folder.glob("*/*.md")):
             if path.parent.name in NO_PAGES or path.name.startswith((".", "_")):
                 continue
             try:
                 lesson = self._lesson(path)
-                if lesson.slug in found:
+                if lesson.slug in lessons:
                     raise CourseFault(Problem(path, None, f"une autre page se nomme déjà « {lesson.slug} »"))
-                found[lesson.slug] = lesson
+                lessons[lesson.slug] = lesson
             except CourseFault as fault:
                 self.problems.append(fault.problem)
-        return sorted(found.values(), key=lambda lesson: (lesson.kind.numbered, lesson.order, lesson.slug))
+        return sorted(lessons.values(), key=lambda lesson: (lesson.kind.numbered, lesson.order, lesson.slug))
 
     def _lesson(self, path: Path) -> Lesson:
         kind = BY_FOLDER.get(path.parent.name)
@@ -98,8 +98,8 @@ class Library:
 
     def check(self, *, formulas: bool) -> Iterator[Problem]:
         """Everything that is wrong in the texts, but not so wrong that they cannot be served."""
-        for one in self.lessons:
-            yield from problems_of(one.text, formulas=formulas)
+        for lesson in self.lessons:
+            yield from problems_of(lesson.text, formulas=formulas)
         for again in self.labels:
             if not again.first:
                 message = f"étiquette déjà prise par la page « {self.names().labels[again.id].page} » : « #{again.id} »"
@@ -111,7 +111,7 @@ class Library:
 
 @dataclass(frozen=True)
 class Labelled:
-    """A label where it stands; `first` is False where another page has it already."""
+    """A label where it stands; `first` is False where another lesson has it already."""
 
     id: str
     target: Target
@@ -120,14 +120,14 @@ class Labelled:
 
 
 def _numbered(lessons: tuple[Lesson, ...]) -> Iterator[Labelled]:
-    """Labels in the order of the pages, each kind counting for itself over the whole module."""
+    """Labels in the order of the lessons, each kind counting for itself over the whole module."""
     counts: Counter[str] = Counter()
-    pages: dict[str, str] = {}
+    owners: dict[str, str] = {}
     for lesson in lessons:
         text = lesson.text
         for label in text.outline.labels:
             kind = EQUATION if label.kind == "equation" else KINDS[label.kind]
-            first = pages.setdefault(label.id, lesson.slug) == lesson.slug
+            first = owners.setdefault(label.id, lesson.slug) == lesson.slug
             counts[label.kind] += kind.numbered and first
             number = counts[label.kind] if kind.numbered else 0
             target = Target(label.kind, kind.noun, number, lesson.slug, label.line)

@@ -73,7 +73,7 @@ class FunctionSpec:
 class Exercise:
     """One exercise, ready to serve. `id` is "module/slug"; `stars` counts the ★ of a challenge (0 to 3).
 
-    `seance` is the slug of the page that it follows.
+    `seance` is the slug of the lesson that it follows.
     `version` is a digest of everything that can change a verdict (see `server.course.version`).
     An exercise answered without code (`answers`) has no function, and neither starter nor solution as files: its grader
     gives questions and correction. `policy` bounds what its programs may use.
@@ -127,7 +127,7 @@ class Exercise:
 
 @dataclass(frozen=True, eq=False)
 class Lesson:
-    """A page to read. What its front matter says is here at once; its text is read and rendered at the first need."""
+    """A text to read. What its front matter says is here at once; its text is read and rendered at the first need."""
 
     module: str
     slug: str
@@ -168,7 +168,7 @@ class Lesson:
 
 @dataclass(frozen=True, eq=False)
 class Term:
-    """A word of the glossary. `page` is the slug of the page that explains it."""
+    """A word of the glossary. `page` is the slug of the lesson that explains it."""
 
     id: str
     word: str
@@ -199,7 +199,7 @@ class Drawing:
 
 @dataclass(frozen=True, eq=False)
 class Module:
-    """A module of the course, with its exercises in order, and its pages in the order of reading.
+    """A module of the course, with its exercises in order, and its lessons in the order of reading.
 
     `number` is its name in the course ("L20"), `sessions` its length; `previous` and `next` are numbers of modules.
     `kit` is the source text of `kit/<slug>.py`.
@@ -235,12 +235,14 @@ class Course:
     @cached_property
     def exercises(self) -> Mapping[str, Exercise]:
         """Exercises by id ("l20/poses"), in the order of the course."""
-        return MappingProxyType({one.id: one for module in self.modules.values() for one in module.exercises})
+        return MappingProxyType(
+            {exercise.id: exercise for module in self.modules.values() for exercise in module.exercises}
+        )
 
     def version_of(self, exercise: str) -> str:
         """The version of an exercise by its id, which may have left the course."""
-        known = self.exercises.get(exercise)
-        return known.version if known else UNKNOWN_VERSION
+        served = self.exercises.get(exercise)
+        return served.version if served else UNKNOWN_VERSION
 
     @cached_property
     def kits(self) -> Mapping[str, str]:

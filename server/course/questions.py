@@ -30,7 +30,7 @@ PLAIN = frozenset({"id", "form", "title", "unit", "name", "misconception", "afte
 
 
 class DatumEntry(Strict):
-    """A number of the draw: `name` for the grader, `symbol` in TeX, `meaning` in words."""
+    """A number of the deal: `name` for the grader, `symbol` in TeX, `meaning` in words."""
 
     name: Id | Annotated[str, Field(pattern=r"^[A-Za-z]\w{0,39}$")]
     symbol: Words
@@ -103,10 +103,12 @@ def _title(title: str, place: int) -> str:
 
 
 def _numeric(file: NumericFile) -> NumericSheet:
-    data = tuple(Datum(one.name, one.symbol, one.unit, one.digits, one.meaning) for one in file.data)
+    data = tuple(Datum(datum.name, datum.symbol, datum.unit, datum.digits, datum.meaning) for datum in file.data)
     questions = tuple(
-        NumericWording(one.id, _title(one.title, place), one.text, one.unit, one.hint, one.correction)
-        for place, one in enumerate(file.question, 1)
+        NumericWording(
+            question.id, _title(question.title, place), question.text, question.unit, question.hint, question.correction
+        )
+        for place, question in enumerate(file.question, 1)
     )
     return NumericSheet(data, questions)
 
@@ -115,25 +117,31 @@ def _choice(file: ChoiceFile) -> ChoiceSheet:
     return ChoiceSheet(
         tuple(
             ChoiceQuestion(
-                id=one.id,
-                title=_title(one.title, place),
-                text=one.text,
-                points=one.points,
-                several=one.several,
-                hint=one.hint,
-                options=tuple(Option(o.id, o.right, o.text, o.why, o.misconception) for o in one.option),
+                id=question.id,
+                title=_title(question.title, place),
+                text=question.text,
+                points=question.points,
+                several=question.several,
+                hint=question.hint,
+                options=tuple(
+                    Option(option.id, option.right, option.text, option.why, option.misconception)
+                    for option in question.option
+                ),
             )
-            for place, one in enumerate(file.question, 1)
+            for place, question in enumerate(file.question, 1)
         )
     )
 
 
 def _order(file: OrderFile) -> OrderSheet:
     steps = []
-    for place, one in enumerate(file.step):
+    for place, step in enumerate(file.step):
         before = (file.step[place - 1].id,) if place else ()
-        steps.append(Step(one.id, one.text, one.role, before if one.after is None else tuple(one.after)))
-    false = tuple(Distractor(one.id, one.text, one.why, one.misconception) for one in file.distractor)
+        steps.append(Step(step.id, step.text, step.role, before if step.after is None else tuple(step.after)))
+    false = tuple(
+        Distractor(distractor.id, distractor.text, distractor.why, distractor.misconception)
+        for distractor in file.distractor
+    )
     return OrderSheet(file.instruction, tuple(steps), false)
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, create_model
 from pydantic_core import PydanticCustomError
 
-from server.sandbox.policy import Policy
+from server.sandbox.policy import ROWS, Policy, Row
 
 Text = Annotated[str, Field(min_length=1)]
 
@@ -52,28 +52,28 @@ class FunctionEntry(Strict):
     doc: str = ""
 
 
-class PolicyEntry(Strict):
-    """What an exercise overrides of `server.sandbox.Policy`, field by field."""
-
-    cpu_seconds: Annotated[float, Field(gt=0, le=120)] | None = None
-    wall_seconds: Annotated[float, Field(gt=0, le=300)] | None = None
-    memory_bytes: Annotated[int, Field(ge=64 << 20, le=4 << 30)] | None = None
-    stdout_bytes: Annotated[int, Field(ge=1024, le=1 << 20)] | None = None
-    source_bytes: Annotated[int, Field(ge=1024, le=1 << 20)] | None = None
-    frame_bytes: Annotated[int, Field(ge=1024, le=64 << 20)] | None = None
-    items: Annotated[int, Field(ge=1000, le=10_000_000)] | None = None
-    depth: Annotated[int, Field(ge=4, le=60)] | None = None
-    threads: Annotated[int, Field(ge=1, le=16)] | None = None
-    files: Annotated[int, Field(ge=16, le=1024)] | None = None
-    file_bytes: Annotated[int, Field(ge=1024, le=64 << 20)] | None = None
-    folder_bytes: Annotated[int, Field(ge=64 << 10, le=256 << 20)] | None = None
+class Overrides(Strict):
+    """Of `server.sandbox.Policy`, field by field, each within the bounds of its row."""
 
     def policy(self) -> Policy:
-        """The general limits, and what is overridden here."""
-        return replace(Policy(), **self.model_dump(exclude_none=True))
+        """The general policy, and what is overridden here."""
+        return replace(Policy(), **self.overrides())
 
     def overrides(self) -> dict[str, Any]:
         return self.model_dump(exclude_none=True)
+
+
+def _overridable(name: str, row: Row) -> Any:
+    bounded: Any = Annotated[type(getattr(Policy(), name)), Field(ge=row.least, le=row.most)]
+    return (bounded | None, None)
+
+
+if TYPE_CHECKING:
+    PolicyEntry = Overrides
+else:
+    PolicyEntry = create_model(
+        "PolicyEntry", __base__=Overrides, **{name: _overridable(name, row) for name, row in ROWS.items()}
+    )
 
 
 class ExerciseFile(Strict):
@@ -91,7 +91,7 @@ class ExerciseFile(Strict):
 
 
 class FrontMatter(Strict):
-    """Between the `+++` lines of a page."""
+    """Between the `+++` lines of a lesson."""
 
     title: PlainText
     label: PlainText

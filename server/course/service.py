@@ -73,12 +73,12 @@ def load(
         from graders.discovery import discover
 
         discovery = discover()
-    problems = [Problem(one.path, one.line, one.message) for one in discovery.problems]
+    problems = [Problem(problem.path, problem.line, problem.message) for problem in discovery.problems]
     sources = Sources(curriculum, code, discovery, Imports(code))
     modules = _each(problems, lambda path: _module(sources, path, problems, look), _modules(curriculum))
-    modules.sort(key=lambda one: (one.order, one.slug))
+    modules.sort(key=lambda module: (module.order, module.slug))
     problems.extend(_orphans(sources))
-    return Course(MappingProxyType({one.slug: one for one in modules}), tuple(problems))
+    return Course(MappingProxyType({module.slug: module for module in modules}), tuple(problems))
 
 
 def _each(problems: list[Problem], build: Callable[[Path], T], paths: list[Path]) -> list[T]:
@@ -109,10 +109,10 @@ def _module(sources: Sources, path: Path, problems: list[Problem], look: Look) -
     library = Library(path, drawings.read(path / "figures", problems), problems)
     sources = replace(sources, names=library.names)
     exercises = _each(problems, lambda folder: _exercise(sources, path, folder), _exercises(path))
-    exercises.sort(key=lambda one: (one.stars, one.order, one.slug))
-    library.exercises.update({one.slug: one.title for one in exercises})
+    exercises.sort(key=lambda exercise: (exercise.stars, exercise.order, exercise.slug))
+    library.exercises.update({exercise.slug: exercise.title for exercise in exercises})
     if look is not Look.no:
-        exercises = [one for one in exercises if not _note(problems, _faults(one, look))]
+        exercises = [exercise for exercise in exercises if not _note(problems, _faults(exercise, look))]
         _note(problems, library.check(formulas=look is Look.drawn))
         _note(problems, _lost(path, exercises, library))
     return Module(
@@ -137,10 +137,10 @@ def _module(sources: Sources, path: Path, problems: list[Problem], look: Look) -
     )
 
 
-def _note(problems: list[Problem], found: Iterable[Problem]) -> bool:
+def _note(problems: list[Problem], new: Iterable[Problem]) -> bool:
     """True where there were some."""
     before = len(problems)
-    problems.extend(found)
+    problems.extend(new)
     return len(problems) > before
 
 
@@ -153,13 +153,13 @@ def _faults(exercise: Exercise, look: Look) -> Iterator[Problem]:
 
 
 def _lost(module: Path, exercises: list[Exercise], library: Library) -> Iterator[Problem]:
-    """Exercises that are said to follow a page that does not exist."""
-    pages = {one.slug for one in library.lessons}
-    for one in exercises:
-        if one.seance and one.seance not in pages:
-            path = module / "exercices" / one.slug / "exercise.toml"
+    """Exercises that are said to follow a lesson that does not exist."""
+    lessons = {lesson.slug for lesson in library.lessons}
+    for exercise in exercises:
+        if exercise.seance and exercise.seance not in lessons:
+            path = module / "exercices" / exercise.slug / "exercise.toml"
             line = line_of(toml_file.read_text(path), ("seance",))
-            yield Problem(path, line, f"« seance » : page inconnue « {one.seance} »")
+            yield Problem(path, line, f"« seance » : page inconnue « {exercise.seance} »")
 
 
 def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
@@ -176,7 +176,10 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
         order=card.order,
         stars=card.stars,
         origin=card.origin,
-        functions=tuple(FunctionSpec(one.name, one.signature, one.returns, one.doc) for one in card.functions),
+        functions=tuple(
+            FunctionSpec(function.name, function.signature, function.returns, function.doc)
+            for function in card.functions
+        ),
         **graded,
         statement=Text(Source(toml_file.read_text(path / "enonce.md"), path / "enonce.md", names=sources.names)),
         hint_texts=_hints(path / "indices.md", sources.names),
@@ -232,13 +235,13 @@ def _other_kind(path: Path, card: ExerciseFile) -> Problem:
 
 def _no_grader(sources: Sources, path: Path) -> Problem:
     folder = sources.code / "graders" / path.parents[1].name / path.name
-    cause = next((one for one in sources.discovery.problems if one.path.is_relative_to(folder)), None)
+    cause = next((problem for problem in sources.discovery.problems if problem.path.is_relative_to(folder)), None)
     why = f" : {cause.path}:{cause.line}: {cause.message}" if cause else ""
     return Problem(path / "exercise.toml", None, f"exercice sans correcteur utilisable{why}")
 
 
 def _same_functions(path: Path, card: ExerciseFile, judged: frozenset[str]) -> None:
-    announced = [one.name for one in card.functions]
+    announced = [function.name for function in card.functions]
     for name in sorted(judged ^ set(announced)):
         where = "annoncée mais non corrigée" if name in announced else "corrigée mais non annoncée"
         raise CourseFault(Problem(path, None, f"fonction {where} : « {name} »"))
@@ -264,8 +267,8 @@ def _hints(path: Path, names: Callable[[], Names]) -> tuple[Text, Text, Text]:
         line = text[: titles[-1].start()].count("\n") + 1 if titles else 1
         raise CourseFault(Problem(path, line, "il faut trois parties : « ## Indice 1 », « 2 » puis « 3 »"))
     ends = [*(title.start() for title in titles[1:]), len(text)]
-    one, two, three = (_part(path, text, title.end(), end, names) for title, end in zip(titles, ends, strict=True))
-    return one, two, three
+    first, second, third = (_part(path, text, title.end(), end, names) for title, end in zip(titles, ends, strict=True))
+    return first, second, third
 
 
 def _part(path: Path, text: str, start: int, end: int, names: Callable[[], Names]) -> Text:

@@ -72,5 +72,5 @@ def describe(fault: ErrorDetails) -> str:
 
 def syntax_line(text: str, error: tomllib.TOMLDecodeError) -> int:
     """tomllib states the line in its message only ("at line 3, column 5" or "at end of document")."""
-    found = re.search(r"at line (\d+)", str(error))
-    return int(found[1]) if found else max(1, len(text.splitlines()))
+    match = re.search(r"at line (\d+)", str(error))
+    return int(match[1]) if match else max(1, len(text.splitlines()))

@@ -47,7 +47,7 @@ def grading_files(
 
 
 def _asked(card: ExerciseFile) -> bytes:
-    functions = [(each.name, each.signature) for each in card.functions]
+    functions = [(function.name, function.signature) for function in card.functions]
     return json.dumps([card.kind, functions, card.limits.overrides()], sort_keys=True).encode()
 
 

@@ -33,6 +33,10 @@ class Order:
     key: str
 
 
+#: Asks for nothing but that the process that draws be ready to.
+WARM = json.dumps({"kind": "warm"}).encode()
+
+
 def of_lesson(drawing: Drawing, theme: Theme) -> Order:
     """A drawing of the texts."""
     asked = {"path": str(drawing.path), "function": drawing.function, "size": drawing.size, "theme": theme}

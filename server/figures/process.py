@@ -47,7 +47,9 @@ def _answer(line: Line, number: int, asked: bytes) -> None:
 
 
 def drawn(question: dict[str, Any]) -> bytes:
-    """The picture that an `Order` asks for."""
+    """The picture that an `Order` asks for; none where it is only to be ready for one."""
+    if question["kind"] == "warm":
+        return _warmed()
     theme, form = question["theme"], question["form"]
     if question["kind"] == "lesson":
         from server.figures.lessons import draw_with  # slow to import: who waits for a verdict's figure need not wait
@@ -55,3 +57,16 @@ def drawn(question: dict[str, Any]) -> bytes:
         width, height = question["size"]
         return draw_with(Path(question["path"]), question["function"], (width, height), theme, form).picture
     return counterexample(question["exercise"], question["data"], theme=theme, extension=form)
+
+
+def _warmed() -> bytes:
+    """Everything that drawing loads at the first need is loaded: libraries, fonts, formulas."""
+    import server.figures.lessons  # noqa: F401
+    from graders.plotting import drawing, to_bytes
+
+    with drawing("light") as figure:
+        axes = figure.subplots()
+        axes.plot([0, 1], label="$x$")
+        axes.legend()
+        to_bytes(figure, "svg")
+    return b""

@@ -35,10 +35,10 @@ class Figures:
 
     async def of_lesson(self, module: str, name: str, theme: Theme, address: str) -> bytes:
         """A figure of the texts, in SVG. Raises NotFound, Crowded or Failed."""
-        known = self.course.modules.get(module)
-        if known is None or name not in known.drawings:
+        course_module = self.course.modules.get(module)
+        if course_module is None or name not in course_module.drawings:
             raise NotFound(NO_FIGURE)
-        order = await run_in_threadpool(orders.of_lesson, known.drawings[name], theme)
+        order = await run_in_threadpool(orders.of_lesson, course_module.drawings[name], theme)
         return await self.pictures.picture(order, address)
 
     async def of_verdict(self, account: Account | None, wanted: Wanted, address: str) -> bytes:

@@ -109,12 +109,12 @@ def progress(db: Session, account: Account | None, exercise_id: str | None = Non
     """Where an account stands, by exercise: in all that it has tried, or in one alone."""
     if account is None:
         return {}
-    kept = standings.of_account(db, account.id, exercise_id)
+    counted = standings.of_account(db, account.id, exercise_id)
     waiting = stored.waiting(db, account.id, exercise_id)
     return {
         name: Progress(sums.best_score, sums.attempts + waiting.get(name, 0), sums.first_success_at is not None)
-        for name, sums in kept.items()
-    } | {name: Progress(None, count) for name, count in waiting.items() if name not in kept}
+        for name, sums in counted.items()
+    } | {name: Progress(None, count) for name, count in waiting.items() if name not in counted}
 
 
 def distinct_failed_attempts(

@@ -93,9 +93,9 @@ def recount(db: Session, account_id: UUID, exercise: str | None = None) -> int:
     (`add` inserts, which asks for the account's row, or updates) is counted after.
     """
     lock(db, [account_id])
-    kept = _kept(db, account_id, exercise)
+    stored = _kept(db, account_id, exercise)
     right = _from_history(db, account_id, exercise)
-    wrong = [name for name in kept.keys() | right.keys() if kept.get(name) != right.get(name)]
+    wrong = [name for name in stored.keys() | right.keys() if stored.get(name) != right.get(name)]
     for name in wrong:
         _write(db, account_id, name, right.get(name))
     return len(wrong)

@@ -52,7 +52,7 @@ class SandboxProgram:
 
 
 class SandboxPrograms:
-    """Starts students' files behind the walls, under the limits of one exercise."""
+    """Starts students' files behind the walls, under the policy of one exercise."""
 
     def __init__(self, sandbox: Sandbox, policy: Policy) -> None:
         self._sandbox, self._policy = sandbox, policy
@@ -94,7 +94,7 @@ class Grader:
     def grade(self, exercise_id: str, source: bytes, seed: int, *, submission: UUID | None = None) -> Judgement:
         """Never raises for a reason of ours: after a second failure the verdict is `internal_error`."""
         version = self._course.version_of(exercise_id)
-        for attempt in range(1, TRIES + 1):
+        for try_number in range(1, TRIES + 1):
             try:
                 exercise = self._course.exercises[exercise_id]
                 programs = SandboxPrograms(self._sandbox, exercise.policy)
@@ -104,6 +104,6 @@ class Grader:
                 digest = hashlib.sha256(source).hexdigest()
                 log.exception(
                     "grading %s (version %s) with seed %d failed, try %d of %d: submission %s, %d bytes, sha256 %s",
-                    *(exercise_id, version, seed, attempt, TRIES, submission or "by hand", len(source), digest),
+                    *(exercise_id, version, seed, try_number, TRIES, submission or "by hand", len(source), digest),
                 )
         return Judgement(internal_error_verdict(exercise_id, version, seed))

@@ -64,7 +64,7 @@ def run(settings: Settings, work: WorkSource, signals: Signals) -> None:
         grader = Grader(course, sandbox)
         threading.Thread(target=_warm, args=(sandbox, course), name="warm-up", daemon=True).start()
 
-        def grade(sent: SentFile) -> Judgement:
-            return grader.grade(sent.exercise, sent.source, sent.seed, submission=sent.submission_id)
+        def grade(work: SentFile) -> Judgement:
+            return grader.grade(work.exercise, work.source, work.seed, submission=work.submission_id)
 
         Worker(database, TableQueue(signals), settings, {GRADE: GradingTask(course, grade)}).run(work)

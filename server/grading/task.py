@@ -44,10 +44,10 @@ class GradingTask:
 
     def read(self, db: Session, lease: Lease) -> SentFile | None:
         """None when the submission has gone, with its author."""
-        sent = submissions.by_id(db, UUID(lease.key))
-        if sent is None:
+        submission = submissions.by_id(db, UUID(lease.key))
+        if submission is None:
             return None
-        return SentFile(sent.id, sent.exercise, sent.source, sent.seed, lease.started_at)
+        return SentFile(submission.id, submission.exercise, submission.source, submission.seed, lease.started_at)
 
     def run(self, work: SentFile) -> Graded:
         return Graded(self._grade(work), work.started_at)
@@ -72,14 +72,14 @@ def _giving_up(course: Course) -> GiveUp:
     """The end of a submission whose grading has ended its workers too often."""
 
     def give_up(db: Session, lease: Lease) -> None:
-        sent = submissions.by_id(db, UUID(lease.key))
-        if sent is None:
+        submission = submissions.by_id(db, UUID(lease.key))
+        if submission is None:
             return
         log.error(
             "submission %s of %s: given up (seed %d, %d bytes, digest %s)",
-            *(sent.id, sent.exercise, sent.seed, len(sent.source), sent.digest),
+            *(submission.id, submission.exercise, submission.seed, len(submission.source), submission.digest),
         )
-        verdict = internal_error_verdict(sent.exercise, course.version_of(sent.exercise), sent.seed)
-        _record(db, sent.id, Graded(Judgement(verdict), lease.started_at))
+        verdict = internal_error_verdict(submission.exercise, course.version_of(submission.exercise), submission.seed)
+        _record(db, submission.id, Graded(Judgement(verdict), lease.started_at))
 
     return give_up

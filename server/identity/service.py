@@ -78,14 +78,14 @@ class Accounts:
             limits.take(db, key, self.settings.login_bucket, TOO_MANY_LOGINS)
             limits.take(db, f"login-from:{address}", self.settings.guest_bucket, TOO_MANY_LOGINS)
         with self.database.read() as db:
-            known = repository.by_login(db, login)
-        if not secrets.verify_password(password, known.password_hash if known else None) or known is None:
+            account = repository.by_login(db, login)
+        if not secrets.verify_password(password, account.password_hash if account else None) or account is None:
             raise RefusedForm({"password": WRONG_LOGIN})
         with self.database.write() as db:
             if visitor is not None and visitor.is_guest:
-                self.adopt(db, visitor.id, known.id)
+                self.adopt(db, visitor.id, account.id)
                 repository.delete_account(db, visitor.id)
-            return self._open_session(db, known)
+            return self._open_session(db, account)
 
     def _open_session(self, db: Session, account: Account) -> Opened:
         token = secrets.new_token()

@@ -33,9 +33,12 @@ def answers_page(reader: Reader, exercise: Exercise, seed: int, taken: Attempt |
     answers = _answers(grader, put_back.submission if put_back else None, seed)
     return AnswersPage(
         **service.common_parts(reader, exercise, latest),
-        given=tuple(GivenView(exercise.line(f"${one.symbol}$"), one.name, one.text, one.unit) for one in paper.given),
+        given=tuple(
+            GivenView(exercise.line(f"${datum.symbol}$"), datum.name, datum.text, datum.unit) for datum in paper.given
+        ),
         questions=tuple(
-            question_view(exercise, number, one, answers.get(one.id)) for number, one in enumerate(paper.questions, 1)
+            question_view(exercise, number, question, answers.get(question.id))
+            for number, question in enumerate(paper.questions, 1)
         ),
         seed=str(seed),
         taken=taken is not None,
@@ -47,21 +50,22 @@ def _grader(exercise: Exercise) -> AnswersGrader:
     return exercise.answers
 
 
-def _answers(grader: AnswersGrader, sent: Submission | None, seed: int) -> Mapping[str, Any]:
-    if sent is None:
+def _answers(grader: AnswersGrader, submission: Submission | None, seed: int) -> Mapping[str, Any]:
+    if submission is None:
         return {}
     try:
-        return grader.moved(read_answers(sent.source), sent.seed, seed)
+        return grader.moved(read_answers(submission.source), submission.seed, seed)
     except UnreadableAnswersError:
         return {}
 
 
 def question_view(exercise: Exercise, number: int, question: Question, answer: Any) -> QuestionView:
     chosen = answer if isinstance(answer, list) else [answer]
-    places = {one: place for place, one in enumerate(chosen, 1) if isinstance(one, str)}
+    places = {letter: place for place, letter in enumerate(chosen, 1) if isinstance(letter, str)}
     order = question.form == "order"
     pieces = tuple(
-        PieceView(one.id, exercise.line(one.text), one.id in places, places.get(one.id, 0)) for one in question.pieces
+        PieceView(piece.id, exercise.line(piece.text), piece.id in places, places.get(piece.id, 0))
+        for piece in question.pieces
     )
     return QuestionView(
         id=question.id,
@@ -81,8 +85,8 @@ def read_form(exercise: Exercise, fields: FormData) -> dict[str, Any]:
     """The answers in a form, as the API takes them; what was left empty is absent. Raises Invalid."""
     read = {"number": _text, "one": _text, "several": _ticked, "order": _placed}
     questions = _grader(exercise).paper(0).questions
-    found = {one.id: read[one.form](fields, one) for one in questions}
-    return {name: value for name, value in found.items() if value}
+    values = {question.id: read[question.form](fields, question) for question in questions}
+    return {name: value for name, value in values.items() if value}
 
 
 def _text(fields: FormData, question: Question) -> Any:
@@ -105,16 +109,16 @@ def _placed(fields: FormData, question: Question) -> Any:
     return [places[place] for place in sorted(places)]
 
 
-def told(exercise: Exercise, sent: Submission) -> Sequence[ToldView]:
+def told(exercise: Exercise, submission: Submission) -> Sequence[ToldView]:
     """What was answered in an attempt, to be read again."""
     grader = _grader(exercise)
     try:
-        answers = read_answers(sent.source)
+        answers = read_answers(submission.source)
     except UnreadableAnswersError:
-        return [ToldView("Fichier envoyé", shown(sent.code), ())]
-    return [told_view(exercise, one) for one in grader.told(answers, sent.seed)]
+        return [ToldView("Fichier envoyé", shown(submission.code), ())]
+    return [told_view(exercise, answer) for answer in grader.told(answers, submission.seed)]
 
 
-def told_view(exercise: Exercise, one: Told) -> ToldView:
-    pieces = tuple((piece.id, exercise.line(piece.text)) for piece in one.pieces)
-    return ToldView(exercise.line(one.title), one.text, pieces)
+def told_view(exercise: Exercise, answer: Told) -> ToldView:
+    pieces = tuple((piece.id, exercise.line(piece.text)) for piece in answer.pieces)
+    return ToldView(exercise.line(answer.title), answer.text, pieces)

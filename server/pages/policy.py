@@ -1,4 +1,4 @@
-"""The limits of the sandbox, in words: they are data, and a student has a right to know them."""
+"""What a program may use, in words: the policy is data, and a student has a right to know it."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from server.base.sizes import NO_BREAK, size
 from server.course import Exercise
+from server.sandbox.policy import ROWS, Unit
 from server.web.words import points
 
 _THIN = "\u202f"
@@ -24,23 +25,15 @@ def _threads(value: float) -> str:
     return "un seul" if value == 1 else _count(value)
 
 
-#: One line for each field of the policy, in the order of the page: its name, and how its value reads.
-LINES: dict[str, tuple[str, Callable[[float], str]]] = {
-    "cpu_seconds": ("Temps de calcul", _seconds),
-    "wall_seconds": ("Durée, attentes comprises", _seconds),
-    "memory_bytes": ("Mémoire, sans les bibliothèques", size),
-    "source_bytes": ("Taille de votre fichier", size),
-    "stdout_bytes": ("Texte affiché par print", size),
-    "frame_bytes": ("Taille d’une réponse", size),
-    "items": ("Valeurs d’une réponse, hors tableaux", _count),
-    "depth": ("Imbrication d’une réponse", lambda value: f"{_count(value)}{NO_BREAK}niveaux"),
-    "threads": ("Fils d’exécution (threads)", _threads),
-    "files": ("Fichiers ouverts en même temps", _count),
-    "file_bytes": ("Taille d’un fichier écrit", size),
-    "folder_bytes": ("Fichiers écrits, en tout", size),
+READ: dict[Unit, Callable[[float], str]] = {
+    "seconds": _seconds,
+    "bytes": size,
+    "count": _count,
+    "levels": lambda value: f"{_count(value)}{NO_BREAK}niveaux",
+    "threads": _threads,
 }
 
 
 def policy_lines(exercise: Exercise) -> tuple[tuple[str, str], ...]:
-    """Name and value of each limit, for this exercise."""
-    return tuple((name, read(getattr(exercise.policy, field))) for field, (name, read) in LINES.items())
+    """Name and value of each limit of the policy, for this exercise."""
+    return tuple((row.words, READ[row.unit](getattr(exercise.policy, name))) for name, row in ROWS.items())

@@ -55,11 +55,11 @@ def home(request: Request, reader: Reading) -> HTMLResponse:
 
 @router.get("/{module:module}/kit/{name}.py")
 def kit(module: str, name: str, reader: Reading) -> Response:
-    found = find_module(reader.course, module)
-    if name != found.slug:
+    course_module = find_module(reader.course, module)
+    if name != course_module.slug:
         raise NotFound("Ce fichier n’existe pas.")
-    headers = {"Content-Disposition": f'attachment; filename="{found.slug}.py"'}
-    return Response(found.kit, media_type="text/x-python; charset=utf-8", headers=headers)
+    headers = {"Content-Disposition": f'attachment; filename="{course_module.slug}.py"'}
+    return Response(course_module.kit, media_type="text/x-python; charset=utf-8", headers=headers)
 
 
 @router.get("/{module:module}/exercices/{slug}")
@@ -73,19 +73,19 @@ def exercise(
     reprendre: Annotated[str | None, Query()] = None,
 ) -> HTMLResponse:
     """An exercise answered without code is dealt to an account, so that a visitor becomes a guest here already."""
-    found = find_exercise(reader.course, module, slug)
-    if found.answers is not None:
+    exercise = find_exercise(reader.course, module, slug)
+    if exercise.answers is not None:
         account = account_or_guest(request, reader.account, accounts)
-        seed = deals.seed_to_show(database, account, found.id)
-        return _questions(request, replace(reader, account=account), found, seed, reprendre)
-    taken = service.attempt_at(reader, found, reprendre).submission.code if reprendre else None
-    view = service.exercise_page(reader, found, taken)
+        seed = deals.seed_to_show(database, account, exercise.id)
+        return _questions(request, replace(reader, account=account), exercise, seed, reprendre)
+    taken = service.attempt_at(reader, exercise, reprendre).submission.code if reprendre else None
+    view = service.exercise_page(reader, exercise, taken)
     return page(request, "exercise.html", reader.account, page=view, results=view.results)
 
 
-def _questions(request: Request, reader: Reader, found: Exercise, seed: int, reprendre: str | None) -> HTMLResponse:
-    taken = service.attempt_at(reader, found, reprendre) if reprendre else None
-    view = answers.answers_page(reader, found, seed, taken)
+def _questions(request: Request, reader: Reader, exercise: Exercise, seed: int, reprendre: str | None) -> HTMLResponse:
+    taken = service.attempt_at(reader, exercise, reprendre) if reprendre else None
+    view = answers.answers_page(reader, exercise, seed, taken)
     return page(request, "exercise_answers.html", reader.account, page=view, results=view.results)
 
 
@@ -97,8 +97,8 @@ def attempts(
     reader: Reading,
     number: Annotated[int, Query(alias="page", ge=1, le=MOST_PAGES)] = 1,
 ) -> HTMLResponse:
-    found = find_exercise(reader.course, module, slug)
-    return page(request, "attempts.html", reader.account, page=service.attempts_page(reader, found, number))
+    exercise = find_exercise(reader.course, module, slug)
+    return page(request, "attempts.html", reader.account, page=service.attempts_page(reader, exercise, number))
 
 
 async def _fields(request: Request) -> FormData:
@@ -108,13 +108,13 @@ async def _fields(request: Request) -> FormData:
 FormFields = Annotated[FormData, Depends(_fields)]
 
 
-def _sent(store: Submissions, db: Db, account: Account, found: Exercise, fields: FormData) -> Submission:
-    if found.answers is not None:
-        return store.submit_answers(db, account, found.id, answers.read_form(found, fields))
+def _sent(store: Submissions, db: Db, account: Account, exercise: Exercise, fields: FormData) -> Submission:
+    if exercise.answers is not None:
+        return store.submit_answers(db, account, exercise.id, answers.read_form(exercise, fields))
     code = fields.get("code", "")
     if not isinstance(code, str):
         raise Invalid("Le code est attendu comme un texte, pas comme un fichier joint.")
-    return store.submit(db, account, found.id, code.replace("\r\n", "\n"))
+    return store.submit(db, account, exercise.id, code.replace("\r\n", "\n"))
 
 
 @router.post("/{module:module}/exercices/{slug}/soumissions")
@@ -129,15 +129,15 @@ def submit(
     fields: FormFields,
 ) -> Response:
     """A browser without script goes on to the attempt's page; a script gets the addresses to follow."""
-    found = find_exercise(course, module, slug)
-    sent = _sent(store, db, account, found, fields)
-    href = f"/soumissions/{sent.id}"
+    exercise = find_exercise(course, module, slug)
+    submission = _sent(store, db, account, exercise, fields)
+    href = f"/soumissions/{submission.id}"
     if "application/json" not in request.headers.get("accept", ""):
         return RedirectResponse(href, MOVES_ON)
     answer = {
-        "id": str(sent.id),
+        "id": str(submission.id),
         "account": str(account.id),
-        "text": service.waiting_text(store.place(db, sent)),
+        "text": service.waiting_text(store.place(db, submission)),
         "page": href,
         "events": f"{href}/evenements",
         "verdict": f"{href}/verdict",
@@ -149,28 +149,28 @@ def submit(
 def open_or_close_solution(
     module: str, slug: str, teacher: TeacherAccount, course: CourseOf, db: Db, ouvrir: Annotated[bool, Form()]
 ) -> RedirectResponse:
-    found = find_exercise(course, module, slug)
+    exercise = find_exercise(course, module, slug)
     if ouvrir:
-        gradebook.open_solution(db, found.id, teacher)
+        gradebook.open_solution(db, exercise.id, teacher)
     else:
-        gradebook.close_solution(db, found.id)
-    return RedirectResponse(f"{exercise_href(found)}#corrige", MOVES_ON)
+        gradebook.close_solution(db, exercise.id)
+    return RedirectResponse(f"{exercise_href(exercise)}#corrige", MOVES_ON)
 
 
 @router.get("/soumissions/{submission_id}")
 def attempt(request: Request, submission_id: str, reader: Reading) -> HTMLResponse:
-    sent = gradebook.find(reader.db, reader.account, submission_id)
-    found = find_exercise(reader.course, *sent.submission.exercise.split("/"))
-    told = None if found.answers is None else answers.told(found, sent.submission)
-    view = service.attempt_page(reader, found, sent, told)
+    attempt = gradebook.find(reader.db, reader.account, submission_id)
+    exercise = find_exercise(reader.course, *attempt.submission.exercise.split("/"))
+    answered = None if exercise.answers is None else answers.told(exercise, attempt.submission)
+    view = service.attempt_page(reader, exercise, attempt, answered)
     return page(request, "attempt.html", reader.account, page=view, results=view.results)
 
 
 @router.get("/soumissions/{submission_id}/verdict")
 def verdict(submission_id: str, reader: Reading) -> HTMLResponse:
-    sent = gradebook.find(reader.db, reader.account, submission_id)
-    found = find_exercise(reader.course, *sent.submission.exercise.split("/"))
-    return fragment("fragment.html", reader.account, results=service.attempt_page(reader, found, sent).results)
+    attempt = gradebook.find(reader.db, reader.account, submission_id)
+    exercise = find_exercise(reader.course, *attempt.submission.exercise.split("/"))
+    return fragment("fragment.html", reader.account, results=service.attempt_page(reader, exercise, attempt).results)
 
 
 @dataclass(frozen=True)
@@ -196,7 +196,9 @@ async def events(
 
     await run_in_threadpool(read)  # a 404 must come before the stream begins
     snapshots = hub.follow(key_of(parse_id(submission_id)), read)
-    lines: AsyncIterator[str] = as_sse(snapshots, lambda one: json.dumps({"status": one.status, "text": one.text}))
+    lines: AsyncIterator[str] = as_sse(
+        snapshots, lambda snapshot: json.dumps({"status": snapshot.status, "text": snapshot.text})
+    )
     return StreamingResponse(lines, media_type="text/event-stream", headers=STREAM_HEADERS)
 
 

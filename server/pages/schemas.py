@@ -105,7 +105,7 @@ class ExercisePage(ExerciseFrame):
 
 @dataclass(frozen=True)
 class GivenView:
-    """A number drawn for this account; `symbol` is HTML."""
+    """A number dealt to this account; `symbol` is HTML."""
 
     symbol: str
     name: str

@@ -58,7 +58,9 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
     kit = f"{exercise.module}.py"
     return ExercisePage(
         **common_parts(reader, exercise, latest),
-        functions=tuple(FunctionView(one.signature, one.returns, one.doc) for one in exercise.functions),
+        functions=tuple(
+            FunctionView(function.signature, function.returns, function.doc) for function in exercise.functions
+        ),
         starter=exercise.starter,
         code=taken if taken is not None else latest.submission.code if latest else exercise.starter,
         taken=taken is not None,
@@ -70,8 +72,8 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
 
 def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:
     """The page that the exercise follows: its address and its short name."""
-    found = next((one for one in module.lessons if one.slug == exercise.seance), None)
-    return (lesson_href(found), found.label) if found else None
+    lesson = next((lesson for lesson in module.lessons if lesson.slug == exercise.seance), None)
+    return (lesson_href(lesson), lesson.label) if lesson else None
 
 
 def common_parts(reader: Reader, exercise: Exercise, latest: Attempt | None) -> dict[str, Any]:
@@ -100,14 +102,14 @@ def _neighbours(module: Module, exercise: Exercise) -> tuple[tuple[str, str] | N
     way = in_order(module)
     place = way.index(exercise)
     around = (way[place - 1] if place else None, *way[place + 1 : place + 2], None)
-    before, after = ((exercise_href(one), one.title) if one else None for one in around[:2])
+    before, after = ((exercise_href(neighbour), neighbour.title) if neighbour else None for neighbour in around[:2])
     return before, after
 
 
 def attempt_page(
-    reader: Reader, exercise: Exercise, attempt: Attempt, told: Sequence[ToldView] | None = None
+    reader: Reader, exercise: Exercise, attempt: Attempt, answered: Sequence[ToldView] | None = None
 ) -> AttemptPage:
-    """`told` is what was answered, where that is not code."""
+    """`answered` is what was answered, where that is not code."""
     submission = attempt.submission
     number = gradebook.number_of(reader.db, submission)
     href = exercise_href(exercise)
@@ -120,7 +122,7 @@ def attempt_page(
         when=moment(submission.created_at),
         when_text=moment_text(submission.created_at),
         code=submission.code,
-        told=None if told is None else tuple(told),
+        told=None if answered is None else tuple(answered),
         results=results(reader, exercise, _beside(reader, attempt, number), work, submission.seed),
     )
 
@@ -130,8 +132,8 @@ def _beside(reader: Reader, attempt: Attempt, number: int) -> Attempts:
     submission, grading = attempt.submission, attempt.grading
     if reader.account is not None and submission.account_id == reader.account.id:
         return gradebook.attempts(reader.db, reader.account, submission.exercise, RECENT_ATTEMPTS)
-    found = (grading.outcome, grading.score) if grading else (None, None)
-    return Attempts((AttemptLine(submission.id, number, submission.created_at, *found),), 1)
+    marks = (grading.outcome, grading.score) if grading else (None, None)
+    return Attempts((AttemptLine(submission.id, number, submission.created_at, *marks),), 1)
 
 
 def attempts_page(reader: Reader, exercise: Exercise, number: int) -> AttemptsPage:

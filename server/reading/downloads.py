@@ -26,12 +26,12 @@ class Downloads:
 
     def archive(self, module: str, name: str) -> bytes:
         """A ZIP whose files stand in one folder of that name. Raises NotFound."""
-        found = self._course.modules.get(module)
-        if found is None or name not in found.files:
+        course_module = self._course.modules.get(module)
+        if course_module is None or name not in course_module.files:
             raise NotFound("Ce fichier n’existe pas.")
         with self._lock:
             if (module, name) not in self._made:
-                files: dict[str, bytes] = load_file(found.files[name]).files()
+                files: dict[str, bytes] = load_file(course_module.files[name]).files()
                 self._made[module, name] = archive_of(name, files)
             return self._made[module, name]
 

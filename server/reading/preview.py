@@ -16,13 +16,13 @@ def main() -> int:
     """Without a name, the names there are."""
     arguments = _parser().parse_args()
     problems: list[Problem] = []
-    found = drawings.read(ROOT / "curriculum" / arguments.module / "figures", problems)
+    by_name = drawings.read(ROOT / "curriculum" / arguments.module / "figures", problems)
     for problem in problems:
         print(f"✗ {problem}", file=sys.stderr)
-    if arguments.name not in found or arguments.out is None:
-        print("\n".join(found))
+    if arguments.name not in by_name or arguments.out is None:
+        print("\n".join(by_name))
         return 0 if arguments.name is None else 2
-    drawing = found[arguments.name]
+    drawing = by_name[arguments.name]
     drawn = draw(drawing, arguments.theme, arguments.out.suffix.removeprefix(".") or "png")
     arguments.out.write_bytes(drawn.picture)
     if fault := size_fault(drawing, drawn):

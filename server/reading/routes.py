@@ -1,4 +1,4 @@
-"""The addresses of what one reads: a module's page, its texts, its glossary, its drawings, its search."""
+"""The addresses of what one reads: a module's page, its lessons, its glossary, its drawings, its search."""
 
 from __future__ import annotations
 
@@ -27,27 +27,27 @@ router = APIRouter(include_in_schema=False)
 
 @router.get("/{module:module}")
 def course_home(request: Request, module: str, reader: Reading) -> HTMLResponse:
-    found = find_module(reader.course, module)
-    return page(request, "module.html", reader.account, page=service.course_home(reader, found))
+    course_module = find_module(reader.course, module)
+    return page(request, "module.html", reader.account, page=service.course_home(reader, course_module))
 
 
 @router.get("/{module:module}/lire/{slug}")
 def lesson(request: Request, module: str, slug: str, reader: Reading) -> HTMLResponse:
-    found = find_module(reader.course, module)
-    view = service.lesson_page(reader, found, service.find_lesson(found, slug))
+    course_module = find_module(reader.course, module)
+    view = service.lesson_page(reader, course_module, service.find_lesson(course_module, slug))
     return page(request, "reading/lesson.html", reader.account, page=view)
 
 
 @router.get("/{module:module}/glossaire")
 def glossary(request: Request, module: str, reader: Reading) -> HTMLResponse:
-    found = find_module(reader.course, module)
-    return page(request, "reading/glossary.html", reader.account, page=service.glossary_page(found))
+    course_module = find_module(reader.course, module)
+    return page(request, "reading/glossary.html", reader.account, page=service.glossary_page(course_module))
 
 
 @router.get("/{module:module}/recherche")
 def search(request: Request, module: str, reader: Reading, q: Annotated[str, Query()] = "") -> HTMLResponse:
-    found = find_module(reader.course, module)
-    return page(request, "reading/search.html", reader.account, page=service.search_page(found, q))
+    course_module = find_module(reader.course, module)
+    return page(request, "reading/search.html", reader.account, page=service.search_page(course_module, q))
 
 
 @router.get("/{module:module}/figures/{name}.svg")

@@ -20,7 +20,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class LessonLink:
-    """A page of the course in a list. `duration` is in words, or empty; `parts` counts its sections."""
+    """A lesson in a list. `duration` is in words, or empty; `parts` counts its sections."""
 
     slug: str
     href: str
@@ -47,7 +47,7 @@ class SessionCard:
 
 @dataclass(frozen=True)
 class Shelf:
-    """Pages of one kind under their title."""
+    """Lessons of one kind under their title."""
 
     id: str
     title: str
@@ -80,7 +80,7 @@ class CourseHome:
 
 @dataclass(frozen=True)
 class TermView:
-    """A word of the glossary; `href` leads to the page that explains it, called `where`, or both are empty."""
+    """A word of the glossary; `href` leads to the lesson that explains it, called `where`, or both are empty."""
 
     id: str
     word: str
@@ -91,7 +91,7 @@ class TermView:
 
 @dataclass(frozen=True)
 class LessonPage:
-    """A page to read. `terms` are the words whose definition it may be asked for."""
+    """A lesson. `terms` are the words whose definition it may be asked for."""
 
     module: ModuleLink
     slug: str

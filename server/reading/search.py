@@ -1,4 +1,4 @@
-"""Full text of a module: its pages by section, its glossary, its exercises. Accents, capitals and plurals do not count.
+"""Full text of a module: lessons by section, glossary, exercises. Accents, capitals and plurals do not count.
 
 The index is an SQLite table in memory (FTS5), built at the first search.
 """
@@ -70,15 +70,15 @@ class Index:
         self._table = sqlite3.connect(":memory:", check_same_thread=False)
         options = "tokenize = 'unicode61 remove_diacritics 2'"
         self._table.execute(f"CREATE VIRTUAL TABLE passages USING fts5(title, body, names, {options})")
-        rows = ((number, one.part, _clean(one.text), one.names) for number, one in enumerate(passages))
+        rows = ((number, passage.part, _clean(passage.text), passage.names) for number, passage in enumerate(passages))
         self._table.executemany("INSERT INTO passages(rowid, title, body, names) VALUES (?, ?, ?, ?)", rows)
 
     def find(self, query: str, most: int = MOST_HITS) -> tuple[HitView, ...]:
-        found = words(query)
-        if not found:
+        terms = words(query)
+        if not terms:
             return ()
-        together = " + ".join([*(f'"{word}"' for word in found[:-1]), _beginning(found[-1])])
-        every, some = (joint.join(_beginning(word) for word in found) for joint in (" AND ", " OR "))
+        together = " + ".join([*(f'"{word}"' for word in terms[:-1]), _beginning(terms[-1])])
+        every, some = (joint.join(_beginning(word) for word in terms) for joint in (" AND ", " OR "))
         hits = self._hits(together, most) | self._hits(every, most) or self._hits(some, most)
         return tuple(hits.values())[:most]
 
@@ -96,8 +96,8 @@ class Index:
 def words(query: str) -> tuple[str, ...]:
     """The words to look for, each meant as a beginning. Small ones only count where there is no other."""
     text = unicodedata.normalize("NFC", query[:MOST_LETTERS]).lower()
-    found = list(dict.fromkeys(WORD.findall(text)))
-    telling = [word for word in found if word not in SMALL] or found
+    all_words = list(dict.fromkeys(WORD.findall(text)))
+    telling = [word for word in all_words if word not in SMALL] or all_words
     return tuple(_singular(word) for word in telling[:MOST_WORDS])
 
 

@@ -1,4 +1,4 @@
-"""From the course's pages, glossary and exercises to what the reading templates show."""
+"""From the course's lessons, glossary and exercises to what the reading templates show."""
 
 from __future__ import annotations
 
@@ -41,21 +41,23 @@ EXAMPLES = 4  # words proposed to one who has not found, or not looked yet
 
 def find_lesson(module: Module, slug: str) -> Lesson:
     """Raises NotFound."""
-    for one in module.lessons:
-        if one.slug == slug:
-            return one
+    for lesson in module.lessons:
+        if lesson.slug == slug:
+            return lesson
     raise NotFound("Cette page n’existe pas.")
 
 
 def on_the_way(module: Module) -> tuple[Lesson, ...]:
-    """The pages in the order in which one reads them: the séances, then what the module's page lists after them."""
+    """The lessons in the order in which one reads them: the séances, then what the module's page lists after them."""
     return tuple(sorted(module.lessons, key=lambda lesson: KINDS.index(lesson.kind)))
 
 
 def course_home(reader: Reader, module: Module) -> CourseHome:
     rows = _rows(reader, in_order(module))
     way = on_the_way(module)
-    sessions = tuple(_session(module, one, _following(module, rows, one)) for one in way if one.kind is SEANCE)
+    sessions = tuple(
+        _session(module, lesson, _following(module, rows, lesson)) for lesson in way if lesson.kind is SEANCE
+    )
     placed = {row.href for card in sessions for row in card.exercises}
     left = tuple(row for row in rows.values() if row.href not in placed)
     length = plural(module.sessions, "séance") if module.sessions else ""
@@ -90,7 +92,7 @@ def course_home(reader: Reader, module: Module) -> CourseHome:
 def _rows(reader: Reader, exercises: Sequence[Exercise]) -> dict[str, ExerciseRow]:
     """One row for each exercise, by its slug."""
     progress: Mapping[str, Progress] = gradebook.progress(reader.db, reader.account)
-    return {one.slug: exercise_row(one, progress.get(one.id, NOTHING_YET)) for one in exercises}
+    return {exercise.slug: exercise_row(exercise, progress.get(exercise.id, NOTHING_YET)) for exercise in exercises}
 
 
 def _resumed(rows: Sequence[ExerciseRow]) -> ExerciseRow | None:
@@ -102,12 +104,12 @@ def _resumed(rows: Sequence[ExerciseRow]) -> ExerciseRow | None:
 
 
 def _following(module: Module, rows: Mapping[str, ExerciseRow], lesson: Lesson) -> tuple[ExerciseRow, ...]:
-    return tuple(rows[one.slug] for one in exercises_after(module, lesson))
+    return tuple(rows[exercise.slug] for exercise in exercises_after(module, lesson))
 
 
 def exercises_after(module: Module, lesson: Lesson) -> list[Exercise]:
-    """Those that the page leads to."""
-    return [one for one in module.exercises if one.seance == lesson.slug]
+    """Those that the lesson leads to."""
+    return [exercise for exercise in module.exercises if exercise.seance == lesson.slug]
 
 
 def _session(module: Module, lesson: Lesson, exercises: tuple[ExerciseRow, ...]) -> SessionCard:
@@ -115,8 +117,8 @@ def _session(module: Module, lesson: Lesson, exercises: tuple[ExerciseRow, ...])
 
 
 def _ornament(module: Module, lesson: Lesson) -> FigureView | None:
-    """The séance's first drawing, without its description, which stands on the page itself."""
-    name = next((one for one in lesson.figures if one in module.drawings), None)
+    """The séance's first drawing, without its description, which stands in the lesson itself."""
+    name = next((figure for figure in lesson.figures if figure in module.drawings), None)
     if name is None:
         return None
     light, dark = (f"/{module.slug}/figures/{name}.svg?theme={theme}" for theme in ("light", "dark"))
@@ -174,16 +176,16 @@ def lesson_page(reader: Reader, module: Module, lesson: Lesson) -> LessonPage:
 
 @lru_cache(maxsize=512)
 def contents(lesson: Lesson) -> tuple[Entry, ...]:
-    """The page's headings as a tree of two levels."""
-    shown = [heading for heading in lesson.headings if heading.level <= DEEPEST]
-    top = min((heading.level for heading in shown), default=0)
+    """The lesson's headings as a tree of two levels."""
+    headings = [heading for heading in lesson.headings if heading.level <= DEEPEST]
+    top = min((heading.level for heading in headings), default=0)
     tree: list[tuple[Heading, list[Heading]]] = []
-    for heading in shown:
+    for heading in headings:
         if heading.level == top:
             tree.append((heading, []))
         elif tree:
             tree[-1][1].append(heading)
-    return tuple(_entry(heading, tuple(_entry(one, ()) for one in below)) for heading, below in tree)
+    return tuple(_entry(heading, tuple(_entry(subheading, ()) for subheading in below)) for heading, below in tree)
 
 
 def _entry(heading: Heading, below: tuple[Entry, ...]) -> Entry:
@@ -192,14 +194,14 @@ def _entry(heading: Heading, below: tuple[Entry, ...]) -> Entry:
 
 @lru_cache(maxsize=512)
 def _terms(module: Module, lesson: Lesson) -> tuple[TermView, ...]:
-    """The words that the page links to the glossary, each once."""
+    """The words that the lesson links to the glossary, each once."""
     names = dict.fromkeys(TERM_LINK.findall(lesson.html))
     return tuple(_term(module, module.glossary[name]) for name in names)
 
 
 def _term(module: Module, term: Term) -> TermView:
-    page = next((one for one in module.lessons if one.slug == term.page), None)
-    href, where = (lesson_href(page), page.title) if page else ("", "")
+    lesson = next((lesson for lesson in module.lessons if lesson.slug == term.page), None)
+    href, where = (lesson_href(lesson), lesson.title) if lesson else ("", "")
     return TermView(term.id, term.word, Markup(term.html), href, where)
 
 
@@ -212,8 +214,8 @@ def glossary_page(module: Module) -> GlossaryPage:
 
 @lru_cache(maxsize=32)
 def _letters(module: Module) -> tuple[Letter, ...]:
-    terms = sorted((_term(module, one) for one in module.glossary.values()), key=lambda one: plain(one.word))
-    groups = groupby(terms, key=lambda one: plain(one.word)[:1].upper())
+    terms = sorted((_term(module, term) for term in module.glossary.values()), key=lambda term: plain(term.word))
+    groups = groupby(terms, key=lambda term: plain(term.word)[:1].upper())
     return tuple(Letter(letter, tuple(group)) for letter, group in groups)
 
 
@@ -229,5 +231,5 @@ def search_page(module: Module, query: str) -> SearchPage:
 
 
 def _examples(module: Module) -> tuple[str, ...]:
-    words = [one.word for one in module.glossary.values()]
+    words = [term.word for term in module.glossary.values()]
     return tuple(words[:: max(1, len(words) // EXAMPLES)][:EXAMPLES])

@@ -30,9 +30,9 @@ class Desk:
 
     async def answer(self, request: Request, script: Script, values: Values) -> Answer | None:
         """None when the reader has left in the meantime. Raises TooMany."""
-        found = self.replays.remembered(script, values)
-        if found is not None:
-            return found
+        answer = self.replays.remembered(script, values)
+        if answer is not None:
+            return answer
         try:
             await self._turns.take(client_address(request))
         except FullError:
@@ -40,8 +40,8 @@ class Desk:
         try:
             if await request.is_disconnected():
                 return None
-            found = self.replays.remembered(script, values)
-            return found or await run_in_threadpool(self.replays.compute, script, values)
+            answer = self.replays.remembered(script, values)
+            return answer or await run_in_threadpool(self.replays.compute, script, values)
         finally:
             self._turns.give_back()
 

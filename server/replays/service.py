@@ -54,15 +54,16 @@ class Script:
                 given[name] = self.parameters[name].read(text)
             except RefusedError as refused:
                 raise Invalid(f"Réglage « {name} » : {refused}.") from refused
-        return Values({name: given.get(name, one.default) for name, one in self.parameters.items()})
+        return Values({name: given.get(name, parameter.default) for name, parameter in self.parameters.items()})
 
     def run(self, values: Values) -> dict[str, Any]:
         """The whole answer: the same for the same values."""
-        seeds = [values.whole(name) for name, one in self.parameters.items() if isinstance(one, Draw)]
+        seeds = [values.whole(name) for name, parameter in self.parameters.items() if isinstance(parameter, Draw)]
         rng = np.random.default_rng([zlib.crc32(self.name.encode()), *seeds])
         scene = self.compute(values, rng)
         described = [
-            {"name": name, "label": french(one.label), **one.describe()} for name, one in self.parameters.items()
+            {"name": name, "label": french(parameter.label), **parameter.describe()}
+            for name, parameter in self.parameters.items()
         ]
         head = {"title": french(self.title), "alt": french(self.alt), "parameters": described}
         return {**head, "values": dict(values.by_name), **scene.wire()}
@@ -114,7 +115,7 @@ def _key(script: Script, values: Values) -> Key:
 def names_in(module: Path) -> tuple[str, ...]:
     """The names of the replays in a module's folder `rejeux`; files that begin with _ are helpers."""
     files = sorted((module / "rejeux").glob("*.py"))
-    return tuple(name for one in files if NAME.fullmatch(name := one.stem.replace("_", "-")))
+    return tuple(name for path in files if NAME.fullmatch(name := path.stem.replace("_", "-")))
 
 
 @lru_cache(maxsize=256)

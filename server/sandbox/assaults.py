@@ -94,7 +94,7 @@ def _twice_the_memory(_: ExitStack) -> Value:
 
 def _beyond_the_time(_: ExitStack) -> Value:
     """Seconds of the processor, above those that end a hurried program."""
-    return 2.5
+    return 2.2
 
 
 _MEND_LANDLOCK = "Linux ≥ 5.13, et « landlock » dans la liste lsm= du noyau (cat /sys/kernel/security/lsm)"

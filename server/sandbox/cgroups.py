@@ -160,7 +160,7 @@ class Seats:
         """Not to be used again; it goes at once, or when the last process in it has ended."""
         with self._lock:
             self._leaving.append(seat)
-            self._leaving = [one for one in self._leaving if not _removed(one)]
+            self._leaving = [leaving for leaving in self._leaving if not _removed(leaving)]
 
     def close(self) -> None:
         """Removes all seats; waits for processes that are still ending."""
@@ -194,7 +194,7 @@ def _sweep(folder: Path) -> None:
 
 def hierarchies() -> tuple[tuple[Hierarchy, ...], str]:
     """Where seats can be made here, learnt by making one; and the first reason, where something is missing."""
-    found: list[Hierarchy] = []
+    usable: list[Hierarchy] = []
     problems: list[str] = []
     missing = set(_WANTED)
     for candidate in _candidates():
@@ -205,9 +205,9 @@ def hierarchies() -> tuple[tuple[Hierarchy, ...], str]:
         if problem := _problem(hierarchy):
             problems.append(problem)
             continue
-        found.append(hierarchy)
+        usable.append(hierarchy)
         missing -= wanted
-    return tuple(found), (problems or ["no cgroup file system"])[0] if missing else ""
+    return tuple(usable), (problems or ["no cgroup file system"])[0] if missing else ""
 
 
 def _problem(hierarchy: Hierarchy) -> str:

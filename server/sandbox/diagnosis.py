@@ -48,17 +48,17 @@ def last_frames(words: str, filename: str, lines: Sequence[str]) -> tuple[Frame,
 
     It is the student's process that wrote it: what is taken from it is numbers of lines, and bounded names.
     """
-    found = []
+    frames = []
     for entry in _LEVEL.finditer(words):
         line = int(entry[2])
         if entry[1] == filename and 0 < line <= len(lines):
-            found.append(Frame(line, messages.clean(_unescaped(entry[3])), messages.clean(lines[line - 1].strip())))
-    return tuple(reversed(found[:MAX_FRAMES]))
+            frames.append(Frame(line, messages.clean(_unescaped(entry[3])), messages.clean(lines[line - 1].strip())))
+    return tuple(reversed(frames[:MAX_FRAMES]))
 
 
 def _unescaped(name: str) -> str:
     """The interpreter writes the letters beyond ASCII of a name as escapes."""
-    return re.sub(r"\\x([0-9a-f]{2})|\\u([0-9a-f]{4})", lambda found: chr(int(found[1] or found[2], 16)), name)
+    return re.sub(r"\\x([0-9a-f]{2})|\\u([0-9a-f]{4})", lambda escape: chr(int(escape[1] or escape[2], 16)), name)
 
 
 def ended(ending: Ending, policy: Policy, frames: tuple[Frame, ...] = ()) -> ProgramFault:

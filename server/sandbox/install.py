@@ -40,11 +40,11 @@ def installation(imports: str = "numpy") -> Installation:
     sets = {name: place for name in IMPORT_SETS if (place := _package(name))}
     if "numpy" not in sets:
         raise ModuleNotFoundError("numpy is not installed", name="numpy")
-    found = {name: place for name, place in sets.items() if name != DRAWING or imports == DRAWING}
-    if DRAWING in found:
-        found |= {name: place for name in _DRAWING_NEEDS if (place := _package(name))}
-    sites = tuple(dict.fromkeys(os.path.dirname(place) for place in found.values()))
-    packages = [path for name, place in found.items() for path in _with_libraries(name, place)]
+    places = {name: place for name, place in sets.items() if name != DRAWING or imports == DRAWING}
+    if DRAWING in places:
+        places |= {name: place for name in _DRAWING_NEEDS if (place := _package(name))}
+    sites = tuple(dict.fromkeys(os.path.dirname(place) for place in places.values()))
+    packages = [path for name, place in places.items() for path in _with_libraries(name, place)]
     return Installation(sys.executable, sites, tuple(packages), tuple(sets))
 
 

@@ -97,24 +97,24 @@ def seconds(duration: float) -> str:
     return f"{duration:.3g} s".replace(".", ",")
 
 
-def located(line: int | None, frames: tuple[Frame, ...], told: str) -> str:
+def located(line: int | None, frames: tuple[Frame, ...], sentence: str) -> str:
     """« Ligne 12, dans « composer » (return a[3]) : … », or the sentence alone when the line is unknown."""
     if line is None:
-        return told[:1].upper() + told[1:]
+        return sentence[:1].upper() + sentence[1:]
     inside = frames[-1] if frames else None
     where = f", dans « {inside.function} »" if inside and not inside.function.startswith("<") else ""
     source = f" ({inside.source[:80]})" if inside and inside.source else ""
-    return f"Ligne {line}{where}{source} : {told}"
+    return f"Ligne {line}{where}{source} : {sentence}"
 
 
 def syntax_error(text: str, source: str, line: int | None) -> str:
     where = f"Ligne {line} : " if line else ""
-    what = next(
+    explanation = next(
         (french.format(*(m.groups())) for pattern, french in _SYNTAX if (m := re.fullmatch(pattern, text))), None
     )
-    told = f"{what} [{text}]" if what else text
+    sentence = f"{explanation} [{text}]" if explanation else text
     quoted = f"\nLigne lue : {source}" if source else ""
-    return f"{where}{told}.{quoted}"
+    return f"{where}{sentence}.{quoted}"
 
 
 def null_byte() -> str:
@@ -138,9 +138,9 @@ _SYSTEM = {
 
 
 def runtime_error(exception: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
-    told = f"{exception} ({text})" if text else exception
+    sentence = f"{exception} ({text})" if text else exception
     system = next((advice for words, advice in _SYSTEM.items() if words in text), None)
-    return located(line, frames, f"{told}. {system or _ADVICE.get(exception, '')}".strip())
+    return located(line, frames, f"{sentence}. {system or _ADVICE.get(exception, '')}".strip())
 
 
 def import_error(exception: str, module: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
@@ -153,8 +153,8 @@ def _about_module(module: str) -> str:
     root = module.partition(".")[0]
     if root in ("matplotlib", "pylab", "seaborn", "plotly"):
         return 'Rien ne se trace pendant l\'évaluation : mettez vos tracés sous « if __name__ == "__main__": ».'
-    for known in (("numpy", "scipy"), sys.stdlib_module_names):
-        near = difflib.get_close_matches(root, known, 1, 0.75)
+    for names in (("numpy", "scipy"), sys.stdlib_module_names):
+        near = difflib.get_close_matches(root, names, 1, 0.75)
         if near and near[0] != root:
             return f"Vouliez-vous écrire « {near[0]} » ?"
     return "Sont disponibles numpy, scipy et la bibliothèque standard de Python."
@@ -164,12 +164,12 @@ def missing_function(name: str, present: Iterable[str]) -> str:
     functions = sorted(map(clean, present))
     by_lower_case = {function.casefold(): function for function in functions}
     near = [by_lower_case[close] for close in difflib.get_close_matches(name.casefold(), by_lower_case, 1, 0.6)]
-    told = f"La fonction « {name} » est attendue et n'est pas dans votre fichier. "
+    sentence = f"La fonction « {name} » est attendue et n'est pas dans votre fichier. "
     if near:
-        return told + f"Il contient « {near[0]} » : est-ce elle, sous un autre nom ?"
+        return sentence + f"Il contient « {near[0]} » : est-ce elle, sous un autre nom ?"
     if functions:
-        return told + f"Il contient : {', '.join(functions[:10])}."
-    return told + "Il ne contient aucune fonction."
+        return sentence + f"Il contient : {', '.join(functions[:10])}."
+    return sentence + "Il ne contient aucune fonction."
 
 
 def timeout(what: str, policy: Policy, line: int | None, frames: tuple[Frame, ...]) -> str:
@@ -181,15 +181,15 @@ def timeout(what: str, policy: Policy, line: int | None, frames: tuple[Frame, ..
 
 
 def memory_limit(policy: Policy, line: int | None, frames: tuple[Frame, ...]) -> str:
-    told = f"votre programme demande plus de mémoire que la limite de {size(policy.memory_bytes)}. "
+    sentence = f"votre programme demande plus de mémoire que la limite de {size(policy.memory_bytes)}. "
     advice = "Un tableau a-t-il des dimensions démesurées, une liste grandit-elle sans fin ?"
-    return located(line, frames, told + advice)
+    return located(line, frames, sentence + advice)
 
 
 def forbidden(text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
-    told = "opération interdite" + (f" [{text}]. " if text else ". ")
+    sentence = "opération interdite" + (f" [{text}]. " if text else ". ")
     advice = "Fichiers, réseau, processus et fils d'exécution sont hors d'atteinte : tout arrive par les arguments."
-    return located(line, frames, told + advice)
+    return located(line, frames, sentence + advice)
 
 
 def ended(code: int) -> str:
@@ -235,10 +235,10 @@ def not_a_value(reason: str, culprit: str, where: str, function: str, policy: Po
     inside = where[3:] if where.startswith("[0]") else ""
     if reason in _NOT_A_VALUE:
         return f"{subject} {_NOT_A_VALUE[reason].format(depth=policy.depth, culprit=culprit)}"
-    found = (
+    predicate = (
         f"contient, en {inside}, une valeur" if inside else "est" if where.startswith("[0]") else "contient une valeur"
     )
-    return f"{subject} {found} de type « {culprit} » : ni nombre, ni tableau, ni liste. {_cure(culprit)}"
+    return f"{subject} {predicate} de type « {culprit} » : ni nombre, ni tableau, ni liste. {_cure(culprit)}"
 
 
 _ITERABLES = ("generator", "map", "filter", "zip", "enumerate", "reversed", "dict_keys", "dict_values", "dict_items")

@@ -1,12 +1,33 @@
-"""The limits of one execution, as data: enforced by the walls, shown to the student, overridable for an exercise."""
+"""What one program may use: one table, enforced by the walls, shown to the student, overridable for an exercise.
+
+A new limit is a new field of `Policy` with its row: the course's files, the pages and the API take all from there.
+"""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields
+from typing import Any, Literal
 
 from server.sandbox.child.codec import Limits
 
-KIB, MIB = 1 << 10, 1 << 20
+KIB, MIB, GIB = 1 << 10, 1 << 20, 1 << 30
+
+Unit = Literal["seconds", "bytes", "count", "levels", "threads"]
+
+
+@dataclass(frozen=True)
+class Row:
+    """What is known of a limit: its name on the page, its unit, and between which values an exercise may set it."""
+
+    words: str
+    unit: Unit
+    least: float
+    most: float
+
+
+def _limit(default: Any, words: str, unit: Unit, least: float, most: float) -> Any:
+    return field(default=default, metadata={"row": Row(words, unit, least, most)})
 
 
 @dataclass(frozen=True)
@@ -20,18 +41,18 @@ class Policy:
     bound the nesting and the number of values of an answer.
     """
 
-    cpu_seconds: float = 5.0
-    wall_seconds: float = 12.0
-    memory_bytes: int = 512 * MIB
-    stdout_bytes: int = 64 * KIB
-    frame_bytes: int = 8 * MIB
-    source_bytes: int = 64 * KIB
-    threads: int = 1
-    files: int = 64
-    file_bytes: int = 4 * MIB
-    folder_bytes: int = 16 * MIB
-    depth: int = 16
-    items: int = 200_000
+    cpu_seconds: float = _limit(5.0, "Temps de calcul", "seconds", 0.01, 120)
+    wall_seconds: float = _limit(12.0, "Durée, attentes comprises", "seconds", 0.01, 300)
+    memory_bytes: int = _limit(512 * MIB, "Mémoire, sans les bibliothèques", "bytes", 64 * MIB, 4 * GIB)
+    source_bytes: int = _limit(64 * KIB, "Taille de votre fichier", "bytes", KIB, MIB)
+    stdout_bytes: int = _limit(64 * KIB, "Texte affiché par print", "bytes", KIB, MIB)
+    frame_bytes: int = _limit(8 * MIB, "Taille d’une réponse", "bytes", KIB, 64 * MIB)
+    items: int = _limit(200_000, "Valeurs d’une réponse, hors tableaux", "count", 1000, 10_000_000)
+    depth: int = _limit(16, "Imbrication d’une réponse", "levels", 4, 60)
+    threads: int = _limit(1, "Fils d’exécution (threads)", "threads", 1, 16)
+    files: int = _limit(64, "Fichiers ouverts en même temps", "count", 16, 1024)
+    file_bytes: int = _limit(4 * MIB, "Taille d’un fichier écrit", "bytes", KIB, 64 * MIB)
+    folder_bytes: int = _limit(16 * MIB, "Fichiers écrits, en tout", "bytes", 64 * KIB, 256 * MIB)
 
     def __post_init__(self) -> None:
         for name, value in asdict(self).items():
@@ -42,3 +63,7 @@ class Policy:
     def answer(self) -> Limits:
         """Bounds of one encoded answer: a call's value and its arguments are two levels below the top."""
         return Limits(self.frame_bytes, self.depth + 2, self.items)
+
+
+#: The row of each field, in the order in which the page shows them.
+ROWS: Mapping[str, Row] = {each.name: each.metadata["row"] for each in fields(Policy)}

@@ -38,14 +38,14 @@ class WallReport:
     mend: str = ""
 
 
-def probe(*, slow: bool = True, imports: str = "numpy") -> list[WallReport]:
+def probe(*, slow: bool = True) -> list[WallReport]:
     """Tries every wall, in a second or two; without `slow`, leaves out the assaults that must wait for a limit.
 
-    The walls do not depend on the import set; tests try them with each.
+    On the template of submissions: the walls do not depend on the import set, and tests try them with each.
     """
     assaults = [assault for assault in ASSAULTS if slow or not assault.slow]
     with ThreadPoolExecutor(1) as spawner:
-        templates = _Templates(spawner, imports)
+        templates = _Templates(spawner)
         try:
             for lifted in {assault.hiders for assault in assaults}:
                 templates.get(lifted, namespaces=False)
@@ -64,12 +64,12 @@ def safe_to_serve(reports: list[WallReport]) -> bool:
 class _Templates:
     """One template for each set of walls left down."""
 
-    def __init__(self, spawner: ThreadPoolExecutor, imports: str) -> None:
-        self._spawner, self._imports = spawner, imports
+    def __init__(self, spawner: ThreadPoolExecutor) -> None:
+        self._spawner = spawner
         self._known: dict[tuple[bool, frozenset[str]], TemplateProcess | str] = {}
-        found, self.why_no_seat = hierarchies()
-        self.controllers = frozenset(name for hierarchy in found for name in hierarchy.controllers)
-        self._seats, self._no_seats = Seats(found), Seats(())
+        usable, self.why_no_seat = hierarchies()
+        self.controllers = frozenset(name for hierarchy in usable for name in hierarchy.controllers)
+        self._seats, self._no_seats = Seats(usable), Seats(())
 
     def get(self, lifted: frozenset[str], *, namespaces: bool) -> TemplateProcess | str:
         """The template, in the namespaces if they can be had or are asked for; or why there is none."""
@@ -79,7 +79,7 @@ class _Templates:
     def _started(self, namespaces: bool, lifted: frozenset[str]) -> TemplateProcess | str:
         key = (namespaces, lifted)
         if key not in self._known:
-            setting = Setting({}, self._imports, namespaces, lifted)
+            setting = Setting({}, "numpy", namespaces, lifted)
             seats = self._no_seats if "cgroup" in lifted else self._seats
             try:
                 self._known[key] = TemplateProcess(setting, seats, lambda _: None).start(self._spawner)

@@ -150,8 +150,10 @@ class Session:
         given = self.call(drawing.FIGURES).value
         if not isinstance(given, tuple) or len(given) > drawing.MAX_FIGURES:
             raise diagnosis.forged()
-        pictures = tuple(one.tobytes() for one in given if isinstance(one, np.ndarray) and one.dtype == np.uint8)
-        if len(pictures) != len(given) or any(len(one) > drawing.MAX_BYTES for one in pictures):
+        pictures = tuple(
+            array.tobytes() for array in given if isinstance(array, np.ndarray) and array.dtype == np.uint8
+        )
+        if len(pictures) != len(given) or any(len(picture) > drawing.MAX_BYTES for picture in pictures):
             raise diagnosis.forged()
         return pictures
 
@@ -247,12 +249,12 @@ class Session:
             fault: Any = codec.decode(answer, frames.FAULT_LIMITS)
         except codec.Malformed:
             self._forged()
-        told = diagnosis.told(fault, self._policy)
-        if told is None:
+        program_fault = diagnosis.told(fault, self._policy)
+        if program_fault is None:
             self._forged()
-        if told.fatal:
-            self._end(lambda _: told)
-        raise told
+        if program_fault.fatal:
+            self._end(lambda _: program_fault)
+        raise program_fault
 
     def _died(self) -> NoReturn:
         """The wire is closed: the process has ended by itself, or it has closed the wire and lives on."""

@@ -56,7 +56,7 @@ class Watch:
 
     def starting(self, pid: int) -> bool:
         """Whether a process that comes up, or what it has started, is stopped."""
-        return self._count(any(state(one) in _STOPPED for one in (pid, *children(pid))))
+        return self._count(any(state(process) in _STOPPED for process in (pid, *children(pid))))
 
     def serving(self, pid: int, control: int) -> bool:
         """Whether a process leaves what was sent to it on this socket unread for nothing."""

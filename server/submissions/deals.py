@@ -26,9 +26,9 @@ def find(db: Session, account: Account, exercise_id: str) -> int | None:
 def seed_to_show(database: Database, account: Account, exercise_id: str) -> int:
     """The same for who only reads: the first time alone is anything written."""
     with database.read() as db:
-        known = find(db, account, exercise_id)
-    if known is not None:
-        return known
+        seed = find(db, account, exercise_id)
+    if seed is not None:
+        return seed
     with database.write() as db:
         return seed_of(db, account, exercise_id)
 

@@ -48,6 +48,6 @@ def keep_seed(db: Session, account_id: UUID, exercise: str, seed: int) -> None:
 
 def move_deals(db: Session, old: UUID, new: UUID) -> None:
     """Moves the deals of exercises for which `new` has none."""
-    known = select(Deal.exercise).where(Deal.account_id == new)
-    moved = update(Deal).where(Deal.account_id == old, Deal.exercise.not_in(known)).values(account_id=new)
+    already_dealt = select(Deal.exercise).where(Deal.account_id == new)
+    moved = update(Deal).where(Deal.account_id == old, Deal.exercise.not_in(already_dealt)).values(account_id=new)
     db.execute(moved.execution_options(synchronize_session=False))

@@ -88,8 +88,8 @@ def key_of(submission_id: UUID) -> str:
 def digest(code: str) -> str:
     """What identifies a changed attempt: blank lines, whole-line comments and trailing spaces do not count."""
     lines = (line.rstrip() for line in code.removeprefix("\ufeff").splitlines())
-    kept = "\n".join(line for line in lines if line and not line.lstrip().startswith("#"))
-    return hashlib.sha256(kept.encode("utf-8", errors="replace")).hexdigest()
+    code_lines = "\n".join(line for line in lines if line and not line.lstrip().startswith("#"))
+    return hashlib.sha256(code_lines.encode("utf-8", errors="replace")).hexdigest()
 
 
 def parse_id(text: UUID | str) -> UUID:

@@ -63,7 +63,10 @@ class Engine:
     def render(self, formulas: Sequence[Formula]) -> list[str | TexError]:
         """HTML of each formula, or why there is none."""
         answers = json.loads(self._thread.submit(self._function, json.dumps(formulas)).result())
-        return [one["html"] if "html" in one else TexError(one["message"], one["position"]) for one in answers]
+        return [
+            answer["html"] if "html" in answer else TexError(answer["message"], answer["position"])
+            for answer in answers
+        ]
 
 
 @lru_cache(maxsize=1)
@@ -80,7 +83,7 @@ def prepare(formulas: Iterable[Formula]) -> None:
     current = engine()
     if current is None:
         return
-    missing = [one for one in dict.fromkeys(formulas) if drawn.get(one) is None]
+    missing = [formula for formula in dict.fromkeys(formulas) if drawn.get(formula) is None]
     for start in range(0, len(missing), TOGETHER):
         chunk = missing[start : start + TOGETHER]
         for formula, answer in zip(chunk, current.render(chunk), strict=True):
@@ -94,9 +97,9 @@ def render(tex: str, *, display: bool) -> str:
     if current is None:
         tag = "div" if display else "span"
         return f'<{tag} class="tex"><code>{html.escape(tex.strip())}</code></{tag}>'
-    known = drawn.get((tex, display))
-    if known is not None:
-        return known
+    html_of = drawn.get((tex, display))
+    if html_of is not None:
+        return html_of
     (answer,) = current.render([(tex, display)])
     if isinstance(answer, TexError):
         raise answer

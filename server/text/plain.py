@@ -17,6 +17,6 @@ def visible(text: str) -> str:
     return STRANGE.sub(_spell, text.replace("\r\n", "\n"))
 
 
-def _spell(found: re.Match[str]) -> str:
-    code = ord(found[0])
+def _spell(match: re.Match[str]) -> str:
+    code = ord(match[0])
     return chr(CONTROL_PICTURES + code) if code < 0x20 else f"⟦U+{code:04X}⟧"

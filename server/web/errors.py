@@ -32,8 +32,8 @@ def answer(
     """The problem, in the form that fits who asks."""
     if request.url.path.startswith("/api/") or "application/json" in request.headers.get("accept", ""):
         return as_json(body, headers)
-    shown = {"code": body["status"], "title": body["title"], "detail": body["detail"]}
-    return page(request, "error.html", account, status=body["status"], headers=headers, **shown)
+    context = {"code": body["status"], "title": body["title"], "detail": body["detail"]}
+    return page(request, "error.html", account, status=body["status"], headers=headers, **context)
 
 
 def _asker(request: Request) -> Account | None:

@@ -66,10 +66,10 @@ def account_view(account: Account | None) -> AccountView:
 
 def _here(request: Request, modules: Mapping[str, Module]) -> HereView | None:
     """The module that the address is in, when there is something to search there."""
-    found = modules.get(request.path_params.get("module", ""))
-    if found is None or not found.lessons:
+    module = modules.get(request.path_params.get("module", ""))
+    if module is None or not module.lessons:
         return None
-    return HereView(found.slug, found.number, request.url.path == f"/{found.slug}/recherche")
+    return HereView(module.slug, module.number, request.url.path == f"/{module.slug}/recherche")
 
 
 def page(
@@ -84,14 +84,14 @@ def page(
     """A whole page: `template` extends `base.html`, which shows `account` and the modules of the course."""
     modules = provided_to(request.app, Course).modules
     surroundings = {
-        "modules": [(one.slug, one.number, one.title) for one in modules.values()],
+        "modules": [(module.slug, module.number, module.title) for module in modules.values()],
         "here": _here(request, modules),
         "path": request.url.path,
     }
     body = environment().get_template(template).render(account=account_view(account), **surroundings, **context)
     # A page shows one person's own work: nobody else's cache may keep it.
-    kept = {"Cache-Control": "private, no-cache", **(headers or {})}
-    answer = HTMLResponse(body, status, headers=kept)
+    all_headers = {"Cache-Control": "private, no-cache", **(headers or {})}
+    answer = HTMLResponse(body, status, headers=all_headers)
     return once(request, answer) if request.method == "GET" and status == HTTPStatus.OK else answer
 
 

@@ -122,10 +122,10 @@ def _plan(rows: list[list[bool]]) -> ValueView:
 
 
 def _list(value: list[Any], expected: Any) -> ValueView:
-    wanted = expected if isinstance(expected, list) and len(expected) == len(value) else [None] * len(value)
-    shown = tuple(("", view(item, wish)) for item, wish in zip(value[:MAX_LIST], wanted, strict=False))
+    wishes = expected if isinstance(expected, list) and len(expected) == len(value) else [None] * len(value)
+    items = tuple(("", view(item, wish)) for item, wish in zip(value[:MAX_LIST], wishes, strict=False))
     left = len(value) - MAX_LIST
-    return ValueView("list", items=shown, note=f"et {left} autres" if left > 0 else "")
+    return ValueView("list", items=items, note=f"et {left} autres" if left > 0 else "")
 
 
 def as_code(inputs: Mapping[str, Any]) -> str:

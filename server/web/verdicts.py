@@ -31,7 +31,7 @@ def view(verdict: Verdict, figures: str, texts: Texts | None = None) -> VerdictV
         tone=_tone(verdict),
         points=points(verdict.points) if verdict.outcome.counts else "",
         common=_common_message(verdict.checks),
-        checks=tuple(_check(one, figures, marked) for one in verdict.checks),
+        checks=tuple(_check(check, figures, marked) for check in verdict.checks),
         diagnosis=_diagnosis(verdict.diagnosis) if verdict.diagnosis else None,
         stdout=verdict.stdout,
         timings=tuple(_timing(name, value) for name, value in verdict.timings.items()),
@@ -59,7 +59,7 @@ def _common_message(checks: Sequence[CheckResult]) -> str:
 
 
 def _check(check: CheckResult, figures: str, marked: bool) -> CheckView:
-    found = check.counterexample
+    counterexample = check.counterexample
     return CheckView(
         id=check.id,
         title=check.title,
@@ -68,19 +68,19 @@ def _check(check: CheckResult, figures: str, marked: bool) -> CheckView:
         max_points=points(check.max_points),
         message=check.message,
         hint=check.hint or "",
-        counterexample=_counterexample(found, shows_inputs=not marked) if found else None,
+        counterexample=_counterexample(counterexample, shows_inputs=not marked) if counterexample else None,
         figure=_figure(check, figures) if check.figure else None,
     )
 
 
-def _counterexample(found: Counterexample, *, shows_inputs: bool) -> CounterexampleView:
+def _counterexample(counterexample: Counterexample, *, shows_inputs: bool) -> CounterexampleView:
     """Without code the data stand in the statement: they are not told again with each answer."""
-    given = found.inputs if shows_inputs else {}
-    judged = found.expected is not None or found.got is not None
+    given = counterexample.inputs if shows_inputs else {}
+    judged = counterexample.expected is not None or counterexample.got is not None
     return CounterexampleView(
         inputs=tuple((name, values.view(value)) for name, value in given.items()),
-        expected=values.view(found.expected) if judged else None,
-        got=values.view(found.got, expected=found.expected) if judged else None,
+        expected=values.view(counterexample.expected) if judged else None,
+        got=values.view(counterexample.got, expected=counterexample.expected) if judged else None,
         code=values.as_code(given),
     )
 
@@ -91,9 +91,9 @@ def _figure(check: CheckResult, figures: str) -> FigureView:
     return FigureView(address + "light", address + "dark", alt)
 
 
-def _diagnosis(found: Diagnosis) -> DiagnosisView:
-    paragraphs = tuple(part.strip() for part in found.explanation.split("\n\n") if part.strip())
-    return DiagnosisView(found.id, found.title, paragraphs)
+def _diagnosis(diagnosis: Diagnosis) -> DiagnosisView:
+    paragraphs = tuple(part.strip() for part in diagnosis.explanation.split("\n\n") if part.strip())
+    return DiagnosisView(diagnosis.id, diagnosis.title, paragraphs)
 
 
 def _timing(name: str, milliseconds: float) -> tuple[str, str]:

@@ -35,10 +35,10 @@ def find_module(course: Course, slug: str) -> Module:
 
 def find_exercise(course: Course, module: str, slug: str) -> Exercise:
     """Raises NotFound."""
-    known = course.exercises.get(f"{module}/{slug}")
-    if known is None:
+    exercise = course.exercises.get(f"{module}/{slug}")
+    if exercise is None:
         raise NotFound("Cet exercice n’existe pas.")
-    return known
+    return exercise
 
 
 def exercise_href(exercise: Exercise) -> str:
@@ -50,7 +50,7 @@ def lesson_href(lesson: Lesson) -> str:
 
 
 def module_link(module: Module, progress: dict[str, Progress] | None = None) -> ModuleLink:
-    done = sum((progress or {}).get(one.id, NOTHING_YET).succeeded for one in module.exercises)
+    done = sum((progress or {}).get(exercise.id, NOTHING_YET).succeeded for exercise in module.exercises)
     return ModuleLink(module.slug, module.number, module.title, module.summary, len(module.exercises), done)
 
 
@@ -65,6 +65,6 @@ def own_state(progress: Progress) -> OwnState:
 
 
 def in_order(module: Module) -> list[Exercise]:
-    """The exercises in the order in which one meets them: those of each page, then those that follow none."""
-    places = {one.slug: place for place, one in enumerate(module.lessons)}
-    return sorted(module.exercises, key=lambda one: places.get(one.seance, len(places)))
+    """The exercises in the order in which one meets them: those of each lesson, then those that follow none."""
+    places = {lesson.slug: place for place, lesson in enumerate(module.lessons)}
+    return sorted(module.exercises, key=lambda exercise: places.get(exercise.seance, len(places)))

@@ -12,9 +12,9 @@ def points(value: float) -> str:
     return number(round(float(value), 2), 4)
 
 
-def plural(count: int, one: str, many: str | None = None) -> str:
+def plural(count: int, singular: str, many: str | None = None) -> str:
     """« 1 essai », « 3 essais »: zero and one take the singular, as in French."""
-    return f"{count} {one if abs(count) < 2 else many or one + 's'}"
+    return f"{count} {singular if abs(count) < 2 else many or singular + 's'}"
 
 
 def moment(when: datetime) -> str:

@@ -43,6 +43,8 @@ while True:
 )
 #: Says nothing, and ends with the line.
 SILENT = HEARD + "stream.read()"
+#: Answers one question, and goes on once the line is closed.
+ENDS = HEARD + FRAME + "number, _ = question()\nend.sendall(struct.pack('>IIB', 2, number, 1) + b'{}')\nstream.read()\n"
 DEAF = HEARD + "time.sleep(3600)"
 #: Seconds that no test is to wait in vain.
 LONG = 600.0
@@ -147,6 +149,27 @@ def test_a_process_that_was_killed_between_two_cells_is_replaced(tmp_path: Path)
         assert process(cells) != first
 
     played(tmp_path, test, ECHO)
+
+
+def test_a_process_that_is_let_go_ends_by_itself_what_it_has_below_it(tmp_path: Path) -> None:
+    ended = tmp_path / "ended"
+
+    async def test(cells: Cells) -> None:
+        await ran(cells, "1")
+
+    played(tmp_path, test, f"{ENDS}time.sleep(0.1)\nopen({str(ended)!r}, 'w').close()")
+    assert ended.exists()
+
+
+def test_who_waits_for_a_process_that_comes_up_is_told_at_once_when_the_service_stops(tmp_path: Path) -> None:
+    async def test(cells: Cells) -> None:
+        waiting = await started(cells, "1")
+        await asking(cells)
+        await cells.close()
+        with pytest.raises(Failed):
+            await waiting
+
+    played(tmp_path, test, DEAF)
 
 
 @pytest.mark.parametrize("script", FAKES.values(), ids=FAKES.keys())
@@ -265,9 +288,10 @@ def test_a_process_without_work_is_let_go_and_comes_back(tmp_path: Path) -> None
         await ran(cells, "1")
         first = process(cells)
         await eventually(lambda: not alive(first))
-        assert json.loads(await ran(cells, "print('encore')"))["stdout"] == "encore\n"
+        assert json.loads(await ran(cells, "encore"))["code"] == "encore"
+        assert process(cells) != first
 
-    played(tmp_path, test, idle=0.2)
+    played(tmp_path, test, ECHO, idle=0.2)
 
 
 def test_answers_go_to_their_questions(tmp_path: Path) -> None:

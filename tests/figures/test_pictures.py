@@ -11,7 +11,7 @@ import pytest
 
 from server.base.errors import Crowded, Failed
 from server.base.helper import UnansweredError
-from server.figures.orders import Order
+from server.figures.orders import WARM, Order
 from server.figures.pictures import LONGEST_QUESTION, Pictures
 from server.figures.store import Store
 from tests.quick import in_a_loop
@@ -102,6 +102,50 @@ def test_what_nobody_waits_for_any_more_is_drawn_and_kept(tmp_path: Path) -> Non
         drawer.go.set()
         assert await looks(pictures, "a") == b"<a>"
         assert drawer.drawn == {"a": 1}
+
+    play(tmp_path, scene)
+
+
+def test_what_all_have_left_before_it_was_begun_leaves_the_queue(tmp_path: Path) -> None:
+    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+        first = looks(pictures, "a")
+        await drawer.begun.wait()
+        gone, leaving, staying = (looks(pictures, name) for name in "bcc")
+        await until_waiting(pictures, 2)
+        for viewer in (gone, leaving):
+            viewer.cancel()
+        await until_waiting(pictures, 1)
+        drawer.go.set()
+        assert await asyncio.gather(first, staying) == [b"<a>", b"<c>"]
+        assert drawer.drawn == {"a": 1, "c": 1}
+        assert await looks(pictures, "b") == b"<b>"
+
+    play(tmp_path, scene)
+
+
+def test_who_looks_as_the_last_one_leaves_has_it_drawn(tmp_path: Path) -> None:
+    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+        first = looks(pictures, "a")
+        await drawer.begun.wait()
+        leaving = looks(pictures, "b")
+        await until_waiting(pictures, 1)
+        leaving.cancel()
+        coming = looks(pictures, "b")
+        drawer.go.set()
+        assert await asyncio.gather(first, coming) == [b"<a>", b"<b>"]
+        assert drawer.drawn == {"a": 1, "b": 1}
+
+    play(tmp_path, scene)
+
+
+def test_a_process_that_cannot_be_made_ready_stops_nothing(tmp_path: Path) -> None:
+    async def scene(drawer: Drawer, pictures: Pictures) -> None:
+        drawer.go.set()
+        drawer.fails.add(WARM.decode())
+        pictures.warm()
+        await drawer.begun.wait()
+        assert drawer.drawn == {WARM.decode(): 1}
+        assert await looks(pictures, "a") == b"<a>"
 
     play(tmp_path, scene)
 

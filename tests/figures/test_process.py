@@ -80,37 +80,29 @@ def play(scene: Callable[[Helper], Awaitable[None]], made: Program | None = None
     in_a_loop(whole())
 
 
-def test_a_drawing_is_as_it_would_be_here(folder: Path) -> None:
-    async def scene(helper: Helper) -> None:
-        assert await helper.ask(question(folder, "right")) == draw(drawing(folder, "right"), "dark", "svg").picture
-
-    play(scene)
+async def raises(helper: Helper, asked: bytes) -> None:
+    with pytest.raises(UnansweredError):
+        await helper.ask(asked)
 
 
-def test_a_figure_of_a_verdict_is_drawn_by_its_exercise() -> None:
+def test_one_process_draws_as_it_would_be_drawn_here_whatever_failed_before(folder: Path) -> None:
     frames = {"a": [0.0, 0.0, 0.0], "b": [1.0, 0.0, 0.5]}
     data = {"kind": "frames", "title": "Essai", "frames": frames, "expected": [1.0, 0.0, 0.5], "got": [1.0, 0.0, 0.0]}
     exercise = "l20/poses"
+    lesson = draw(drawing(folder, "right"), "dark", "svg").picture
 
     async def scene(helper: Helper) -> None:
+        assert await helper.ask(orders.WARM) == b""
+        assert helper._process is not None
+        first = helper._process.pid
+        assert await helper.ask(question(folder, "right")) == lesson
         for form in ("svg", "png"):
             order = orders.of_verdict(exercise, data, form, "light")
             assert await helper.ask(order.question) == counterexample(exercise, data, theme="light", extension=form)
-        with pytest.raises(UnansweredError):
-            await helper.ask(orders.of_verdict(exercise, {"kind": "rien"}, "svg", "light").question)
-
-    play(scene)
-
-
-def test_what_raises_or_takes_too_much_memory_fails_alone(folder: Path) -> None:
-    async def scene(helper: Helper) -> None:
-        await helper.ask(question(folder, "right"))
-        assert helper._process is not None
-        first = helper._process.pid
-        for function in ("wrong", "greedy"):
-            with pytest.raises(UnansweredError):
-                await helper.ask(question(folder, function))
-        assert await helper.ask(question(folder, "right"))
+        await raises(helper, orders.of_verdict(exercise, {"kind": "rien"}, "svg", "light").question)
+        for function in ("wrong", "greedy"):  # what raises or takes too much memory
+            await raises(helper, question(folder, function))
+        assert await helper.ask(question(folder, "right")) == lesson
         assert helper._process.pid == first
 
     play(scene)

@@ -8,14 +8,14 @@ from dataclasses import fields
 
 import pytest
 
+from server.api.schemas import LimitsOut
 from server.base.sizes import size
 from server.course.schemas import PolicyEntry
-from server.pages.policy import LINES, policy_lines
-from server.sandbox import Policy
+from server.pages.policy import policy_lines
+from server.sandbox.policy import ROWS, Policy
 from tests.pages.conftest import EXERCISE, CourseFolder
 from tests.pages.site import PAGE, Site
 
-POLICY = [field.name for field in fields(Policy)]
 OWN = {
     "cpu_seconds": (1.5, "1,5\u00a0s"),
     "wall_seconds": (90.0, "90\u00a0s"),
@@ -39,14 +39,25 @@ def shown(page: str) -> list[tuple[str, str]]:
     ]
 
 
-def test_no_limit_is_kept_from_students_nor_from_authors() -> None:
-    assert sorted(LINES) == sorted(POLICY)
-    assert sorted(PolicyEntry.model_fields) == sorted(POLICY)
+def test_no_limit_is_kept_from_students_nor_from_authors_nor_from_programs() -> None:
+    assert OWN.keys() == {field.name for field in fields(Policy)}
+    for schema in (PolicyEntry, LimitsOut):
+        assert list(schema.model_fields) == list(ROWS)
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_an_exercise_may_not_go_beyond_the_bounds_of_a_limit(course_folder: CourseFolder, name: str) -> None:
+    for value in (ROWS[name].least / 2, ROWS[name].most * 2):
+        wanted = value if name.endswith("seconds") else int(value)
+        course_folder.write("curriculum/m9/exercices/a/exercise.toml", EXERCISE + f"\n[limits]\n{name} = {wanted}\n")
+        (problem,) = course_folder.load().problems
+        assert problem.line == EXERCISE.count("\n") + 3
+        assert name in problem.message
 
 
 def test_the_page_shows_every_limit(site: Site) -> None:
     limits = shown(site.get(PAGE))
-    assert [name for name, _ in limits] == [name for name, _ in LINES.values()]
+    assert [name for name, _ in limits] == [row.words for row in ROWS.values()]
     policy = Policy()
     assert ("Temps de calcul", f"{policy.cpu_seconds:g}\u00a0s") in limits
     assert ("Mémoire, sans les bibliothèques", f"{policy.memory_bytes >> 20}\u00a0Mio") in limits
@@ -62,7 +73,7 @@ def test_an_exercises_own_limit_binds_and_shows(course_folder: CourseFolder, fie
     own, usual = (course.exercises[f"m9/{slug}"] for slug in ("a", "b"))
     assert getattr(own.policy, field) == value
     changed = set(policy_lines(own)) - set(policy_lines(usual))
-    assert changed == {(LINES[field][0], told)}
+    assert changed == {(ROWS[field].words, told)}
 
 
 @pytest.mark.parametrize(

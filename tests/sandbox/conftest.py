@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from functools import cache
+from pathlib import Path
 
 import pytest
 
@@ -24,6 +25,8 @@ def configurer(libres=None, portee_max=12.0, seed=0):
     return {"np": np, "libres": libres, "PORTEE_MAX": portee_max, "rng": rng, "lidar": lidar}
 """
 
+#: What the hostile programs share.
+OUTILS = (Path(__file__).resolve().parents[1] / "hostile" / "outils.py").read_text(encoding="utf-8")
 POLICY = only(memory_bytes=128 << 20, frame_bytes=1 << 20, stdout_bytes=1 << 14)
 
 Lifting = Callable[[frozenset[str]], Sandbox]
@@ -38,14 +41,20 @@ def sandbox() -> Iterator[Sandbox]:
 
 @pytest.fixture(scope="session")
 def without() -> Iterator[Lifting]:
-    """The sandbox in which these walls are down: each costs a template, which many tests share."""
+    """The sandbox in which these walls are down, with the kit of the hostile programs.
+
+    Each costs a template for each import set that is asked of it, which all the tests of a worker share. Only the one
+    whose walls all stand, as in service, has spare children.
+    """
     with ExitStack() as stack:
 
         @cache
-        def made(lifted: frozenset[str]) -> Sandbox:
-            return stack.enter_context(Sandbox({}, FAR, spares=0, lifted=lifted))
+        def sandbox_of(lifted: frozenset[str]) -> Sandbox:
+            made = Sandbox({"outils": OUTILS}, FAR, spares=int(not lifted), lifted=lifted)
+            SHARED.append(made)
+            return stack.enter_context(made)
 
-        yield made
+        yield sandbox_of
 
 
 @pytest.fixture(autouse=True)

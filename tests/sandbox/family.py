@@ -10,6 +10,7 @@ from functools import cache
 from pathlib import Path
 
 from server.sandbox import Sandbox, WallReport, probe
+from server.sandbox.process import TemplateProcess
 
 SOURCE = b"def f(x):\n    return x + 1\n"
 LEAVES = b"import os\nos._exit(1)\n"
@@ -70,6 +71,14 @@ def root_and_template() -> tuple[int, int]:
     (watcher,) = set(children(os.getpid())) - OTHERS
     (template,) = children(watcher)
     return watcher, template
+
+
+def template_of(sandbox: Sandbox, imports: str = "numpy") -> TemplateProcess:
+    """The one that serves an import set, started where there is none."""
+    sandbox.warm(imports)
+    template = sandbox._slots[imports].template
+    assert template
+    return template
 
 
 def running(pid: int) -> bool:

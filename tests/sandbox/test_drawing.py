@@ -3,30 +3,36 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 
 import pytest
 
-from server.sandbox import FaultKind, ProgramFault, Sandbox, probe
+from server.sandbox import FaultKind, ProgramFault, Sandbox, Session, WallStatus
+from server.sandbox.assaults import ASSAULTS, Assault
 from server.sandbox.child import drawing
 from server.sandbox.install import DRAWING, import_set, installation
+from server.sandbox.probe import crossing
 
 from .conftest import Lifting
-from .family import probed
+from .family import probed, template_of
 from .limits import only
 
 POLICY = only(memory_bytes=256 << 20, frame_bytes=5 << 20, items=1000)
 PYPLOT = "import matplotlib.pyplot as plt\n"
 
 
-@pytest.fixture(scope="module")
-def studio() -> Iterator[Sandbox]:
-    with Sandbox({}, POLICY) as sandbox:
-        yield sandbox
+Studio = Callable[..., Session]
 
 
-def drawn(studio: Sandbox, source: str) -> tuple[tuple[bytes, ...], str]:
-    with studio.open(source.encode(), drawing=True) as session:
+@pytest.fixture
+def studio(without: Lifting) -> Studio:
+    """Opens a session within the limits of these tests."""
+    return partial(without(frozenset()).open, policy=POLICY)
+
+
+def drawn(studio: Studio, source: str) -> tuple[tuple[bytes, ...], str]:
+    with studio(source.encode(), drawing=True) as session:
         return session.figures(), session.stdout()
 
 
@@ -35,7 +41,7 @@ def size(picture: bytes) -> tuple[int, int]:
     return int.from_bytes(picture[16:20], "big"), int.from_bytes(picture[20:24], "big")
 
 
-def test_what_is_open_at_the_end_comes_back(studio: Sandbox) -> None:
+def test_what_is_open_at_the_end_comes_back(studio: Studio) -> None:
     source = PYPLOT + "plt.plot([1, 2])\nplt.title('é $x^2$')\nplt.show()\nplt.figure(figsize=(2, 1))\nprint('fini')"
     pictures, printed = drawn(studio, source)
     assert [size(one) for one in pictures] == [(960, 720), (300, 150)]
@@ -43,13 +49,13 @@ def test_what_is_open_at_the_end_comes_back(studio: Sandbox) -> None:
     assert drawn(studio, PYPLOT + "plt.plot([1])\nplt.close()") == ((), "")
 
 
-def test_scipy_is_within_reach_too(studio: Sandbox) -> None:
+def test_scipy_is_within_reach_too(studio: Studio) -> None:
     source = "import scipy.optimize\n" + PYPLOT + "print(scipy.optimize.brentq(lambda x: x - 3, 0, 9))\nplt.plot([1])"
     pictures, printed = drawn(studio, source)
     assert (len(pictures), printed) == (1, "3.0\n")
 
 
-def test_figures_are_few_and_bounded(studio: Sandbox) -> None:
+def test_figures_are_few_and_bounded(studio: Studio) -> None:
     pictures, printed = drawn(studio, PYPLOT + "for _ in range(9):\n    plt.figure(figsize=(1, 1))")
     assert len(pictures) == drawing.MAX_FIGURES
     assert "9 figures" in printed
@@ -61,15 +67,15 @@ def test_figures_are_few_and_bounded(studio: Sandbox) -> None:
 
 
 @pytest.fixture(params=["namespaces of the machine", "without namespaces"])
-def either(request: pytest.FixtureRequest, studio: Sandbox) -> Iterator[Sandbox]:
+def either(request: pytest.FixtureRequest, studio: Studio) -> Iterator[Studio]:
     if request.param == "without namespaces":
         with Sandbox({}, POLICY, spares=0, namespaces=False) as sandbox:
-            yield sandbox
+            yield sandbox.open
     else:
         yield studio
 
 
-def test_dates_glyphs_and_styles_draw_and_name_no_file_of_ours(either: Sandbox) -> None:
+def test_dates_glyphs_and_styles_draw_and_name_no_file_of_ours(either: Studio) -> None:
     source = PYPLOT + (
         "import datetime\nplt.style.use('ggplot')\nplt.plot([datetime.date(2026, 1, 1)], [1])\nplt.title('日')\n"
         "plt.figure().add_subplot(projection='3d')\nplt.figure()\nplt.contourf([[1, 2], [3, 4]])"
@@ -80,21 +86,21 @@ def test_dates_glyphs_and_styles_draw_and_name_no_file_of_ours(either: Sandbox) 
     assert "/" not in printed
 
 
-def test_a_program_that_draws_nothing_has_no_figures(studio: Sandbox) -> None:
+def test_a_program_that_draws_nothing_has_no_figures(studio: Studio) -> None:
     assert drawn(studio, "print(1)") == ((), "1\n")
 
 
-def test_submissions_do_not_draw(studio: Sandbox) -> None:
+def test_submissions_do_not_draw(studio: Studio) -> None:
     with pytest.raises(ProgramFault) as caught:
-        studio.open(PYPLOT.encode())
+        studio(PYPLOT.encode())
     assert caught.value.kind is FaultKind.IMPORT_ERROR
     assert "Rien ne se trace pendant l'évaluation" in caught.value.message
     assert {import_set(source) for source in (b"import matplotlib", b"import numpy")} == {"numpy"}
 
 
-def test_what_was_printed_before_a_file_failed_to_load_is_kept(studio: Sandbox) -> None:
+def test_what_was_printed_before_a_file_failed_to_load_is_kept(studio: Studio) -> None:
     with pytest.raises(ProgramFault) as caught:
-        studio.open(b"print('avant')\n1 / 0", drawing=True)
+        studio(b"print('avant')\n1 / 0", drawing=True)
     assert (caught.value.line, caught.value.stdout, caught.value.stdout_truncated) == (2, "avant\n", False)
 
 
@@ -106,7 +112,7 @@ def test_what_was_printed_before_a_file_failed_to_load_is_kept(studio: Sandbox) 
     ],
     ids=["saving", "name"],
 )
-def test_who_replaces_the_drawing_gives_bytes(studio: Sandbox, trick: str, start: bytes) -> None:
+def test_who_replaces_the_drawing_gives_bytes(studio: Studio, trick: str, start: bytes) -> None:
     """The name is given after the file was loaded; beyond that, a program answers what it wants of itself."""
     (picture,), _ = drawn(studio, PYPLOT + "fig = plt.figure()\n" + trick)
     assert type(picture) is bytes
@@ -114,7 +120,7 @@ def test_who_replaces_the_drawing_gives_bytes(studio: Sandbox, trick: str, start
     assert len(picture) <= drawing.MAX_BYTES
 
 
-def test_who_replaces_the_list_of_figures_fails_by_itself(studio: Sandbox) -> None:
+def test_who_replaces_the_list_of_figures_fails_by_itself(studio: Studio) -> None:
     with pytest.raises(ProgramFault) as caught:
         drawn(studio, PYPLOT + "plt.figure()\nplt.get_fignums = lambda: ['a'] * 3")
     assert caught.value.kind is FaultKind.RUNTIME_ERROR
@@ -129,7 +135,7 @@ LIARS = {
 
 
 @pytest.mark.parametrize("answer", LIARS.values(), ids=LIARS.keys())
-def test_what_is_no_picture_is_an_invalid_answer(studio: Sandbox, answer: str) -> None:
+def test_what_is_no_picture_is_an_invalid_answer(studio: Studio, answer: str) -> None:
     """The program climbs to the frames of ours that run it, and replaces what will be given as its figures."""
     source = f"""{PYPLOT}import sys, numpy as np
 cadre = sys._getframe()
@@ -138,12 +144,12 @@ while cadre:
         cadre.f_globals["drawing"].figures = lambda: {answer}
     cadre = cadre.f_back
 """
-    with studio.open(source.encode(), drawing=True) as session, pytest.raises(ProgramFault) as caught:
+    with studio(source.encode(), drawing=True) as session, pytest.raises(ProgramFault) as caught:
         session.figures()
     assert caught.value.kind is FaultKind.INVALID_OUTPUT
 
 
-def test_nothing_of_the_machine_is_seen_or_written(studio: Sandbox) -> None:
+def test_nothing_of_the_machine_is_seen_or_written(studio: Studio) -> None:
     source = PYPLOT + (
         "import matplotlib, matplotlib.font_manager as fonts, os\n"
         "dossier = matplotlib.get_data_path()\n"
@@ -173,7 +179,7 @@ def f(x):
     assert {"matplotlib", "numpy"} <= set(seen) <= packages
 
 
-def test_two_programs_share_nothing(studio: Sandbox) -> None:
+def test_two_programs_share_nothing(studio: Studio) -> None:
     poison = PYPLOT + "import sys, matplotlib\nplt.savefig = plt.figure = None\nmatplotlib.trace = open('a', 'w')"
     look = PYPLOT + "import os, matplotlib\nplt.figure()\nprint(hasattr(matplotlib, 'trace'), os.listdir('.'))"
 
@@ -181,12 +187,16 @@ def test_two_programs_share_nothing(studio: Sandbox) -> None:
         pictures, printed = drawn(studio, look)
         assert (len(pictures), printed) == (1, "False []\n")
 
-    with studio.open(poison.encode(), drawing=True):
+    with studio(poison.encode(), drawing=True):
         assert_untouched()
     assert_untouched()
 
 
-def test_the_walls_are_the_same() -> None:
-    reports = {report.name: report.status for report in probe(slow=False, imports=DRAWING)}
-    assert len(reports) > 10
-    assert reports == {name: report.status for name, report in probed().items()}
+@pytest.mark.parametrize("assault", [a for a in ASSAULTS if not a.slow], ids=lambda assault: str(assault.name))
+def test_the_walls_are_the_same(assault: Assault, without: Lifting) -> None:
+    """As the probe finds them, which makes the same assaults on the template of submissions."""
+    report = probed()[assault.name]
+    if report.status == WallStatus.UNAVAILABLE:
+        pytest.skip(report.detail)
+    held = crossing(assault, template_of(without(assault.hiders), DRAWING)) == ""
+    assert held == (report.status == WallStatus.STANDING)

@@ -21,6 +21,7 @@ import pytest
 from server.sandbox import Policy, ProgramFault, Sandbox, Value
 from server.sandbox.child import template
 
+from .conftest import Lifting
 from .limits import only
 from .test_canaries import DRAWN
 
@@ -28,20 +29,18 @@ HERE = Path(__file__).resolve().parent
 PROJECT = HERE.parents[1]
 CORPUS = HERE.parent / "hostile"
 PROGRAMS = sorted(CORPUS.glob("*/*.py"))
-KITS = {"outils": (CORPUS / "outils.py").read_text(encoding="utf-8")}
 POLICY = only(memory_bytes=96 << 20, frame_bytes=1 << 18, stdout_bytes=1 << 14, items=5000)
 #: For what never ends: whichever limit it meets, the outcome is the same.
-HURRIED = replace(POLICY, cpu_seconds=0.1, wall_seconds=0.3)
+HURRIED = replace(POLICY, cpu_seconds=0.05, wall_seconds=0.2)
 #: Seconds that a program has to end by itself, by how it is filed: those that do are not to be killed on a slow
 #: machine, and the others would only be waited for.
-GRACE = {"timeout": 0.1, "invalid_output": 0.1}
+GRACE = {"timeout": 0.05, "invalid_output": 0.1}
 CLEAN = b"import numpy as np\ndef f(x):\n    return np.linalg.solve(np.add(x, x), np.ones(2))\n"
 
 
-@pytest.fixture(scope="module")
-def walled() -> Iterator[Sandbox]:
-    with Sandbox(KITS, POLICY) as sandbox:
-        yield sandbox
+@pytest.fixture
+def walled(without: Lifting) -> Sandbox:
+    return without(frozenset())
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +66,7 @@ def outcome(
 
 
 def assert_unharmed(sandbox: Sandbox, *, drawing: bool) -> None:
-    with sandbox.open(CLEAN + DRAWN * drawing, drawing=drawing) as session:
+    with sandbox.open(CLEAN + DRAWN * drawing, policy=POLICY, drawing=drawing) as session:
         assert session.call("f", np.eye(2)).value.tolist() == [0.5, 0.5]  # type: ignore[union-attr]
 
 

@@ -27,7 +27,7 @@ BEGIN INSERT INTO audit VALUES (NEW.submission_id); END;
 
 def environment(**values: str) -> dict[str, str]:
     clean = {name: value for name, value in os.environ.items() if not name.startswith("BALISE_")}
-    return {**clean, "PYTHONPATH": str(PROJECT), **values}
+    return {**clean, "PYTHONPATH": str(PROJECT), "BALISE_WARM_FIGURES": "0", **values}
 
 
 def balise(*arguments: str, **values: str) -> subprocess.CompletedProcess[str]:

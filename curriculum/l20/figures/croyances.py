@@ -99,16 +99,16 @@ class Journey:
         noise = OdometryNoise(0.1, 0.08, 0.1, 0.05)
         return MonteCarloLocalization(self.grid_map, sensor, poses, self.rng, motion=noise)
 
-    def follow(self, found: MonteCarloLocalization, steps: int) -> list[Floats]:
+    def follow(self, localization: MonteCarloLocalization, steps: int) -> list[Floats]:
         """The belief as equally likely particles (n, 3): at first, and after each of the scans 0 … steps."""
-        clouds = [found.states.copy()]
+        clouds = [localization.states.copy()]
         for step in range(steps + 1):
             if step > 0:
-                found.predict(se2.relative(self.run.odometry[step - 1], self.run.odometry[step]))
-            found.weigh(self.run.scan(step))
-            clouds.append(found.states[comb(found.weights, 0.5).ancestors])
-            if found.degenerate:
-                found.resample()
+                localization.predict(se2.relative(self.run.odometry[step - 1], self.run.odometry[step]))
+            localization.weigh(self.run.scan(step))
+            clouds.append(localization.states[comb(localization.weights, 0.5).ancestors])
+            if localization.degenerate:
+                localization.resample()
         return clouds
 
 
@@ -156,22 +156,22 @@ TWINS_STEPS = 8
 def twins_story() -> tuple[Run, MonteCarloLocalization]:
     """A journey in a corridor that a half-turn leaves unchanged, and the filter that follows it from nothing."""
     story = journey(GridMap.from_text(TWINS), ((4.5, 4.4), (25.0, 4.4)), 16, 6.0, 9)
-    found = story.filter(2000)
-    story.follow(found, TWINS_STEPS)
-    return story.run, found
+    localization = story.filter(2000)
+    story.follow(localization, TWINS_STEPS)
+    return story.run, localization
 
 
 def draw_twins(figure: Figure, palette: Palette) -> None:
     """The two clouds of a symmetrical corridor, and the mean of all particles, where the robot is not."""
     figure.set_size_inches(5.8, 1.9)
     axes = figure.subplots()
-    run, found = twins_story()
-    draw_walls(axes, palette, found.grid_map, 0.45)
-    draw_particles(axes, palette, found.states[::4])
+    run, localization = twins_story()
+    draw_walls(axes, palette, localization.grid_map, 0.45)
+    draw_particles(axes, palette, localization.states[::4])
     draw_robot(axes, run.truth[TWINS_STEPS], palette.truth, palette, 0.45)
-    mean = found.mean
+    mean = localization.mean
     axes.plot(mean[0], mean[1], "X", ms=12, color=palette.alert, mec=palette.paper, mew=1.2, zorder=9)
-    for cloud in found.clusters()[:2]:
+    for cloud in localization.clusters()[:2]:
         share = french(100.0 * cloud.weight, 0)
         axes.text(cloud.mean[0], 2.3, f"{share} %", ha="center", fontsize=11, color=palette.estimate, weight="bold")
     axes.text(mean[0], 6.7, "moyenne", ha="center", va="center", fontsize=11, color=palette.alert, weight="bold")

@@ -51,8 +51,8 @@ def draw_recovery(figure: Figure, palette: Palette) -> None:
     places = ((62, 1.3), (56, 19.2), (24, 27.3))
     for (name, steps), colour, place in zip(RECOVERIES.items(), colours, places, strict=True):
         times = np.concatenate([[0], np.sort(steps), [100]])
-        found = np.concatenate([[0], np.arange(1, len(steps) + 1), [len(steps)]])
-        axes.step(times, found, where="post", color=colour, lw=2.4)
+        counts = np.concatenate([[0], np.arange(1, len(steps) + 1), [len(steps)]])
+        axes.step(times, counts, where="post", color=colour, lw=2.4)
         axes.text(*place, name, color=colour)
     axes.axhline(KIDNAPPED, color=palette.ink, lw=0.8, ls=":")
     axes.set_xlim(0, 100)
@@ -214,11 +214,11 @@ def misled() -> dict[str, tuple[Floats, float]]:
         np.vstack([made.z_i_j, np.zeros(3)]),
         np.concatenate([made.information, CLOSURE_INFORMATION[None]]),
     )
-    found = {"moindres carrés": (gauss_newton(false, odometry).poses, 1.0)}
+    solutions = {"moindres carrés": (gauss_newton(false, odometry).poses, 1.0)}
     for name, kernel in (("Huber, δ = 1", Huber(1.0)), ("DCS, Φ = 5", DCS(5.0)), ("DCS, Φ = 1", DCS(1.0))):
         result = robust_gauss_newton(false, odometry, kernel)
-        found[name] = (result.poses, float(result.weights[-1]))
-    return found
+        solutions[name] = (result.poses, float(result.weights[-1]))
+    return solutions
 
 
 def draw_misled(figure: Figure, palette: Palette) -> None:

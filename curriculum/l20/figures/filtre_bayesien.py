@@ -18,7 +18,7 @@ from reference.filters.unscented import SigmaPoints, Spread
 
 Floats = NDArray[np.float64]
 
-# The example of the page: x = 2 ± 1 m, a move of 3 ± 0.5 m, then a range of 4.4 ± 0.5 m to a wall at 10 m.
+# The example of the lesson: x = 2 ± 1 m, a move of 3 ± 0.5 m, then a range of 4.4 ± 0.5 m to a wall at 10 m.
 PRIOR = (2.0, 1.0)
 PREDICTED = (5.0, float(np.sqrt(1.25)))
 LIKELIHOOD = (5.6, 0.5)
@@ -63,11 +63,11 @@ def draw_two_steps(figure: Figure, palette: Palette) -> None:
 def doors_belief() -> tuple[Floats, Floats]:
     """Cells of 10 cm and the belief of a robot that drove 4 m, with a door at the start and at the end."""
     corridor = Corridor(length=30.0, doors=(3.5, 7.5, 15.5), motion_sigma=0.4)
-    found = HistogramFilter(corridor.door_model(), np.linspace(0.0, 30.0, 301))
-    found.correct(True)
-    found.predict(np.array([4.0]))
-    found.correct(True)
-    return found.centres, found.belief
+    histogram = HistogramFilter(corridor.door_model(), np.linspace(0.0, 30.0, 301))
+    histogram.correct(True)
+    histogram.predict(np.array([4.0]))
+    histogram.correct(True)
+    return histogram.centres, histogram.belief
 
 
 def draw_representations(figure: Figure, palette: Palette) -> None:

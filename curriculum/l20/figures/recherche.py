@@ -1,4 +1,4 @@
-"""A drawing of the page on research: forty years of ideas, by family."""
+"""A drawing of the lesson on research: forty years of ideas, by family."""
 
 from __future__ import annotations
 

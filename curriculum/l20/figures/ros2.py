@@ -100,12 +100,12 @@ def draw_tree(figure: Figure, palette: Palette) -> None:
         _arrow(axes, palette, (2.2 + (x - 2.2) * 0.35, 2.6), (x, 1.3))
     _arrow(axes, palette, (2.2, 6.4), (2.2, 5.3))
     _arrow(axes, palette, (2.2, 4.5), (2.2, 3.4))
-    told = [
+    captions = [
         (5.85, "localisation (AMCL ou SLAM)", "corrige lentement, peut sauter", palette.truth),
         (3.95, "odométrie (encodeurs, IMU)", "continue et lisse, mais dérive", palette.estimate),
         (1.95, "description du robot (URDF)", "fixe : mesurée sur le châssis", palette.measure),
     ]
-    for y, who, how, colour in told:
+    for y, who, how, colour in captions:
         axes.text(4.6, y + 0.28, who, va="center", color=colour, weight="bold", fontsize=10.5)
         axes.text(4.6, y - 0.32, how, va="center", fontsize=10)
 

@@ -116,11 +116,11 @@ def favourites() -> dict[str, tuple[Floats, float]]:
     ranges, _ = passer_by_scan()
     poses, expected = candidates()
     true = module_map().cast_scans([TRUTH], turn_angles(36), RANGE)
-    found = {}
+    best = {}
     for name, model in (("gaussienne", bell_log), ("mélange", mixture_log)):
         scores = model(ranges, expected)
-        found[name] = (poses[int(np.argmax(scores))], float(scores.max() - model(ranges, true)[0]))
-    return found
+        best[name] = (poses[int(np.argmax(scores))], float(scores.max() - model(ranges, true)[0]))
+    return best
 
 
 def bell_log(ranges: Floats, expected: Floats) -> Floats:

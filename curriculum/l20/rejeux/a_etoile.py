@@ -96,24 +96,24 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
     radius, price, method = values.number("rayon"), values.number("prudence"), values.choice("methode")
     space = inflate(free(), radius * FINE, weight=price, fall=FALL / FINE)
     start, goal = nearest(START, space.free), nearest(values.pose("but")[:2], space.free)
-    found = search(space, start, goal, method)
+    result = search(space, start, goal, method)
     others = {name: search(space, start, goal, name) for name in ("dijkstra", "a-etoile")}
-    frames, shown, walked = pictures(found)
+    frames, shown, walked = pictures(result)
     height, width = (side / FINE for side in free().shape)
     over: list[Layer] = []
     path = np.zeros((0, 2))
-    if found.route is not None:
-        path = found.route.centres / FINE
+    if result.route is not None:
+        path = result.route.centres / FINE
         over.append(Polyline(path, "estimate", 4.0, until=walked))
     target = (np.array(goal[::-1]) + 0.5) / FINE
     robot = (np.array(start[::-1]) + 0.5) / FINE
     return Replay(
         View(0, 0, width, height),
         frames,
-        summary(found, others, method, radius, path),
+        summary(result, others, method, radius, path),
         layers=[
             Grid(cost_cells(space, price), "cost", cell=1.0 / FINE),
-            Grid(order_cells(found.order), "order", cell=1.0 / FINE, until=shown),
+            Grid(order_cells(result.order), "order", cell=1.0 / FINE, until=shown),
             Grid(~free(), "walls", cell=1.0 / FINE),
         ],
         over=[
@@ -153,17 +153,17 @@ def search(space: Inflated, start: tuple[int, int], goal: tuple[int, int], metho
     return Search(route, route.order)
 
 
-def pictures(found: Search) -> tuple[list[Frame], list[int], list[int]]:
+def pictures(result: Search) -> tuple[list[Frame], list[int], list[int]]:
     """Les images ; combien de niveaux d'exploration et de points du chemin chacune montre."""
-    total = len(found.order)
+    total = len(result.order)
     waves = np.unique(np.linspace(0, 255, WAVE + 1).round().astype(int)).tolist()
     frames = [Frame(caption=f"{round(total * level / 255)} cellules explorées.") for level in waves]
     walked = [0] * len(waves)
-    if found.route is None:
+    if result.route is None:
         frames[-1] = Frame(caption=f"{total} cellules explorées : tout ce qui est accessible. Aucun chemin.")
         return frames, waves, walked
-    steps = np.unique(np.linspace(1, len(found.route.cells), WALK + 1).round().astype(int)).tolist()
-    text = f"But atteint après {total} cellules explorées : le chemin mesure {en_cases(found.route.length / FINE, 1)}."
+    steps = np.unique(np.linspace(1, len(result.route.cells), WALK + 1).round().astype(int)).tolist()
+    text = f"But atteint après {total} cellules explorées : le chemin mesure {en_cases(result.route.length / FINE, 1)}."
     return [*frames, *(Frame(caption=text) for _ in steps)], [*waves, *(255 for _ in steps)], [*walked, *steps]
 
 
@@ -203,22 +203,22 @@ def margins(path: np.ndarray) -> np.ndarray:
     return np.asarray(away[rows, columns])
 
 
-def summary(found: Search, others: dict[str, Search], method: str, radius: float, path: np.ndarray) -> list[str]:
-    if found.route is None:
+def summary(result: Search, others: dict[str, Search], method: str, radius: float, path: np.ndarray) -> list[str]:
+    if result.route is None:
         return [
             f"Un robot de rayon {en_cases(radius)} ne peut pas atteindre ce but : aucun passage n'est assez large.",
-            f"Pour le savoir, il a fallu explorer les {len(found.order)} cellules accessibles.",
+            f"Pour le savoir, il a fallu explorer les {len(result.order)} cellules accessibles.",
         ]
     dijkstra = others["dijkstra"]
     assert dijkstra.route is not None
     length = en_cases(float(travelled(path)[-1]), 1)
-    texts = [f"{NAMES[method]} explore {len(found.order)} cellules et trouve un chemin de {length}."]
+    texts = [f"{NAMES[method]} explore {len(result.order)} cellules et trouve un chemin de {length}."]
     if method == "dijkstra":
         texts.append(f"A* en explorerait {len(others['a-etoile'].order)} pour un chemin du même coût.")
     else:
-        share = 100.0 * len(found.order) / len(dijkstra.order)
+        share = 100.0 * len(result.order) / len(dijkstra.order)
         texts.append(f"C'est {decimal(share, 0)} % de ce qu'explore Dijkstra ({len(dijkstra.order)} cellules).")
-        over = 100.0 * (found.route.cost / dijkstra.route.cost - 1.0)
+        over = 100.0 * (result.route.cost / dijkstra.route.cost - 1.0)
         if over > 0.05:
             texts.append(f"Mais ce chemin coûte {decimal(over, 1)} % de plus que le meilleur.")
         else:

@@ -143,7 +143,7 @@ def sense(
     corrected = correct(journey.world, belief, scan, sigma)
     centre = np.array([cell[1] + 0.5, cell[0] + 0.5])
     ends = centre + scan[:, None] * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
-    read = " ; ".join(decimal(one) for one in scan)
+    read = " ; ".join(decimal(distance) for distance in scan)
     text = f"{name} : le scan lit {read} ; ailleurs, la couleur pâlit."
     journey.show(corrected, cell, text, (Rays(centre, ends, hits=scan < reach),))
     return corrected
@@ -161,7 +161,7 @@ def towards(free: np.ndarray, cell: Cell, goal: Cell) -> tuple[int, int]:
                 away[there] = away[y, x] + 1
                 queue.append(there)
     ways = {(du, dv): away.get((cell[0] + dv, cell[1] + du), 10**6) for du, dv in COMMANDS}
-    return (0, 0) if cell == goal else min(ways, key=lambda one: ways[one])
+    return (0, 0) if cell == goal else min(ways, key=lambda command: ways[command])
 
 
 def chart(journey: Journey) -> Chart:

@@ -82,7 +82,7 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
     kernel = KERNELS.get(values.choice("noyau"))
     states = optimise(graph, run, kernel)
     height, width = carte().shape
-    costs, errors = [one.cost for one in states], [one.error for one in states]
+    costs, errors = [state.cost for state in states], [state.error for state in states]
     moments = [0.0, *range(len(states))]
     return Replay(
         View(-1.5, -1.0, width + 1.5, height + 2.0),

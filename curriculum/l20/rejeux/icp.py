@@ -74,7 +74,7 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
     shift = np.array([values.number("dx"), values.number("dy"), 0.0])
     rotation = values.number("rotation")
     course = follow(p, q, guess(rotation, shift), pairing)
-    ends = [abs_angle(icp(p, q, guess(one, shift), pairing=pairing, max_iterations=25).T_q_p) for one in ROTATIONS]
+    ends = [abs_angle(icp(p, q, guess(angle, shift), pairing=pairing, max_iterations=25).T_q_p) for angle in ROTATIONS]
     frames, moments = pictures(course, p, q)
     return Replay(
         View(4.5, -1.2, 18.5, 9.2),
@@ -121,9 +121,9 @@ def strange(points: np.ndarray, share: float, rng: np.random.Generator) -> np.nd
     """Les mêmes points, dont une part (en pour cent) est remplacée par n'importe quoi."""
     wrong = rng.permutation(len(points))[: round(len(points) * share / 100.0)]
     radius, angle = 5.0 * np.sqrt(rng.random(len(wrong))), 2.0 * np.pi * rng.random(len(wrong))
-    found = points.copy()
-    found[wrong] = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
-    return found
+    cloud = points.copy()
+    cloud[wrong] = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+    return cloud
 
 
 def guess(rotation: float, shift: np.ndarray) -> np.ndarray:
@@ -206,7 +206,7 @@ def summary(course: Course, ends: list[float], values: Values) -> list[str]:
             f"{reached} : autour d'elle, plus rien ne fait baisser l'écart, mais ce n'est pas la bonne. C'est un "
             f"minimum local."
         )
-    good = sum(one < np.degrees(ALIGNED) for one in ends)
+    good = sum(angle < np.degrees(ALIGNED) for angle in ends)
     texts.append(f"Avec ce décalage, {good} des {len(ends)} angles de départ essayés mènent au bon angle.")
     if values.number("intrus") and not values.flag("elagage"):
         texts.append("Les intrus tirent le nuage vers eux : essayez de ne garder que les paires courtes.")

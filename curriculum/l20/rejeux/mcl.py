@@ -87,11 +87,11 @@ def fine_map() -> GridMap:
 @cache
 def routes() -> tuple[np.ndarray, np.ndarray]:
     """Deux trajets (STEPS + 1, 3) au moins : celui du robot, et celui qu'il suit là où on l'a porté."""
-    drive, found = DifferentialDrive(0.5), []
+    drive, journeys = DifferentialDrive(0.5), []
     for start, goals in (((3.5, 3.5, 0.0), ROUTE), ((11.5, 10.8, np.pi / 2.0), ELSEWHERE)):
         motions = motions_through(start, goals, STRIDE, TURN)
-        found.append(integrate(drive, [drive.wheels(one) for one in motions], start))
-    return found[0][: STEPS + 1], found[1][: STEPS + 1]
+        journeys.append(integrate(drive, [drive.wheels(motion) for motion in motions], start))
+    return journeys[0][: STEPS + 1], journeys[1][: STEPS + 1]
 
 
 def compute(values: Values, rng: np.random.Generator) -> Replay:

@@ -118,8 +118,8 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
             Chart(
                 "Ce que vaut la carte" + (" de l'odométrie" if mode != "vraies" else " dressée avec les vraies poses"),
                 [
-                    Series("cases connues (%)", "measure", [one.known for one in scores]),
-                    Series("dont fausses (%)", "alert", [one.wrong for one in scores]),
+                    Series("cases connues (%)", "measure", [quality.known for quality in scores]),
+                    Series("dont fausses (%)", "alert", [quality.wrong for quality in scores]),
                 ],
                 "scan",
                 (0.0, 100.0),

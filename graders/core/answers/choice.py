@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from graders.core.answers.judging import Answers, AnswersGrader, Check
-from graders.core.answers.letters import MOST, Letters
+from graders.core.answers.letters import MOST, Letters, renamed
 from graders.core.answers.mistakes import read_mistakes, same_mistakes
-from graders.core.answers.paper import Paper, Piece, Question, Told
+from graders.core.answers.paper import Paper, Piece, Question, Told, quoted
 from graders.core.answers.reading import is_blank, shown
 from graders.core.answers.sheet import MalformedSheetError
 from graders.core.contract.findings import Finding
@@ -44,13 +44,13 @@ class ChoiceQuestion:
 
     @property
     def right(self) -> list[str]:
-        return [one.id for one in self.options if one.right]
+        return [option.id for option in self.options if option.right]
 
     def letters(self, seed: int) -> Letters:
-        return Letters.dealt([one.id for one in self.options], seed, self.id)
+        return Letters.dealt([option.id for option in self.options], seed, self.id)
 
     def option(self, name: str) -> Option:
-        return next(one for one in self.options if one.id == name)
+        return next(option for option in self.options if option.id == name)
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def choice(exercise: str, folder: Path, sheet: ChoiceSheet) -> ChoiceGrader:
 
 
 def _check(question: ChoiceQuestion, place: int) -> None:
-    ids = [one.id for one in question.options]
+    ids = [option.id for option in question.options]
     right = len(question.right)
     faults = {
         "has two options of one name": len(set(ids)) != len(ids),
@@ -80,10 +80,12 @@ def _check(question: ChoiceQuestion, place: int) -> None:
         "has no right option": not right,
         "has several right options": right > 1 and not question.several,
         "has nothing but right options": right == len(ids),
-        "finds a misconception in a right option": any(one.right and one.misconception for one in question.options),
+        "finds a misconception in a right option": any(
+            option.right and option.misconception for option in question.options
+        ),
     }
-    for fault, found in faults.items():
-        if found:
+    for fault, present in faults.items():
+        if present:
             raise MalformedSheetError(f"question {question.id} {fault}", ("question", place))
 
 
@@ -92,19 +94,19 @@ class ChoiceGrader(AnswersGrader):
     questions: tuple[ChoiceQuestion, ...]
 
     def checks(self) -> Sequence[Check]:
-        total = sum(one.points for one in self.questions)
+        total = sum(question.points for question in self.questions)
         return [Check(q.id, q.title, MAX_POINTS * q.points / total, q.hint or None) for q in self.questions]
 
     def paper(self, seed: int) -> Paper:
         pairs = zip(self.questions, self.checks(), strict=True)
-        return Paper((), tuple(_question(one, check.points, seed) for one, check in pairs))
+        return Paper((), tuple(_question(question, check.points, seed) for question, check in pairs))
 
     def right(self, seed: int) -> Answers:
-        return {one.id: _written(one, one.right, seed) for one in self.questions}
+        return {question.id: _written(question, question.right, seed) for question in self.questions}
 
     def judge(self, answers: Answers, seed: int) -> Sequence[Finding]:
         pairs = zip(self.questions, self.checks(), strict=True)
-        return [_judged(one, check, answers.get(one.id), one.letters(seed)) for one, check in pairs]
+        return [_judged(question, check, answers.get(question.id), question.letters(seed)) for question, check in pairs]
 
     def wrong(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
         for question in self.questions:
@@ -113,7 +115,7 @@ class ChoiceGrader(AnswersGrader):
                     subject = f"{question.id} : {option.id}"
                     yield subject, option.misconception, partial(self._with, question, [option.id])
             if question.several:
-                everything = [one.id for one in question.options]
+                everything = [option.id for option in question.options]
                 yield f"{question.id} : tout", None, partial(self._with, question, everything)
 
     def _with(self, question: ChoiceQuestion, ticked: Sequence[str], seed: int) -> Answers:
@@ -130,23 +132,23 @@ class ChoiceGrader(AnswersGrader):
         return self._mapped(answers, letters)
 
     def _mapped(self, answers: Answers, letters: Callable[[ChoiceQuestion], Mapping[str, str]]) -> Answers:
-        known = {one.id: letters(one) for one in self.questions}
-        return {name: _renamed(value, known.get(name, {})) for name, value in answers.items()}
+        maps = {question.id: letters(question) for question in self.questions}
+        return {name: _renamed(value, maps.get(name, {})) for name, value in answers.items()}
 
     def told(self, answers: Answers, seed: int) -> Sequence[Told]:
         return [
-            _told(one.title, answers.get(one.id), {piece.id: piece for piece in _pieces(one, seed)})
-            for one in self.questions
-            if not is_blank(answers.get(one.id))
+            _told(question.title, answers.get(question.id), {piece.id: piece for piece in _pieces(question, seed)})
+            for question in self.questions
+            if not is_blank(answers.get(question.id))
         ]
 
     def correction(self, seed: int) -> str:
         parts = []
-        for place, one in enumerate(self.questions, 1):
-            parts.append(f"**{place}. {one.title}.** {one.text}")
-            for letter, name in one.letters(seed).by_letter.items():
-                option = one.option(name)
-                parts.append(f"{'✓' if option.right else '✗'} **{letter}.** {option.text}\n\n> {_quoted(option.why)}")
+        for place, question in enumerate(self.questions, 1):
+            parts.append(f"**{place}. {question.title}.** {question.text}")
+            for letter, name in question.letters(seed).by_letter.items():
+                option = question.option(name)
+                parts.append(f"{'✓' if option.right else '✗'} **{letter}.** {option.text}\n\n> {quoted(option.why)}")
         return "\n\n".join(parts)
 
 
@@ -172,27 +174,27 @@ def _judged(question: ChoiceQuestion, check: Check, raw: Any, letters: Letters) 
     if isinstance(ticked, str):
         return check.unreadable(ticked, raw)
     options = [question.option(name) for name in ticked]
-    wanted = set(question.right)
-    why = "\n\n".join(one.why.strip() for one in _explained(options, len(wanted)))
-    if set(ticked) == wanted:
+    right = set(question.right)
+    why = "\n\n".join(option.why.strip() for option in _explained(options, len(right)))
+    if set(ticked) == right:
         return check.passed(why)
-    missing = bool(wanted - set(ticked)) and question.several
-    lacking = TOO_MANY if len(options) > len(wanted) else LACKING if missing else ""
-    hits = sum(one.right for one in options)
-    share = max(0, 2 * hits - len(options)) / len(wanted) if question.several else 0.0
+    missing = bool(right - set(ticked)) and question.several
+    lacking = TOO_MANY if len(options) > len(right) else LACKING if missing else ""
+    hits = sum(option.right for option in options)
+    share = max(0, 2 * hits - len(options)) / len(right) if question.several else 0.0
     return check.failed(
         "\n\n".join(part for part in (why, lacking) if part),
         inputs={},
-        expected=_plural(len(wanted)) if question.several else "une autre réponse",
+        expected=_plural(len(right)) if question.several else "une autre réponse",
         got=", ".join(letters.by_name[name] for name in ticked),
         points=share * check.points,
-        slip=next((one.misconception for one in options if one.misconception), None),
+        slip=next((option.misconception for option in options if option.misconception), None),
     )
 
 
 def _explained(options: Sequence[Option], wanted: int) -> Sequence[Option]:
     """All that were ticked; of too many, the first wrong one: ticking everything must not explain everything."""
-    return options if len(options) <= wanted else [one for one in options if not one.right][:1]
+    return options if len(options) <= wanted else [option for option in options if not option.right][:1]
 
 
 def _plural(count: int) -> str:
@@ -202,30 +204,24 @@ def _plural(count: int) -> str:
 def _read(question: ChoiceQuestion, raw: Any, letters: Letters) -> list[str] | str:
     """The names of the ticked options, or why the answer cannot be read."""
     ticked = [raw] if isinstance(raw, str) else raw
-    known = ", ".join(letters.by_letter)
-    if not isinstance(ticked, list) or not all(isinstance(one, str) for one in ticked):
-        return f"on attend une lettre parmi {known}" + (", ou une liste de lettres" if question.several else "")
-    if any(one not in letters.by_letter for one in ticked):
-        return f"une lettre n'est celle d'aucune réponse proposée (les lettres sont {known})"
+    offered = ", ".join(letters.by_letter)
+    if not isinstance(ticked, list) or not all(isinstance(letter, str) for letter in ticked):
+        return f"on attend une lettre parmi {offered}" + (", ou une liste de lettres" if question.several else "")
+    if any(letter not in letters.by_letter for letter in ticked):
+        return f"une lettre n'est celle d'aucune réponse proposée (les lettres sont {offered})"
     if len(set(ticked)) != len(ticked):
         return "une même lettre est donnée deux fois"
     if len(ticked) != 1 and not question.several:
         return "une seule lettre est attendue"
-    return [letters.by_letter[one] for one in sorted(ticked)]
+    return [letters.by_letter[letter] for letter in sorted(ticked)]
 
 
 def _renamed(value: Any, names: Mapping[str, str]) -> Any:
-    if isinstance(value, list):
-        return [_renamed(item, names) if isinstance(item, str) else item for item in value]
-    return names.get(value, value) if isinstance(value, str) else value
+    return names.get(value, value) if isinstance(value, str) else renamed(value, names)
 
 
 def _told(title: str, value: Any, pieces: Mapping[str, Piece]) -> Told:
     ids = [value] if isinstance(value, str) else value
-    if isinstance(ids, list) and all(isinstance(one, str) and one in pieces for one in ids):
-        return Told(title, "", tuple(pieces[one] for one in ids))
+    if isinstance(ids, list) and all(isinstance(letter, str) and letter in pieces for letter in ids):
+        return Told(title, "", tuple(pieces[letter] for letter in ids))
     return Told(title, shown(value))
-
-
-def _quoted(text: str) -> str:
-    return text.strip().replace("\n", "\n> ")

@@ -48,8 +48,8 @@ class Check:
         cause: Outcome = Outcome.WRONG_ANSWER,
         slip: str | None = None,
     ) -> Finding:
-        found = None if inputs is None else Counterexample(inputs, expected, got)
-        result = CheckResult(self.id, self.title, False, points, self.points, message, found, self.hint)
+        counterexample = None if inputs is None else Counterexample(inputs, expected, got)
+        result = CheckResult(self.id, self.title, False, points, self.points, message, counterexample, self.hint)
         return Finding(result, cause, slip)
 
     def unreadable(self, reason: str, value: Any) -> Finding:
@@ -128,8 +128,8 @@ class AnswersGrader(ABC):
 
     def _diagnosis(self, findings: Sequence[Finding]) -> Diagnosis | None:
         """The misconception seen in most of the failed checks; of several, the one that was seen first."""
-        seen = Counter(finding.slip for finding in findings if finding.slip and not finding.passed)
-        return self.catalogue[seen.most_common(1)[0][0]].diagnosis if seen else None
+        slips = Counter(finding.slip for finding in findings if finding.slip and not finding.passed)
+        return self.catalogue[slips.most_common(1)[0][0]].diagnosis if slips else None
 
     def rehearse(self) -> None:
         self.grade(canonical(self.right(0)).encode(), seed=0, version="")

@@ -5,11 +5,12 @@ Verdicts tell the seed: who knows it must not find the places in the course's fi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
 from string import ascii_lowercase
+from typing import Any
 
 from graders.core.contract.streams import stream
 
@@ -36,3 +37,10 @@ class Letters:
     @cached_property
     def by_name(self) -> dict[str, str]:
         return {name: letter for letter, name in self.by_letter.items()}
+
+
+def renamed(value: Any, names: Mapping[str, str]) -> Any:
+    """An answer's list with each name replaced; what is no list, or no known name, as it is."""
+    if not isinstance(value, list):
+        return value
+    return [names.get(item, item) if isinstance(item, str) else item for item in value]

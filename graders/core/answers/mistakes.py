@@ -41,17 +41,17 @@ def read_mistakes(folder: Path) -> Mapping[str, Mistake]:
         entries = tomllib.loads(path.read_text(encoding="utf-8"))["misconception"]
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, KeyError) as error:
         raise MalformedExerciseError(path, f"not a list of misconceptions: {error}") from error
-    found: dict[str, Mistake] = {}
+    mistakes: dict[str, Mistake] = {}
     for entry in entries:
         name = entry.get("id", "?")
         if entry.keys() != FIELDS or not all(isinstance(value, str) and value.strip() for value in entry.values()):
             raise MalformedExerciseError(
                 path, f"misconception {name} must have {', '.join(sorted(FIELDS))}, and no more"
             )
-        if name in found:
+        if name in mistakes:
             raise MalformedExerciseError(path, f"two misconceptions are called {name}")
-        found[name] = Mistake(**entry)
-    return found
+        mistakes[name] = Mistake(**entry)
+    return mistakes
 
 
 def same_mistakes(folder: Path, catalogued: Mapping[str, Mistake], used: set[str]) -> None:

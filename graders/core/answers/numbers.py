@@ -62,23 +62,23 @@ def _impossible(error: Exception) -> str:
 
 
 def _plain(text: str) -> str:
-    text = _SUPERSCRIPT.sub(lambda found: "^(" + found[0].translate(_SUPERSCRIPTS) + ")", text).translate(_SIGNS)
-    return _THOUSANDS.sub(lambda found: re.sub(r"\s", "", found[1]), text).strip()
+    text = _SUPERSCRIPT.sub(lambda match: "^(" + match[0].translate(_SUPERSCRIPTS) + ")", text).translate(_SIGNS)
+    return _THOUSANDS.sub(lambda match: re.sub(r"\s", "", match[1]), text).strip()
 
 
 def _tokens(text: str) -> list[str]:
     tokens, place = [], 0
     while place < len(text):
-        found = _TOKEN.match(text, place)
-        if found is None:
+        match = _TOKEN.match(text, place)
+        if match is None:
             raise NotANumberError("un caractère n'est ni un chiffre, ni une virgule, ni une opération")
-        tokens.append(_token(found))
-        place = found.end()
+        tokens.append(_token(match))
+        place = match.end()
     return tokens
 
 
-def _token(found: re.Match[str]) -> str:
-    number, sign, word = found.groups()
+def _token(match: re.Match[str]) -> str:
+    number, sign, word = match.groups()
     if number:
         return str(number).replace(",", ".")
     if sign:

@@ -53,9 +53,9 @@ class Quantity:
     angle: bool = False
     slips: Mapping[str, Formula] = field(default_factory=dict)
 
-    def same(self, one: float, other: float, times: float = 1.0) -> bool:
-        """Whether `one` is `other`, within so many `times` the tolerance on `other`."""
-        gap, size = one - other, other
+    def same(self, value: float, other: float, times: float = 1.0) -> bool:
+        """Whether `value` is `other`, within so many `times` the tolerance on `other`."""
+        gap, size = value - other, other
         if self.angle:
             gap, size = (math.remainder(angle, 2.0 * math.pi) for angle in (gap, size))
         return abs(gap) <= times * (self.abs + self.rel * abs(size))
@@ -72,10 +72,10 @@ class NumericDefinition(Definition):
     def bind(self, sheet: NumericSheet) -> NumericGrader:
         """The grader. Raises MalformedExerciseError where definition and sheet do not go together."""
         grader = NumericGrader(self.exercise, self.folder, self.catalogue, self.dealing, self.quantities, sheet)
-        asked, judged = [one.id for one in sheet.questions], [one.id for one in self.quantities]
+        asked, judged = [question.id for question in sheet.questions], [quantity.id for quantity in self.quantities]
         if asked != judged:
             raise MalformedExerciseError(self.file, f"judges {judged}, but the sheet asks {asked}")
-        shown_data = {one.name for one in sheet.data}
+        shown_data = {datum.name for datum in sheet.data}
         dealt = grader.data(0)
         if shown_data != dealt.keys():
             odd = sorted(shown_data ^ dealt.keys())
@@ -95,10 +95,10 @@ def numeric(
     """
     folder = Path(file).parent
     catalogue = read_mistakes(folder)
-    total = sum(one.points for one in quantities)
+    total = sum(quantity.points for quantity in quantities)
     if abs(total - MAX_POINTS) > 1e-9:
         raise MalformedExerciseError(Path(file), f"the questions sum to {total} points, not {MAX_POINTS}")
-    same_mistakes(folder, catalogue, {slip for one in quantities for slip in one.slips})
+    same_mistakes(folder, catalogue, {slip for quantity in quantities for slip in quantity.slips})
     return NumericDefinition(folder, catalogue, deal, tuple(quantities))
 
 
@@ -122,7 +122,9 @@ class NumericGrader(AnswersGrader):
 
     def paper(self, seed: int) -> Paper:
         data = self.data(seed)
-        given = tuple(Given(one.symbol, one.meaning, one.text(data[one.name]), one.unit) for one in self.sheet.data)
+        given = tuple(
+            Given(datum.symbol, datum.meaning, datum.text(data[datum.name]), datum.unit) for datum in self.sheet.data
+        )
         questions = tuple(
             Question(w.id, w.title, self.sheet.filled(w.text, data), "number", q.points, w.unit)
             for w, q in zip(self.sheet.questions, self.quantities, strict=True)
@@ -131,7 +133,9 @@ class NumericGrader(AnswersGrader):
 
     def checks(self) -> Sequence[Check]:
         pairs = zip(self.sheet.questions, self.quantities, strict=True)
-        return [Check(one.id, one.title, quantity.points, one.hint or None) for one, quantity in pairs]
+        return [
+            Check(question.id, question.title, quantity.points, question.hint or None) for question, quantity in pairs
+        ]
 
     def right(self, seed: int) -> Answers:
         return {name: float(value) for name, value in _dealt(self, seed).right.items()}
@@ -157,7 +161,7 @@ class NumericGrader(AnswersGrader):
         right = dealt.right[quantity.id]
         if quantity.same(value, right):
             return check.passed()
-        inputs = {one.name: dealt.data[one.name] for one in self.sheet.data}
+        inputs = {datum.name: dealt.data[datum.name] for datum in self.sheet.data}
         expected = self._expected(quantity.id, right, seed)
         followed = _computed(quantity.expected, dealt.data, own)
         worked = value != 0.0  # zeros follow from zeros without any calculation
@@ -177,47 +181,47 @@ class NumericGrader(AnswersGrader):
         for name, formula in quantity.slips.items():
             followed = _computed(formula, dealt.data, own)
             wrong = (dealt.slips[quantity.id][name], *(() if followed is None else (followed,)))
-            if any(quantity.same(value, one) for one in wrong):
+            if any(quantity.same(value, slipped) for slipped in wrong):
                 return name
         return None
 
     def _expected(self, name: str, right: float, seed: int) -> str:
         """A sign and an interval, dealt once for a deal: trying again tells no more; nor does the seed by itself."""
         low, high = around(right, stream(seed, f"interval {name} {right:.6g}"))
-        unit = next(one.unit for one in self.sheet.questions if one.id == name)
+        unit = next(question.unit for question in self.sheet.questions if question.id == name)
         return f"un nombre entre {number(low)} et {number(high)} {unit}".rstrip()
 
     def wrong(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
         for name in self.catalogue:
             yield f"erreur {name}", name, partial(self.mistaken, name, follow=False)
             yield f"erreur {name}, la suite à l'avenant", name, partial(self.mistaken, name)
-        yield "tout faux", None, lambda seed: {one.id: 1234.5 for one in self.quantities}
+        yield "tout faux", None, lambda seed: {quantity.id: 1234.5 for quantity in self.quantities}
 
     def mistaken(self, name: str, seed: int, *, follow: bool = True) -> Answers:
         """The answers of someone who makes this mistake wherever it can be made; `follow`: and goes on from there."""
         dealt = _dealt(self, seed)
         own: dict[str, float] = {}
-        for one in self.quantities:
-            formula = one.slips.get(name, one.expected)
-            own[one.id] = float(formula(dealt.data, own if follow else dealt.right))
+        for quantity in self.quantities:
+            formula = quantity.slips.get(name, quantity.expected)
+            own[quantity.id] = float(formula(dealt.data, own if follow else dealt.right))
         return own
 
     def told(self, answers: Answers, seed: int) -> Sequence[Told]:
         return [
-            Told(one.title, f"{shown(value)} {one.unit if isinstance(_read(value), float) else ''}".rstrip())
-            for one in self.sheet.questions
-            if not is_blank(value := answers.get(one.id))
+            Told(question.title, f"{shown(value)} {question.unit if isinstance(_read(value), float) else ''}".rstrip())
+            for question in self.sheet.questions
+            if not is_blank(value := answers.get(question.id))
         ]
 
     def correction(self, seed: int) -> str:
         dealt = _dealt(self, seed)
         parts = []
-        for place, (one, quantity) in enumerate(zip(self.sheet.questions, self.quantities, strict=True), 1):
+        for place, (question, quantity) in enumerate(zip(self.sheet.questions, self.quantities, strict=True), 1):
             value = number(dealt.right[quantity.id], 4)
-            parts.append(f"**{place}. {one.title}.** {self.sheet.filled(one.text, dealt.data)}")
-            if one.correction:
-                parts.append(self.sheet.filled(one.correction, {**dealt.data, **dealt.right}))
-            parts.append(f"Réponse : **{value} {one.unit}**".rstrip("* ") + "**")
+            parts.append(f"**{place}. {question.title}.** {self.sheet.filled(question.text, dealt.data)}")
+            if question.correction:
+                parts.append(self.sheet.filled(question.correction, {**dealt.data, **dealt.right}))
+            parts.append(f"Réponse : **{value} {question.unit}**".rstrip("* ") + "**")
         return "\n\n".join(parts)
 
     def sample(self, wording: str) -> str:
@@ -231,9 +235,9 @@ def _dealt(grader: NumericGrader, seed: int) -> Dealt:
 
     No interval on one side of zero holds zero: it would be guessed at once.
     """
-    for attempt in range(DEALS):
-        dealt = _one_deal(grader, grader.dealing(stream(seed, f"draw {attempt}")))
-        if all(_apart(one, dealt) for one in grader.quantities):
+    for try_number in range(DEALS):
+        dealt = _one_deal(grader, grader.dealing(stream(seed, f"draw {try_number}")))
+        if all(_apart(quantity, dealt) for quantity in grader.quantities):
             return dealt
     raise MalformedExerciseError(grader.folder / MODULE_FILE, f"no deal of seed {seed} keeps the slips apart")
 
@@ -241,9 +245,9 @@ def _dealt(grader: NumericGrader, seed: int) -> Dealt:
 def _one_deal(grader: NumericGrader, data: Data) -> Dealt:
     right: dict[str, float] = {}
     slips: dict[str, dict[str, float]] = {}
-    for one in grader.quantities:
-        slips[one.id] = {name: float(formula(data, right)) for name, formula in one.slips.items()}
-        right[one.id] = float(one.expected(data, right))
+    for quantity in grader.quantities:
+        slips[quantity.id] = {name: float(formula(data, right)) for name, formula in quantity.slips.items()}
+        right[quantity.id] = float(quantity.expected(data, right))
     return Dealt(data, right, slips)
 
 
@@ -251,8 +255,8 @@ def _apart(quantity: Quantity, dealt: Dealt) -> bool:
     values = [dealt.right[quantity.id], *dealt.slips[quantity.id].values()]
     if not all(map(math.isfinite, values)) or quantity.same(values[0], 0.0, APART):
         return False
-    pairs = ((one, other) for place, one in enumerate(values) for other in values[:place])
-    return not any(quantity.same(one, other, APART) or quantity.same(other, one, APART) for one, other in pairs)
+    pairs = ((value, other) for place, value in enumerate(values) for other in values[:place])
+    return not any(quantity.same(value, other, APART) or quantity.same(other, value, APART) for value, other in pairs)
 
 
 def _computed(formula: Formula, data: Data, own: Values) -> float | None:

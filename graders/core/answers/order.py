@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from graders.core.answers.judging import Answers, AnswersGrader, Check
-from graders.core.answers.letters import MOST, Letters
+from graders.core.answers.letters import MOST, Letters, renamed
 from graders.core.answers.mistakes import read_mistakes, same_mistakes
-from graders.core.answers.paper import Paper, Piece, Question, Told
+from graders.core.answers.paper import Paper, Piece, Question, Told, quoted
 from graders.core.answers.reading import is_blank, shown
 from graders.core.answers.sheet import MalformedSheetError
 from graders.core.contract.findings import Finding
@@ -59,11 +59,11 @@ def order(exercise: str, folder: Path, sheet: OrderSheet) -> OrderGrader:
 
     Raises MalformedSheetError, or MalformedExerciseError for the misconceptions.
     """
-    names = [one.id for one in sheet.pieces]
+    names = [piece.id for piece in sheet.pieces]
     steps = names[: len(sheet.steps)]
-    for place, one in enumerate(sheet.distractors):
-        if one.id in steps:
-            raise MalformedSheetError(f"step and distractor have the same name {one.id}", ("distractor", place))
+    for place, distractor in enumerate(sheet.distractors):
+        if distractor.id in steps:
+            raise MalformedSheetError(f"step and distractor have the same name {distractor.id}", ("distractor", place))
     if len(set(names)) != len(names):
         raise MalformedSheetError("two steps have the same name")
     if len(names) > MOST:
@@ -74,7 +74,9 @@ def order(exercise: str, folder: Path, sheet: OrderSheet) -> OrderGrader:
             message = f"step {step.id} comes after {sorted(unknown)}, not steps above it"
             raise MalformedSheetError(message, ("step", place, "after"))
     catalogue = read_mistakes(folder)
-    same_mistakes(folder, catalogue, {one.misconception for one in sheet.distractors if one.misconception})
+    same_mistakes(
+        folder, catalogue, {distractor.misconception for distractor in sheet.distractors if distractor.misconception}
+    )
     return OrderGrader(exercise, folder, catalogue, sheet)
 
 
@@ -94,7 +96,7 @@ class OrderGrader(AnswersGrader):
         return (STEPS, BEGINNING, WHOLE)
 
     def letters(self, seed: int) -> Letters:
-        return Letters.dealt([one.id for one in self.sheet.pieces], seed, ORDER)
+        return Letters.dealt([piece.id for piece in self.sheet.pieces], seed, ORDER)
 
     def paper(self, seed: int) -> Paper:
         question = Question(
@@ -108,11 +110,11 @@ class OrderGrader(AnswersGrader):
         return Paper((), (question,))
 
     def _pieces(self, seed: int) -> dict[str, Piece]:
-        texts = {one.id: one.text for one in self.sheet.pieces}
+        texts = {piece.id: piece.text for piece in self.sheet.pieces}
         return {letter: Piece(letter, texts[name]) for letter, name in self.letters(seed).by_letter.items()}
 
     def right(self, seed: int) -> Answers:
-        return self._written([one.id for one in self.sheet.steps], seed)
+        return self._written([step.id for step in self.sheet.steps], seed)
 
     def _written(self, names: Sequence[str], seed: int) -> Answers:
         return {ORDER: [self.letters(seed).by_name[name] for name in names]}
@@ -138,15 +140,15 @@ class OrderGrader(AnswersGrader):
 
     def _next(self, placed: Sequence[str]) -> list[Step]:
         """The steps that may come now."""
-        return [one for one in self.sheet.steps if one.id not in placed and set(one.after) <= set(placed)]
+        return [step for step in self.sheet.steps if step.id not in placed and set(step.after) <= set(placed)]
 
     def _steps(self, names: Sequence[str], letters: Letters) -> Finding:
-        known = {one.id: one for one in self.sheet.distractors}
-        false = [known[name] for name in names if name in known]
+        distractors = {distractor.id: distractor for distractor in self.sheet.distractors}
+        false = [distractors[name] for name in names if name in distractors]
         lacking = len(self.sheet.steps) - (len(names) - len(false))
         if not false and not lacking:
             return STEPS.passed()
-        share = 1.0 - lacking / len(self.sheet.steps) - len(false) / max(1, len(known))
+        share = 1.0 - lacking / len(self.sheet.steps) - len(false) / max(1, len(distractors))
         first = false[0] if false else None
         return STEPS.failed(
             first.why.strip() if first else "Il manque des étapes.",
@@ -154,7 +156,7 @@ class OrderGrader(AnswersGrader):
             expected="des étapes toutes justes, et aucune qui manque",
             got=f"l'étape {letters.by_name[first.id]}, qui est un intrus" if first else _written_out(names, letters),
             points=max(0.0, share) * STEPS.points,
-            slip=next((one.misconception for one in false if one.misconception), None),
+            slip=next((distractor.misconception for distractor in false if distractor.misconception), None),
         )
 
     def _ordered(self, names: Sequence[str], beginning: Beginning, letters: Letters) -> tuple[Finding, Finding]:
@@ -184,61 +186,54 @@ class OrderGrader(AnswersGrader):
         return begins, whole
 
     def wrong(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
-        names = [one.id for one in self.sheet.steps]
-        for one in self.sheet.distractors:
+        names = [step.id for step in self.sheet.steps]
+        for distractor in self.sheet.distractors:
             for place in (0, len(names) // 2, len(names)):
-                placed = [*names[:place], one.id, *names[place:]]
-                subject = f"intrus {one.id}, place {place + 1}"
-                yield subject, one.misconception, partial(self._written, placed)
+                placed = [*names[:place], distractor.id, *names[place:]]
+                subject = f"intrus {distractor.id}, place {place + 1}"
+                yield subject, distractor.misconception, partial(self._written, placed)
         yield "à l'envers", None, partial(self._written, names[::-1])
         yield "sans la fin", None, partial(self._written, names[:-1])
 
     def lettered(self, answers: Answers, seed: int) -> Answers:
-        return {name: _renamed(value, self.letters(seed).by_name) for name, value in answers.items()}
+        return {name: renamed(value, self.letters(seed).by_name) for name, value in answers.items()}
 
     def moved(self, answers: Answers, old: int, new: int) -> Answers:
         fresh = self.letters(new).by_name
         letters = {letter: fresh[name] for letter, name in self.letters(old).by_letter.items()}
-        return {name: _renamed(value, letters) for name, value in answers.items()}
+        return {name: renamed(value, letters) for name, value in answers.items()}
 
     def told(self, answers: Answers, seed: int) -> Sequence[Told]:
         value, pieces = answers.get(ORDER), self._pieces(seed)
         if is_blank(value):
             return []
-        if isinstance(value, list) and all(isinstance(one, str) and one in pieces for one in value):
-            return [Told("Vos étapes, dans l'ordre", "", tuple(pieces[one] for one in value))]
+        if isinstance(value, list) and all(isinstance(letter, str) and letter in pieces for letter in value):
+            return [Told("Vos étapes, dans l'ordre", "", tuple(pieces[letter] for letter in value))]
         return [Told("Vos étapes, dans l'ordre", shown(value))]
 
     def correction(self, seed: int) -> str:
         letters = self.letters(seed).by_name
         steps = [
-            f"**{place}.** ({letters[one.id]}) {one.text.strip()}\n\n> Ici, il faut {_quoted(one.role)}"
-            for place, one in enumerate(self.sheet.steps, 1)
+            f"**{place}.** ({letters[step.id]}) {step.text.strip()}\n\n> Ici, il faut {quoted(step.role)}"
+            for place, step in enumerate(self.sheet.steps, 1)
         ]
-        false = [f"✗ ({letters[one.id]}) {one.text.strip()}\n\n> {_quoted(one.why)}" for one in self.sheet.distractors]
+        false = [
+            f"✗ ({letters[distractor.id]}) {distractor.text.strip()}\n\n> {quoted(distractor.why)}"
+            for distractor in self.sheet.distractors
+        ]
         return "\n\n".join([*steps, *(["**Les intrus**"] if false else []), *false])
 
 
 def _read(raw: Any, letters: Letters) -> list[str] | str:
     """The names of the steps in the order of the answer, or why it cannot be read."""
-    if not isinstance(raw, list) or not all(isinstance(one, str) for one in raw):
+    if not isinstance(raw, list) or not all(isinstance(letter, str) for letter in raw):
         return "on attend la liste des lettres des étapes, dans l'ordre"
-    if any(one not in letters.by_letter for one in raw):
+    if any(letter not in letters.by_letter for letter in raw):
         return "une lettre n'est celle d'aucune étape proposée"
     if len(set(raw)) != len(raw):
         return "une même étape est placée deux fois"
-    return [letters.by_letter[one] for one in raw]
+    return [letters.by_letter[letter] for letter in raw]
 
 
 def _written_out(names: Sequence[str], letters: Letters) -> str:
     return ", ".join(letters.by_name[name] for name in names)
-
-
-def _renamed(value: Any, names: Mapping[str, str]) -> Any:
-    if not isinstance(value, list):
-        return value
-    return [names.get(item, item) if isinstance(item, str) else item for item in value]
-
-
-def _quoted(text: str) -> str:
-    return text.strip().replace("\n", "\n> ")

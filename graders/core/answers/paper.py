@@ -54,3 +54,8 @@ class Told:
     title: str
     text: str
     pieces: tuple[Piece, ...] = ()
+
+
+def quoted(text: str) -> str:
+    """A text of the sheet as the inside of a Markdown quotation: its first line follows the sign."""
+    return text.strip().replace("\n", "\n> ")

@@ -22,7 +22,7 @@ def read_answers(source: bytes) -> dict[str, Any]:
     if len(source) > LARGEST:
         raise UnreadableAnswersError(f"Ce fichier de réponses dépasse {LARGEST // 1024} Kio.")
     try:
-        found = json.loads(source.decode("utf-8-sig"), object_pairs_hook=_object, parse_int=_integer)
+        answers = json.loads(source.decode("utf-8-sig"), object_pairs_hook=_object, parse_int=_integer)
     except UnicodeDecodeError as error:
         raise UnreadableAnswersError("Ce fichier de réponses n'est pas en UTF-8.") from error
     except json.JSONDecodeError as error:
@@ -30,16 +30,16 @@ def read_answers(source: bytes) -> dict[str, Any]:
         raise UnreadableAnswersError(f"Ce fichier n'est pas du JSON bien formé ({place}).") from error
     except RecursionError as error:
         raise UnreadableAnswersError("Ce fichier de réponses est trop imbriqué.") from error
-    if not isinstance(found, dict):
+    if not isinstance(answers, dict):
         raise UnreadableAnswersError("On attend un objet JSON : un nom de question, puis la réponse, entre accolades.")
-    return found
+    return answers
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) != len(pairs):
+    members = dict(pairs)
+    if len(members) != len(pairs):
         raise UnreadableAnswersError("Une même question porte deux réponses dans ce fichier.")
-    return found
+    return members
 
 
 def _integer(digits: str) -> float:

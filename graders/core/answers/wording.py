@@ -53,21 +53,24 @@ class NumericSheet:
         return "".join(self._filled(part, values, tex=place % 2 == 1) for place, part in enumerate(parts))
 
     def _filled(self, part: str, values: Mapping[str, float], *, tex: bool) -> str:
-        return PLACEHOLDER.sub(lambda found: self._number(found[1], values[found[1]], tex), part)
+        return PLACEHOLDER.sub(lambda match: self._number(match[1], values[match[1]], tex), part)
 
     def _number(self, name: str, value: float, tex: bool) -> str:
-        datum = next((one for one in self.data if one.name == name), None)
+        datum = next((datum for datum in self.data if datum.name == name), None)
         if datum is not None:
             return datum.tex(value) if tex else datum.text(value)
         return _tex(number(value, DIGITS)) if tex else number(value, DIGITS)
 
     def unknown(self) -> list[list[str]]:
         """For each question, the names in placeholders that nothing replaces."""
-        data = {one.name for one in self.data}
-        answers = {one.id for one in self.questions}
+        data = {datum.name for datum in self.data}
+        answers = {question.id for question in self.questions}
         return [
-            sorted({*PLACEHOLDER.findall(one.text)} - data | {*PLACEHOLDER.findall(one.correction)} - data - answers)
-            for one in self.questions
+            sorted(
+                {*PLACEHOLDER.findall(question.text)} - data
+                | {*PLACEHOLDER.findall(question.correction)} - data - answers
+            )
+            for question in self.questions
         ]
 
 

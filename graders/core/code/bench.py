@@ -157,10 +157,10 @@ class Bench:
     def call(self, function: str, *args: Value) -> Value:
         """Call a function by position and return its value as plain data. Raises StudentFault."""
         self.last_call = (function, args)
-        known = self._known.get(_key(function, args)) if self._known else None
-        if not known:
+        ahead = self._known.get(_key(function, args)) if self._known else None
+        if not ahead:
             return self.runner.call(self.program, function, args, keep=False).value
-        answer = known.popleft()
+        answer = ahead.popleft()
         if isinstance(answer, StudentFault):
             raise answer
         return answer.value

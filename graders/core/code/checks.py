@@ -16,7 +16,7 @@ import numpy as np
 from graders.core.code.bench import Bench
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Comparator, Mismatch
-from graders.core.compare.shrinking import Shrinker, shrink
+from graders.core.compare.shrinking import Shrinker, shrink_failure
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, Reply, StudentFault
@@ -167,19 +167,14 @@ class Cases(Check):
     def _shrunk(self, bench: Bench, failure: Failure) -> Failure:
         if not self.shrinkers or (failure.fault and failure.fault.fatal):
             return failure
-        found = [failure]
 
-        def still_fails(args: Arguments) -> bool:
-            if (found[-1].fault and found[-1].fault.fatal) or not self.valid(args):
-                return False
+        def again(last: Failure, args: Arguments) -> Failure | None:
+            if (last.fault and last.fault.fatal) or not self.valid(args):
+                return None
             simpler = self._judged(args, _answer(bench, self.function, args))
-            if simpler is None or not _same_kind(failure, simpler):
-                return False
-            found.append(simpler)
-            return True
+            return simpler if simpler is not None and _same_kind(failure, simpler) else None
 
-        shrink(failure.args, self.shrinkers, still_fails, bench.runner.budget)
-        return found[-1]
+        return shrink_failure(failure, failure.args, self.shrinkers, again, bench.runner.budget)
 
     def _rejection(self, failure: Failure) -> Rejection:
         inputs = dict(zip(self.names, failure.args, strict=True))
@@ -228,10 +223,10 @@ def fault_rejection(fault: StudentFault, *, inputs: dict[str, Value] | None, exp
     return Rejection(fault.message + where, inputs=inputs, expected=expected, got=got, cause=fault.outcome)
 
 
-def _same_kind(one: Failure, other: Failure) -> bool:
+def _same_kind(first: Failure, other: Failure) -> bool:
     """A shrunk case must fail as the first one did: by the same exception, or by a wrong value of the same cause."""
-    if one.fault or other.fault:
-        return bool(one.fault and other.fault) and one.fault.exception == other.fault.exception  # type: ignore[union-attr]
-    assert one.mismatch is not None
+    if first.fault or other.fault:
+        return bool(first.fault and other.fault) and first.fault.exception == other.fault.exception  # type: ignore[union-attr]
+    assert first.mismatch is not None
     assert other.mismatch is not None
-    return (one.mismatch.slip, one.mismatch.cause) == (other.mismatch.slip, other.mismatch.cause)
+    return (first.mismatch.slip, first.mismatch.cause) == (other.mismatch.slip, other.mismatch.cause)

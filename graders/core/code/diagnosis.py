@@ -46,17 +46,17 @@ def diagnose(
     failing = {o.function for o in observations if not o.ok}
     candidates = [m for m in misconceptions if failing & set(m.functions)]
     explanations = (_explain(observations, m, reenact(m)) for m in candidates)
-    found = [e for e in explanations if e is not None]
-    if not found:
+    fitting = [e for e in explanations if e is not None]
+    if not fitting:
         return None
-    found.sort(key=lambda e: e.rank, reverse=True)
-    best = found[0]
-    rivals = [e for e in found[1:] if e.rank == best.rank and _compete(e.misconception, best.misconception)]
+    fitting.sort(key=lambda e: e.rank, reverse=True)
+    best = fitting[0]
+    rivals = [e for e in fitting[1:] if e.rank == best.rank and _compete(e.misconception, best.misconception)]
     return None if rivals else _diagnosis(best.misconception)
 
 
-def _compete(one: Misconception, other: Misconception) -> bool:
-    return one.id != other.id and bool(set(one.functions) & set(other.functions))
+def _compete(misconception: Misconception, other: Misconception) -> bool:
+    return misconception.id != other.id and bool(set(misconception.functions) & set(other.functions))
 
 
 def _explain(
@@ -86,11 +86,11 @@ def _paired(mine: Sequence[Observation], seen: Sequence[Observation]) -> list[tu
     return [(o, theirs[o.check, o.index, o.function]) for o in mine if (o.check, o.index, o.function) in theirs]
 
 
-def agree(one: Observation, other: Observation) -> bool:
+def agree(observation: Observation, other: Observation) -> bool:
     """The same value, or the same way of failing."""
-    if one.fault or other.fault:
-        return one.fault == other.fault
-    return one.ok == other.ok and same_value(one.value, other.value)
+    if observation.fault or other.fault:
+        return observation.fault == other.fault
+    return observation.ok == other.ok and same_value(observation.value, other.value)
 
 
 def _diagnosis(misconception: Misconception) -> Diagnosis:
@@ -103,8 +103,8 @@ def slip_diagnosis(slips: Sequence[str | None]) -> Diagnosis | None:
 
     `slips` holds one entry for each failed check, None where no slip explains it.
     """
-    seen = [slip for slip in slips if slip is not None]
-    if len(set(seen)) != 1 or 2 * len(seen) <= len(slips):
+    named = [slip for slip in slips if slip is not None]
+    if len(set(named)) != 1 or 2 * len(named) <= len(slips):
         return None
-    slip = SLIPS[seen[0]]
+    slip = SLIPS[named[0]]
     return Diagnosis(slip.id, slip.title, f"{slip.explanation}\n\n{slip.question}")

@@ -80,11 +80,11 @@ def _misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: st
 
 def same_functions(folder: Path, misconceptions: Sequence[Misconception], functions: Sequence[str]) -> None:
     """Misconceptions speak of the functions that are asked for. Raises MalformedExerciseError with their line."""
-    for one in misconceptions:
-        unknown = sorted(set(one.functions) - set(functions))
+    for misconception in misconceptions:
+        unknown = sorted(set(misconception.functions) - set(functions))
         if unknown:
-            message = f"{one.id} speaks of unknown functions: {unknown}"
-            raise MalformedExerciseError(folder / MISCONCEPTIONS, message, one.line)
+            message = f"{misconception.id} speaks of unknown functions: {unknown}"
+            raise MalformedExerciseError(folder / MISCONCEPTIONS, message, misconception.line)
 
 
 def read_specimens(folder: Path) -> Iterator[Specimen]:

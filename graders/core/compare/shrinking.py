@@ -10,12 +10,14 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from graders.core.contract.values import Arguments, Value
 
 Shrinker = Callable[[Value], Iterator[Value]]
+FailureT = TypeVar("FailureT")
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,30 @@ def shrink(
                 arguments, improved = candidate, True
                 break
     return arguments
+
+
+def shrink_failure(
+    failure: FailureT,
+    arguments: Arguments,
+    shrinkers: Sequence[Shrinker],
+    again: Callable[[FailureT, Arguments], FailureT | None],
+    budget: Budget,
+) -> FailureT:
+    """The failure on the simplest arguments found, where `failure` is the one on `arguments`.
+
+    `again` gets the simplest failure so far and simpler arguments: the failure on these, None where they are no example
+    of the same mistake or the program is not to be called any more.
+    """
+    simplest = failure
+
+    def still_fails(candidate: Arguments) -> bool:
+        nonlocal simplest
+        simpler = again(simplest, candidate)
+        simplest = simplest if simpler is None else simpler
+        return simpler is not None
+
+    shrink(arguments, shrinkers, still_fails, budget)
+    return simplest
 
 
 def _neighbours(arguments: Arguments, shrinkers: Sequence[Shrinker]) -> Iterator[Arguments]:

@@ -62,8 +62,8 @@ class Members:
 
     def items(self, name: str, read: Callable[[Any, str], T]) -> tuple[T, ...]:
         """A list, each item read with its place."""
-        found = self._typed(name, (list,), "a list")
-        return tuple(read(item, f"{self.place(name)}/{index}") for index, item in enumerate(found))
+        items = self._typed(name, (list,), "a list")
+        return tuple(read(item, f"{self.place(name)}/{index}") for index, item in enumerate(items))
 
     def numbers(self, name: str) -> dict[str, float]:
         """An object whose members are all numbers."""

@@ -81,13 +81,13 @@ def _bisect(bench: Bench, walk: Walk) -> Search:
     too_low: Search | None = None
     too_high: Search | None = None
     while math.log10(high / low) > NARROW:
-        found = _try(bench, walk, math.sqrt(low * high))
-        if found.outcome is not Outcome.MIXED or found.hopeless:
-            return found
-        if found.missed is not None:
-            low, too_low = found.threshold, found
+        search = _try(bench, walk, math.sqrt(low * high))
+        if search.outcome is not Outcome.MIXED or search.hopeless:
+            return search
+        if search.missed is not None:
+            low, too_low = search.threshold, search
         else:
-            high, too_high = found.threshold, found
+            high, too_high = search.threshold, search
     return _closed(too_low, too_high)
 
 
@@ -104,14 +104,14 @@ def _try(bench: Bench, walk: Walk, threshold: float) -> Search:
     """One threshold, every query. MIXED with only `missed` is too low, with only `wrong` too high."""
     worst: Search | None = None
     for i in walk.queries:
-        one = _ask(bench, walk, i, threshold)
-        if one.outcome is Outcome.UNREADABLE or one.hopeless:
-            return one
-        if one.outcome is Outcome.FOUND:
+        search = _ask(bench, walk, i, threshold)
+        if search.outcome is Outcome.UNREADABLE or search.hopeless:
+            return search
+        if search.outcome is Outcome.FOUND:
             continue
-        if worst is not None and (worst.missed is None) != (one.missed is None):
-            return _joined(*((worst, one) if one.missed is None else (one, worst)))
-        worst = one
+        if worst is not None and (worst.missed is None) != (search.missed is None):
+            return _joined(*((worst, search) if search.missed is None else (search, worst)))
+        worst = search
     return worst or Search(walk, Outcome.FOUND, threshold, walk.queries[0])
 
 
@@ -130,9 +130,9 @@ def _ask(bench: Bench, walk: Walk, i: int, threshold: float) -> Search:
         reason = "la fonction renvoie des booléens et non des indices"
         return Search(walk, Outcome.UNREADABLE, threshold, i, got=got, reason=reason)
     # The window of allowed indices has its own check: here only the scans well before i are judged.
-    found = {j for j in indices if 0 <= j <= i - GAP}
+    returned = {j for j in indices if 0 <= j <= i - GAP}
     wanted = set(walk.same_place(i))
-    missed, extra = min(wanted - found, default=None), found - wanted
+    missed, extra = min(wanted - returned, default=None), returned - wanted
     wrong = walk.lookalike if walk.lookalike in extra else min(extra, default=None)
     outcome = Outcome.FOUND if missed is None and wrong is None else Outcome.MIXED
-    return Search(walk, outcome, threshold, i, tuple(sorted(found)), missed, wrong, i, got)
+    return Search(walk, outcome, threshold, i, tuple(sorted(returned)), missed, wrong, i, got)

@@ -69,31 +69,31 @@ def is_mask(value: Value) -> bool:
 def signature(bench: Bench, scan: Floats) -> Floats:
     """The student's signature of a scan, or a Rejection that says why it is none."""
     value = bench.call(FUNCTION, scan)
-    found = read_signature(value)
-    if isinstance(found, Unsuitable):
-        bench.observe(FUNCTION, found.word, ok=False)
-        slip = {"nan": "nan", "dimension 0": "scalaire"}.get(found.word)
+    reading = read_signature(value)
+    if isinstance(reading, Unsuitable):
+        bench.observe(FUNCTION, reading.word, ok=False)
+        slip = {"nan": "nan", "dimension 0": "scalaire"}.get(reading.word)
         raise Rejection(
-            found.message,
+            reading.message,
             inputs={"scan": scan},
             expected="un tableau 1-D de nombres finis",
             got=value,
             slip=slip,
-            cause=found.cause,
+            cause=reading.cause,
         )
-    return found
+    return reading
 
 
-def apart(one: Floats, other: Floats) -> float:
+def apart(first: Floats, other: Floats) -> float:
     """The largest gap between two signatures; infinite when their lengths differ."""
-    return float(np.max(np.abs(one - other))) if one.shape == other.shape else np.inf
+    return float(np.max(np.abs(first - other))) if first.shape == other.shape else np.inf
 
 
-def tolerance(one: Floats, elsewhere: Floats) -> float:
+def tolerance(here: Floats, elsewhere: Floats) -> float:
     """What rounding may do: a share of the gap between two places, plus the precision of large components."""
-    gap = apart(one, elsewhere)
-    spread = gap if np.isfinite(gap) else float(np.max(np.abs(one)))
-    return ROUNDING * spread + 1e-9 * float(np.max(np.abs(one))) + 1e-12
+    gap = apart(here, elsewhere)
+    spread = gap if np.isfinite(gap) else float(np.max(np.abs(here)))
+    return ROUNDING * spread + 1e-9 * float(np.max(np.abs(here))) + 1e-12
 
 
 def habits(bench: Bench, scan: Floats, elsewhere: Floats) -> str:

@@ -51,8 +51,8 @@ def _sentence(search: Search) -> str:
             "moins de scans : plus le seuil est grand, plus il doit y avoir de candidats."
         )
     if search.outcome is Outcome.ALWAYS:
-        seen = f"Depuis le scan {search.wrong_from}, le scan {wrong}, pris ailleurs,"
-        return f"{seen} est trouvé même avec un seuil minuscule."
+        whence = f"Depuis le scan {search.wrong_from}, le scan {wrong}, pris ailleurs,"
+        return f"{whence} est trouvé même avec un seuil minuscule."
     seen_from = "" if search.wrong_from in (None, i) else f" depuis le scan {search.wrong_from}"
     return (
         f"Aucun seuil ne convient. Avec {render.number(search.threshold, 3)}, depuis le scan {i}, le scan {missed} "
@@ -75,9 +75,9 @@ def _shown(walk: Walk, j: int) -> str:
     return lidar_call(walk.poses[j], walk.noise)
 
 
-def rotation_figure(scan: Floats, shifted: Floats, one: Floats, other: Floats) -> FigureData:
+def rotation_figure(scan: Floats, shifted: Floats, of_scan: Floats, of_shifted: Floats) -> FigureData:
     """A scan and the same one shifted, with the student's signatures of both."""
-    rows = [("le scan", scan, one), ("le même, décalé", shifted, other)]
+    rows = [("le scan", scan, of_scan), ("le même, décalé", shifted, of_shifted)]
     return {
         "kind": "rotation",
         "scans": [{"name": name, "scan": z, "signature": _drawable(s)} for name, z, s in rows],
@@ -108,10 +108,10 @@ def confuses(bench: Bench, search: Search) -> bool:
 
 def _asked(bench: Bench, scan: Floats) -> Floats | None:
     try:
-        found = read_signature(bench.call("signature", scan))
+        reading = read_signature(bench.call("signature", scan))
     except StudentFault:
         return None
-    return None if isinstance(found, Unsuitable) else _drawable(found)
+    return None if isinstance(reading, Unsuitable) else _drawable(reading)
 
 
 def _drawable(signature: Floats) -> Floats | None:

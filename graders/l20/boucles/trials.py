@@ -43,7 +43,7 @@ def example(bench: Bench) -> None:
     """The scan of the statement, turned by one ray and by a quarter of a turn, then a scan of another place."""
     here, elsewhere = signature(bench, RAMP), signature(bench, BOWL)
     shifted = {k: signature(bench, np.roll(RAMP, k)) for k in (1, 9)}
-    moved = [k for k, found in shifted.items() if apart(here, found) > tolerance(here, elsewhere)]
+    moved = [k for k, rotated in shifted.items() if apart(here, rotated) > tolerance(here, elsewhere)]
     same = apart(here, elsewhere) <= 1e-9 * max(1e-6, float(np.max(np.abs(here))))
     bench.observe("signature", "change" if moved else "constante" if same else "convient", ok=not moved and not same)
     if moved:
@@ -78,22 +78,22 @@ def _turn(bench: Bench, pool: Pool, place: int, other: int) -> Rejection | None:
     scan, elsewhere = pool.scans[place], pool.scans[other]
     here, there = signature(bench, scan), signature(bench, elsewhere)
     for k in SHIFTS:
-        found = signature(bench, np.roll(scan, -k))
-        if apart(here, found) > tolerance(here, there):
+        rotated = signature(bench, np.roll(scan, -k))
+        if apart(here, rotated) > tolerance(here, there):
             bench.observe("signature", habits(bench, scan, elsewhere), ok=False)
-            return _changed(pool.poses[place], scan, k, here, found)
+            return _changed(pool.poses[place], scan, k, here, rotated)
     distinct = apart(here, there) > 1e-9 * max(1e-6, float(np.max(np.abs(here))))
     bench.observe("signature", "invariante" if distinct else "constante", ok=distinct)
     return None if distinct else _constant(pool.poses[place], pool.poses[other], here)
 
 
-def _changed(pose: Floats, scan: Floats, k: int, here: Floats, found: Floats) -> Rejection:
+def _changed(pose: Floats, scan: Floats, k: int, here: Floats, rotated: Floats) -> Rejection:
     return Rejection(
         f"Le robot tourne sur place de {10 * k}° et sa signature change : elle dépend encore du cap.",
         inputs={"scan 1": lidar_call(pose), "scan 2": lidar_call(turned(pose, k))},
         expected=here,
-        got=found,
-        figure=rotation_figure(scan, np.roll(scan, -k), here, found),
+        got=rotated,
+        figure=rotation_figure(scan, np.roll(scan, -k), here, rotated),
     )
 
 
@@ -208,10 +208,10 @@ def _must_ignore_heading(bench: Bench) -> None:
     """A signature that follows the heading may escape from a trap by luck: it is turned away before."""
     pool = _pool(bench)
     here, there = signature(bench, pool.scans[0]), signature(bench, pool.scans[1])
-    found = signature(bench, np.roll(pool.scans[0], -7))
-    if apart(here, found) > tolerance(here, there):
+    rotated = signature(bench, np.roll(pool.scans[0], -7))
+    if apart(here, rotated) > tolerance(here, there):
         bench.observe("signature", "suit le cap", ok=False)
-        raise _changed(pool.poses[0], pool.scans[0], 7, here, found)
+        raise _changed(pool.poses[0], pool.scans[0], 7, here, rotated)
 
 
 def _own_trap(bench: Bench, seed: int) -> Walk | None:
@@ -255,9 +255,9 @@ def _judge(bench: Bench, draw: Draw, function: str) -> tuple[Search, bool]:
         bench.observe(function, None, ok=False, fault=fault)
         raise
     right = search.outcome is calibration.Outcome.FOUND
-    told = search if right else first
-    bench.observe(function, told.outcome.value, ok=right)
-    return told, right
+    decisive = search if right else first
+    bench.observe(function, decisive.outcome.value, ok=right)
+    return decisive, right
 
 
 def _failure(bench: Bench, search: Search, remark: str) -> Rejection:

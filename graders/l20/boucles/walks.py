@@ -20,7 +20,7 @@ from graders.l20.boucles.places import BEAMS, NOISE, Pool, Rng, noisy, signature
 GAP = 10
 MARGIN = 2.0
 PREFILTER = 3.0
-ATTEMPTS = 400
+MAX_DRAWS = 400
 READINGS = 40
 NEARER = 3.0
 Statistic = Callable[[Floats], Floats]
@@ -82,8 +82,8 @@ def separable(walk: Walk, margin: float = MARGIN) -> bool:
     asked = np.arange(past) <= np.array(rows)[:, None] - GAP
     same = (walk.places[:past] == walk.places[rows][:, None]) & asked
     others = asked & ~same
-    kept = np.concatenate([walk.scans[rows], walk.scans[:past]])
-    for signatures in signatures_of(kept).values():
+    scans = np.concatenate([walk.scans[rows], walk.scans[:past]])
+    for signatures in signatures_of(scans).values():
         for distance in DISTANCES.values():
             away = distance(signatures[: len(rows)], signatures[len(rows) :])
             if not np.min(away[others]) > margin * np.max(away[same], initial=0.0) + 1e-6:
@@ -96,7 +96,7 @@ def draw_walk(rng: Rng, pool: Pool, *, with_noise: bool) -> Walk:
 
     Noiseless walks are chosen with the same noise as the others, so that their places are as distinct.
     """
-    for _ in range(ATTEMPTS):
+    for _ in range(MAX_DRAWS):
         chosen = _distinct_places(rng, pool)
         if chosen is None:
             continue
@@ -126,7 +126,7 @@ def _itinerary(rng: Rng, chosen: NDArray[np.int64]) -> tuple[NDArray[np.int64], 
     return np.array([*past, *recent, a, b]), (20, 21)
 
 
-def draw_trap(rng: Rng, pool: Pool, statistic: Statistic, *, readings: int = READINGS, pairs: int = ATTEMPTS) -> Walk:
+def draw_trap(rng: Rng, pool: Pool, statistic: Statistic, *, readings: int = READINGS, pairs: int = MAX_DRAWS) -> Walk:
     """Fourteen scans; one of the first three is of the place of the last, another has the same `statistic` elsewhere.
 
     By this number alone, and whatever the distance, the other place is nearer than the same place.
@@ -146,9 +146,9 @@ def _lookalikes(pool: Pool, statistic: Statistic) -> list[tuple[int, int]]:
     values = statistic(pool.scans)
     if np.ptp(values) == 0.0:
         return []
-    one, two = np.triu_indices(len(values), 1)
-    nearest = np.argsort(np.abs(values[one] - values[two]))[:ATTEMPTS]
-    return [(int(one[k]), int(two[k])) for k in nearest]
+    first, second = np.triu_indices(len(values), 1)
+    nearest = np.argsort(np.abs(values[first] - values[second]))[:MAX_DRAWS]
+    return [(int(first[k]), int(second[k])) for k in nearest]
 
 
 def _trap(rng: Rng, pool: Pool, pair: tuple[int, int], statistic: Statistic, readings: int) -> Walk | None:

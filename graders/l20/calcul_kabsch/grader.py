@@ -52,10 +52,10 @@ def _sum(cloud: int, axis: int) -> Formula:
 def _cross(row: int, column: int) -> Formula:
     """A coefficient of H, around the centres that were found."""
 
-    def formula(data: Data, found: Values) -> float:
+    def formula(data: Data, earlier: Values) -> float:
         p, q = clouds(data)
-        centred_p = p[:, row] - found[("pbx", "pby")[row]]
-        return float(centred_p @ (q[:, column] - found[("qbx", "qby")[column]]))
+        centred_p = p[:, row] - earlier[("pbx", "pby")[row]]
+        return float(centred_p @ (q[:, column] - earlier[("qbx", "qby")[column]]))
 
     return formula
 
@@ -68,15 +68,15 @@ def _mean(formula: Formula) -> Formula:
     return lambda d, f: formula(d, f) / 3
 
 
-def theta(_: Data, found: Values) -> float:
+def theta(_: Data, earlier: Values) -> float:
     """The angle that makes tr(R H) greatest."""
-    return math.atan2(found["h12"] - found["h21"], found["h11"] + found["h22"])
+    return math.atan2(earlier["h12"] - earlier["h21"], earlier["h11"] + earlier["h22"])
 
 
-def _turned(found: Values, angle: float, axis: int) -> float:
+def _turned(earlier: Values, angle: float, axis: int) -> float:
     """One coordinate of the centre of P, turned."""
     c, s = math.cos(angle), math.sin(angle)
-    return found["pbx"] * c - found["pby"] * s if axis == 0 else found["pbx"] * s + found["pby"] * c
+    return earlier["pbx"] * c - earlier["pby"] * s if axis == 0 else earlier["pbx"] * s + earlier["pby"] * c
 
 
 def _translation(axis: int, angle: Callable[[Values], float]) -> Formula:

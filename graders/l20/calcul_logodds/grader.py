@@ -31,18 +31,18 @@ def _base_ten(p: float) -> float:
     return math.log10(p / (1 - p))
 
 
-def evidence(data: Data, found: Values) -> float:
-    return found["l0"] + data["h"] * (found["locc"] - found["l0"]) + data["m"] * (found["llib"] - found["l0"])
+def evidence(data: Data, earlier: Values) -> float:
+    return earlier["l0"] + data["h"] * (earlier["locc"] - earlier["l0"]) + data["m"] * (earlier["llib"] - earlier["l0"])
 
 
-def hits(data: Data, found: Values) -> float:
+def hits(data: Data, earlier: Values) -> float:
     """The least k with l0 + k (locc - l0) above the goal."""
-    return math.floor((_log_odds(data["but"]) - found["l0"]) / (found["locc"] - found["l0"])) + 1
+    return math.floor((_log_odds(data["but"]) - earlier["l0"]) / (earlier["locc"] - earlier["l0"])) + 1
 
 
-def misses(data: Data, found: Values) -> float:
+def misses(data: Data, earlier: Values) -> float:
     """The least k with B + k (llib - l0) below zero."""
-    return math.floor(data["borne"] / (found["l0"] - found["llib"])) + 1
+    return math.floor(data["borne"] / (earlier["l0"] - earlier["llib"])) + 1
 
 
 def _one_log_odds(name: str, id: str, points: float) -> Quantity:

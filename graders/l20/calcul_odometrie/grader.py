@@ -38,34 +38,34 @@ def dtheta(data: Data, _: Values) -> float:
     return drive(data).motion(data["dsg"], data["dsd"]).turn
 
 
-def middle(data: Data, found: Values) -> float:
+def middle(data: Data, earlier: Values) -> float:
     """The heading in the middle of the step."""
-    return data["theta0"] + found["dtheta"] / 2
+    return data["theta0"] + earlier["dtheta"] / 2
 
 
-def x(data: Data, found: Values) -> float:
-    return data["x0"] + found["ds"] * math.cos(middle(data, found))
+def x(data: Data, earlier: Values) -> float:
+    return data["x0"] + earlier["ds"] * math.cos(middle(data, earlier))
 
 
-def y(data: Data, found: Values) -> float:
-    return data["y0"] + found["ds"] * math.sin(middle(data, found))
+def y(data: Data, earlier: Values) -> float:
+    return data["y0"] + earlier["ds"] * math.sin(middle(data, earlier))
 
 
-def theta(data: Data, found: Values) -> float:
-    return data["theta0"] + found["dtheta"]
+def theta(data: Data, earlier: Values) -> float:
+    return data["theta0"] + earlier["dtheta"]
 
 
 def sigma_dtheta(data: Data, _: Values) -> float:
     return 1000 * drive(data).turn_deviation(data["dsg"], data["dsd"])
 
 
-def sigma_theta(data: Data, found: Values) -> float:
-    return LateralDrift(int(data["n"]), 0.0, abs(found["sigma_dtheta"]) * MILLI).heading_deviation
+def sigma_theta(data: Data, earlier: Values) -> float:
+    return LateralDrift(int(data["n"]), 0.0, abs(earlier["sigma_dtheta"]) * MILLI).heading_deviation
 
 
-def drift(data: Data, found: Values) -> float:
+def drift(data: Data, earlier: Values) -> float:
     """The worst case: the heading is wrong by sigma_theta from the first step on."""
-    return data["n"] * found["ds"] * found["sigma_theta"]
+    return data["n"] * earlier["ds"] * earlier["sigma_theta"]
 
 
 REL, ABS = 0.004, 0.0004  # four significant digits, and what rounding to them leaves

@@ -11,12 +11,12 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, fault_rejection
-from graders.core.compare.shrinking import shrink, shrink_number
+from graders.core.compare.shrinking import shrink_failure, shrink_number
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
-from graders.core.contract.values import Floats, Value
-from graders.l20.kabsch.judge import Judgement, judge
+from graders.core.contract.values import Arguments, Floats, Value
+from graders.l20.kabsch.judge import Assessment, judge
 from reference.registration import RigidAlignment, kabsch
 
 ANY_BEST = "plusieurs rotations conviennent : toute paire (R, t) avec det R = +1 dont la somme des carrés est minimale"
@@ -53,12 +53,12 @@ class Question(NamedTuple):
 
 @dataclass(frozen=True)
 class Failure:
-    """A pairing that a program fails on: the value and its judgement, or the fault."""
+    """A pairing that a program fails on: the value and its assessment, or the fault."""
 
     pairing: Pairing
     best: RigidAlignment
     value: Value
-    judgement: Judgement | None
+    assessment: Assessment | None
     fault: StudentFault | None
 
     @property
@@ -71,7 +71,7 @@ class Failure:
         """What a simpler failure must have in common with this one."""
         if self.fault is not None:
             return self.fault.exception, self.fault.outcome
-        return self.judgement and self.judgement.aspect
+        return self.assessment and self.assessment.aspect
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,7 +86,7 @@ class Alignments(Check):
             observed = question.pairing.observed
             if bench.runner.reenacting and not observed:
                 continue
-            failure = attempt(bench, question, record=observed)
+            failure = failure_on(bench, question, record=observed)
             first = first or failure
             if failure is not None and failure.stops:
                 break
@@ -97,20 +97,15 @@ class Alignments(Check):
     def _shrunk(bench: Bench, failure: Failure) -> Failure:
         if bench.runner.reenacting or failure.stops or failure.pairing.is_whole or not failure.best.unique:
             return failure
-        found = [failure]
 
-        def still_fails(arguments: tuple[Value, ...]) -> bool:
+        def again(last: Failure, arguments: Arguments) -> Failure | None:
             question = Question.about(arguments[0])
-            if found[-1].stops or not question.best.unique:
-                return False
-            simpler = attempt(bench, question, record=False)
-            if simpler is None or simpler.kind != failure.kind:
-                return False
-            found.append(simpler)
-            return True
+            if last.stops or not question.best.unique:
+                return None
+            simpler = failure_on(bench, question, record=False)
+            return simpler if simpler is not None and simpler.kind == failure.kind else None
 
-        shrink((failure.pairing,), (simpler_pairings,), still_fails, bench.runner.budget)
-        return found[-1]
+        return shrink_failure(failure, (failure.pairing,), (simpler_pairings,), again, bench.runner.budget)
 
 
 @lru_cache(maxsize=64)
@@ -119,8 +114,8 @@ def drawn(pairings: Drawing, seed: int) -> tuple[Question, ...]:
     return tuple(Question.about(pairing) for pairing in pairings(np.random.default_rng(seed)))
 
 
-def attempt(bench: Bench, question: Question, *, record: bool) -> Failure | None:
-    """Call `kabsch` on one pairing and judge the answer; None when it is right."""
+def failure_on(bench: Bench, question: Question, *, record: bool) -> Failure | None:
+    """How `kabsch` fails on one pairing; None when its answer is right."""
     pairing, best = question
     P, Q, _ = pairing
     try:
@@ -129,10 +124,10 @@ def attempt(bench: Bench, question: Question, *, record: bool) -> Failure | None
         if record:
             bench.observe("kabsch", None, ok=False, fault=fault)
         return Failure(pairing, best, None, None, fault)
-    judgement = judge(P, Q, best, value)
+    assessment = judge(P, Q, best, value)
     if record:
-        bench.observe("kabsch", judgement.observed, ok=judgement.mismatch is None)
-    return Failure(pairing, best, value, judgement, None) if judgement.mismatch else None
+        bench.observe("kabsch", assessment.observed, ok=assessment.mismatch is None)
+    return Failure(pairing, best, value, assessment, None) if assessment.mismatch else None
 
 
 def rejection(failure: Failure) -> Rejection:
@@ -142,9 +137,9 @@ def rejection(failure: Failure) -> Rejection:
     expected = (failure.best.R_q_p, failure.best.t_q_p) if failure.best.unique else ANY_BEST
     if failure.fault is not None:
         return fault_rejection(failure.fault, inputs=inputs, expected=expected)
-    assert failure.judgement is not None
-    assert failure.judgement.mismatch is not None
-    mismatch = failure.judgement.mismatch
+    assert failure.assessment is not None
+    assert failure.assessment.mismatch is not None
+    mismatch = failure.assessment.mismatch
     return Rejection(
         mismatch.message,
         inputs=inputs,
@@ -152,15 +147,15 @@ def rejection(failure: Failure) -> Rejection:
         got=failure.value,
         slip=mismatch.slip,
         cause=mismatch.cause,
-        figure=clouds_figure(P, Q, failure.best, failure.judgement),
+        figure=clouds_figure(P, Q, failure.best, failure.assessment),
     )
 
 
-def clouds_figure(P: Floats, Q: Floats, best: RigidAlignment, judgement: Judgement) -> FigureData:
+def clouds_figure(P: Floats, Q: Floats, best: RigidAlignment, assessment: Assessment) -> FigureData:
     """The data of the figure: the clouds, P moved by the best transformation and, when it can be drawn, by theirs."""
     moved = None
-    if judgement.R is not None and judgement.t is not None:
-        moved = P @ judgement.R.T + judgement.t
+    if assessment.R is not None and assessment.t is not None:
+        moved = P @ assessment.R.T + assessment.t
         reach = DRAWN_WITHIN * max(1.0, float(np.max(np.abs(P))), float(np.max(np.abs(Q))))
         moved = moved if float(np.max(np.abs(moved))) <= reach else None
     expected = P @ best.R_q_p.T + best.t_q_p

@@ -25,7 +25,7 @@ LOOKS_THE_SAME = 1e-5
 
 
 @dataclass(frozen=True)
-class Judgement:
+class Assessment:
     """What is wrong, if anything; what is written down for the diagnosis; R and t when they are of the right shape.
 
     `aspect` is what was looked at last: the "form", the numbers being "finite", the "rotation", or the "cost".
@@ -38,24 +38,24 @@ class Judgement:
     t: Floats | None = None
 
 
-def judge(P: Floats, Q: Floats, best: RigidAlignment, value: Value) -> Judgement:
+def judge(P: Floats, Q: Floats, best: RigidAlignment, value: Value) -> Assessment:
     """Judge what `kabsch(P, Q)` returned against the best alignment. Never raises for a student's value."""
     d = P.shape[1]
     try:
         R, t = read_pair(value)
     except UnreadableError as error:
-        return Judgement("form", unreadable(error), "illisible")
+        return Assessment("form", unreadable(error), "illisible")
     except NotAPairError as error:
-        return Judgement("form", Mismatch(str(error), "forme"), str(error))
+        return Assessment("form", Mismatch(str(error), "forme"), str(error))
     if R.shape != (d, d) or t.shape != (d,):
-        return Judgement("form", _wrong_shapes(R, t, d), f"R {R.shape}, t {t.shape}")
+        return Assessment("form", _wrong_shapes(R, t, d), f"R {R.shape}, t {t.shape}")
     if not (np.all(np.isfinite(R)) and np.all(np.isfinite(t))):
-        return Judgement("finite", _not_finite(R, t), (R, t))
+        return Assessment("finite", _not_finite(R, t), (R, t))
     with np.errstate(over="ignore", invalid="ignore"):
         improper = _not_a_rotation(R)
         if improper is not None:
-            return Judgement("rotation", improper, (R, t), R, t)
-        return Judgement("cost", _not_minimal(P, Q, best, R, t), (R, t), R, t)
+            return Assessment("rotation", improper, (R, t), R, t)
+        return Assessment("cost", _not_minimal(P, Q, best, R, t), (R, t), R, t)
 
 
 class NotAPairError(Exception):
@@ -91,10 +91,10 @@ def _read_item(name: str, item: Value) -> Floats:
 def _wrong_shapes(R: Floats, t: Floats, d: int) -> Mismatch:
     if R.shape == (d,) and t.shape == (d, d):
         return Mismatch("La paire est dans l'ordre (t, R) : on attend (R, t).", "forme")
-    wanted = {"R": (R.shape, (d, d)), "t": (t.shape, (d,))}
+    shapes = {"R": (R.shape, (d, d)), "t": (t.shape, (d,))}
     wrong = [
         f"{name} est de forme {render.shape_text(got)} au lieu de {render.shape_text(right)}"
-        for name, (got, right) in wanted.items()
+        for name, (got, right) in shapes.items()
         if got != right
     ]
     return Mismatch(f"En dimension {d}, " + " et ".join(wrong) + ".", "forme")
@@ -137,9 +137,9 @@ def _not_minimal(P: Floats, Q: Floats, best: RigidAlignment, R: Floats, t: Float
     return Mismatch(f"{total.format(*_told_apart(cost, minimum))} {_culprit(P, Q, best, R, t)}".strip())
 
 
-def _told_apart(one: float, other: float) -> tuple[str, str]:
+def _told_apart(value: float, other: float) -> tuple[str, str]:
     """Two different numbers with as many digits as it takes to tell them apart."""
-    texts = [(render.number(one, digits), render.number(other, digits)) for digits in (5, 8, 12, 17)]
+    texts = [(render.number(value, digits), render.number(other, digits)) for digits in (5, 8, 12, 17)]
     return next((pair for pair in texts if pair[0] != pair[1]), texts[-1])
 
 

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from graders.plotting import EXPECTED, OBTAINED, ink_of
+from graders.robotics.frames import draw_frame
 
 
 def draw_frames(figure: Figure, data: dict[str, Any]) -> None:
@@ -21,7 +22,7 @@ def draw_frames(figure: Figure, data: dict[str, Any]) -> None:
         drawn.append(("obtenu", data["got"], OBTAINED))
     reach = np.ptp(np.array([pose[:2] for _, pose, _ in drawn]), axis=0).max()
     for name, pose, colour in drawn:
-        _frame(axes, pose, 0.16 * max(2.0, float(reach)), colour)
+        draw_frame(axes, pose, 0.16 * max(2.0, float(reach)), colour)
         _label(axes, name, pose, colour, rank=_rank(pose, name, drawn))
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.22)
@@ -39,16 +40,6 @@ def _rank(pose: list[float], name: str, drawn: list[tuple[str, list[float], str]
 def _label(axes: Axes, name: str, pose: list[float], colour: str, *, rank: int) -> None:
     offset = (8, -12 - 12 * rank)
     axes.annotate(name, (pose[0], pose[1]), textcoords="offset points", xytext=offset, color=colour)
-
-
-def _frame(axes: Axes, pose: list[float], size: float, colour: str) -> None:
-    x, y, theta = pose
-    for angle, length, width in ((theta, size, 2.2), (theta + np.pi / 2, 0.6 * size, 1.2)):
-        tip = (x + length * np.cos(angle), y + length * np.sin(angle))
-        style = {"arrowstyle": "-|>", "color": colour, "lw": width, "shrinkA": 0, "shrinkB": 0}
-        axes.annotate("", xy=tip, xytext=(x, y), arrowprops=style)
-        axes.plot(*tip, alpha=0)
-    axes.plot(x, y, "o", color=colour, ms=5)
 
 
 FIGURES = {"frames": draw_frames}

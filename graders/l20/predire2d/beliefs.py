@@ -56,10 +56,10 @@ class SameBelief:
 def instead(got: float, wanted: float) -> str:
     """« 0,9999991 au lieu de 1 »: with six significant digits, or as many more as it takes to tell them apart."""
     for digits in range(DIGITS, MOST_DIGITS):
-        told = render.number(got, digits), render.number(wanted, digits)
-        if told[0] != told[1]:
+        texts = render.number(got, digits), render.number(wanted, digits)
+        if texts[0] != texts[1]:
             break
-    return f"{told[0]} au lieu de {told[1]}"
+    return f"{texts[0]} au lieu de {texts[1]}"
 
 
 def spot(flat: int, shape: tuple[int, ...]) -> Cell:

@@ -86,10 +86,10 @@ def by_cells(belief: Floats) -> dict[str, float]:
     """A belief as {"(y, x)": probability}: its greatest values, and the sum of the others when there are many."""
     cells = support(belief)
     kept = sorted(sorted(cells, key=lambda cell: -abs(belief[cell]))[:MANY_CELLS])
-    told = {at(cell): float(belief[cell]) for cell in kept}
+    shown = {at(cell): float(belief[cell]) for cell in kept}
     if len(cells) > MANY_CELLS:
-        told["les autres, en tout"] = float(belief.sum() - sum(told.values()))
-    return told
+        shown["les autres, en tout"] = float(belief.sum() - sum(shown.values()))
+    return shown
 
 
 @dataclass(frozen=True, kw_only=True)

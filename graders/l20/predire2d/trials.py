@@ -49,13 +49,13 @@ def episodes(seed: int) -> tuple[Episode, ...]:
     so that none being left after MAX_DRAWS is out of the question (below 1e-900), and an error of ours.
     """
     rng = np.random.default_rng(seed)
-    found: list[Episode] = []
+    telling: list[Episode] = []
     for _ in range(MAX_DRAWS):
         episode = _walk(module_world(), rng)
         if _is_telling(module_world(), episode):
-            found.append(episode)
-        if len(found) == EPISODES:
-            return tuple(found)
+            telling.append(episode)
+        if len(telling) == EPISODES:
+            return tuple(telling)
     raise RuntimeError("the reference never localises the robot on the module's map")
 
 
@@ -82,9 +82,9 @@ def _is_telling(grid: GridWorld, episode: Episode) -> bool:
     return gap(most_likely(motionless), episode.end) > NEAR
 
 
-def gap(one: Cell, other: Cell) -> int:
+def gap(cell: Cell, other: Cell) -> int:
     """How many cells apart, a diagonal step counting for one."""
-    return max(abs(one[0] - other[0]), abs(one[1] - other[1]))
+    return max(abs(cell[0] - other[0]), abs(cell[1] - other[1]))
 
 
 def localise(bench: Bench) -> None:

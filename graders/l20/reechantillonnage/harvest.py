@@ -172,9 +172,9 @@ def _misread(
 def _count(scenario: Scenario, rows: Floats) -> Harvest:
     """Recognise each returned row (calls, N, d) among the particles and count."""
     calls, n, d = rows.shape
-    flat, known = _match(scenario.particles, rows.reshape(calls * n, d))
-    if not np.all(known):
-        call, row = divmod(int(np.argmin(known)), n)
+    flat, recognised = _match(scenario.particles, rows.reshape(calls * n, d))
+    if not np.all(recognised):
+        call, row = divmod(int(np.argmin(recognised)), n)
         return Harvest(scenario, _no_copies(scenario), _stranger(scenario, rows[call], row))
     places = np.repeat(n * np.arange(calls), n) + flat
     return Harvest(scenario, np.bincount(places, minlength=n * calls).reshape(calls, n))
@@ -197,9 +197,9 @@ def _match(particles: Floats, rows: Floats) -> tuple[Counts, NDArray[np.bool_]]:
 
 
 def _stranger(scenario: Scenario, got: Floats, row: int) -> Objection:
-    what = render.text(got[row])
+    row_text = render.text(got[row])
     if np.any(np.isnan(got)):
-        return _misread(scenario, "nan", f"La ligne {row} du résultat vaut {what}.", got, slip="nan")
-    message = f"La ligne {row} du résultat vaut {what} : ce n'est la copie d'aucune des particules données."
+        return _misread(scenario, "nan", f"La ligne {row} du résultat vaut {row_text}.", got, slip="nan")
+    message = f"La ligne {row} du résultat vaut {row_text} : ce n'est la copie d'aucune des particules données."
     weighted = np.allclose(got, scenario.particles * scenario.weights[:, None])
     return _misread(scenario, "pondérées" if weighted else "inconnue", message, got)

@@ -40,11 +40,11 @@ def out_of_bounds(harvest: Harvest) -> Objection | None:
 
 def inexact(harvest: Harvest) -> Objection | None:
     """As `out_of_bounds`, where every N w is whole; known by the wrong copies when they are always the same."""
-    found = out_of_bounds(harvest)
-    if found is None:
+    objection = out_of_bounds(harvest)
+    if objection is None:
         return None
     label = _always(harvest) if harvest.constant else "variable"
-    return Objection(label, found.rejection)
+    return Objection(label, objection.rejection)
 
 
 def weightless_copied(harvest: Harvest) -> Objection | None:

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from graders.plotting import EXPECTED, OBTAINED, THIRD, ink_of
+from graders.robotics.frames import draw_frame
 
 BAR = 0.38
 MAX_TICKS = 12
@@ -71,8 +72,8 @@ def _draw_errors(axes: Axes, data: dict[str, Any]) -> None:
         axes.barh(where + BAR / 2, data["errors_got"], BAR, color=OBTAINED)
         if max(data["errors_got"]) > 50.0 * (1.0 + max(data["errors_expected"])):
             axes.set_xscale("symlog")
-    shown = where[:: 1 + len(where) // (MAX_TICKS + 1)]
-    axes.set_yticks(shown, [f"{i} → {j}" for i, j in (data["ends"][k] for k in shown)])
+    ticks = where[:: 1 + len(where) // (MAX_TICKS + 1)]
+    axes.set_yticks(ticks, [f"{i} → {j}" for i, j in (data["ends"][k] for k in ticks)])
     axes.set_ylim(max(len(where), 3) - 0.5, -0.5)
     axes.grid(axis="y", visible=False)
     axes.set_xlabel("√(eᵀΩe)")
@@ -87,7 +88,7 @@ def draw_edge(figure: Figure, data: dict[str, Any]) -> None:
     points = np.array([pose for pose, _ in frames.values()])
     size = 0.2 * max(1.5, float(np.ptp(points[:, :2], axis=0).max()))
     for name, (pose, colour) in frames.items():
-        _frame(left, pose, size, colour, name)
+        _named_frame(left, pose, size, colour, name)
     gap = {"arrowstyle": "->", "color": EXPECTED, "lw": 1.6, "ls": (0, (3, 2))}
     left.annotate("", xy=data["xj"][:2], xytext=data["measured"][:2], arrowprops=gap)
     left.set_aspect("equal", adjustable="datalim")
@@ -96,16 +97,10 @@ def draw_edge(figure: Figure, data: dict[str, Any]) -> None:
     _draw_components(right, data)
 
 
-def _frame(axes: Axes, pose: Sequence[float], size: float, colour: str, name: str) -> None:
-    x, y, theta = pose
-    for angle, length, width in ((theta, size, 2.2), (theta + np.pi / 2, 0.6 * size, 1.2)):
-        tip = (x + length * np.cos(angle), y + length * np.sin(angle))
-        style = {"arrowstyle": "-|>", "color": colour, "lw": width, "shrinkA": 0, "shrinkB": 0}
-        axes.annotate("", xy=tip, xytext=(x, y), arrowprops=style)
-        axes.plot(*tip, alpha=0)
-    axes.plot(x, y, "o", color=colour, ms=5)
+def _named_frame(axes: Axes, pose: Sequence[float], size: float, colour: str, name: str) -> None:
+    draw_frame(axes, pose, size, colour)
     below = 12 if name == "j selon z" else -14
-    axes.annotate(name, (x, y), textcoords="offset points", xytext=(6, below), color=colour)
+    axes.annotate(name, (pose[0], pose[1]), textcoords="offset points", xytext=(6, below), color=colour)
 
 
 def _draw_components(axes: Axes, data: dict[str, Any]) -> None:

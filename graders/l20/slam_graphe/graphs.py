@@ -122,11 +122,11 @@ def draw_slow(draw: Callable[[], Graph]) -> Graph:
     slowest, most = None, 0.0
     for _ in range(SLOW_DRAWS):
         graph = draw()
-        found = slowness(graph)
-        if found >= 1.0:
+        score = slowness(graph)
+        if score >= 1.0:
             return graph
-        if found > most:
-            slowest, most = graph, found
+        if score > most:
+            slowest, most = graph, score
     return slowest or draw_settling(draw)
 
 

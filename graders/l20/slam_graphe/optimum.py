@@ -15,11 +15,11 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, drawable, fault_rejection
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
-from graders.core.compare.shrinking import shrink
+from graders.core.compare.shrinking import shrink_failure
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
-from graders.core.contract.values import Floats, UnreadableError, Value, read_array
+from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20.slam_graphe.graphs import EIGHTH, QUARTER, Graph, settles
 from reference.pose_graph import DisconnectedGraphError
 from reference.se2 import wrap_angle
@@ -142,7 +142,7 @@ class Optimum(Check):
         first: Failure | None = None
         graphs = self.graphs(bench.rng)
         for graph in _brief(graphs) if bench.runner.reenacting else graphs:
-            failure = attempt(bench, graph, record=True)
+            failure = failure_on(bench, graph, record=True)
             if failure and graph.judged:
                 first = first or failure
             if failure and failure.fault and _hopeless(failure.fault):
@@ -161,8 +161,8 @@ def _hopeless(fault: StudentFault) -> bool:
     return fault.fatal or fault.outcome is Outcome.MISSING_FUNCTION
 
 
-def attempt(bench: Bench, graph: Graph, *, record: bool) -> Failure | None:
-    """One call on one graph."""
+def failure_on(bench: Bench, graph: Graph, *, record: bool) -> Failure | None:
+    """How one call on one graph fails; None when it does not."""
     try:
         with np.errstate(all="ignore"):  # a mistake that diverges, run in this process for a diagnosis
             got = bench.call(FUNCTION, *graph.inputs.values())
@@ -188,19 +188,14 @@ def _observe_fault(bench: Bench, fault: StudentFault) -> None:
 def _shrunk(bench: Bench, failure: Failure) -> Failure:
     if failure.fault and _hopeless(failure.fault):
         return failure
-    found = [failure]
 
-    def still_fails(arguments: tuple[Value, ...]) -> bool:
-        if found[-1].fault and _hopeless(found[-1].fault):
-            return False
-        simpler = attempt(bench, arguments[0], record=False)
-        if simpler is None or not simpler.resembles(failure):
-            return False
-        found.append(simpler)
-        return True
+    def again(last: Failure, arguments: Arguments) -> Failure | None:
+        if last.fault and _hopeless(last.fault):
+            return None
+        simpler = failure_on(bench, arguments[0], record=False)
+        return simpler if simpler is not None and simpler.resembles(failure) else None
 
-    shrink((failure.graph,), (simpler_graphs,), still_fails, bench.runner.budget)
-    return found[-1]
+    return shrink_failure(failure, (failure.graph,), (simpler_graphs,), again, bench.runner.budget)
 
 
 def simpler_graphs(graph: Graph) -> Iterator[Graph]:

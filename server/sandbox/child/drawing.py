@@ -93,7 +93,7 @@ def figures() -> tuple[Array, ...]:
         print(f"({len(opened)} figures sont ouvertes : seules les {MAX_FIGURES} premières sont montrées.)")
     with warnings.catch_warnings(record=True) as heard:
         files = [_png(pyplot.figure(number)) for number in opened[:MAX_FIGURES]]
-    for warning in dict.fromkeys(f"{one.category.__name__}: {one.message}" for one in heard):
+    for warning in dict.fromkeys(f"{record.category.__name__}: {record.message}" for record in heard):
         print(warning)
     return tuple(np.frombuffer(file, np.uint8) for file in files)
 

@@ -28,13 +28,13 @@ __all__ = [
 
 log = logging.getLogger(__name__)
 
-#: A class that opens one page together has it rendered once (formulas are drawn by one thread anyway).
+#: A class that opens one lesson together has it rendered once (formulas are drawn by one thread anyway).
 _RENDERING = RLock()
 
 
 @dataclass(frozen=True)
 class Heading:
-    """A heading of a page (`level` 2 to 4), for its table of contents. `html` may hold formulas."""
+    """A heading of a lesson (`level` 2 to 4), for its table of contents. `html` may hold formulas."""
 
     level: int
     id: str
@@ -71,14 +71,15 @@ class Text:
     def sections(self) -> tuple[Section, ...]:
         """Plain text by heading; needs no formula to be drawn."""
         return tuple(
-            Section(one.id, self._complete(one.title), self._complete(one.text)) for one in self.outline.sections
+            Section(section.id, self._complete(section.title), self._complete(section.text))
+            for section in self.outline.sections
         )
 
     @cached_property
     def headings(self) -> tuple[Heading, ...]:
         return tuple(
-            Heading(one.level, one.id, render_title(self.source, one), self._complete(one.text))
-            for one in self.outline.titles
+            Heading(title.level, title.id, render_title(self.source, title), self._complete(title.text))
+            for title in self.outline.titles
         )
 
     @property
@@ -99,5 +100,5 @@ class Text:
     def faults(self, *, formulas: bool) -> tuple[Fault, ...]:
         """What is wrong with it, in the order of the lines; bad TeX only shows when formulas are drawn."""
         unresolved = self.outline.unresolved(self.source.names(), self.source.page)
-        found = {*self.outline.faults, *unresolved, *(self.rendered.faults if formulas else ())}
-        return tuple(sorted(found, key=lambda one: (one.line, one.message)))
+        faults = {*self.outline.faults, *unresolved, *(self.rendered.faults if formulas else ())}
+        return tuple(sorted(faults, key=lambda fault: (fault.line, fault.message)))

@@ -38,11 +38,11 @@ def _cut(pattern: re.Pattern[str], neighbour: Token | None) -> list[Token]:
     """What the neighbour has to lend, taken away from it."""
     if neighbour is None or neighbour.type != "text":
         return []
-    found = pattern.search(neighbour.content)
-    if found is None or not found[0]:
+    match = pattern.search(neighbour.content)
+    if match is None or not match[0]:
         return []
-    lent = Token("text", "", 0, content=found[0], level=neighbour.level, meta=dict(neighbour.meta))
-    neighbour.content = neighbour.content[: found.start()] + neighbour.content[found.end() :]
+    lent = Token("text", "", 0, content=match[0], level=neighbour.level, meta=dict(neighbour.meta))
+    neighbour.content = neighbour.content[: match.start()] + neighbour.content[match.end() :]
     return [lent]
 
 

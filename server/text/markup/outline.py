@@ -1,4 +1,4 @@
-"""What a page holds, before anything is known of the others: labels, headings, links, plain text, cells."""
+"""What a lesson holds, before anything is known of the others: labels, headings, links, plain text, cells."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from server.text.markup.parser import Job, children, parse
 from server.text.markup.tex import readable
 from server.text.markup.text import SLUG, Fault, Names, Source, Unresolved
 
-#: Around a link that its author left empty: its text depends on the other pages.
+#: Around a link that its author left empty: its text depends on the other lessons.
 LEFT, RIGHT = "\ue000", "\ue001"
 HEAD = "\ue002"  # right after LEFT: at the head of the block itself
 EMPTY_LINK = re.compile(f"{LEFT}([^{RIGHT}]*){RIGHT}")
@@ -43,7 +43,7 @@ class Title:
 
 @dataclass(frozen=True)
 class Cell:
-    """A runnable piece of Python, named uniquely in its page; `line` of the file is its first one."""
+    """A runnable piece of Python, named uniquely in its lesson; `line` of the file is its first one."""
 
     name: str
     code: str
@@ -52,7 +52,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Label:
-    """A block or an equation that has a label, in the order of the page."""
+    """A block or an equation that has a label, in the order of the lesson."""
 
     id: str
     kind: str
@@ -83,14 +83,14 @@ class Outline:
     references: list[Reference] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
 
-    def unresolved(self, names: Names, page: str) -> Iterator[Fault]:
+    def unresolved(self, names: Names, lesson: str) -> Iterator[Fault]:
         """What the text speaks of and that does not exist."""
-        for one in self.references:
-            if message := missing(one, names, page):
-                yield Fault(one.line, message)
+        for reference in self.references:
+            if message := missing(reference, names, lesson):
+                yield Fault(reference.line, message)
 
 
-def missing(reference: Reference, names: Names, page: str) -> str:
+def missing(reference: Reference, names: Names, lesson: str) -> str:
     """What is wrong with a reference, or nothing."""
     target = reference.target
     if reference.what == "figure":
@@ -100,18 +100,18 @@ def missing(reference: Reference, names: Names, page: str) -> str:
     if reference.what == "bloc":
         return "" if target in names.labels else f"étiquette inconnue : « #{target} »"
     try:
-        link = names.link(target, page)
+        link = names.link(target, lesson)
     except Unresolved as error:
         return str(error)
     return f"« {target} » n’a pas de numéro : écrivez le texte du lien" if reference.empty and not link.text else ""
 
 
-def completed(text: str, names: Names, page: str) -> str:
+def completed(text: str, names: Names, lesson: str) -> str:
     """Plain text in which the links left empty say where they lead, and blocks their number."""
 
     def told(match: re.Match[str]) -> str:
         try:
-            text = names.link(match[1].lstrip(HEAD), page).text
+            text = names.link(match[1].lstrip(HEAD), lesson).text
         except Unresolved:
             return ""
         return f"{text.capitalize()} :" if match[1].startswith(HEAD) and text else text
@@ -120,11 +120,11 @@ def completed(text: str, names: Names, page: str) -> str:
 
 
 def outline(source: Source) -> Outline:
-    """Read a page, or a statement (then nothing may have a label)."""
+    """Read a lesson, or a statement (then nothing may have a label)."""
     job = Job(source)
     walk = _Walk(job)
     walk.read(parse(job))
-    walk.found.faults = sorted(job.faults, key=lambda one: one.line)
+    walk.found.faults = sorted(job.faults, key=lambda fault: fault.line)
     return walk.found
 
 

@@ -48,9 +48,9 @@ class Job:
 
     def fault(self, line: int, message: str) -> None:
         """`line` counts from 0 in the text."""
-        found = Fault(self.source.first_line + line, message)
-        if found not in self.faults:
-            self.faults.append(found)
+        fault = Fault(self.source.first_line + line, message)
+        if fault not in self.faults:
+            self.faults.append(fault)
 
 
 def parse(job: Job) -> list[Token]:
@@ -85,11 +85,11 @@ _dollars = math_block_dollar(allow_labels=True, allow_blank_lines=False)
 def _math_block(state: StateBlock, start: int, end: int, silent: bool) -> bool:
     """A displayed formula, which may follow a line of text at once. The plugin's rule does not know `silent`."""
     count, line = len(state.tokens), state.line
-    found = bool(_dollars(state, start, end, silent))
+    is_formula = bool(_dollars(state, start, end, silent))
     if silent:
         del state.tokens[count:]
         state.line = line
-    return found
+    return is_formula
 
 
 def slug(title: str) -> str:
@@ -111,7 +111,7 @@ def _read_blocks(state: StateCore) -> None:
     for token in state.tokens:
         tokens.append(token)
         if token.type == "container_block_open":
-            parent = next((one.label for one in reversed(around) if one is not None and one.label), "")
+            parent = next((outer.label for outer in reversed(around) if outer is not None and outer.label), "")
             block = _block(job, token, parent)
             around.append(block)
             token.meta["block"] = block

@@ -39,20 +39,20 @@ def render(source: Source, *, inline: bool = False) -> Rendered:
     tokens = parse_inline(job) if inline else parse(job)
     katex.prepare(_formulas(tokens))
     written = Writer(job, source.names()).write(tokens)
-    return Rendered(written, tuple(sorted(job.faults, key=lambda one: one.line)))
+    return Rendered(written, tuple(sorted(job.faults, key=lambda fault: fault.line)))
 
 
 def _formulas(tokens: Sequence[Token]) -> Iterator[katex.Formula]:
     for token in tokens:
-        for one in (token, *(token.children or ())):
-            if one.type.startswith("math"):
-                yield one.content.strip(), one.type != "math_inline"
+        for part in (token, *(token.children or ())):
+            if part.type.startswith("math"):
+                yield part.content.strip(), part.type != "math_inline"
 
 
 def render_title(source: Source, title: Title) -> str:
     """A heading for a table of contents: without the links and the calls of notes that it may hold."""
-    kept = [one for one in title.inline.children or () if one.type not in NOT_IN_CONTENTS]
-    return Writer(Job(source), source.names()).write_inline(kept)
+    children = [child for child in title.inline.children or () if child.type not in NOT_IN_CONTENTS]
+    return Writer(Job(source), source.names()).write_inline(children)
 
 
 @dataclass
@@ -65,9 +65,9 @@ class Writer:
 
     @cached_property
     def _renderer(self) -> Any:
-        made: Any = copy(markdown().renderer)
-        made.rules = {**made.rules, **{name: self._bound(rule) for name, rule in RULES.items()}}
-        return made
+        renderer: Any = copy(markdown().renderer)
+        renderer.rules = {**renderer.rules, **{name: self._bound(rule) for name, rule in RULES.items()}}
+        return renderer
 
     def _bound(self, rule: Rule) -> Callable[..., str]:
         return lambda tokens, index, _options, _env: rule(self, tokens, index)
@@ -113,8 +113,8 @@ def _math_display(writer: Writer, tokens: Sequence[Token], index: int) -> str:
 
 def _equation(writer: Writer, tokens: Sequence[Token], index: int) -> str:
     label = html.escape(tokens[index].info)
-    known = writer.names.labels.get(tokens[index].info)
-    number = f'<span class="equation-number">{known.name}</span>' if known else ""
+    target = writer.names.labels.get(tokens[index].info)
+    number = f'<span class="equation-number">{target.name}</span>' if target else ""
     drawn = writer.formula(tokens[index], display=True)
     return f'<div class="math-display equation" id="{label}" tabindex="0">{drawn}{number}</div>\n'
 
@@ -192,8 +192,8 @@ def _title_open(writer: Writer, tokens: Sequence[Token], index: int) -> str:
         heading = _folded_heading(writer, block, token)
         return f"<summary>{heading}" + (" — " if heading and block.title else "")
     kind = blocks.KINDS[block.kind]
-    known = writer.names.labels.get(block.label)
-    number = f"\u00a0{known.number}" if known and known.number else ""
+    target = writer.names.labels.get(block.label)
+    number = f"\u00a0{target.number}" if target and target.number else ""
     return f'<p class="block-title"><span class="block-label">{kind.title}{number}</span> '
 
 

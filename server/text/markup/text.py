@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 SLUG = r"[a-z0-9]+(?:[-_][a-z0-9]+)*"
-GLOSSARY = "glossaire"  # its page is written by no one
+GLOSSARY = "glossaire"  # a lesson that nobody writes
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Unresolved(Exception):
 
 @dataclass(frozen=True)
 class Target:
-    """What a label stands for: a block or an equation of a page. `number` is 0 where it has none."""
+    """What a label stands for: a block or an equation of a lesson. `number` is 0 where it has none."""
 
     kind: str
     noun: str
@@ -42,7 +42,7 @@ class Target:
 
 @dataclass(frozen=True)
 class LessonName:
-    """A page that can be linked to, and the places in it. `figures` have their numbers."""
+    """A lesson that can be linked to, and the places in it. `figures` have their numbers."""
 
     title: str
     anchors: Collection[str]
@@ -81,11 +81,11 @@ class Names:
     replays: Collection[str] = ()
     files: Collection[str] = ()
 
-    def link(self, target: str, page: str) -> Link:
-        """Where `target`, written in `page`, leads. Raises Unresolved."""
+    def link(self, target: str, lesson: str) -> Link:
+        """Where `target`, written in `lesson`, leads. Raises Unresolved."""
         scheme, _, rest = target.partition(":")
         if target.startswith("#"):
-            return self._label(target[1:], page)
+            return self._label(target[1:], lesson)
         if scheme == "page":
             return self._page(*rest.partition("#")[::2])
         if scheme == "exo":
@@ -103,28 +103,26 @@ class Names:
             f"lien inconnu : « {target} » (possibles : #étiquette, page:, exo:, terme:, fichier:, https://)"
         )
 
-    def _label(self, label: str, page: str) -> Link:
-        here = self.pages.get(page)
-        if here is not None and label in here.anchors:
-            figure = here.figures.get(label.removeprefix("fig-")) if label.startswith("fig-") else None
-            known = self.labels.get(label)
-            return Link(f"#{label}", f"figure\u00a0{figure}" if figure else known.name if known else "")
-        found = self.labels.get(label)
-        if found is None:
+    def _label(self, label: str, lesson: str) -> Link:
+        current, target = self.pages.get(lesson), self.labels.get(label)
+        if current is not None and label in current.anchors:
+            figure = current.figures.get(label.removeprefix("fig-")) if label.startswith("fig-") else None
+            return Link(f"#{label}", f"figure\u00a0{figure}" if figure else target.name if target else "")
+        if target is None:
             raise Unresolved(f"étiquette inconnue : « #{label} »")
-        return Link(f"/{self.module}/lire/{found.page}#{label}", found.name)
+        return Link(f"/{self.module}/lire/{target.page}#{label}", target.name)
 
     def _page(self, slug: str, anchor: str) -> Link:
         if slug == GLOSSARY:
             if anchor and anchor.removeprefix("t-") not in self.terms:
                 raise Unresolved(f"terme inconnu du glossaire : « {anchor} »")
             return Link(f"/{self.module}/{GLOSSARY}" + (f"#{anchor}" if anchor else ""), "glossaire")
-        found = self.pages.get(slug)
-        if found is None:
+        lesson = self.pages.get(slug)
+        if lesson is None:
             raise Unresolved(f"page inconnue : « {slug} »")
-        if anchor and anchor not in found.anchors:
+        if anchor and anchor not in lesson.anchors:
             raise Unresolved(f"la page « {slug} » n’a pas de « #{anchor} »")
-        return Link(f"/{self.module}/lire/{slug}" + (f"#{anchor}" if anchor else ""), "" if anchor else found.title)
+        return Link(f"/{self.module}/lire/{slug}" + (f"#{anchor}" if anchor else ""), "" if anchor else lesson.title)
 
 
 def _known(names: Mapping[str, str], name: str, otherwise: str) -> str:
@@ -141,7 +139,7 @@ def no_names() -> Names:
 class Source:
     """Markdown and where it comes from; `first_line` is the line of its first character in that file.
 
-    `page` is the slug of the page it is, if it is one: labels, figures, replays and cells only stand in pages.
+    `page` is the slug of the lesson it is, if it is one: labels, figures, replays and cells only stand in lessons.
     """
 
     text: str
