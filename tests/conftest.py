@@ -12,7 +12,10 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from server.sandbox import Sandbox
-from tests.quick import the_course
+from tests.support.quick import the_course
+
+#: What tests of several rooms ask for: the service with the real course, and a small course that is written.
+pytest_plugins = ["tests.support.service", "tests.support.small_course"]
 
 # A busy machine is no failure.
 settings.register_profile("balise", deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow])

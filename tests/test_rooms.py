@@ -36,6 +36,19 @@ def test_a_room_says_of_itself_what_the_table_says(room: str) -> None:
     assert said.removesuffix(" See README.md in this folder.") == ROOMS[room]
 
 
+@pytest.mark.parametrize("room", sorted(ROOMS))
+def test_the_tests_of_a_room_stand_in_its_folder(room: str) -> None:
+    """The front end has none of its own: it is tried in a browser."""
+    folder = ROOT / "tests" / {"frontend": "browser"}.get(room, room)
+    assert [*folder.glob("test_*.py")]
+
+
+def test_no_folder_of_tests_is_left_of_a_room_that_is_no_more() -> None:
+    others = {"app", "benchmarks", "browser", "curriculum", "fuzz", "graders", "hostile", "reference", "support"}
+    folders = {path.parent.name for path in (ROOT / "tests").glob("*/*.py")} | {"hostile"}
+    assert folders - others == rooms() - {"frontend"}
+
+
 def test_every_dependency_has_its_reason() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     needed = [*project["dependencies"], *(one for extra in project["optional-dependencies"].values() for one in extra)]

@@ -8,7 +8,7 @@ import pytest
 
 from tests.browser.conftest import NewVisit, Visit, sync_api
 from tests.browser.test_accessibility import CHECKED_ONCE, check
-from tests.quick import the_course
+from tests.support.quick import the_course
 
 expect = sync_api.expect
 HOME = "/l20/exercices"

@@ -10,7 +10,7 @@ import pytest
 from server.cells import run
 from server.cells.faults import faults
 from server.course import load
-from tests.quick import the_course
+from tests.support.quick import the_course
 
 PAGE = """+++
 title = "Une page"

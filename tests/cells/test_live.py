@@ -10,7 +10,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from tests.service.live import Live, alive, children, until
+from tests.support.live import Live, alive, children, until
 
 
 @pytest.mark.slow

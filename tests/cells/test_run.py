@@ -13,7 +13,7 @@ from PIL import Image
 from server.cells import run as cells
 from server.cells.schemas import RunOut
 from server.sandbox import Sandbox
-from tests.quick import the_course
+from tests.support.quick import the_course
 
 PYPLOT = "import matplotlib.pyplot as plt\n"
 PREFIX = "data:image/png;base64,"

@@ -18,8 +18,8 @@ import pytest
 from server.base.errors import Crowded, Failed
 from server.base.settings import Settings
 from server.cells.supervisor import EACH, Cells
-from tests.quick import in_a_loop, the_course
-from tests.service.live import alive, children, until
+from tests.support.live import alive, children, until
+from tests.support.quick import in_a_loop, the_course
 
 HEARD = "import socket, sys, time\nend = socket.socket(fileno=int(sys.argv[1]))\nstream = end.makefile('rb')\n"
 FRAME = """import struct

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.service.live import Live, until
+from tests.support.live import Live, until
 
 
 def draws(pid: int) -> bool:

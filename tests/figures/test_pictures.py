@@ -14,7 +14,7 @@ from server.base.helper import UnansweredError
 from server.figures.orders import WARM, Order
 from server.figures.pictures import LONGEST_QUESTION, Pictures
 from server.figures.store import Store
-from tests.quick import in_a_loop
+from tests.support.quick import in_a_loop
 
 
 class Drawer:

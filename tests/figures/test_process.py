@@ -20,8 +20,8 @@ from server.course.models import Drawing
 from server.figures import orders
 from server.figures.lessons import draw
 from server.figures.program import program
-from tests.quick import in_a_loop
-from tests.service.live import alive, until
+from tests.support.live import alive, until
+from tests.support.quick import in_a_loop
 
 DRAWINGS = """import time
 
@@ -158,7 +158,7 @@ from pathlib import Path
 from starlette.testclient import TestClient
 from server.app import create_app
 from server.base.settings import Settings
-from tests.quick import migrated, the_course
+from tests.support.quick import migrated, the_course
 
 settings = Settings(data_dir=Path(sys.argv[1]) / "data", workers=0)
 migrated(settings).close()

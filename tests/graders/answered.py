@@ -7,7 +7,7 @@ from typing import Any
 
 from graders.core.answers import AnswersGrader
 from graders.core.contract.findings import Judgement
-from tests.quick import the_course
+from tests.support.quick import the_course
 
 EXERCISES = {name: one for name, one in the_course().exercises.items() if one.kind == "answers"}
 ODOMETRY, QUIZ, PROOF = (f"l20/{slug}" for slug in ("calcul_odometrie", "verification", "demo_1"))

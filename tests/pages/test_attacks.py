@@ -16,8 +16,8 @@ from server.grading.joint import Grader
 from server.sandbox import Sandbox
 from server.web import verdicts
 from server.web.rendering import environment
-from tests.pages.site import Site
-from tests.quick import the_course
+from tests.support.quick import the_course
+from tests.support.small_site import SmallSite
 
 COURSE = the_course()
 SHOW = '{% from "verdict.html" import show_verdict %}{{ show_verdict(verdict, 1) }}'
@@ -114,10 +114,10 @@ def test_odd_numbers_can_be_drawn(grader: Grader, value: str) -> None:
 
 
 @pytest.mark.parametrize("value", ["text", "keys", "raise-another"])
-def test_an_attack_is_stored_and_shown_on_the_whole_page(grader: Grader, site: Site, value: str) -> None:
+def test_an_attack_is_stored_and_shown_on_the_whole_page(grader: Grader, small_site: SmallSite, value: str) -> None:
     code = attack("l20/poses", VALUES[value])
     verdict = grader.grade("l20/poses", code, seed=3).verdict.to_json()
-    page = site.get(site.attempt(code.decode(), verdict))
+    page = small_site.get(small_site.attempt(code.decode(), verdict))
     verdict_part = page[page.index('id="titre-verdict"') : page.index("</main>")]
     assert_harmless(verdict_part)
     assert "&lt;script&gt;alert(3)" in verdict_part

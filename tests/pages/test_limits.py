@@ -13,8 +13,8 @@ from server.base.sizes import size
 from server.course.schemas import PolicyEntry
 from server.pages.policy import policy_lines
 from server.sandbox.policy import ROWS, Policy
-from tests.pages.conftest import EXERCISE, CourseFolder
-from tests.pages.site import PAGE, Site
+from tests.support.small_course import EXERCISE, CourseFolder
+from tests.support.small_site import PAGE, SmallSite
 
 OWN = {
     "cpu_seconds": (1.5, "1,5\u00a0s"),
@@ -55,8 +55,8 @@ def test_an_exercise_may_not_go_beyond_the_bounds_of_a_limit(course_folder: Cour
         assert name in problem.message
 
 
-def test_the_page_shows_every_limit(site: Site) -> None:
-    limits = shown(site.get(PAGE))
+def test_the_page_shows_every_limit(small_site: SmallSite) -> None:
+    limits = shown(small_site.get(PAGE))
     assert [name for name, _ in limits] == [row.words for row in ROWS.values()]
     policy = Policy()
     assert ("Temps de calcul", f"{policy.cpu_seconds:g}\u00a0s") in limits

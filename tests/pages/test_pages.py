@@ -9,41 +9,41 @@ import pytest
 
 from graders.core.contract.outcomes import Outcome
 from server.pages.service import HINT_OPENS_AFTER
-from tests.pages.site import CHECK, PAGE, Site, verdict
+from tests.support.small_site import CHECK, PAGE, SmallSite, verdict
 
 
-def test_every_page_answers_to_a_visitor(site: Site) -> None:
-    assert "Un module" in site.get("/")
-    assert "Doubler" in site.get("/m9")
-    page = site.get(PAGE)
+def test_every_page_answers_to_a_visitor(small_site: SmallSite) -> None:
+    assert "Un module" in small_site.get("/")
+    assert "Doubler" in small_site.get("/m9")
+    page = small_site.get(PAGE)
     assert "double(x)" in page
     assert "def double(x):" in page
     assert "temps de calcul" in page.lower()
-    assert "Vous n’avez encore rien envoyé" in site.get(f"{PAGE}/essais")
-    assert site.get("/m9/kit/m9.py").startswith("def configurer")
+    assert "Vous n’avez encore rien envoyé" in small_site.get(f"{PAGE}/essais")
+    assert small_site.get("/m9/kit/m9.py").startswith("def configurer")
 
 
-def test_a_visitor_leaves_no_trace(site: Site) -> None:
-    answer = site.client.get(PAGE)
+def test_a_visitor_leaves_no_trace(small_site: SmallSite) -> None:
+    answer = small_site.client.get(PAGE)
     assert "set-cookie" not in answer.headers
 
 
 @pytest.mark.parametrize(
     "path", ["/m1", "/m9/exercices/z", "/m9/kit/m8.py", "/soumissions/1", "/m9/exercices/z/essais"]
 )
-def test_what_does_not_exist_is_a_page_in_french(site: Site, path: str) -> None:
-    page = site.get(path, status=404)
+def test_what_does_not_exist_is_a_page_in_french(small_site: SmallSite, path: str) -> None:
+    page = small_site.get(path, status=404)
     assert '<html lang="fr">' in page
     assert "existe pas" in page
 
 
-def test_from_submission_to_verdict(site: Site) -> None:
-    href = site.submit("def double(x):\n    return x\n")
-    waiting = site.get(f"{href}/verdict")
+def test_from_submission_to_verdict(small_site: SmallSite) -> None:
+    href = small_site.submit("def double(x):\n    return x\n")
+    waiting = small_site.get(f"{href}/verdict")
     assert 'data-status="queued"' in waiting
     assert "votre envoi est le prochain" in waiting
-    site.grade(verdict(diagnosis={"id": "oubli", "title": "Rien n’est doublé", "explanation": "Un.\n\nDeux ?"}))
-    page = site.get(f"{href}/verdict")
+    small_site.grade(verdict(diagnosis={"id": "oubli", "title": "Rien n’est doublé", "explanation": "Un.\n\nDeux ?"}))
+    page = small_site.get(f"{href}/verdict")
     for text in (
         "Réponse à revoir",
         "Rien n’est doublé",
@@ -62,109 +62,109 @@ def test_from_submission_to_verdict(site: Site) -> None:
     assert "x = np.array([2, 0.5])" in page
 
 
-def test_the_place_in_the_queue_is_told(site: Site) -> None:
-    site.submit("a")
-    site.submit("b")
-    assert "2 envois passent avant le vôtre" in site.get(site.submit("c"))
+def test_the_place_in_the_queue_is_told(small_site: SmallSite) -> None:
+    small_site.submit("a")
+    small_site.submit("b")
+    assert "2 envois passent avant le vôtre" in small_site.get(small_site.submit("c"))
 
 
-def test_events_end_with_the_verdict(site: Site) -> None:
-    href = site.attempt("a", verdict())
-    with site.client.stream("GET", f"{href}/evenements") as answer:
+def test_events_end_with_the_verdict(small_site: SmallSite) -> None:
+    href = small_site.attempt("a", verdict())
+    with small_site.client.stream("GET", f"{href}/evenements") as answer:
         assert answer.headers["content-type"].startswith("text/event-stream")
         body = "".join(answer.iter_text())
     assert body.startswith("event: status\ndata: ")
     assert '"status": "done"' in body
 
 
-def test_events_of_nothing_are_a_404_before_any_stream(site: Site) -> None:
-    assert site.client.get(f"/soumissions/{uuid4()}/evenements").status_code == 404
-    assert site.client.get("/soumissions/rien/evenements").status_code == 404
+def test_events_of_nothing_are_a_404_before_any_stream(small_site: SmallSite) -> None:
+    assert small_site.client.get(f"/soumissions/{uuid4()}/evenements").status_code == 404
+    assert small_site.client.get("/soumissions/rien/evenements").status_code == 404
 
 
-def test_without_script_a_form_leads_to_the_attempt(site: Site) -> None:
-    answer = site.client.post(f"{PAGE}/soumissions", data={"code": "a\r\nb"}, follow_redirects=False)
+def test_without_script_a_form_leads_to_the_attempt(small_site: SmallSite) -> None:
+    answer = small_site.client.post(f"{PAGE}/soumissions", data={"code": "a\r\nb"}, follow_redirects=False)
     assert answer.status_code == 303
-    page = site.get(answer.headers["location"])
+    page = small_site.get(answer.headers["location"])
     assert '<noscript><meta http-equiv="refresh"' in page
-    site.grade(verdict("ok", 20.0))
-    page = site.get(answer.headers["location"])
+    small_site.grade(verdict("ok", 20.0))
+    page = small_site.get(answer.headers["location"])
     assert "http-equiv" not in page
     assert "Exercice réussi" in page
 
 
-def test_attempts_are_kept_with_their_code(site: Site) -> None:
-    first = site.attempt("premier = 1", verdict())
-    site.attempt("second = 2", verdict("ok", 20.0))
-    page = site.get(first)
+def test_attempts_are_kept_with_their_code(small_site: SmallSite) -> None:
+    first = small_site.attempt("premier = 1", verdict())
+    small_site.attempt("second = 2", verdict("ok", 20.0))
+    page = small_site.get(first)
     assert "Essai n° 1" in page
     assert "premier" in page
-    taken = site.get(f"{PAGE}?reprendre={first.rsplit('/', 1)[1]}")
+    taken = small_site.get(f"{PAGE}?reprendre={first.rsplit('/', 1)[1]}")
     assert "\npremier = 1</textarea>" in taken
     assert 'data-taken="true"' in taken
-    assert "\nsecond = 2</textarea>" in site.get(PAGE)
-    assert "20 / 20" in site.get(f"{PAGE}/essais")
-    assert "Réussi" in site.get("/m9")
+    assert "\nsecond = 2</textarea>" in small_site.get(PAGE)
+    assert "20 / 20" in small_site.get(f"{PAGE}/essais")
+    assert "Réussi" in small_site.get("/m9")
 
 
-def test_hints_open_with_changed_failed_attempts(site: Site) -> None:
+def test_hints_open_with_changed_failed_attempts(small_site: SmallSite) -> None:
     def opened() -> int:
-        return site.get(PAGE).count("<summary>Indice ")
+        return small_site.get(PAGE).count("<summary>Indice ")
 
     seen = [opened()]
     for number in range(max(HINT_OPENS_AFTER)):
-        site.attempt(f"x = {number}", verdict())
+        small_site.attempt(f"x = {number}", verdict())
         seen.append(opened())
     assert seen == [sum(count >= needed for needed in HINT_OPENS_AFTER) for count in range(len(seen))]
 
 
-def test_the_same_code_again_opens_nothing(site: Site) -> None:
+def test_the_same_code_again_opens_nothing(small_site: SmallSite) -> None:
     for code in ("x = 1", "x = 1\n\n# rien de neuf\n", "def double(x):\n    return x\n"):
-        site.attempt(code, verdict())
-    page = site.get(PAGE)
+        small_site.attempt(code, verdict())
+    page = small_site.get(PAGE)
     assert page.count("<summary>Indice ") == 1
     assert "La formule" not in page
 
 
-def test_the_solution_opens_after_success(site: Site) -> None:
-    assert "Corrigé" not in site.get(PAGE)
-    site.attempt("x = 1", verdict("ok", 20.0))
-    page = site.get(PAGE)
+def test_the_solution_opens_after_success(small_site: SmallSite) -> None:
+    assert "Corrigé" not in small_site.get(PAGE)
+    small_site.attempt("x = 1", verdict("ok", 20.0))
+    page = small_site.get(PAGE)
     assert "Corrigé" in page
     assert page.count("<summary>Indice ") == 3
-    assert "Corrigé" not in site.another().get(PAGE)
+    assert "Corrigé" not in small_site.another().get(PAGE)
 
 
-def test_a_teacher_opens_and_closes_the_solution_for_all(site: Site) -> None:
-    pupil = site.another()
+def test_a_teacher_opens_and_closes_the_solution_for_all(small_site: SmallSite) -> None:
+    pupil = small_site.another()
     assert pupil.client.post(f"{PAGE}/corrige", data={"ouvrir": "true"}).status_code == 403
-    site.become_teacher()
-    assert "Ouvrir le corrigé" in site.get(PAGE)
-    assert site.client.post(f"{PAGE}/corrige", data={"ouvrir": "true"}).status_code == 200
+    small_site.become_teacher()
+    assert "Ouvrir le corrigé" in small_site.get(PAGE)
+    assert small_site.client.post(f"{PAGE}/corrige", data={"ouvrir": "true"}).status_code == 200
     assert "Corrigé" in pupil.get(PAGE)
-    assert "Refermer" in site.get(PAGE)
-    site.client.post(f"{PAGE}/corrige", data={"ouvrir": "false"})
+    assert "Refermer" in small_site.get(PAGE)
+    small_site.client.post(f"{PAGE}/corrige", data={"ouvrir": "false"})
     assert "Corrigé" not in pupil.get(PAGE)
 
 
-def test_somebody_elses_attempt_does_not_exist(site: Site) -> None:
-    href = site.attempt("secret = 1", verdict())
-    other = site.another()
+def test_somebody_elses_attempt_does_not_exist(small_site: SmallSite) -> None:
+    href = small_site.attempt("secret = 1", verdict())
+    other = small_site.another()
     other.submit()
     for path in (href, f"{href}/verdict", f"{href}/figures/simple.svg", f"{PAGE}?reprendre={href.rsplit('/', 1)[1]}"):
         assert "secret" not in other.get(path, status=404)
-    teacher = site.another()
+    teacher = small_site.another()
     teacher.become_teacher()
     assert "secret" in teacher.get(href)
 
 
-def test_refusals_say_why(site: Site) -> None:
+def test_refusals_say_why(small_site: SmallSite) -> None:
     for _ in range(8):
-        site.submit()
-    answer = site.client.post(f"{PAGE}/soumissions", data={"code": "x"}, headers={"Accept": "application/json"})
+        small_site.submit()
+    answer = small_site.client.post(f"{PAGE}/soumissions", data={"code": "x"}, headers={"Accept": "application/json"})
     assert answer.status_code == 429
     assert "en peu de temps" in answer.text
-    answer = site.another().client.post(f"{PAGE}/soumissions", data={"code": "x" * 70_000})
+    answer = small_site.another().client.post(f"{PAGE}/soumissions", data={"code": "x" * 70_000})
     assert answer.status_code == 413
     assert "la limite de 64" in answer.text
 
@@ -172,15 +172,15 @@ def test_refusals_say_why(site: Site) -> None:
 HOSTILE = "<script>alert(1)</script>{{ 7 * 7 }}\x1b[31m\u202e</textarea></pre>"
 
 
-def test_nothing_of_the_students_is_markup(site: Site) -> None:
+def test_nothing_of_the_students_is_markup(small_site: SmallSite) -> None:
     check = {
         **CHECK,
         "message": HOSTILE,
         "counterexample": {"inputs": {HOSTILE: HOSTILE}, "expected": 1, "got": [HOSTILE]},
     }
-    href = site.attempt(HOSTILE, verdict(stdout=HOSTILE, checks=[check]))
+    href = small_site.attempt(HOSTILE, verdict(stdout=HOSTILE, checks=[check]))
     for path in (href, f"{href}/verdict", PAGE):
-        page = site.get(path)
+        page = small_site.get(path)
         assert "<script>alert" not in page
         assert "{{ 7 * 7 }}" in page
         if path != PAGE:  # the editor gives back what was written, whatever it is
@@ -190,38 +190,38 @@ def test_nothing_of_the_students_is_markup(site: Site) -> None:
 
 
 @pytest.mark.parametrize("outcome", Outcome)
-def test_every_outcome_has_its_words(site: Site, outcome: Outcome) -> None:
-    href = site.attempt(outcome.value, verdict(outcome.value))
-    page = re.sub(r"\s", " ", site.get(href))
+def test_every_outcome_has_its_words(small_site: SmallSite, outcome: Outcome) -> None:
+    href = small_site.attempt(outcome.value, verdict(outcome.value))
+    page = re.sub(r"\s", " ", small_site.get(href))
     wording = outcome.wording()
     assert wording.title in page
     assert wording.sentence in page
     assert ('class="score"' in page) == outcome.counts
 
 
-def test_a_file_that_does_not_load_is_told_once(site: Site) -> None:
+def test_a_file_that_does_not_load_is_told_once(small_site: SmallSite) -> None:
     checks = [
         {**CHECK, "id": name, "message": "Ligne 3 : il manque « : ».", "counterexample": None, "figure": None}
         for name in "ab"
     ]
-    page = site.get(site.attempt("x", verdict("syntax_error", checks=checks)))
+    page = small_site.get(small_site.attempt("x", verdict("syntax_error", checks=checks)))
     assert page.count("Ligne 3") == 1
 
 
-def test_static_files_are_kept_for_ever_and_nothing_else_is_served(site: Site) -> None:
-    styles = re.findall(r'href="(/static/[^"]+app\.css)"', site.get("/"))
+def test_static_files_are_kept_for_ever_and_nothing_else_is_served(small_site: SmallSite) -> None:
+    styles = re.findall(r'href="(/static/[^"]+app\.css)"', small_site.get("/"))
     assert len(styles) == 1
-    answer = site.client.get(styles[0])
+    answer = small_site.client.get(styles[0])
     assert answer.status_code == 200
     assert answer.headers["content-type"].startswith("text/css")
-    site.get("/static/x/../../app.py", status=404)
-    site.get("/static/x/%2e%2e/%2e%2e/app.py", status=404)
+    small_site.get("/static/x/../../app.py", status=404)
+    small_site.get("/static/x/%2e%2e/%2e%2e/app.py", status=404)
 
 
-def test_no_page_names_another_site(site: Site) -> None:
-    href = site.attempt("x", verdict())
+def test_no_page_names_another_site(small_site: SmallSite) -> None:
+    href = small_site.attempt("x", verdict())
     for path in ("/", "/m9", PAGE, href, "/connexion"):
-        page = site.get(path)
+        page = small_site.get(path)
         addresses = re.findall(r'(?:href|src|srcset|action)="([^"]*)"', page)
         assert addresses
         assert not [one for one in addresses if not one.startswith(("/", "#", "?"))]

@@ -30,7 +30,7 @@ from reference.planning import (
 )
 from reference.planning.dynamic_window import arc, drive
 from reference.world.grid_map import GridMap
-from tests.quick import some
+from tests.support.quick import some
 
 Floats = NDArray[np.float64]
 seeds = st.integers(0, 2**32 - 1)

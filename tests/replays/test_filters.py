@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reference.localisation.grid_filter import GridFilterError, GridWorld, landings, predict, sample_move
-from tests.quick import some
 from tests.replays.reading import cells, layer, scene, unpacked
+from tests.support.quick import some
 
 BYTE = 1 / 255
 

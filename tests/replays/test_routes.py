@@ -22,7 +22,7 @@ from server.base.errors import Invalid, NotFound, TooMany
 from server.base.settings import Settings
 from server.replays.routes import MOST_WAITING, Desk
 from server.replays.service import Answer, Replays, Script
-from tests.quick import migrated, the_course
+from tests.support.quick import migrated, the_course
 
 SCRIPT = """
 from graders.scene.replay import *

@@ -1,0 +1,328 @@
+"""The HTTP interface: contract shapes, problem documents, limits, events, figures."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import threading
+import time
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from typing import Any
+from uuid import uuid4
+
+import pytest
+import uvicorn
+from fastapi import FastAPI
+
+from server.app import create_app
+from server.base.helper import UnansweredError
+from server.base.provided import provided_to
+from server.base.settings import Settings
+from server.course import Course
+from server.database import Database
+from server.figures.service import Figures
+from server.identity.models import Role
+from tests.support.service import EXERCISE, Site
+
+BODY = {"exercise": EXERCISE, "code": "pass\n"}
+
+
+def problem(answer: Any, status: int) -> dict[str, Any]:
+    assert answer.status_code == status
+    assert answer.headers["content-type"] == "application/problem+json"
+    content: dict[str, Any] = answer.json()
+    assert content["status"] == status
+    assert content.keys() >= {"type", "title", "detail", "instance"}
+    return content
+
+
+class Drawer:
+    """Draws nothing, and counts. It may be told to do something before, or to fail."""
+
+    def __init__(self, before: Callable[[], None] = lambda: None) -> None:
+        self.asked: list[dict[str, Any]] = []
+        self.before = before
+
+    async def ask(self, question: bytes) -> bytes:
+        self.asked.append(json.loads(question))
+        await asyncio.to_thread(self.before)
+        return b"<svg/>"
+
+    async def close(self) -> None: ...
+
+
+def draws(app: FastAPI, drawer: Drawer) -> None:
+    """The application has its figures drawn by this one."""
+    provided_to(app, Figures).pictures._drawer = drawer
+
+
+def test_exercises_are_listed_and_described(site: Site) -> None:
+    headers = site.token()
+    listed = site.client.get("/api/v1/exercises", headers=headers).json()
+    assert EXERCISE in [one["id"] for one in listed]
+    detail = site.client.get(f"/api/v1/exercises/{EXERCISE}", headers=headers).json()
+    assert {one["name"] for one in detail["functions"]} == {"composer", "inverse", "relatif"}
+    assert "def composer" in detail["starter"]
+    assert detail["limits"]["source_bytes"] == 64 * 1024
+    assert "solution" not in detail
+
+
+def test_a_submission_from_sending_to_verdict(site: Site) -> None:
+    headers = site.token()
+    first, second = site.submit(headers), site.submit(headers, "# outcome: wrong_answer")
+    assert (first["status"], first["position"], first["verdict"]) == ("queued", 1, None)
+    assert second["position"] == 2
+    assert first["url"] == f"/api/v1/submissions/{first['id']}"
+    assert site.client.get(first["url"], headers=headers).json() == first
+    while site.worker.step():
+        pass
+    done = site.client.get(second["url"], headers=headers).json()
+    assert (done["status"], done["position"]) == ("done", None)
+    assert done["verdict"]["outcome"] == "wrong_answer"
+    assert (done["verdict"]["score"], done["verdict"]["points"]) == (0.5, 10)
+
+
+def test_waiting_gives_the_verdict_or_says_that_it_is_not_there(site: Site) -> None:
+    headers = site.token()
+    late = site.client.post("/api/v1/submissions?wait=0.05", json=BODY, headers=headers)
+    assert (late.status_code, late.json()["status"]) == (202, "queued")
+    site.worker.step()
+
+    def grade_later() -> None:
+        while not site.worker.step():
+            time.sleep(0.01)
+
+    thread = threading.Thread(target=grade_later)
+    thread.start()
+    answer = site.client.post("/api/v1/submissions?wait=20", json=BODY, headers=headers)
+    thread.join()
+    assert (answer.status_code, answer.json()["verdict"]["outcome"]) == (200, "ok")
+
+
+def test_a_name_that_is_no_text_is_an_unknown_exercise(site: Site) -> None:
+    body = b'{"exercise": "\\ud800", "code": "x"}'
+    headers = {**site.token(), "Content-Type": "application/json"}
+    answer = site.client.post("/api/v1/submissions", content=body, headers=headers)
+    assert answer.status_code == 404
+    assert answer.headers["content-type"] == "application/problem+json"
+
+
+def test_events_tell_each_change_and_end(site: Site) -> None:
+    headers = site.token()
+    site.submit(headers)
+    sent = site.submit(headers)
+
+    def grade() -> None:
+        for _ in range(2):
+            site.worker.step()
+
+    with site.client.stream("GET", f"{sent['url']}/events", headers=headers) as answer:
+        assert answer.headers["content-type"].startswith("text/event-stream")
+        threading.Thread(target=grade).start()
+        lines = list(answer.iter_lines())
+    told = [json.loads(line.removeprefix("data: ")) for line in lines if line.startswith("data: ")]
+    assert {line for line in lines if line.startswith("event")} == {"event: status"}
+    order = ["queued", "running", "done"]
+    assert [order.index(one["status"]) for one in told] == sorted(order.index(one["status"]) for one in told)
+    assert all(earlier != later for earlier, later in pairwise(told))
+    assert {one["id"] for one in told} == {sent["id"]}
+    assert (told[-1]["status"], told[-1]["verdict"]["outcome"]) == ("done", "ok")
+
+
+def test_someone_else_s_submission_does_not_exist(site: Site) -> None:
+    sent = site.submit(site.token())
+    other = site.token()
+    for url in (sent["url"], f"/api/v1/submissions/{uuid4()}", "/api/v1/submissions/zut"):
+        for suffix in ("", "/events", "/figures/b.svg", "/figures/b.png"):
+            problem(site.client.get(url + suffix, headers=other), 404)
+    assert site.client.get(sent["url"], headers=site.token(Role.teacher)).status_code == 200
+
+
+@pytest.mark.parametrize("headers", [{}, {"Authorization": "Bearer faux"}, {"Authorization": "Basic x"}])
+def test_without_a_token_nothing_is_said(site: Site, headers: dict[str, str]) -> None:
+    for path in ("/exercises", f"/exercises/{EXERCISE}", f"/submissions/{uuid4()}"):
+        answer = site.client.get(f"/api/v1{path}", headers=headers)
+        problem(answer, 401)
+        assert answer.headers["www-authenticate"].startswith("Bearer")
+    problem(site.client.post("/api/v1/submissions", json=BODY, headers=headers), 401)
+
+
+@pytest.mark.parametrize(
+    ("content", "place"),
+    [
+        (b"{", "#"),
+        (b"[]", "#"),
+        (b'{"exercise": "l20/poses"}', "#/code"),
+        (b'{"exercise": 1, "code": "x"}', "#/exercise"),
+        (b'{"exercise": "l20/poses", "code": false}', "#/code"),
+        (b'{"exercise": "l20/poses", "code": "x", "a/b": 1}', "#/a~1b"),
+    ],
+)
+def test_refused_data_is_told_with_its_place(site: Site, content: bytes, place: str) -> None:
+    headers = {**site.token(), "Content-Type": "application/json"}
+    told = problem(site.client.post("/api/v1/submissions", content=content, headers=headers), 422)
+    assert [one["pointer"] for one in told["errors"]] == [place]
+
+
+@pytest.mark.parametrize("wait", ["-1", "nan", "inf", "zut"])
+def test_a_wait_that_means_nothing_is_refused(site: Site, wait: str) -> None:
+    told = problem(site.client.post(f"/api/v1/submissions?wait={wait}", json=BODY, headers=site.token()), 422)
+    assert told["errors"][0]["parameter"] == "wait"
+
+
+def test_unknown_things_are_problems(site: Site) -> None:
+    headers = site.token()
+    problem(site.client.get("/api/v1/exercises/l20/inconnu", headers=headers), 404)
+    problem(site.client.post("/api/v1/submissions", json={**BODY, "exercise": "l20/x"}, headers=headers), 404)
+    problem(site.client.get("/api/v1/classes/1/dashboard", headers=headers), 404)
+    problem(site.client.get("/api/v1/nulle-part", headers=headers), 404)
+    problem(site.client.delete("/api/v1/exercises", headers=headers), 405)
+
+
+def test_too_large_is_told_before_and_after_parsing(site: Site, settings: Settings) -> None:
+    headers = site.token()
+    over = {**BODY, "code": "é" * (settings.code_bytes // 2 + 1)}
+    told = problem(site.client.post("/api/v1/submissions", json=over, headers=headers), 413)["detail"]
+    assert "dépasse de 2\u00a0octets la limite de 64\u00a0Kio" in told
+    flood = b'{"code": "' + b"x" * settings.body_bytes
+    problem(site.client.post("/api/v1/submissions", content=flood, headers=headers), 413)
+
+
+def test_the_rate_limit_says_when_to_come_back(site: Site, settings: Settings) -> None:
+    headers = site.token()
+    for _ in range(settings.submission_burst):
+        site.submit(headers)
+    answer = site.client.post("/api/v1/submissions", json=BODY, headers=headers)
+    problem(answer, 429)
+    assert 1 <= int(answer.headers["retry-after"]) <= settings.submission_refill_seconds
+    site.submit(site.token())
+
+
+def test_an_unexpected_failure_is_a_problem_too(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    headers = site.token()
+
+    def broken(*_: object) -> None:
+        raise RuntimeError("a secret of ours")
+
+    monkeypatch.setattr("server.submissions.service.Submissions.submit", broken)
+    answer = site.client.post("/api/v1/submissions", json=BODY, headers=headers)
+    assert "secret" not in json.dumps(problem(answer, 500))
+    page = site.client.post("/l20/exercices/poses/soumissions", data={"code": "x"})
+    assert (page.status_code, "secret" in page.text) == (500, False)
+    assert "<!doctype html>" in page.text.lower()
+
+
+def test_figures_are_drawn_once_when_they_are_looked_at(site: Site) -> None:
+    drawer = Drawer()
+    draws(site.app, drawer)
+    headers = site.token()
+    sent = site.submit(headers)
+    problem(site.client.get(f"{sent['url']}/figures/b.svg", headers=headers), 404)
+    site.worker.step()
+    assert drawer.asked == []
+    for _ in range(2):
+        answer = site.client.get(f"{sent['url']}/figures/b.svg", headers=headers)
+        assert (answer.content, answer.headers["content-type"]) == (b"<svg/>", "image/svg+xml")
+        assert answer.headers["cache-control"] == "private, max-age=86400"
+    assert site.client.get(f"{sent['url']}/figures/b.png?theme=dark", headers=headers).status_code == 200
+    asked = {"kind": "verdict", "exercise": EXERCISE, "data": {"kind": "fake"}}
+    assert drawer.asked == [
+        {**asked, "form": "svg", "theme": "light"},
+        {**asked, "form": "png", "theme": "dark"},
+    ]
+    problem(site.client.get(f"{sent['url']}/figures/zut.svg", headers=headers), 404)
+    problem(site.client.get(f"{sent['url']}/figures/b.svg?theme=rose", headers=headers), 422)
+
+
+def test_a_figure_that_is_remembered_is_shown_to_nobody_else(site: Site) -> None:
+    drawer = Drawer()
+    draws(site.app, drawer)
+    mine, another, teacher = site.token(), site.token(), site.token(Role.teacher)
+    sent = site.submit(mine)
+    site.worker.step()
+    path = f"{sent['url']}/figures/b.svg"
+    assert site.client.get(path, headers=mine).status_code == 200
+    problem(site.client.get(path, headers=another), 404)
+    problem(site.client.get(path), 401)
+    assert site.client.get(f"/soumissions/{sent['id']}/figures/b.svg").status_code == 404
+    assert site.client.get(path, headers=teacher).content == b"<svg/>"
+    assert len(drawer.asked) == 1
+
+
+def test_nobody_holds_a_connection_to_the_database_while_a_figure_is_drawn(site: Site) -> None:
+    held: list[int] = []
+    draws(site.app, Drawer(before=lambda: held.append(site.database.engine.pool.checkedout())))  # type: ignore[attr-defined]
+    headers = site.token()
+    sent = site.submit(headers)
+    site.worker.step()
+    assert site.client.get(f"{sent['url']}/figures/b.svg", headers=headers).status_code == 200
+    assert held == [0]
+
+
+def test_a_figure_that_cannot_be_drawn_is_a_problem_each_time(site: Site) -> None:
+    def fail() -> None:
+        raise UnansweredError
+
+    drawer = Drawer(before=fail)
+    draws(site.app, drawer)
+    headers = site.token()
+    sent = site.submit(headers)
+    site.worker.step()
+    for _ in range(2):
+        answer = site.client.get(f"{sent['url']}/figures/b.svg", headers=headers)
+        assert "dessinée" in problem(answer, 500)["detail"]
+    assert len(drawer.asked) == 2
+
+
+def test_openapi_documents_every_route_and_its_problems(site: Site) -> None:
+    document = site.client.get("/api/v1/openapi.json").json()
+    assert set(document["paths"]) == {
+        "/api/v1/exercises", "/api/v1/exercises/{module}/{slug}", "/api/v1/submissions",
+        "/api/v1/submissions/{submission_id}", "/api/v1/submissions/{submission_id}/events",
+        "/api/v1/submissions/{submission_id}/figures/{name}.svg",
+        "/api/v1/submissions/{submission_id}/figures/{name}.png",
+    }  # fmt: skip
+    text = json.dumps(document)
+    named = {part.split('"')[0] for part in text.split("#/components/schemas/")[1:]}
+    assert named <= document["components"]["schemas"].keys()
+    for path in document["paths"].values():
+        for operation in path.values():
+            assert operation["summary"]
+            assert operation["security"]
+            for status, answer in operation["responses"].items():
+                if int(status) >= 400:
+                    assert "application/problem+json" in answer["content"]
+
+
+@pytest.fixture
+def address(sqlite: Database, settings: Settings, course: Course) -> Iterator[str]:
+    """The application behind a real socket, in a thread."""
+    app = create_app(settings.model_copy(update={"submission_refill_seconds": 0.0}), course=course)
+    draws(app, Drawer())
+    server = uvicorn.Server(uvicorn.Config(app, port=0, log_level="warning", timeout_graceful_shutdown=1))
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    while not server.started:
+        assert thread.is_alive()
+        time.sleep(0.01)
+    yield f"http://127.0.0.1:{server.servers[0].sockets[0].getsockname()[1]}"
+    server.should_exit = True
+    thread.join()
+
+
+@pytest.mark.parametrize("mode", ["positive", "negative"])
+def test_the_answers_conform_to_the_document(
+    site: Site, address: str, mode: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Schemathesis, bounded: whatever is sent, fitting or not, the answer is one that the document announces."""
+    from .conformance import conforms, operations  # slow to import: in the process that runs this test alone
+
+    monkeypatch.setattr("server.api.submissions.LONGEST_WAIT", 0.01)  # nobody grades here
+    headers = site.token()
+    sent = site.submit(headers)
+    site.worker.step()
+    known = {"submission_id": sent["id"], "module": "l20", "slug": "poses", "name": "b"}
+    for operation in operations(f"{address}/api/v1/openapi.json"):
+        for path in ({}, known):
+            conforms(operation, mode, path, headers)

@@ -1,0 +1,46 @@
+"""Tests share the routes of one application, and nothing that one of them has done is there in the next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from starlette.testclient import TestClient
+
+from server.base.provided import provide, provided, provided_to
+from server.base.settings import Settings
+from server.cells.supervisor import Cells
+from server.course import Course
+from server.database import Database
+from server.identity.models import Account
+from tests.support.quick import migrated, standing_app
+from tests.support.service import new_account
+
+
+@contextmanager
+def site(folder: Path, course: Course) -> Iterator[TestClient]:
+    settings = Settings(data_dir=folder, workers=0)
+    migrated(settings).close()
+    with TestClient(standing_app(settings, course)) as client:
+        yield client
+
+
+def test_nothing_is_left_of_the_test_before(tmp_path: Path, course: Course) -> None:
+    with site(tmp_path / "one", course) as first:
+        app = first.app
+        before = dict(app.state.provided)  # type: ignore[attr-defined]
+        new_account(provided_to(app, Database))  # type: ignore[arg-type]
+        provide(app, before[Settings].model_copy(update={"login_burst": 1}))  # type: ignore[arg-type]
+        app.dependency_overrides[provided(Cells)] = lambda: None  # type: ignore[attr-defined]
+        assert first.get("/l20").status_code == 200
+    with site(tmp_path / "two", course) as second:
+        assert second.app is app
+        after = second.app.state.provided  # type: ignore[attr-defined]
+        assert after.keys() == before.keys()
+        assert [kind for kind in after if after[kind] is before[kind] and kind is not Course] == []
+        assert after[Settings].login_burst == Settings().login_burst
+        assert app.dependency_overrides == {}  # type: ignore[attr-defined]
+        assert not second.cookies
+        with provided_to(app, Database).read() as db:  # type: ignore[arg-type]
+            assert db.query(Account).count() == 0

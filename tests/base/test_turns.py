@@ -1,0 +1,113 @@
+"""Turns: bounded, fair between addresses, and none is lost when somebody leaves."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+
+import pytest
+
+from server.base.turns import FullError, Turns
+from tests.support.quick import in_a_loop
+
+
+async def settled() -> None:
+    """Until whoever may go on has."""
+    for _ in range(8):
+        await asyncio.sleep(0)
+
+
+class Queue:
+    """Who comes from where, and who has had a turn."""
+
+    def __init__(self, at_once: int, waiting: int) -> None:
+        self.turns, self.served, self.refused = Turns(at_once, waiting), list[str](), list[str]()
+
+    async def come(self, *names: str) -> list[asyncio.Task[None]]:
+        """A name is an address, then anything."""
+        tasks = [asyncio.create_task(self._wait(name)) for name in names]
+        await settled()
+        return tasks
+
+    async def _wait(self, name: str) -> None:
+        try:
+            await self.turns.take(name[0])
+        except FullError:
+            self.refused.append(name)
+        else:
+            self.served.append(name)
+
+    async def end(self, times: int = 1) -> None:
+        for _ in range(times):
+            self.turns.give_back()
+            await settled()
+
+
+def test_turns_go_round_the_addresses() -> None:
+    async def test() -> None:
+        queue = Queue(1, 9)
+        await queue.come("a1", "a2", "a3", "a4", "b1", "c1", "b2")
+        await queue.end(6)
+        assert queue.served == ["a1", "a2", "b1", "c1", "a3", "b2", "a4"]
+        await queue.end()
+        await queue.come("d1")
+        assert queue.served[-1] == "d1"
+
+    in_a_loop(test())
+
+
+def test_a_flood_gives_way_to_others_and_to_nobody_of_its_own() -> None:
+    async def test() -> None:
+        queue = Queue(1, 3)
+        await queue.come("a1", "a2", "a3", "a4", "a5")
+        assert queue.refused == ["a5"]
+        await queue.come("b1")
+        assert queue.refused == ["a5", "a4"]
+        await queue.come("b2")
+        assert queue.refused == ["a5", "a4", "b2"]
+        assert queue.turns.waiting == 3
+        await queue.end(3)
+        assert queue.served == ["a1", "a2", "b1", "a3"]
+
+    in_a_loop(test())
+
+
+def test_without_a_queue_nobody_waits() -> None:
+    async def test() -> None:
+        queue = Queue(1, 0)
+        await queue.come("a1", "b1")
+        assert (queue.served, queue.refused) == (["a1"], ["b1"])
+
+    in_a_loop(test())
+
+
+async def _before(queue: Queue, leaving: asyncio.Task[None]) -> None:
+    leaving.cancel()
+    await settled()
+    await queue.end()
+
+
+async def _as_the_turn_comes(queue: Queue, leaving: asyncio.Task[None]) -> None:
+    queue.turns.give_back()
+    leaving.cancel()
+
+
+async def _just_before_the_turn_comes(queue: Queue, leaving: asyncio.Task[None]) -> None:
+    leaving.cancel()
+    queue.turns.give_back()
+
+
+@pytest.mark.parametrize("leave", [_before, _just_before_the_turn_comes, _as_the_turn_comes])
+def test_who_leaves_keeps_no_turn(leave: Callable[[Queue, asyncio.Task[None]], Awaitable[None]]) -> None:
+    async def test() -> None:
+        queue = Queue(1, 5)
+        _, leaving, _ = await queue.come("a1", "b1", "c1")
+        await leave(queue, leaving)
+        await settled()
+        assert queue.served == ["a1", "c1"]
+        assert queue.turns.waiting == 0
+        await queue.end()
+        await queue.come("d1", "d2")
+        assert queue.served == ["a1", "c1", "d1"]
+
+    in_a_loop(test())

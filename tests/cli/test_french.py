@@ -1,0 +1,192 @@
+"""The command line never speaks English, whatever Python says it with and however it is misused."""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import gettext
+import inspect
+import re
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+
+import pytest
+from babel.messages.catalog import Message
+from babel.messages.pofile import read_po
+
+from server.cli import _parser, main
+from server.cli.french import CATALOGUE, LOCALE
+from tests.support.live import environment
+from tests.support.quick import some
+
+FOLDER = LOCALE / "fr" / "LC_MESSAGES"
+# What only a programmer's mistake makes argparse say, until Python 3.13.
+TO_PROGRAMMERS = {
+    "%r is not callable",
+    "'required' is an invalid argument for positionals",
+    ".__call__() not defined",
+    "cannot have multiple subparser arguments",
+    "cannot merge actions - two groups are named %r",
+    "conflicting subparser alias: %s",
+    "conflicting subparser: %s",
+    "dest= is required for options like %r",
+    "invalid conflict_resolution value: %r",
+    "invalid option string %(option)r: must start with a character %(prefix_chars)r",
+    "mutually exclusive arguments must be optional",
+}
+# What Python 3.12, 3.13 and 3.14 say besides 3.11 (Lib/test/translationdata/argparse in CPython).
+LATER = {
+    " (default: %(default)s)",
+    "%(heading)s:",
+    "%(prog)s: warning: %(message)s\n",
+    "argument '%(argument_name)s' is deprecated",
+    "command '%(parser_name)s' is deprecated",
+    "invalid choice: %(value)r, maybe you meant %(closest)r? (choose from %(choices)s)",
+    "option '%(option)s' is deprecated",
+    "show program's version number and exit",
+    "subcommands",
+}
+
+
+def messages() -> list[Message]:
+    with (FOLDER / f"{CATALOGUE}.po").open(encoding="utf-8") as file:
+        return [message for message in read_po(file, locale="fr") if message.id]
+
+
+def forms(text: str | Sequence[str]) -> tuple[str, ...]:
+    """The singular, and the plural where there is one."""
+    return (text,) if isinstance(text, str) else tuple(text)
+
+
+def said_by_argparse() -> set[str]:
+    """The messages that it looks for a translation of, on this Python."""
+    calls = (node for node in ast.walk(ast.parse(inspect.getsource(argparse))) if isinstance(node, ast.Call))
+    looked_up = (call for call in calls if isinstance(call.func, ast.Name) and call.func.id in {"_", "ngettext"})
+    return {
+        arg.value
+        for call in looked_up
+        for arg in call.args
+        if isinstance(arg, ast.Constant) and isinstance(arg.value, str)
+    }
+
+
+def test_all_that_argparse_may_say_to_a_user_has_its_french() -> None:
+    french = {form for message in messages() for form in forms(message.id)}
+    assert len(said_by_argparse()) > 20
+    assert said_by_argparse() - TO_PROGRAMMERS <= french
+    assert french >= LATER
+
+
+@pytest.mark.parametrize("message", messages(), ids=lambda message: forms(message.id)[0].strip())
+def test_a_translation_says_what_the_message_says(message: Message) -> None:
+    for english, french in zip(forms(message.id), forms(message.string), strict=True):
+        assert french.strip()
+        holes, filled = ([*sorted(re.findall(r"%(?:\((\w+)\))?[rs]", text))] for text in (english, french))
+        assert holes == filled, "a hole of the message is not in its translation"
+        assert english.endswith("\n") is french.endswith("\n")
+
+
+def test_the_compiled_catalogue_is_the_one_that_is_read() -> None:
+    with (FOLDER / f"{CATALOGUE}.mo").open("rb") as file:
+        compiled = gettext.GNUTranslations(file)
+    for message in some(messages()):
+        for count, french in zip((1, 2), forms(message.string), strict=False):
+            singular, *plural = forms(message.id)
+            got = compiled.ngettext(singular, plural[0], count) if plural else compiled.gettext(singular)
+            assert got == french, "compile it again: see the head of the .po"
+
+
+def parsers() -> dict[str, argparse.ArgumentParser]:
+    """Every command, and those inside it, by what one types."""
+    return dict(_below("", _parser()))
+
+
+def _below(name: str, parser: argparse.ArgumentParser) -> Iterator[tuple[str, argparse.ArgumentParser]]:
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for part, inner in action.choices.items():
+                yield f"{name} {part}".strip(), inner
+                yield from _below(f"{name} {part}".strip(), inner)
+
+
+def misuses(command: list[str], parser: argparse.ArgumentParser) -> Iterator[list[str]]:
+    """Ways of asking wrongly for a command, from what it takes."""
+    positionals = [action for action in parser._actions if not action.option_strings]
+    needed = ["x" for action in positionals if action.nargs is None]
+    if any(action.required and action.nargs != "*" for action in parser._actions):
+        yield command
+    if any(isinstance(action, argparse._SubParsersAction) for action in positionals):
+        yield [*command, "zut"]
+        return
+    if all(action.nargs != "*" for action in positionals):
+        yield [*command, *("x" for _ in positionals), "--no-such", *["de trop"] * (len(positionals) + 1)]
+    yield [*command, *needed, "--absent"]
+    for action in parser._actions:
+        for option in action.option_strings:
+            if action.nargs == 0:
+                if option.startswith("--"):
+                    yield [*command, *needed, f"{option}=oui"]
+            else:
+                yield [*command, *needed, option]
+                if action.type is not None and action.metavar != "DIR":
+                    yield [*command, *needed, option, "deux"]
+
+
+MISUSES = [
+    [],
+    ["zut"],
+    ["--absent"],
+    ["serve", "--h"],
+    *(misuse for command, parser in parsers().items() for misuse in misuses(command.split(), parser)),
+]
+
+
+def words(text: str) -> set[str]:
+    """Its words in small letters, but for names of options and for holes."""
+    return set(re.findall(r"\b[a-z]{2,}\b", re.sub(r"--\w+|%\(\w+\)|%[rs]", " ", text)))
+
+
+ENGLISH = {word for message in messages() for word in words(" ".join(forms(message.id)))} - {
+    word for message in messages() for word in words(" ".join(forms(message.string)))
+}
+
+
+def test_english_is_recognised() -> None:
+    assert {
+        "usage",
+        "expected",
+        "required",
+        "following",
+        "unrecognized",
+        "invalid",
+        "choice",
+        "error",
+        "the",
+    } <= ENGLISH
+
+
+@pytest.mark.parametrize("misuse", MISUSES, ids=" ".join)
+def test_no_misuse_is_answered_in_english(misuse: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(misuse)
+    said = capsys.readouterr()
+    assert (stopped.value.code, said.out) == (2, "")
+    assert said.err.startswith("utilisation")
+    typed = {word for argument in misuse for word in words(argument)}
+    assert (words(said.err) & ENGLISH) - typed == set()
+
+
+@pytest.mark.parametrize("command", ["", *parsers()])
+def test_no_help_is_in_english(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main([*command.split(), "--help"])
+    assert words(capsys.readouterr().out) & ENGLISH == set()
+
+
+@pytest.mark.parametrize("language", [{"LC_ALL": "C"}, {"LANGUAGE": "en:de", "LANG": "en_US.UTF-8"}, {"LANG": ""}])
+def test_it_speaks_french_whatever_the_machine_speaks(language: dict[str, str]) -> None:
+    command = [sys.executable, "-X", "utf8", "-m", "server", "serve", "--port"]
+    done = subprocess.run(command, env={**environment(), **language}, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "il manque sa valeur" in done.stderr

@@ -1,0 +1,284 @@
+"""The worker's step, with fakes; and the joint between sandbox and graders, for real."""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import os
+import signal
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
+from typing import Any, TypeVar
+from uuid import uuid4
+
+import pytest
+from sqlalchemy import delete, select
+from sqlalchemy.orm import Session
+
+from graders.core.contract.findings import Judgement
+from graders.core.contract.outcomes import Outcome
+from server.base.settings import Settings
+from server.course import Course
+from server.database import Database
+from server.gradebook.models import Grading
+from server.grading import joint as grading
+from server.grading.joint import Grader
+from server.grading.task import SentFile
+from server.identity.models import Account
+from server.queue.models import Job
+from server.queue.port import Lease
+from server.queue.worker import Stop, Worker
+from server.sandbox import FaultKind, Sandbox, SandboxFault
+from server.submissions.models import Submission
+from server.submissions.service import Submissions
+from tests.support.service import EXERCISE, QUIET, fake_grade, worker_of
+
+Row = TypeVar("Row")
+
+
+def submitted(database: Database, settings: Settings, account: Account, code: str = "pass") -> Submission:
+    with database.write() as db:
+        return Submissions(settings, QUIET).submit(db, account, EXERCISE, code)
+
+
+def only(database: Database, table: type[Row]) -> Row:
+    with database.read() as db:
+        return db.execute(select(table)).scalar_one()
+
+
+def none(database: Database, table: type[Row]) -> bool:
+    with database.read() as db:
+        return db.execute(select(table)).first() is None
+
+
+def test_a_step_grades_one_and_says_whether_it_found_work(database: Database, ada: Account, both: Settings) -> None:
+    worker = worker_of(database, both)
+    assert not worker.step()
+    submitted(database, both, ada)
+    assert worker.step()
+    assert not worker.step()
+    submission, grading = only(database, Submission), only(database, Grading)
+    assert (submission.grading_id, grading.submission_id) == (grading.id, submission.id)
+    assert (grading.outcome, grading.score, grading.seed) == (Outcome.OK, 1.0, submission.seed)
+    assert grading.verdict["seed"] == submission.seed
+    assert submission.created_at <= grading.started_at <= grading.finished_at
+    assert none(database, Job)
+
+
+def test_a_worker_told_to_stop_gives_its_work_back(database: Database, ada: Account, both: Settings) -> None:
+    def stopped(_sent: SentFile) -> Judgement:
+        raise Stop
+
+    submitted(database, both, ada)
+    with pytest.raises(Stop):
+        worker_of(database, both, stopped).step()
+    job = only(database, Job)
+    assert (job.lease_token, job.tries) == (None, 0)
+
+
+def test_what_fails_is_tried_again_then_given_up_as_our_error(
+    database: Database, ada: Account, both: Settings, caplog: pytest.LogCaptureFixture
+) -> None:
+    def broken(_sent: SentFile) -> Judgement:
+        raise RuntimeError("a disk is full")
+
+    submitted(database, both, ada)
+    worker = worker_of(database, both, broken)
+    assert [worker.step() for _ in range(4)] == [True, True, True, False]
+    assert only(database, Grading).outcome == Outcome.INTERNAL_ERROR
+    assert caplog.text.count("RuntimeError: a disk is full") == 3
+
+
+class Broken:
+    """Jobs that say nothing."""
+
+    def __init__(self) -> None:
+        self.given_up = 0
+
+    def read(self, _db: Session, lease: Lease) -> str:
+        return str(lease.payload["what"])
+
+    def run(self, work: str) -> str:
+        return work
+
+    def record(self, _db: Session, _work: str, _result: str) -> None:
+        raise NotImplementedError
+
+    def give_up(self, _db: Session, _lease: Lease) -> None:
+        self.given_up += 1
+
+
+@pytest.mark.parametrize("payload", [{}, {"what": "nothing that can be recorded"}])
+def test_a_job_that_cannot_be_read_or_recorded_stops_nobody_for_ever(
+    database: Database, both: Settings, payload: dict[str, str]
+) -> None:
+    task = Broken()
+    worker = Worker(database, QUIET, both, {"say": task})
+    with database.write() as db:
+        QUIET.put(db, "say", "a", payload)
+    assert [worker.step() for _ in range(4)] == [True, True, True, False]
+    assert task.given_up == 1
+    assert none(database, Job)
+
+
+def test_work_whose_author_has_gone_is_dropped(database: Database, ada: Account, both: Settings) -> None:
+    def forget(_sent: SentFile) -> Judgement:
+        with database.write() as db:
+            db.execute(delete(Account))
+        return fake_grade(_sent)
+
+    submitted(database, both, ada)
+    submitted(database, both, ada)
+    worker = worker_of(database, both, forget)
+    assert [worker.step() for _ in range(3)] == [True, True, False]
+    assert none(database, Job)
+    assert none(database, Grading)
+
+
+def test_a_kind_that_nobody_here_can_do_is_left_alone(database: Database, ada: Account, both: Settings) -> None:
+    with database.write() as db:
+        QUIET.put(db, "mail", "to Ada", {"subject": "hello"}, priority=-1)
+    submitted(database, both, ada)
+    worker = worker_of(database, both)
+    assert [worker.step() for _ in range(2)] == [True, False]
+    job = only(database, Job)
+    assert (job.kind, job.payload, job.tries) == ("mail", {"subject": "hello"}, 0)
+
+
+def test_a_worker_outlives_a_locked_database(
+    sqlite: Database, settings: Settings, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """As when a backup or a migration holds SQLite's only pen for longer than the driver waits."""
+    account = Account(name="Ada")
+    with sqlite.write() as db:
+        db.add(account)
+    submitted(sqlite, settings, account)
+    monkeypatch.setattr("server.database.engine.PRAGMAS", ("foreign_keys=ON", "busy_timeout=1"))
+    monkeypatch.setattr("server.queue.worker.LOCKED_PAUSE", 0.01)
+    impatient = Database(settings.url)
+    with closing(impatient), ThreadPoolExecutor(1) as thread:
+        with sqlite.write() as db:
+            db.add(Account(name="Bob"))
+            db.flush()
+            graded = thread.submit(worker_of(impatient, settings).step)
+            deadline = time.monotonic() + 20
+            while "the database is locked" not in caplog.text and time.monotonic() < deadline:
+                time.sleep(0.01)
+        assert graded.result()
+    assert "the database is locked" in caplog.text
+    assert only(sqlite, Grading).outcome == Outcome.OK
+
+
+def test_the_heartbeat_extends_the_lease_while_grading(sqlite: Database, settings: Settings) -> None:
+    beating = settings.model_copy(update={"lease_seconds": 0.15})
+    account = Account(name="Ada")
+    with sqlite.write() as db:
+        db.add(account)
+    submitted(sqlite, settings, account)
+    untils: list[Any] = []
+
+    def slow(sent: SentFile) -> Judgement:
+        first = only(sqlite, Job).lease_until
+        deadline = time.monotonic() + 20
+        while only(sqlite, Job).lease_until == first and time.monotonic() < deadline:
+            time.sleep(0.01)
+        untils.extend([first, only(sqlite, Job).lease_until])
+        return fake_grade(sent)
+
+    class Once:
+        def wait(self, seconds: float) -> bool:
+            return False
+
+    worker_of(sqlite, beating, slow).run(Once())
+    assert untils[1] > untils[0]
+    assert none(sqlite, Job)
+
+
+@pytest.fixture
+def grader(course: Course, course_sandbox: Sandbox) -> Grader:
+    return Grader(course, course_sandbox)
+
+
+def test_the_reference_gets_full_marks_through_the_sandbox(grader: Grader, course: Course) -> None:
+    exercise = course.exercises[EXERCISE]
+    verdict = grader.grade(EXERCISE, exercise.solution.encode(), seed=7).verdict
+    assert (verdict.outcome, verdict.score, verdict.seed) == (Outcome.OK, 1.0, 7)
+    assert verdict.exercise_version == exercise.version
+
+
+def test_the_same_seed_gives_the_same_verdict(grader: Grader, course: Course) -> None:
+    source = course.exercises[EXERCISE].grader.misconceptions[0].source.encode()
+    one, two = (grader.grade(EXERCISE, source, seed=11).verdict.to_json() for _ in range(2))
+    for verdict in (one, two):
+        verdict.pop("timings")
+    assert one == two
+
+
+@pytest.mark.parametrize(
+    ("source", "outcome", "told"),
+    [
+        (b"def composer(a, b)\n    return a\n", Outcome.SYNTAX_ERROR, "1"),
+        (b"import tensorflow\n", Outcome.IMPORT_ERROR, "tensorflow"),
+        (b"x = 1\n", Outcome.MISSING_FUNCTION, "composer"),
+        (b"def composer(a, b):\n    return 1 / 0\ninverse = relatif = composer\n", Outcome.RUNTIME_ERROR, "ligne 2"),
+    ],
+)
+def test_a_student_s_fault_keeps_its_kind_and_its_place(
+    grader: Grader, source: bytes, outcome: Outcome, told: str
+) -> None:
+    verdict = grader.grade(EXERCISE, source, seed=1).verdict
+    assert (verdict.outcome, verdict.score) == (outcome, 0)
+    assert any(told in check.message for check in verdict.checks)
+
+
+def test_every_fault_of_the_sandbox_has_its_outcome() -> None:
+    assert {kind.value for kind in FaultKind} <= {outcome.value for outcome in Outcome}
+
+
+class Failing:
+    """A sandbox of ours that fails a number of times, then works."""
+
+    def __init__(self, sandbox: Sandbox, times: int) -> None:
+        self.sandbox, self.times, self.opened = sandbox, times, 0
+
+    def open(self, *args: Any, **options: Any) -> Any:
+        self.opened += 1
+        if self.opened <= self.times:
+            raise SandboxFault("the template is dead")
+        return self.sandbox.open(*args, **options)
+
+
+@pytest.mark.parametrize(("failures", "outcome"), [(1, Outcome.OK), (99, Outcome.INTERNAL_ERROR)])
+def test_our_own_fault_is_retried_once_logged_and_never_a_zero(
+    failures: int, outcome: Outcome, course_sandbox: Sandbox, course: Course, caplog: pytest.LogCaptureFixture
+) -> None:
+    failing = Failing(course_sandbox, failures)
+    source = course.exercises[EXERCISE].solution.encode()
+    with caplog.at_level(logging.ERROR):
+        one = uuid4()
+        result = Grader(course, failing).grade(EXERCISE, source, 123, submission=one)  # type: ignore[arg-type]
+    assert result.verdict.outcome is outcome
+    assert len(caplog.records) == min(failures, grading.TRIES)
+    version, digest = course.exercises[EXERCISE].version, hashlib.sha256(source).hexdigest()
+    for told in ("the template is dead", "Traceback", EXERCISE, version, "seed 123", str(one), digest):
+        assert told in caplog.text
+
+
+def asleep_when_told_to_stop() -> None:
+    threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGTERM)).start()
+    time.sleep(60)
+
+
+def test_sigterm_stops_a_worker_in_its_main_thread() -> None:
+    from server.grading.process import stop_on_signals
+
+    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
+    try:
+        stop_on_signals()
+        with pytest.raises(Stop):
+            asleep_when_told_to_stop()
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

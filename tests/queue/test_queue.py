@@ -1,0 +1,270 @@
+"""The queue: one claim each, ended by the lease's holder only, nothing lost. It knows not what its jobs are about."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from datetime import timedelta
+from typing import Any
+from uuid import uuid4
+
+import pytest
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from server.course import Course
+from server.database import Database, utc_now
+from server.gradebook import service as gradebook
+from server.grading.task import give_ups
+from server.identity.models import Account
+from server.queue.models import Job
+from server.queue.owner import is_dead, owner_of, parse
+from server.queue.port import Lease
+from server.queue.service import MAX_TRIES, TableQueue
+from server.submissions.models import State
+from server.submissions.service import GRADE, Place, Submissions
+from tests.support.service import EXERCISE
+
+HERE = owner_of(os.getpid())
+GONE = replace(HERE, started="1")
+KIND = "bake"
+
+
+class Told:
+    """What the queue signals."""
+
+    def __init__(self) -> None:
+        self.queue, self.news = TableQueue(self), list[str]()
+
+    def queued(self, db: Session) -> None:
+        self.news.append("queued")
+
+    def changed(self, db: Session, key: str) -> None:
+        self.news.append(key)
+
+
+class Bakery:
+    """A queue of loaves on a database."""
+
+    def __init__(self, database: Database) -> None:
+        self.database, self.given_up = database, list[str]()
+        self.told = Told()
+        self.queue = self.told.queue
+
+    def put(self, *keys: str, kind: str = KIND, priority: int = 0) -> None:
+        for key in keys:
+            with self.database.write() as db:
+                self.queue.put(db, kind, key, {"of": "rye"}, priority)
+
+    def claim(self, owner: object = HERE, seconds: float = 60, kinds: tuple[str, ...] = (KIND,)) -> Lease | None:
+        with self.database.write() as db:
+            return self.queue.claim(db, owner, kinds, seconds)  # type: ignore[arg-type]
+
+    def claimed(self, owner: object = HERE, seconds: float = 60) -> Lease:
+        lease = self.claim(owner, seconds)
+        assert lease is not None
+        return lease
+
+    def finish(self, lease: Lease) -> bool:
+        with self.database.write() as db:
+            return self.queue.finish(db, lease)
+
+    def recover(self) -> int:
+        with self.database.write() as db:
+            return self.queue.recover(db, HERE, {KIND: self._give_up})
+
+    def release(self, owner: object) -> int:
+        with self.database.write() as db:
+            return self.queue.release(db, owner, {KIND: self._give_up})  # type: ignore[arg-type]
+
+    def _give_up(self, db: Session, lease: Lease) -> None:
+        self.given_up.append(lease.key)
+
+    def places(self, *keys: str) -> list[int | None]:
+        with self.database.read() as db:
+            return [self.queue.position(db, KIND, key) for key in keys]
+
+    def jobs(self) -> list[Job]:
+        with self.database.read() as db:
+            return list(db.execute(select(Job)).scalars())
+
+
+@pytest.fixture
+def bakery(database: Database) -> Bakery:
+    return Bakery(database)
+
+
+def test_a_queue_without_signals_cannot_be_made() -> None:
+    make: Any = TableQueue
+    with pytest.raises(TypeError):
+        make()
+
+
+def test_lower_priorities_first_then_the_oldest_and_places_follow(bakery: Bakery) -> None:
+    bakery.put("a", "b")
+    bakery.put("late", priority=5)
+    bakery.put("urgent", priority=-1)
+    assert bakery.places("urgent", "a", "b", "late") == [1, 2, 3, 4]
+    lease = bakery.claimed()
+    assert (lease.key, lease.kind, lease.payload, lease.tries) == ("urgent", KIND, {"of": "rye"}, 1)
+    assert bakery.places("urgent", "a", "b", "late") == [0, 1, 2, 3]
+    assert bakery.finish(lease)
+    assert bakery.places("urgent", "a", "unheard of") == [None, 1, None]
+    assert [bakery.claimed().key for _ in range(3)] == ["a", "b", "late"]
+
+
+def test_an_empty_queue_gives_nothing(bakery: Bakery) -> None:
+    assert bakery.claim() is None
+
+
+def test_only_jobs_of_known_kinds_are_claimed_and_recovered(bakery: Bakery) -> None:
+    bakery.put("x", kind="mail")
+    assert bakery.claim() is None
+    assert bakery.claim(GONE, kinds=(KIND, "mail")) is not None
+    assert bakery.recover() == 0
+    assert bakery.release(GONE) == 0
+
+
+def test_many_claimers_never_get_the_same_job(bakery: Bakery) -> None:
+    keys = [str(number) for number in range(40)]
+    bakery.put(*keys)
+
+    def drain(_: int) -> list[str]:
+        mine: list[str] = []
+        while (lease := bakery.claim()) is not None:
+            mine.append(lease.key)
+        return mine
+
+    with ThreadPoolExecutor(8) as pool:
+        got = Counter(key for mine in pool.map(drain, range(8)) for key in mine)
+    # On PostgreSQL a claimer may find every waiting row locked by others, and stop early: the rest is found again.
+    got.update(drain(0))
+    assert got == Counter(keys)
+
+
+def test_a_job_is_ended_once_and_by_the_holder_only(bakery: Bakery) -> None:
+    bakery.put("a")
+    lease = bakery.claimed()
+    assert not bakery.finish(replace(lease, token=uuid4()))
+    assert bakery.places("a") == [0]
+    assert bakery.finish(lease)
+    assert not bakery.finish(lease)
+    assert bakery.jobs() == []
+
+
+def test_each_change_is_signalled_by_the_job_s_key(bakery: Bakery) -> None:
+    bakery.put("a")
+    bakery.finish(bakery.claimed())
+    assert bakery.told.news == ["queued", "a", "a"]
+
+
+def test_a_lease_that_ran_out_is_taken_back_and_its_late_end_refused(bakery: Bakery) -> None:
+    bakery.put("a")
+    late = bakery.claimed(seconds=-1)
+    assert bakery.recover() == 1
+    second = bakery.claimed()
+    assert second.tries == 2
+    assert not bakery.finish(late)
+    assert bakery.finish(second)
+
+
+def test_a_heartbeat_keeps_the_lease(bakery: Bakery) -> None:
+    bakery.put("a")
+    lease = bakery.claimed(seconds=-1)
+    with bakery.database.write() as db:
+        assert bakery.queue.heartbeat(db, lease, 60)
+    assert bakery.recover() == 0
+    assert bakery.finish(lease)
+    with bakery.database.write() as db:
+        assert not bakery.queue.heartbeat(db, lease, 60)
+
+
+def test_a_dead_holder_on_this_machine_loses_its_lease_at_once(bakery: Bakery) -> None:
+    bakery.put("a", "b")
+    bakery.claimed(GONE)
+    alive = bakery.claimed(HERE)
+    assert bakery.recover() == 1
+    assert bakery.finish(alive)
+
+
+def test_a_worker_s_death_frees_its_own_leases_only(bakery: Bakery) -> None:
+    bakery.put("a", "b")
+    mine, other = bakery.claimed(GONE), bakery.claimed(HERE)
+    assert bakery.release(GONE) == 1
+    assert not bakery.finish(mine)
+    assert bakery.finish(other)
+
+
+def test_what_ends_its_worker_again_and_again_is_given_up(bakery: Bakery) -> None:
+    bakery.put("a", "b")
+    for _ in range(MAX_TRIES):
+        assert bakery.given_up == []
+        bakery.claimed(GONE)
+        assert bakery.recover() == 1
+    assert bakery.given_up == ["a"]
+    assert [job.key for job in bakery.jobs()] == ["b"]
+
+
+def test_a_submission_given_up_is_our_error_and_costs_nothing(
+    database: Database, store: Submissions, ada: Account, course: Course, caplog: pytest.LogCaptureFixture
+) -> None:
+    with database.write() as db:
+        sent = store.submit(db, ada, EXERCISE, "pass")
+    queue = Told().queue
+    for _ in range(MAX_TRIES):
+        with database.write() as db:
+            assert queue.claim(db, GONE, [GRADE], 60)
+            assert queue.release(db, GONE, give_ups(course)) == 1
+    with database.read() as db:
+        attempt = gradebook.find(db, ada, sent.id)
+        assert store.place(db, attempt.submission) == Place(State.done)
+        grading = attempt.grading
+        assert grading is not None
+        assert (grading.outcome, grading.score) == ("internal_error", None)
+        assert grading.exercise_version == course.exercises[EXERCISE].version
+        assert gradebook.progress(db, ada) == {}
+    for told in (str(sent.id), f"seed {sent.seed},", f"digest {sent.digest}"):
+        assert told in caplog.text
+
+
+def test_what_is_given_back_has_not_been_tried(bakery: Bakery) -> None:
+    bakery.put("a")
+    lease = bakery.claimed()
+    with bakery.database.write() as db:
+        bakery.queue.give_back(db, lease)
+    (job,) = bakery.jobs()
+    assert (job.lease_token, job.started_at, job.tries) == (None, None, 0)
+    assert not bakery.finish(lease)
+
+
+def test_a_lease_of_another_machine_waits_for_its_end(bakery: Bakery) -> None:
+    bakery.put("a")
+    lease = bakery.claimed(replace(GONE, host="elsewhere"))
+    assert bakery.recover() == 0
+    with bakery.database.write() as db:
+        job = db.execute(select(Job)).scalar_one()
+        job.lease_until = utc_now() - timedelta(seconds=1)
+    assert bakery.recover() == 1
+    assert not bakery.finish(lease)
+
+
+def test_owners_are_told_dead_or_alive() -> None:
+    child = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
+    owner = owner_of(child.pid)
+    assert parse(str(owner)) == owner
+    assert not is_dead(str(owner), HERE)
+    child.kill()
+    child.wait()
+    assert is_dead(str(owner), HERE)
+
+
+@pytest.mark.parametrize(
+    ("change", "dead"),
+    [({"boot": "another"}, True), ({"host": "elsewhere"}, False), ({"namespace": "another"}, False), ({}, False)],
+)
+def test_only_certain_deaths_are_told(change: dict[str, str], dead: bool) -> None:
+    assert is_dead(str(replace(HERE, **change)), HERE) is dead  # type: ignore[arg-type]

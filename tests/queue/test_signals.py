@@ -1,0 +1,247 @@
+"""Wake-ups: the switchboard, its channel, PostgreSQL's notifications, and events for those who watch."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+import threading
+from collections.abc import AsyncIterator, Callable, Iterator
+from dataclasses import dataclass
+from queue import Queue
+from typing import Any
+
+import pytest
+
+from server.base.settings import Settings
+from server.database import Database
+from server.identity.models import Account
+from server.queue.channel import Channel
+from server.queue.polling import Polling
+from server.queue.postgres import Listener, PostgresSignals, PostgresSource
+from server.queue.service import TableQueue
+from server.queue.switchboard import Switchboard
+from server.queue.worker import Worker
+from server.submissions import events as events_module
+from server.submissions.events import Events, as_sse
+from server.submissions.service import Submissions, key_of
+from tests.support.quick import in_a_loop
+from tests.support.service import EXERCISE, opened, worker_of
+
+
+class Wire:
+    """A worker's line, on the web process's side."""
+
+    def __init__(self) -> None:
+        self.sent: list[bytes] = []
+
+    def write(self, data: bytes) -> None:
+        self.sent.append(data)
+
+
+def run(scenario: Callable[[Switchboard, list[str]], Any]) -> None:
+    async def main() -> None:
+        told: list[str] = []
+        board = Switchboard(told.append)
+        board.bind(asyncio.get_running_loop())
+        await scenario(board, told)
+
+    in_a_loop(main())
+
+
+def test_one_idle_worker_is_woken_for_each_submission() -> None:
+    async def scenario(board: Switchboard, _told: list[str]) -> None:
+        one, two = Wire(), Wire()
+        board.heard(one, "idle")
+        board.heard(two, "idle")
+        board.wake()
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        assert sorted([one.sent, two.sent]) == [[], [b"work\n"]]
+        board.wake()
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        assert [one.sent, two.sent] == [[b"work\n"], [b"work\n"]]
+
+    run(scenario)
+
+
+def test_a_wake_up_that_finds_nobody_is_owed_to_the_next_to_sleep() -> None:
+    async def scenario(board: Switchboard, _told: list[str]) -> None:
+        worker = Wire()
+        board.wake()
+        await asyncio.sleep(0.01)
+        board.heard(worker, "idle")
+        assert worker.sent == [b"work\n"]
+        board.heard(worker, "idle")
+        assert worker.sent == [b"work\n"], "it is owed once"
+
+    run(scenario)
+
+
+def test_the_dead_are_not_woken() -> None:
+    async def scenario(board: Switchboard, _told: list[str]) -> None:
+        dead, alive = Wire(), Wire()
+        board.heard(alive, "idle")
+        board.heard(dead, "idle")
+        board.gone(dead)
+        board.wake()
+        await asyncio.sleep(0.01)
+        assert (dead.sent, alive.sent) == ([], [b"work\n"])
+
+    run(scenario)
+
+
+def test_the_channel_carries_both_ways() -> None:
+    web, worker = socket.socketpair()
+    channel, name = Channel(worker), "a"
+    web.sendall(b"work\n")
+    assert channel.wait(20)
+    assert web.recv(100) == b"idle\n"
+    assert channel.wait(0.01), "nothing came: look again all the same"
+    web.close()
+    assert not channel.wait(20), "the web process is gone"
+    database_less: Any = type("Db", (), {"info": {}})()
+    channel.changed(database_less, name)
+    for action in database_less.info["after_commit"]:
+        action()  # nobody listens any more: this must not fail what has been recorded
+    worker.close()
+
+
+def test_polling_always_looks_again() -> None:
+    assert Polling(0.001).wait(10)
+
+
+@dataclass(frozen=True)
+class Count:
+    value: int
+    last: int = 3
+
+    @property
+    def done(self) -> bool:
+        return self.value >= self.last
+
+
+async def collect(snapshots: AsyncIterator[Count]) -> list[int]:
+    return [one.value async for one in snapshots]
+
+
+def test_watchers_see_each_change_once_and_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(events_module, "SAFETY_POLL", 60.0)
+    state, reads = [0], list[int]()
+
+    def read() -> Count:
+        reads.append(state[0])
+        return Count(reads[-1])
+
+    async def main() -> list[int]:
+        events, name = Events(), "a"
+        watching = asyncio.create_task(collect(events.follow(name, read)))
+        for value in (1, 1, 2, 3):
+            while reads[-1:] != state:  # the watcher has seen how things stand
+                await asyncio.sleep(0.005)
+            state[0] = value
+            events.changed(name)
+        return await asyncio.wait_for(watching, 20)
+
+    assert in_a_loop(main()) == [0, 1, 2, 3]
+
+
+def test_a_lost_signal_is_made_up_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(events_module, "SAFETY_POLL", 0.02)
+    state = iter([0, 0, 1, 3])
+
+    async def main() -> list[int]:
+        return await asyncio.wait_for(collect(Events().follow("a", lambda: Count(next(state)))), 20)
+
+    assert in_a_loop(main()) == [0, 1, 3]
+
+
+def test_those_who_wait_learn_that_the_queue_has_moved(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(events_module, "SAFETY_POLL", 60.0)
+    state, reads = [2], list[int]()
+
+    def read() -> Count:
+        reads.append(state[0])
+        return Count(reads[-1])
+
+    async def main() -> list[int]:
+        events = Events()
+        watching = asyncio.create_task(collect(events.follow("a", read)))
+        while not reads:
+            await asyncio.sleep(0.005)
+        state[0] = 3
+        events.changed("b")
+        return await asyncio.wait_for(watching, 20)
+
+    assert in_a_loop(main()) == [2, 3]
+
+
+async def watched(events: Events) -> None:
+    while not events._watchers:
+        await asyncio.sleep(0.005)
+
+
+def test_nothing_is_kept_of_watchers_who_leave() -> None:
+    async def main() -> dict[Any, Any]:
+        events, name = Events(), "a"
+        await events.until_done(name, lambda: Count(0), 0.02)
+        watching = asyncio.create_task(collect(events.follow(name, lambda: Count(0))))
+        await watched(events)
+        watching.cancel()
+        await asyncio.wait([watching])
+        return dict(events._watchers)
+
+    assert in_a_loop(main()) == {}
+
+
+def test_a_stopping_server_ends_the_watches() -> None:
+    async def main() -> list[int]:
+        events = Events()
+        watching = asyncio.create_task(collect(events.follow("a", lambda: Count(0))))
+        await watched(events)
+        events.close()
+        return await asyncio.wait_for(watching, 20)
+
+    assert in_a_loop(main()) == [0]
+
+
+def test_an_event_of_several_lines_stays_one_event() -> None:
+    async def main() -> list[str]:
+        async def one() -> AsyncIterator[Count]:
+            yield Count(3)
+
+        return [text async for text in as_sse(one(), lambda _: "a\nb", name="x")]
+
+    assert in_a_loop(main()) == ["event: x\ndata: a\ndata: b\n\n"]
+
+
+@pytest.fixture
+def far(settings: Settings, postgres_url: str) -> Iterator[Settings]:
+    far = settings.model_copy(update={"database_url": postgres_url})
+    for _ in opened(far):
+        yield far
+
+
+def test_postgresql_tells_other_machines(far: Settings) -> None:
+    told: Queue[str] = Queue()
+    listener = Listener(far.url, lambda: told.put("queued"), told.put)
+    listener.start()
+    assert listener.listening.wait(20)
+    remote, queue = Database(far.url), TableQueue(PostgresSignals())
+    account = Account(name="Ada")
+    with remote.write() as db:
+        db.add(account)
+    working = threading.Thread(target=work_once, args=(worker_of(remote, far, queue=queue), PostgresSource(far.url)))
+    working.start()
+    with remote.write() as db:
+        name = key_of(Submissions(far, queue).submit(db, account, EXERCISE, "pass").id)
+    assert told.get(timeout=20) == "queued"
+    assert {told.get(timeout=20), told.get(timeout=20)} == {name}, "it began, then it was done"
+    working.join()
+    listener.stop()
+    remote.close()
+
+
+def work_once(worker: Worker, source: PostgresSource) -> None:
+    while not worker.step():
+        source.wait(20)

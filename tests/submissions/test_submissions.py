@@ -1,0 +1,180 @@
+"""Sending files, and what one's attempts open."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from uuid import uuid4
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from sqlalchemy.orm import Session
+
+from server.base.errors import Invalid, NotFound, TooLarge, TooMany
+from server.base.settings import Settings
+from server.database import Database
+from server.gradebook import service as gradebook
+from server.gradebook.schemas import NOTHING_YET, Progress
+from server.identity.models import Account, Role
+from server.submissions import service
+from server.submissions.models import State, Submission
+from server.submissions.service import Place, Submissions
+from tests.support.service import EXERCISE, new_account, worker_of
+
+STARTER = "def composer(a, b):\n    return a\n"
+
+
+@dataclass(frozen=True)
+class Desk:
+    """Where files are sent, and graded by hand."""
+
+    database: Database
+    settings: Settings
+    store: Submissions
+
+    def submit(self, account: Account, code: str = "x = 1\n") -> Submission:
+        with self.database.write() as db:
+            return self.store.submit(db, account, EXERCISE, code)
+
+    def grade_all(self) -> None:
+        worker = worker_of(self.database, self.settings)
+        while worker.step():
+            pass
+
+
+@pytest.fixture
+def desk(database: Database, both: Settings, store: Submissions) -> Desk:
+    return Desk(database, both, store)
+
+
+def test_a_submission_is_kept_byte_for_byte(desk: Desk, ada: Account) -> None:
+    code = "\ufeffé = 1\r\n\tprint('\x00 😀')"
+    row = desk.submit(ada, code)
+    with desk.database.read() as db:
+        attempt = gradebook.find(db, ada, str(row.id))
+        sent = attempt.submission
+        assert sent.source == code.encode()
+        assert sent.code == code.removeprefix("\ufeff")
+        assert (desk.store.place(db, sent), attempt.grading) == (Place(State.queued, 1), None)
+        assert 0 <= sent.seed < 2**53
+
+
+def test_code_is_bounded_in_bytes(desk: Desk, ada: Account) -> None:
+    desk.submit(ada, "é" * (desk.settings.code_bytes // 2))
+    with pytest.raises(TooLarge, match=r"dépasse de 1.octet la limite de 64.Kio"):
+        desk.submit(ada, "é" * (desk.settings.code_bytes // 2) + "x")
+
+
+def test_what_is_not_unicode_is_refused(desk: Desk, ada: Account) -> None:
+    with pytest.raises(Invalid):
+        desk.submit(ada, "x = '\ud800'")
+
+
+def test_sending_too_fast_is_refused_and_stores_nothing(desk: Desk, ada: Account) -> None:
+    for _ in range(desk.settings.submission_burst):
+        desk.submit(ada)
+    with pytest.raises(TooMany) as refused:
+        desk.submit(ada)
+    assert 1 <= refused.value.retry_after <= desk.settings.submission_refill_seconds
+    with desk.database.read() as db:
+        assert gradebook.attempts(db, ada, EXERCISE, 1).total == desk.settings.submission_burst
+    desk.submit(new_account(desk.database))
+
+
+def test_our_error_gives_the_allowance_back(desk: Desk, ada: Account) -> None:
+    for k in range(desk.settings.submission_burst):
+        desk.submit(ada, f"# {k}, outcome: {'internal_error' if k < 2 else 'ok'}")
+    with pytest.raises(TooMany):
+        desk.submit(ada)
+    desk.grade_all()
+    for _ in range(2):
+        desk.submit(ada)
+    with pytest.raises(TooMany):
+        desk.submit(ada)
+
+
+def test_a_submission_is_seen_by_its_author_and_by_teachers(desk: Desk, ada: Account) -> None:
+    row = desk.submit(ada)
+    teacher, other = new_account(desk.database, Role.teacher), new_account(desk.database)
+    with desk.database.read() as db:
+        assert gradebook.find(db, teacher, row.id).submission.id == row.id
+        for account, wanted in [(other, row.id), (None, row.id), (ada, uuid4()), (ada, "not-an-id")]:
+            with pytest.raises(NotFound):
+                gradebook.find(db, account, wanted)
+
+
+def test_progress_counts_the_best_and_never_our_errors(desk: Desk, ada: Account) -> None:
+    desk.submit(ada, "# outcome: wrong_answer")
+    desk.submit(ada, "# outcome: internal_error")
+    desk.grade_all()
+    with desk.database.read() as db:
+        assert gradebook.progress(db, ada) == {EXERCISE: Progress(0.5, 1)}
+    desk.submit(ada, "right")
+    desk.grade_all()
+    with desk.database.read() as db:
+        mine = gradebook.progress(db, ada)[EXERCISE]
+        assert (mine.best, mine.attempts, mine.succeeded) == (1.0, 2, True)
+        assert gradebook.progress(db, new_account(desk.database)) == gradebook.progress(db, None) == {}
+
+
+def test_only_changed_failed_attempts_open_hints(desk: Desk, ada: Account) -> None:
+    tag = "'outcome: wrong_answer'\n"
+    for code in (STARTER + tag, tag + "x = 1", tag + "\n# a remark\nx = 1   \n", "y = 1", "'outcome: internal_error'"):
+        desk.submit(ada, code)
+    with desk.database.read() as db:
+        assert gradebook.distinct_failed_attempts(db, ada, EXERCISE) == 0, "nothing is graded yet"
+    desk.grade_all()
+    with desk.database.read() as db:
+        assert gradebook.distinct_failed_attempts(db, ada, EXERCISE) == 2
+        assert gradebook.distinct_failed_attempts(db, ada, EXERCISE, besides=[STARTER + tag]) == 1
+        assert gradebook.distinct_failed_attempts(db, None, EXERCISE) == 0
+
+
+def test_the_solution_opens_after_success_or_by_a_teacher(desk: Desk, ada: Account) -> None:
+    bob, teacher = new_account(desk.database), new_account(desk.database, Role.teacher)
+    desk.submit(ada, "right")
+    desk.submit(bob, "# outcome: wrong_answer")
+    desk.grade_all()
+
+    def open_to() -> list[bool]:
+        with desk.database.read() as db:
+            to_all = gradebook.is_open_to_all(db, EXERCISE)
+            return [
+                gradebook.solution_open(account, progress_of(db, account), to_all=to_all)
+                for account in (ada, bob, teacher, None)
+            ]
+
+    def progress_of(db: Session, account: Account | None) -> Progress:
+        return gradebook.progress(db, account, EXERCISE).get(EXERCISE, NOTHING_YET)
+
+    assert open_to() == [True, False, True, False]
+    for _ in range(2):
+        with desk.database.write() as db:
+            gradebook.open_solution(db, EXERCISE, teacher)
+    assert open_to() == [True, True, True, True]
+    with desk.database.write() as db:
+        gradebook.close_solution(db, EXERCISE)
+    assert open_to() == [True, False, True, False]
+
+
+def test_attempts_come_newest_first(desk: Desk, ada: Account) -> None:
+    rows = [desk.submit(ada) for _ in range(3)]
+    with desk.database.read() as db:
+        listed = gradebook.attempts(db, ada, EXERCISE, 2)
+        assert [(line.id, line.number) for line in listed.lines] == [(rows[2].id, 3), (rows[1].id, 2)]
+        assert listed.total == 3
+        older = gradebook.attempts(db, ada, EXERCISE, 2, skipped=2)
+        assert [(line.id, line.number) for line in older.lines] == [(rows[0].id, 1)]
+        assert [gradebook.number_of(db, row) for row in rows] == [1, 2, 3]
+        assert gradebook.attempts(db, None, EXERCISE, 2).total == 0
+
+
+@given(st.text(), st.integers(0, 3), st.sampled_from(["", "# note", "   # note", "\t"]))
+def test_blank_lines_and_whole_line_comments_never_count(code: str, spaces: int, line: str) -> None:
+    changed = "\n".join(one + " " * spaces for one in code.splitlines()) + f"\n{line}\n"
+    assert service.digest(changed) == service.digest(code)
+
+
+def test_indentation_and_content_count() -> None:
+    digests = {service.digest(code) for code in ("x = 1", "x = 2", "  x = 1", "x = 1 # note", "")}
+    assert len(digests) == 5

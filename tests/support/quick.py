@@ -1,0 +1,107 @@
+"""What many tests need and one process makes once: the course, an SQLite file at the current schema, a quick hasher."""
+
+from __future__ import annotations
+
+import asyncio
+import tempfile
+from collections.abc import Coroutine, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import pytest
+from fastapi import FastAPI
+from pwdlib import PasswordHash
+from pwdlib.hashers.argon2 import Argon2Hasher
+
+from graders.core.code.grading import CodeGrader
+from server.app import create_app
+from server.base.settings import Settings
+from server.course import Course, Exercise, load
+from server.database import Database
+from server.database.migrate import upgrade
+from tests.graders.reenactments import steady
+
+T = TypeVar("T")
+
+
+#: Of a figure: the light one is drawn in the fast suite.
+THEMES = ["light", pytest.param("dark", marks=pytest.mark.slow)]
+
+
+def some(values: Iterable[T]) -> list[T]:
+    """These, of which there is at least one: a test that walks nothing proves nothing."""
+    found = list(values)
+    assert found, "there is nothing to walk through"
+    return found
+
+
+@cache
+def the_course() -> Course:
+    """The real course, its texts left as they are, its graders of code steady (see `tests.graders.reenactments`)."""
+    course = load(render=False)
+    modules = {name: replace(one, exercises=tuple(map(_steady, one.exercises))) for name, one in course.modules.items()}
+    return replace(course, modules=modules)
+
+
+def _steady(exercise: Exercise) -> Exercise:
+    grader = exercise.grader
+    return replace(exercise, grader=steady(grader)) if isinstance(grader, CodeGrader) else exercise
+
+
+def migrated(settings: Settings) -> Database:
+    """A database at the current schema; a new one in an SQLite file is a copy of one that was migrated."""
+    if settings.database_url is None:
+        path = Path(settings.url.removeprefix("sqlite:///"))
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(_sqlite_file())
+    else:
+        _upgrade_once(settings.url)
+    return Database(settings.url)
+
+
+@cache
+def _sqlite_file() -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        settings = Settings(data_dir=Path(folder), workers=0)
+        _upgrade_once(settings.url)
+        left = [path.read_bytes() for path in Path(folder).iterdir()]
+    assert len(left) == 1, "closing a database leaves one file"
+    return left[0]
+
+
+@cache
+def _upgrade_once(url: str) -> None:
+    database = Database(url)
+    upgrade(database.engine)
+    database.close()
+
+
+_standing: dict[tuple[int, int], FastAPI] = {}
+
+
+def standing_app(settings: Settings, course: Course) -> FastAPI:
+    """An application whose routes this process puts together only once; it serves one test at a time.
+
+    All that it holds is new: what it was built with, what runs while it serves, and nothing is overridden.
+    """
+    new = create_app(settings, course=course)
+    app = _standing.setdefault((settings.body_bytes, settings.session_days), new)  # what its middleware was told
+    app.state.provided = new.state.provided
+    app.router.lifespan_context = new.router.lifespan_context
+    app.dependency_overrides.clear()
+    return app
+
+
+@cache
+def weak_hasher() -> PasswordHash:
+    """Argon2id at its weakest, where a test is about something else than hashing."""
+    return PasswordHash((Argon2Hasher(time_cost=1, memory_cost=8, parallelism=1),))
+
+
+def in_a_loop(scene: Coroutine[Any, Any, T]) -> T:
+    """Runs it in a loop and a thread of its own: the browser's tests keep a loop in this one."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, scene).result()

