@@ -17,15 +17,16 @@ COLORS = {*get_args(Color)}
 DEFAULT_BYTES, MOST_BYTES = 1_000_000, 4_000_000
 
 
-def extremes(name: str) -> list[dict[str, str]]:
-    """The defaults, each setting at each of its ends, and a few things at once."""
-    found: list[dict[str, str]] = [{}]
-    all_least, all_most = {}, {}
-    for parameter, one in REPLAYS.find("l20", name).parameters.items():
-        ends = ends_of(one.describe())
-        found += [{parameter: end} for end in ends]
-        all_least[parameter], all_most[parameter] = ends[0], ends[-1]
-    return [*found, all_least, all_most]
+def together(name: str) -> list[dict[str, str]]:
+    """The defaults, every setting at its least, every setting at its most."""
+    ends = {parameter: ends_of(one.describe()) for parameter, one in REPLAYS.find("l20", name).parameters.items()}
+    return [{}, {one: values[0] for one, values in ends.items()}, {one: values[-1] for one, values in ends.items()}]
+
+
+def one_by_one(name: str) -> list[dict[str, str]]:
+    """Each setting at each of its ends, the others as they are."""
+    parameters = REPLAYS.find("l20", name).parameters
+    return [{parameter: end} for parameter, one in parameters.items() for end in ends_of(one.describe())]
 
 
 def ends_of(parameter: dict[str, Any]) -> list[str]:
@@ -46,11 +47,14 @@ def ends_of(parameter: dict[str, Any]) -> list[str]:
     raise AssertionError(parameter)
 
 
-#: The fast suite computes each replay as it opens, and one in six of its extremes.
+#: The fast suite computes each replay as it opens, and with all settings at one end; the thorough run each end alone.
 CASES = [
-    pytest.param(name, case, id=f"{name}-{case}", marks=[pytest.mark.slow] if k % 6 else [])
-    for name in NAMES
-    for k, case in enumerate(extremes(name))
+    *(pytest.param(name, case, id=f"{name}-{case}") for name in NAMES for case in together(name)),
+    *(
+        pytest.param(name, case, id=f"{name}-{case}", marks=pytest.mark.slow)
+        for name in NAMES
+        for case in one_by_one(name)
+    ),
 ]
 
 
