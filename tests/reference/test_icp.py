@@ -167,7 +167,9 @@ def test_a_kernel_costs_the_integral_of_its_weight(kernel: Kernel, gap: float) -
     def weight(square: float) -> float:
         return float(kernel.weight(np.array([square**0.5]))[0])
 
-    bend = min(gap, getattr(kernel, "scale", gap)) ** 2  # where Huber's and Tukey's weights have a corner, which a quadrature smooths
+    bend = (
+        min(gap, getattr(kernel, "scale", gap)) ** 2
+    )  # where Huber's and Tukey's weights have a corner, which a quadrature smooths
     integral = quad(weight, 0.0, bend, limit=200)[0] + quad(weight, bend, gap**2, limit=200)[0]
     assert float(kernel.cost(np.array([gap]))[0]) == pytest.approx(integral, abs=1e-6)
 
