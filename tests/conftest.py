@@ -21,31 +21,10 @@ pytest_plugins = ["tests.support.service", "tests.support.small_course"]
 settings.register_profile("balise", deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("balise")
 
-#: What one process makes for a whole folder, and another would make again.
-TOGETHER = ("tests/browser",)
-
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """What is long begins first: begun last, it would keep one processor busy while the other has nothing to do.
-
-    The tests of a file go to one process, which has made what they share: a server, a sandbox, re-enacted mistakes.
-    """
+    """What is long begins first: begun last, it would keep one processor busy while the other has nothing to do."""
     items.sort(key=lambda item: item.get_closest_marker("long") is None)
-    for item in items:
-        item.add_marker(pytest.mark.xdist_group(_company(item)))
-
-
-def _company(item: pytest.Item) -> str:
-    """The tests that go to the same process bear the same name."""
-    if isinstance(item, pytest.Function) and _on_postgresql(item):
-        return "postgresql"
-    path = item.nodeid.split("::")[0]
-    return next((folder for folder in TOGETHER if path.startswith(f"{folder}/")), path)
-
-
-def _on_postgresql(item: pytest.Function) -> bool:
-    chosen = item.callspec.params.get("database_url") if hasattr(item, "callspec") else None
-    return chosen == "postgresql" or "postgres_server" in item.fixturenames
 
 
 @pytest.fixture(scope="session")
