@@ -89,13 +89,10 @@ def told(fault: Any, policy: Policy) -> ProgramFault | None:
     if not isinstance(fault, dict) or set(fault) != {"kind", "exception", "text", "line", "frames", "detail"}:
         return None
     kind, line, frames = fault["kind"], fault["line"], _frames(fault["frames"])
-    if (
-        not isinstance(kind, str)
-        or kind not in _TOLD_BY_CHILD
-        or frames is None
-        or not (line is None or _is_line(line))
-    ):
+    if not isinstance(kind, str) or kind not in _TOLD_BY_CHILD or frames is None:
         return None
+    if not _is_line(line):  # an honest program may be where there is none: that is no forgery
+        line = None
     if not all(_is_text(fault[name], longest) for name, longest in _LENGTHS.items()):
         return None
     exception, text, detail = (messages.clean(fault[name]) for name in _LENGTHS)
@@ -127,15 +124,18 @@ def _is_text(text: object, longest: int) -> bool:
 
 
 def _frames(given: object) -> tuple[Frame, ...] | None:
+    """The levels that have a line; None for what is not in the form of levels."""
     if not isinstance(given, tuple) or len(given) > MAX_FRAMES:
         return None
     frames = []
     for entry in given:
-        if not isinstance(entry, tuple) or [type(field) for field in entry] != [int, str, str]:
+        if not isinstance(entry, tuple) or len(entry) != 3:
             return None
-        if not (_is_line(entry[0]) and _is_text(entry[1], MAX_NAME) and _is_text(entry[2], MAX_SOURCE)):
+        line, function, source = entry
+        if not (_is_text(function, MAX_NAME) and _is_text(source, MAX_SOURCE)):
             return None
-        frames.append(Frame(entry[0], messages.clean(entry[1]), messages.clean(entry[2])))
+        if _is_line(line):
+            frames.append(Frame(line, messages.clean(function), messages.clean(source)))
     return tuple(frames)
 
 

@@ -186,6 +186,26 @@ def test_a_program_that_is_too_long_is_told_where_it_was(fault_of: FaultOf) -> N
         assert ("calculé" in fault.message) == ("while" in body)
 
 
+LINELESS = """
+def f(x):
+    while True:
+        pass
+f.__code__ = f.__code__.replace(co_linetable=b"")
+"""
+
+
+def test_a_program_caught_where_it_has_no_line_is_told_where_it_begins(fault_of: FaultOf) -> None:
+    """At the entry of a function the interpreter may know no line yet (here, nowhere): that was told as cheating."""
+    fault = fault_of(LINELESS, 1, policy=only(cpu_seconds=0.05))
+    assert (fault.kind, fault.line) == (FaultKind.TIMEOUT, 2)
+    assert [(frame.line, frame.function, frame.source) for frame in fault.frames] == [(2, "f", "def f(x):")]
+
+
+def test_an_exception_where_there_is_no_line_is_told_where_its_function_begins(fault_of: FaultOf) -> None:
+    fault = fault_of(LINELESS.replace("while True:\n        pass", "return x / 0"), 1)
+    assert (fault.kind, fault.exception, fault.line) == (FaultKind.RUNTIME_ERROR, "ZeroDivisionError", 2)
+
+
 @pytest.mark.parametrize(
     ("result", "told"),
     [

@@ -115,9 +115,7 @@ class Program:
         frames: list[tuple[int, str, str]] = []
         while frame is not None:
             if frame.f_code.co_filename == self._filename and len(frames) < report.MAX_FRAMES:
-                line = int(frame.f_lineno or 0)
-                source = self._lines[line - 1].strip()[: report.MAX_SOURCE] if 0 < line <= len(self._lines) else ""
-                frames.insert(0, (line, frame.f_code.co_name[: report.MAX_NAME], source))
+                frames.insert(0, report.level(frame.f_code, frame.f_lineno, self._lines))
             frame = frame.f_back
         line_reached = frames[-1][0] if frames else None
         return {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
-from types import TracebackType
+from types import CodeType, TracebackType
 
 from .codec import Value
 
@@ -57,13 +57,18 @@ def _own_frames(traceback: TracebackType | None, filename: str, lines: list[str]
     while traceback is not None:
         code = traceback.tb_frame.f_code
         if code.co_filename == filename:
-            line = int(traceback.tb_lineno or 0)
-            source = lines[line - 1].strip()[:MAX_SOURCE] if 0 < line <= len(lines) else ""
-            frames.append((line, code.co_name[:MAX_NAME], source))
+            frames.append(level(code, traceback.tb_lineno, lines))
             if len(frames) > MAX_FRAMES:
                 del frames[2]  # the way in, then the last ones: what a deep recursion needs
         traceback = traceback.tb_next
     return frames
+
+
+def level(code: CodeType, line: int | None, lines: list[str]) -> tuple[int, str, str]:
+    """Line, function and source of a frame: where it is called there is no line yet, and its first one is told."""
+    line = line or code.co_firstlineno
+    source = lines[line - 1].strip()[:MAX_SOURCE] if 0 < line <= len(lines) else ""
+    return line, code.co_name[:MAX_NAME], source
 
 
 def _innermost_module(traceback: TracebackType | None) -> str:
