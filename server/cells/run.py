@@ -33,7 +33,7 @@ POLICY = Policy(
 #: What the sandbox says to the author of an exercise, and what a cell's reader is told instead.
 _INSTEAD = (
     (r"\s: tout arrive par les arguments", ""),
-    (r"Rien ne se trace pendant l'évaluation.*", "Pour tracer, importez «\u202fmatplotlib.pyplot\u202f»."),
+    (r"Rien ne se trace pendant l’évaluation.*", "Pour tracer, importez «\u202fmatplotlib.pyplot\u202f»."),
 )
 UNREADABLE = "Une figure ne peut pas être lue : dessinez-la avec les fonctions de matplotlib, et laissez-la ouverte."
 

@@ -15,8 +15,8 @@ _NARROW = "\u00a0"
 
 _SYNTAX = (
     (r"expected ':'", "il manque « : » à la fin de cette ligne"),
-    (r"'(.+)' was never closed", "« {0} » est ouvert ici et n'est jamais refermé"),
-    (r"unmatched '(.+)'", "« {0} » ferme ce qui n'a pas été ouvert"),
+    (r"'(.+)' was never closed", "« {0} » est ouvert ici et n’est jamais refermé"),
+    (r"unmatched '(.+)'", "« {0} » ferme ce qui n’a pas été ouvert"),
     (r"closing parenthesis '(.)' does not match.*'(.)'.*", "« {0} » ferme « {1} » : les deux ne vont pas ensemble"),
     (r"expected an indented block after (.+) on line (\d+)", "ce qui suit la ligne {1} doit être décalé à droite"),
     (r"unexpected indent", "cette ligne est décalée vers la droite sans raison"),
@@ -27,48 +27,48 @@ _SYNTAX = (
     (r"cannot assign to .*Maybe you meant '==' .*", "« = » affecte une valeur ; pour comparer, écrivez « == »"),
     (r"invalid syntax\. Perhaps you forgot a comma\?", "il manque peut-être une virgule"),
     (r"invalid non-printable character (U\+\w+)", "un caractère invisible ({0}) est à effacer (copier-coller ?)"),
-    (r"invalid character '(.+)' \((U\+\w+)\)", "le caractère « {0} » n'existe pas en Python (copier-coller ?)"),
-    (r"'(return|yield|await)' outside function", "« {0} » n'a de sens que dans une fonction"),
-    (r"'(break|continue)' .*", "« {0} » n'a de sens que dans une boucle"),
+    (r"invalid character '(.+)' \((U\+\w+)\)", "le caractère « {0} » n’existe pas en Python (copier-coller ?)"),
+    (r"'(return|yield|await)' outside function", "« {0} » n’a de sens que dans une fonction"),
+    (r"'(break|continue)' .*", "« {0} » n’a de sens que dans une boucle"),
     (r"positional argument follows keyword argument.*", "un argument sans nom suit un argument nommé"),
     (r"non-default argument follows default argument", "un paramètre sans valeur par défaut en suit un qui en a une"),
-    (r"\(unicode error\).*|.*codec can't decode.*", "le fichier n'est pas enregistré en UTF-8"),
+    (r"\(unicode error\).*|.*codec can't decode.*", "le fichier n’est pas enregistré en UTF-8"),
     (r"too many nested parentheses.*|.*too many statically nested.*", "trop de niveaux imbriqués"),
-    (r"maximum recursion depth exceeded.*|.*parser stack overflow.*", "l'expression est trop profondément imbriquée"),
+    (r"maximum recursion depth exceeded.*|.*parser stack overflow.*", "l’expression est trop profondément imbriquée"),
     (r"leading zeros in decimal.*", "un nombre entier ne commence pas par 0"),
     (r"Missing parentheses in call to '(\w+)'.*", "« {0} » est une fonction : ses arguments vont entre parenthèses"),
     (r"invalid syntax", "Python ne comprend pas cette ligne (regardez aussi la fin de la précédente)"),
 )  # fmt: skip
 
 _ADVICE = {
-    "NameError": "Ce nom n'est défini nulle part : faute de frappe, ou définition oubliée ?",
-    "UnboundLocalError": "Cette variable est lue avant d'avoir reçu une valeur dans la fonction.",
-    "TypeError": "Une valeur n'a pas le type qui convient, ou un appel n'a pas le bon nombre d'arguments.",
+    "NameError": "Ce nom n’est défini nulle part : faute de frappe, ou définition oubliée ?",
+    "UnboundLocalError": "Cette variable est lue avant d’avoir reçu une valeur dans la fonction.",
+    "TypeError": "Une valeur n’a pas le type qui convient, ou un appel n’a pas le bon nombre d’arguments.",
     "IndexError": "Un indice sort du tableau : rappelez-vous que les indices vont de 0 à la longueur moins un.",
-    "KeyError": "Cette clé n'est pas dans le dictionnaire.",
-    "AttributeError": "Cet objet n'a pas d'attribut ni de méthode de ce nom.",
+    "KeyError": "Cette clé n’est pas dans le dictionnaire.",
+    "AttributeError": "Cet objet n’a pas d’attribut ni de méthode de ce nom.",
     "ZeroDivisionError": "Un diviseur est nul.",
-    "RecursionError": "Une fonction s'appelle elle-même sans fin : quel cas doit l'arrêter ?",
+    "RecursionError": "Une fonction s’appelle elle-même sans fin : quel cas doit l’arrêter ?",
     "ValueError": "Une valeur ne convient pas ; avec numpy, vérifiez les dimensions (« shape ») de vos tableaux.",
     "LinAlgError": "Le calcul matriciel est impossible : la matrice est peut-être singulière.",
-    "EOFError": "Rien ne peut être lu au clavier ici : n'utilisez pas « input ».",
-    "SystemExit": "« exit » arrête tout le programme : utilisez « return » pour sortir d'une fonction.",
-    "FileNotFoundError": "Aucun fichier de données n'est fourni : tout arrive par les arguments.",
+    "EOFError": "Rien ne peut être lu au clavier ici : n’utilisez pas « input ».",
+    "SystemExit": "« exit » arrête tout le programme : utilisez « return » pour sortir d’une fonction.",
+    "FileNotFoundError": "Aucun fichier de données n’est fourni : tout arrive par les arguments.",
     "AssertionError": "Une de vos propres assertions est fausse.",
     "NotImplementedError": "Cette fonction reste à écrire.",
     "OverflowError": "Un nombre est devenu trop grand : cherchez une division par presque zéro, ou une exponentielle.",
     "FloatingPointError": "Un calcul sort des nombres que la machine peut écrire.",
-    "StopIteration": "Un itérateur est épuisé : « next » n'a plus rien à donner.",
-    "BrokenPipeError": "Personne ne lit à l'autre bout : tout arrive par les arguments, tout repart par « return ».",
+    "StopIteration": "Un itérateur est épuisé : « next » n’a plus rien à donner.",
+    "BrokenPipeError": "Personne ne lit à l’autre bout : tout arrive par les arguments, tout repart par « return ».",
     "KeyboardInterrupt": "Votre programme a demandé à être interrompu.",
 }  # fmt: skip
 
 _SIGNALS = {
     signal.SIGSEGV: "il est sorti de sa mémoire, ou a débordé la pile (récursion trop profonde ?)",
-    signal.SIGBUS: "il a accédé à une zone de mémoire qui n'existe pas",
+    signal.SIGBUS: "il a accédé à une zone de mémoire qui n’existe pas",
     signal.SIGABRT: "une bibliothèque a interrompu le programme",
     signal.SIGFPE: "une opération arithmétique est impossible",
-    signal.SIGILL: "le processeur a reçu une instruction qui n'existe pas",
+    signal.SIGILL: "le processeur a reçu une instruction qui n’existe pas",
 }  # fmt: skip
 
 
@@ -118,41 +118,45 @@ def syntax_error(text: str, source: str, line: int | None) -> str:
 
 
 def null_byte() -> str:
-    return "un octet nul se trouve dans le fichier : ce n'est pas un fichier de texte (enregistrez-le en UTF-8)"
+    return "un octet nul se trouve dans le fichier : ce n’est pas un fichier de texte (enregistrez-le en UTF-8)"
 
 
 def source_too_big(length: int, policy: Policy) -> str:
     return (
         f"Votre fichier fait {size(length)}, et la limite est de {size(policy.source_bytes)}. "
-        "N'y laissez que vos fonctions, sans données recopiées."
+        "N’y laissez que vos fonctions, sans données recopiées."
     )
 
 
 #: What to say of a system's own error, by the words that it comes with (`OSError` alone says little).
 _SYSTEM = {
     "Too many open files": "Trop de fichiers sont ouverts à la fois : fermez-les, ou ouvrez-les par « with ».",
-    "No space left on device": "Votre dossier est plein : n'y gardez que le nécessaire, ou calculez sans fichier.",
-    "Disk quota exceeded": "Votre dossier est plein : n'y gardez que le nécessaire, ou calculez sans fichier.",
+    "No space left on device": "Votre dossier est plein : n’y gardez que le nécessaire, ou calculez sans fichier.",
+    "Disk quota exceeded": "Votre dossier est plein : n’y gardez que le nécessaire, ou calculez sans fichier.",
     "File too large": "Ce fichier est trop gros : calculez sans fichier, ou écrivez moins.",
 }
 
 
+#: Texts of Python that tell a beginner nothing, in French.
+_IN_FRENCH = {"EOF when reading a line": "fin de l’entrée"}
+
+
 def runtime_error(exception: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
-    sentence = f"{exception} ({text})" if text else exception
+    sentence = f"{exception} ({_IN_FRENCH.get(text, text)})" if text else exception
     system = next((advice for words, advice in _SYSTEM.items() if words in text), None)
     return located(line, frames, f"{sentence}. {system or _ADVICE.get(exception, '')}".strip())
 
 
 def import_error(exception: str, module: str, text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
     if exception != "ModuleNotFoundError":
-        return located(line, frames, f"{text}. Ce nom n'est pas dans ce module.")
-    return located(line, frames, f"le module « {module} » n'est pas disponible ici. {_about_module(module)}")
+        return located(line, frames, f"{text}. Ce nom n’est pas dans ce module.")
+    return located(line, frames, f"le module « {module} » n’est pas disponible ici. {_about_module(module)}")
 
 
 def _about_module(module: str) -> str:
     root = module.partition(".")[0]
     if root in ("matplotlib", "pylab", "seaborn", "plotly"):
-        return 'Rien ne se trace pendant l\'évaluation : mettez vos tracés sous « if __name__ == "__main__": ».'
+        return 'Rien ne se trace pendant l’évaluation : mettez vos tracés sous « if __name__ == "__main__": ».'
     for names in (("numpy", "scipy"), sys.stdlib_module_names):
         near = difflib.get_close_matches(root, names, 1, 0.75)
         if near and near[0] != root:
@@ -164,7 +168,7 @@ def missing_function(name: str, present: Iterable[str]) -> str:
     functions = sorted(map(clean, present))
     by_lower_case = {function.casefold(): function for function in functions}
     near = [by_lower_case[close] for close in difflib.get_close_matches(name.casefold(), by_lower_case, 1, 0.6)]
-    sentence = f"La fonction « {name} » est attendue et n'est pas dans votre fichier. "
+    sentence = f"La fonction « {name} » est attendue et n’est pas dans votre fichier. "
     if near:
         return sentence + f"Il contient « {near[0]} » : est-ce elle, sous un autre nom ?"
     if functions:
@@ -176,7 +180,7 @@ def timeout(what: str, policy: Policy, line: int | None, frames: tuple[Frame, ..
     if what == "cpu":
         limit = f"votre programme a calculé pendant plus de {seconds(policy.cpu_seconds)}, la limite"
     else:
-        limit = f"votre programme n'a pas répondu en {seconds(policy.wall_seconds)}, la limite"
+        limit = f"votre programme n’a pas répondu en {seconds(policy.wall_seconds)}, la limite"
     return located(line, frames, f"{limit}. Une boucle ne se termine-t-elle jamais, ou fait-elle un travail inutile ?")
 
 
@@ -188,14 +192,14 @@ def memory_limit(policy: Policy, line: int | None, frames: tuple[Frame, ...]) ->
 
 def forbidden(text: str, line: int | None, frames: tuple[Frame, ...]) -> str:
     sentence = "opération interdite" + (f" [{text}]. " if text else ". ")
-    advice = "Fichiers, réseau, processus et fils d'exécution sont hors d'atteinte : tout arrive par les arguments."
+    advice = "Fichiers, réseau, processus et fils d’exécution sont hors d’atteinte : tout arrive par les arguments."
     return located(line, frames, sentence + advice)
 
 
 def ended(code: int) -> str:
     return (
-        f"Votre programme s'est arrêté de lui-même (code {code}) avant de répondre : "
-        "n'appelez ni « os._exit » ni « exit », et renvoyez le résultat par « return »."
+        f"Votre programme s’est arrêté de lui-même (code {code}) avant de répondre : "
+        "n’appelez ni « os._exit » ni « exit », et renvoyez le résultat par « return »."
     )
 
 
@@ -207,7 +211,7 @@ def killed(number: int) -> str:
 
 def forged() -> str:
     return (
-        "Votre programme a écrit lui-même sur le canal des résultats, qui n'est pas à lui : "
+        "Votre programme a écrit lui-même sur le canal des résultats, qui n’est pas à lui : "
         "renvoyez le résultat par « return », et affichez avec « print »."
     )
 
@@ -221,8 +225,8 @@ _NOT_A_VALUE = {
     "depth": "a plus de {depth} niveaux imbriqués (se contient-il lui-même ?).",
     "int": "contient un entier démesurément grand.",
     "key": "contient un dictionnaire dont une clé est de type « {culprit} » : seules des chaînes sont acceptées.",
-    "dtype": "contient un tableau d'éléments « {culprit} » : des nombres ou des booléens sont attendus.",
-    "object": "contient un tableau d'objets qui ne sont pas des nombres : ses lignes ont-elles la même longueur ?",
+    "dtype": "contient un tableau d’éléments « {culprit} » : des nombres ou des booléens sont attendus.",
+    "object": "contient un tableau d’objets qui ne sont pas des nombres : ses lignes ont-elles la même longueur ?",
 }
 
 
@@ -248,7 +252,7 @@ def _cure(culprit: str) -> str:
     if culprit in _ITERABLES:
         return "Entourez-la de « list(…) » ou de « np.array(…) »."
     if culprit in ("set", "frozenset"):
-        return "Un ensemble n'a pas d'ordre : renvoyez « sorted(…) »."
+        return "Un ensemble n’a pas d’ordre : renvoyez « sorted(…) »."
     if culprit in ("function", "method", "builtin_function_or_method"):
-        return "Les parenthèses de l'appel ont-elles été oubliées ?"
+        return "Les parenthèses de l’appel ont-elles été oubliées ?"
     return "Renvoyez un tableau numpy, une liste ou un nombre."

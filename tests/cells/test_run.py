@@ -83,8 +83,8 @@ def test_a_fault_while_a_figure_is_drawn_leaves_the_prints(run: Run) -> None:
 @pytest.mark.parametrize(
     ("code", "told"),
     [
-        ("open('/etc/passwd')", "Fichiers, réseau, processus et fils d'exécution sont hors d'atteinte."),
-        ("open('a.txt')", "Aucun fichier de données n'est fourni."),
+        ("open('/etc/passwd')", "Fichiers, réseau, processus et fils d’exécution sont hors d’atteinte."),
+        ("open('a.txt')", "Aucun fichier de données n’est fourni."),
         ("import seaborn", "Pour tracer, importez « matplotlib.pyplot »."),
     ],
 )

@@ -94,7 +94,7 @@ def test_submissions_do_not_draw(studio: Studio) -> None:
     with pytest.raises(ProgramFault) as caught:
         studio(PYPLOT.encode())
     assert caught.value.kind is FaultKind.IMPORT_ERROR
-    assert "Rien ne se trace pendant l'évaluation" in caught.value.message
+    assert "Rien ne se trace pendant l’évaluation" in caught.value.message
     assert {import_set(source) for source in (b"import matplotlib", b"import numpy")} == {"numpy"}
 
 

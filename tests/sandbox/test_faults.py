@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
+import re
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 
-from server.sandbox import FaultKind, ProgramFault, Sandbox
+from server.sandbox import FaultKind, ProgramFault, Sandbox, messages
 from server.sandbox.diagnosis import last_frames
 
 from .limits import only
@@ -24,7 +26,7 @@ def plain(text: str) -> str:
     [
         ("def f(x)\n    return x\n", 1, "il manque « : » à la fin"),
         ("def f(x):\n    return (x\n", 2, "« ( » est ouvert ici"),
-        ("def f(x):\n    return x)\n", 2, "« ) » ferme ce qui n'a pas été ouvert"),
+        ("def f(x):\n    return x)\n", 2, "« ) » ferme ce qui n’a pas été ouvert"),
         ("def f(x):\nreturn x\n", 2, "la ligne 1 doit être décalé à droite"),
         ("x = 1\n   y = 2\n", 2, "décalée vers la droite sans raison"),
         ("def f(x):\n    if x = 1:\n        pass\n", 2, "pour comparer, écrivez « == »"),
@@ -63,11 +65,11 @@ def test_a_file_beyond_its_bound_is_refused_with_the_bound(fault_of: FaultOf) ->
     [
         ("import matplotlib.pyplot as plt", "mettez vos tracés sous"),
         ("import nunpy as np", "« numpy »"),
-        ("import pandas", "« pandas » n'est pas disponible"),
+        ("import pandas", "« pandas » n’est pas disponible"),
         ("from math import racine", "pas dans ce module"),
-        ("import graders", "n'est pas disponible"),
-        ("import server.sandbox", "n'est pas disponible"),
-        ("import child.codec", "n'est pas disponible"),
+        ("import graders", "n’est pas disponible"),
+        ("import server.sandbox", "n’est pas disponible"),
+        ("import child.codec", "n’est pas disponible"),
     ],
 )
 def test_an_import_that_fails(fault_of: FaultOf, source: str, told: str) -> None:
@@ -92,12 +94,12 @@ def test_a_traceback_has_the_students_own_frames_only(fault_of: FaultOf) -> None
 @pytest.mark.parametrize(
     ("body", "exception", "told"),
     [
-        ("return inconnu", "NameError", "n'est défini nulle part"),
+        ("return inconnu", "NameError", "n’est défini nulle part"),
         ("return [1][3]", "IndexError", "de 0 à la longueur moins un"),
-        ("return f(x)", "RecursionError", "s'appelle elle-même sans fin"),
+        ("return f(x)", "RecursionError", "s’appelle elle-même sans fin"),
         ("import sys; sys.exit(2)", "SystemExit", "utilisez « return »"),
         ("return exit()", "SystemExit", "utilisez « return »"),
-        ("return input()", "EOFError", "au clavier"),
+        ("return input()", "EOFError", "EOFError (fin de l’entrée). Rien ne peut être lu au clavier"),
         ("return open('donnees.txt')", "FileNotFoundError", "arrive par les arguments"),
         ("raise KeyboardInterrupt", "KeyboardInterrupt", "KeyboardInterrupt"),
         ("return np.ones(2) @ np.ones(3)", "ValueError", "dimensions"),
@@ -109,6 +111,11 @@ def test_an_exception_is_explained(fault_of: FaultOf, body: str, exception: str,
     assert (fault.kind, fault.exception, fault.line) == (FaultKind.RUNTIME_ERROR, exception, 3)
     assert told in plain(fault.message)
     assert not fault.fatal
+
+
+def test_the_sentences_have_the_apostrophes_of_print() -> None:
+    """Cells show them as they are."""
+    assert re.findall(r"\b(?:[cdjlmnst]|qu)'\w+", inspect.getsource(messages), re.IGNORECASE) == []
 
 
 @pytest.mark.parametrize(
@@ -212,9 +219,9 @@ def test_an_exception_where_there_is_no_line_is_told_where_its_function_begins(f
         ("(k for k in range(3))", "generator"),
         ("{1, 2}", "sorted"),
         ("[1, {2: 3}]", "clé"),
-        ("f", "parenthèses de l'appel"),
+        ("f", "parenthèses de l’appel"),
         ("np.array([[1, 2], [3]], dtype=object)", "même longueur"),
-        ("np.array(['a'])", "tableau d'éléments"),
+        ("np.array(['a'])", "tableau d’éléments"),
         ("b'octets'", "bytes"),
         ("boucle", "se contient-il lui-même"),
     ],
@@ -282,7 +289,7 @@ def test_a_limit_of_the_system_is_told_as_what_it_is(fault_of: FaultOf, body: st
 def test_what_is_out_of_reach_is_forbidden(fault_of: FaultOf, body: str) -> None:
     fault = fault_of(f"\ndef f(x):\n    {body}\n", 1)
     assert (fault.kind, fault.line) == (FaultKind.FORBIDDEN_OPERATION, 3)
-    assert "hors d'atteinte" in fault.message
+    assert "hors d’atteinte" in fault.message
 
 
 def test_names_are_told_without_what_they_hide(sandbox: Sandbox) -> None:

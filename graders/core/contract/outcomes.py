@@ -24,7 +24,11 @@ class Blame(Enum):
 
 @dataclass(frozen=True)
 class Wording:
-    """What the page says, in French: a title, then one sentence."""
+    """What the page says, in French: a title, then one sentence.
+
+    The outcome is that of the worst check, and the first one that failed may have another: the sentence must be true
+    beside it, and what is to be mended is said by the checks.
+    """
 
     title: str
     sentence: str
@@ -110,7 +114,7 @@ class Outcome(StrEnum):
             "temps dépassé",
             Wording(
                 "Temps dépassé",
-                "Votre code n’a pas terminé dans le temps accordé : cherchez une boucle sans fin.",
+                "Une vérification au moins n’a pas terminé dans le temps accordé : elle dit où en était votre code.",
             ),
         ),
     )
@@ -135,7 +139,10 @@ class Outcome(StrEnum):
         Row(
             Blame.STUDENT,
             "erreur à l’exécution",
-            Wording("Erreur à l’exécution", "Votre code s’est arrêté sur une exception."),
+            Wording(
+                "Erreur à l’exécution",
+                "Dans une vérification au moins, votre code s’est arrêté sur une exception : elle dit laquelle.",
+            ),
         ),
     )
     INVALID_OUTPUT = (
