@@ -98,7 +98,7 @@ def seconds(duration: float) -> str:
 
 
 def located(line: int | None, frames: tuple[Frame, ...], sentence: str) -> str:
-    """« Ligne 12, dans « composer » (return a[3]) : … », or the sentence alone when the line is unknown."""
+    """« Ligne 12, dans « f » (return a[3]) : … », or the sentence alone when the line is unknown."""
     if line is None:
         return sentence[:1].upper() + sentence[1:]
     inside = frames[-1] if frames else None

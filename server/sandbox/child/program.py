@@ -59,6 +59,12 @@ class Program:
         value = self._guarded(lambda: self._globals[function](*arguments))
         return self._encoded((value, arguments if return_arguments else None), function)
 
+    def forget(self) -> None:
+        """Lets go of the file: its names, which hold each other, its module and its lines."""
+        self._globals.clear()
+        linecache.clearcache()
+        sys.modules.pop(MODULE, None)
+
     def configure(self, kit: str | None, parameters: Mapping[str, Value]) -> None:
         """Seeds the generators, and asks the kit for its names: what that raises is not the student's."""
         seed = parameters.get("seed")

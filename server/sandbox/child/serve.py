@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import faulthandler
 import gc
-import linecache
 import os
 import random
 import signal
@@ -178,19 +177,20 @@ def _write(descriptor: int, data: bytes) -> None:
         view = view[os.write(descriptor, view) :]
 
 
+#: What is rehearsed is no exercise's: a child knows nothing of a course, and every program can read this.
 _SMALL = b"""
 import numpy as np
-def composer(a, b):
-    return np.array([np.cos(a[2]), b[2]])
+def essai(u, v):
+    return np.array([np.cos(u[2]), v[2]])
 """
 _SAMPLE = b"""
 from __future__ import annotations
 import numpy as np
-def composer(a, b):
-    c, s = np.cos(a[2]), np.sin(a[2])
-    R = np.array([[c, -s], [s, c]])
-    return np.concatenate([a[:2] + R @ np.asarray(b)[:2], [a[2] + b[2]]])
-def erreur(a):
+def essai(u, v):
+    p, q = np.exp(u[0]), np.tan(v[1])
+    M = np.array([[p, q], [1.0, 2.0]])
+    return np.concatenate([M @ np.asarray(v)[1:], [u[1] * v[0]]])
+def panne(u):
     raise ValueError("essai")
 """
 
@@ -200,17 +200,17 @@ def rehearse(kits: Mapping[str, ModuleType]) -> None:
 
     A fork does it before it says that it is ready: the pages of memory that a submission writes are then its own
     already, and copying them, which takes longer than most submissions, is not waited for where a spare stands ready.
+    What was rehearsed is let go.
     """
     program = Program(kits, FAULT_LIMITS, lambda: None)
     for kit in kits:
         with suppress(Exception):  # a kit that fails does so again, and is told, when a submission asks for it
             program.configure(kit, {"seed": 0})
     program.load(_SMALL, "solution.py")
-    pose = np.array([1.0, 2.0, 0.5])
-    reply = program.call("composer", (pose, pose), return_arguments=True)
+    numbers = np.array([1.0, 2.0, 0.5])
+    reply = program.call("essai", (numbers, numbers), return_arguments=True)
     codec.decode(reply, FAULT_LIMITS)
-    linecache.clearcache()
-    sys.modules.pop("solution", None)
+    program.forget()
 
 
 def warm_up(kits: Mapping[str, ModuleType]) -> None:
@@ -220,7 +220,7 @@ def warm_up(kits: Mapping[str, ModuleType]) -> None:
     program = Program(kits, FAULT_LIMITS, lambda: None)
     program.load(_SAMPLE, "solution.py")
     try:
-        program.call("erreur", (np.zeros(3),), return_arguments=False)
+        program.call("panne", (np.zeros(3),), return_arguments=False)
     except Failure as failure:
         codec.encode(failure.fault, FAULT_LIMITS)
     np.random.default_rng(0).normal(size=3)
@@ -229,8 +229,7 @@ def warm_up(kits: Mapping[str, ModuleType]) -> None:
         drawing.warm_up()
     random.setstate(state)
     np.random.set_state(numpy_state)
-    linecache.clearcache()
-    sys.modules.pop("solution", None)
+    program.forget()
 
 
 def _warm_linear_algebra() -> None:
