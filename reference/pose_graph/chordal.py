@@ -56,7 +56,8 @@ def _check_oriented(graph: PoseGraph) -> None:
     _, labels = csgraph.connected_components(adjacency, directed=False)
     lost = np.flatnonzero(labels != labels[graph.fixed[0]])
     if lost.size:
-        raise DisconnectedGraphError("edges", f"only landmarks join pose {lost[0]} to pose {graph.fixed[0]}")
+        reason = f"only landmarks join pose {lost[0]} to pose {graph.fixed[0]}"
+        raise DisconnectedGraphError("edges", reason, (int(lost[0]), graph.fixed[0]))
 
 
 def chordal_angles(graph: PoseGraph, held: Floats) -> Floats:

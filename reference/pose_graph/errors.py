@@ -26,7 +26,14 @@ class InformationError(PoseGraphError):
 
 
 class DisconnectedGraphError(PoseGraphError):
-    """Some node has no path of edges to a fixed pose: nothing says where it is."""
+    """Some node has no path of edges to a fixed pose: nothing says where it is.
+
+    `nodes` are that node and the fixed pose, poses numbered first, then landmarks.
+    """
+
+    def __init__(self, argument: str, reason: str, nodes: tuple[int, int]) -> None:
+        super().__init__(argument, reason)
+        self.nodes = nodes
 
 
 class ParameterError(PoseGraphError):

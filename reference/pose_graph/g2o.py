@@ -5,6 +5,7 @@
     FIX id...
 
 An information matrix is written as its upper triangle, by rows. Empty lines and lines that begin with # are skipped.
+A file may have edges alone, as real ones do: its nodes are then those that they name, and the start is the chordal one.
 Numbers are written with as many digits as bring them back bit for bit. Source: the g2o wiki, "File format SLAM 2D".
 """
 
@@ -16,7 +17,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from reference.pose_graph.errors import G2oFormatError
+from reference.pose_graph.chordal import chordal_start
+from reference.pose_graph.errors import DisconnectedGraphError, G2oFormatError
 from reference.pose_graph.graph import (
     BLOCK,
     POINT,
@@ -37,8 +39,9 @@ NUMBERS = {POSE: 3, LANDMARK: 2, EDGE: 9, SIGHTING: 5}
 class G2oGraph:
     """What a file says: the graph, a start `poses` (n, 3) and `landmarks` (l, 2), and the file's own numbers of nodes.
 
-    Poses and landmarks are numbered from 0 in the order in which the file lists them; node k of the graph is
-    `pose_ids[k]` (n,) or `landmark_ids[k]` (l,) in the file. Angles are as they were written.
+    Poses and landmarks are numbered from 0 in the order in which the file lists them, or in that of their own numbers
+    where it lists none; node k of the graph is `pose_ids[k]` (n,) or `landmark_ids[k]` (l,) in the file. Angles are as
+    they were written.
     """
 
     graph: PoseGraph
@@ -61,13 +64,34 @@ def loads_g2o(text: str, *, convention: Convention = "g2o") -> G2oGraph:
     """The graph of a text; without FIX the first pose is fixed. Raises G2oFormatError with the number of the line.
 
     `convention`: the residual that the information weighs; the format means "g2o". A graph in pieces is a
-    DisconnectedGraphError.
+    DisconnectedGraphError, which names nodes by the file's numbers. A text without any VERTEX starts from
+    `chordal_start`, its fixed pose at the origin, and raises what that raises.
     """
     rows, fixes = _parsed(text)
-    pose_at = _numbering(rows[POSE], {})
-    landmark_at = _numbering(rows[LANDMARK], pose_at)
+    listed = bool(rows[POSE].lines or rows[LANDMARK].lines)
+    pose_at, landmark_at = _listed(rows) if listed else _named(rows)
     if not pose_at:
-        raise G2oFormatError(max(1, text.count("\n")), "the text ends without a VERTEX_SE2")
+        raise G2oFormatError(max(1, text.count("\n")), f"the text ends without a {POSE}, or an {EDGE}")
+    graph = _graph(rows, fixes, pose_at, landmark_at, convention)
+    if listed:
+        poses, landmarks = (
+            np.array(rows[tag].numbers, dtype=np.float64).reshape(-1, NUMBERS[tag]) for tag in (POSE, LANDMARK)
+        )
+    elif len(graph.fixed) > 1:
+        raise G2oFormatError(fixes[-1][0], f"several poses are fixed, and no {POSE} says where")
+    else:
+        poses, landmarks = _start(graph, [*pose_at])
+    ids = (np.array(list(at), dtype=np.int64) for at in (pose_at, landmark_at))
+    return G2oGraph(graph, poses, landmarks, *ids)
+
+
+def _graph(
+    rows: dict[str, _Rows],
+    fixes: list[tuple[int, int]],
+    pose_at: dict[int, int],
+    landmark_at: dict[int, int],
+    convention: Convention,
+) -> PoseGraph:
     i, j = (_resolved(rows[EDGE], end, pose_at, "pose") for end in (0, 1))
     seen_from = _resolved(rows[SIGHTING], 0, pose_at, "pose")
     seen = _resolved(rows[SIGHTING], 1, landmark_at, "landmark")
@@ -76,21 +100,30 @@ def loads_g2o(text: str, *, convention: Convention = "g2o") -> G2oGraph:
             raise G2oFormatError(line, "the edge joins a pose to itself")
     z, omega = _measured(rows[EDGE], BLOCK)
     p, seen_omega = _measured(rows[SIGHTING], POINT)
-    graph = PoseGraph(
-        n_poses=len(pose_at),
-        i=i,
-        j=j,
-        z_i_j=z,
-        information=omega,
-        sightings=Sightings(len(landmark_at), seen_from, seen, p, seen_omega),
-        fixed=_fixed(fixes, pose_at),
-        convention=convention,
-    )
-    poses, landmarks = (
-        np.array(rows[tag].numbers, dtype=np.float64).reshape(-1, NUMBERS[tag]) for tag in (POSE, LANDMARK)
-    )
-    ids = (np.array(list(at), dtype=np.int64) for at in (pose_at, landmark_at))
-    return G2oGraph(graph, poses, landmarks, *ids)
+    try:
+        return PoseGraph(
+            n_poses=len(pose_at),
+            i=i,
+            j=j,
+            z_i_j=z,
+            information=omega,
+            sightings=Sightings(len(landmark_at), seen_from, seen, p, seen_omega),
+            fixed=_fixed(fixes, pose_at),
+            convention=convention,
+        )
+    except DisconnectedGraphError as error:
+        names = [*pose_at, *landmark_at]
+        lost, held = (names[node] for node in error.nodes)
+        raise DisconnectedGraphError("text", f"node {lost} is not joined to pose {held}", error.nodes) from None
+
+
+def _start(graph: PoseGraph, names: list[int]) -> tuple[Floats, Floats]:
+    try:
+        return chordal_start(graph)
+    except DisconnectedGraphError as error:
+        lost, held = (names[node] for node in error.nodes)
+        reason = f"only landmarks join pose {lost} to pose {held}, and no {POSE} says how it stands"
+        raise DisconnectedGraphError("text", reason, error.nodes) from None
 
 
 def _parsed(text: str) -> tuple[dict[str, _Rows], list[tuple[int, int]]]:
@@ -133,6 +166,22 @@ def _number(line: int, word: str) -> float:
     if not math.isfinite(number):
         raise G2oFormatError(line, f"{word!r} is not finite")
     return number
+
+
+def _listed(rows: dict[str, _Rows]) -> tuple[dict[int, int], dict[int, int]]:
+    """The place of each pose and of each landmark that has a VERTEX."""
+    pose_at = _numbering(rows[POSE], {})
+    return pose_at, _numbering(rows[LANDMARK], pose_at)
+
+
+def _named(rows: dict[str, _Rows]) -> tuple[dict[int, int], dict[int, int]]:
+    """The place of each pose and of each landmark that an edge names."""
+    seen = dict(zip((ids[1] for ids in rows[SIGHTING].ids), rows[SIGHTING].lines, strict=True))
+    poses = {name for ids in rows[EDGE].ids for name in ids} | {ids[0] for ids in rows[SIGHTING].ids}
+    if both := sorted(poses & seen.keys()):
+        raise G2oFormatError(seen[both[0]], f"node {both[0]} is seen as a landmark, and is a pose elsewhere")
+    pose_at, landmark_at = ({name: k for k, name in enumerate(sorted(names))} for names in (poses, seen))
+    return pose_at, landmark_at
 
 
 def _numbering(rows: _Rows, taken: dict[int, int]) -> dict[int, int]:

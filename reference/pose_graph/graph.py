@@ -214,7 +214,8 @@ def _check_connected(graph: PoseGraph) -> None:
     if count > 1:
         lost = int(np.argmax(labels != labels[graph.fixed[0]]))
         node = f"pose {lost}" if lost < graph.n_poses else f"landmark {lost - graph.n_poses}"
-        raise DisconnectedGraphError("edges", f"{node} is not joined to pose {graph.fixed[0]}")
+        reason = f"{node} is not joined to pose {graph.fixed[0]}"
+        raise DisconnectedGraphError("edges", reason, (lost, graph.fixed[0]))
 
 
 def checked_poses(graph: PoseGraph, poses: ArrayLike) -> Floats:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,6 +14,7 @@ from reference.pose_graph import (
     G2oFormatError,
     G2oGraph,
     as_g2o,
+    certify,
     dumps_g2o,
     gauss_newton,
     loads_g2o,
@@ -114,6 +117,76 @@ def test_what_is_wrong_is_named_with_its_line(old: str, new: str, line: int, rea
         loads_g2o(SMALL.replace(old, new))
     assert caught.value.line == line
     assert caught.value.argument == "text"
+
+
+def edges_alone(text: str) -> str:
+    return "".join(line for line in text.splitlines(keepends=True) if not line.startswith("VERTEX"))
+
+
+@pytest.mark.parametrize(("name", "optimum"), [("INTEL", 215.83023), ("MITb", 41.163269)])
+def test_a_file_of_edges_alone_leads_to_the_published_optimum(dataset, name: str, optimum: float) -> None:
+    """From odometry, MITb ends in a local minimum. CSAIL's public graph is such a file."""
+    content = loads_g2o(edges_alone(dataset(f"pg2d/{name}.g2o").decode()))
+    np.testing.assert_array_equal(content.poses[0], [0, 0, 0])
+    found = gauss_newton(content.graph, content.poses)
+    assert found.chi2[-1] == pytest.approx(optimum, rel=1e-6)
+    assert certify(content.graph, found.poses).is_global
+
+
+@settings(max_examples=10)
+@given(st.integers(0, 1000), st.integers(0, 3))
+def test_without_its_nodes_a_file_is_the_same_graph(seed: int, n_landmarks: int) -> None:
+    whole = loop(seed, n_landmarks=n_landmarks, convention="g2o")
+    content = loads_g2o(edges_alone(dumps_g2o(whole)))
+    assert_same(content, replace(whole, poses=content.poses, landmarks=content.landmarks))
+    found, sought = (gauss_newton(each.graph, each.poses, each.landmarks) for each in (content, whole))
+    assert found.chi2[-1] == pytest.approx(sought.chi2[-1], rel=1e-6)
+
+
+def test_nodes_that_edges_alone_name_are_in_the_order_of_their_numbers() -> None:
+    found = loads_g2o("EDGE_SE2 12 5 1 0 0 1 0 0 1 0 1\nEDGE_SE2_XY 5 3 0 2 1 0 1\nEDGE_SE2 5 7 1 0 1 1 0 0 1 0 1\n")
+    assert (found.pose_ids.tolist(), found.landmark_ids.tolist(), found.graph.fixed) == ([5, 7, 12], [3], (0,))
+    np.testing.assert_allclose(found.poses, [[0, 0, 0], [1, 0, 1], [-1, 0, 0]], atol=1e-12)
+    np.testing.assert_allclose(found.landmarks, [[0, 2]], atol=1e-12)
+
+
+ALONE = """EDGE_SE2 0 4 0.082760 0.003050 0.284020 3533.219465 13825.498244 0.000000 54832.844537 0.000000 6065.357771
+EDGE_SE2 4 2 1 0 0 1 0 0 1 0 1
+EDGE_SE2_XY 4 9 1 0 1 0 1
+"""
+
+
+@pytest.mark.parametrize(
+    ("added", "line", "reason"),
+    [
+        ("EDGE_SE2 4 9 1 0 0 1 0 0 1 0 1", 3, "node 9 is seen as a landmark, and is a pose elsewhere"),
+        ("FIX 9", 4, "no pose 9 to fix"),
+        ("FIX 0 4", 4, "several poses are fixed, and no VERTEX_SE2 says where"),
+        ("EDGE_SE2 4 2 1 0", 4, "4 words, not 11"),
+        ("EDGE_SE2 4 2 1 0 0 1 9 0 1 0 1", 4, "positive definite"),
+        ("EDGE_SE2 2 2 1 0 0 1 0 0 1 0 1", 4, "to itself"),
+        ("VERTEX_SE2 0 0 0 0", 2, "no pose 4"),
+        ("VERTEX_XY 9 0 0", 4, "without a VERTEX_SE2"),
+    ],
+)
+def test_what_is_wrong_with_edges_alone_is_named_with_its_line(added: str, line: int, reason: str) -> None:
+    assert loads_g2o(ALONE).pose_ids.tolist() == [0, 2, 4]
+    with pytest.raises(G2oFormatError, match=f"line {line}: .*{reason}"):
+        loads_g2o(f"{ALONE}{added}\n")
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        (f"{ALONE}EDGE_SE2 7 8 1 0 0 1 0 0 1 0 1\n", "node 7 is not joined to pose 0"),
+        (f"{ALONE}EDGE_SE2_XY 7 8 1 0 1 0 1\n", "node 7 is not joined to pose 0"),
+        (f"{ALONE}EDGE_SE2_XY 7 9 1 0 1 0 1\n", "only landmarks join pose 7 to pose 0"),
+        (SMALL.replace("EDGE_SE2 7 3", "# EDGE_SE2 7 3"), "node 7 is not joined to pose 3"),
+    ],
+)
+def test_pieces_that_nothing_joins_are_named_as_the_file_does(text: str, reason: str) -> None:
+    with pytest.raises(DisconnectedGraphError, match=reason):
+        loads_g2o(text)
 
 
 def test_nothing_is_not_a_graph() -> None:
