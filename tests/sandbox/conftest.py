@@ -6,12 +6,12 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from functools import cache
-from pathlib import Path
 
 import pytest
 
 from server.sandbox import Kit, Policy, ProgramFault, Sandbox
 
+from .corpus import OUTILS
 from .family import OTHERS, SHARED, children
 from .limits import FAR, only
 
@@ -25,8 +25,6 @@ def configurer(libres=None, portee_max=12.0, seed=0):
     return {"np": np, "libres": libres, "PORTEE_MAX": portee_max, "rng": rng, "lidar": lidar}
 """
 
-#: What the hostile programs share.
-OUTILS = (Path(__file__).resolve().parents[1] / "hostile" / "outils.py").read_text(encoding="utf-8")
 POLICY = only(memory_bytes=128 << 20, frame_bytes=1 << 20, stdout_bytes=1 << 14)
 
 Lifting = Callable[[frozenset[str]], Sandbox]

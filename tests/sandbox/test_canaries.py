@@ -7,7 +7,6 @@ what fills the memory stops by itself at three times its limit.
 from __future__ import annotations
 
 from dataclasses import asdict
-from pathlib import Path
 
 import pytest
 
@@ -17,12 +16,10 @@ from server.sandbox.child import template
 from server.sandbox.child.walls import WALLS
 
 from .conftest import Lifting
+from .corpus import DRAWN, HOSTILE
 from .limits import only
 
-HOSTILE = Path(__file__).resolve().parents[1] / "hostile"
 POLICY = only(memory_bytes=64 << 20, folder_bytes=1 << 20)
-#: What has a program run by the template that draws, whatever it does.
-DRAWN = b"\n# matplotlib\n"
 
 #: More walls may be left down in both runs than would stop the program: these sets are those of the probe's assaults,
 #: whose templates are the same.
