@@ -45,7 +45,7 @@ def configurer(seed=None):
 OURS = {"graders", "curriculum", "misconceptions", "solution.py", "grader.py"}
 #: The functions of the walker, and what they are made of.
 OWN = set(re.findall(r"^def (\w+)\(", WALKER.decode(), re.MULTILINE))
-DECOYS = ["nom leurre", "ligne leurre", "code leurre"]
+DECOYS = ["nom leurre", "ligne leurre (objets)", "ligne leurre (mémoire)", "code leurre"]
 
 
 def mistakes() -> Iterator[Misconception]:
@@ -138,8 +138,8 @@ def found(texts: bytes, codes: bytes, memory: bytes) -> Iterable[str]:
     names, written, made = needles()
     for name in names.keys() & set(texts.split(b"\0")):
         yield names[name]
-    for hay in (texts, memory.replace(b"\0", b"")):
-        yield from (written[line] for line in within(written, hay))
+    for where, hay in (("objets", texts), ("mémoire", memory.replace(b"\0", b""))):
+        yield from (f"{written[line]} ({where})" for line in within(written, hay))
     at = 0
     while at < len(codes):
         end = at + 4 + int.from_bytes(codes[at : at + 4], "little")
