@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import os
+import sys
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: the processes of xdist share the processors already
+os.environ.pop(
+    "PYTHONDONTWRITEBYTECODE", None
+)  # some thirty processes are started: what the first compiles serves them
+sys.dont_write_bytecode = False
 
 from collections.abc import Iterator
 

@@ -51,9 +51,8 @@ def variables_read(tree: ast.AST) -> Iterator[str]:
 
 def test_every_variable_that_anything_reads_is_documented() -> None:
     paths = [path for room in ("reference", "graders", "server", "tests") for path in (ROOT / room).rglob("*.py")]
-    trees = (
-        ast.parse(path.read_bytes()) for path in paths if not {"hostile", "specimens", "node_modules"} & {*path.parts}
-    )
+    texts = (path.read_bytes() for path in paths if not {"hostile", "specimens", "node_modules"} & {*path.parts})
+    trees = (ast.parse(text) for text in texts if b"environ" in text or b"getenv" in text)
     read = {name for tree in trees for name in variables_read(tree)}
     assert read >= {"XDG_DATA_HOME", "BALISE_DATA", "TEST_DATABASE_URL"}
     documented = set(re.findall(r"`\$?([A-Z_]+)", DOCUMENT.read_text(encoding="utf-8")))

