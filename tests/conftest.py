@@ -6,10 +6,7 @@ import os
 import sys
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: the processes of xdist share the processors already
-os.environ.pop(
-    "PYTHONDONTWRITEBYTECODE", None
-)  # some thirty processes are started: what the first compiles serves them
-sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # thirty processes are started: what one compiles serves all
 
 from collections.abc import Iterator
 
@@ -21,6 +18,8 @@ from tests.support.quick import the_course
 
 #: What tests of several rooms ask for: the service with the real course, and a small course that is written.
 pytest_plugins = ["tests.support.service", "tests.support.small_course"]
+
+sys.dont_write_bytecode = False
 
 # A busy machine is no failure.
 settings.register_profile("balise", deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow])

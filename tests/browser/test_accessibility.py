@@ -19,7 +19,10 @@ axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe i
 EVERYTHING = {"resultTypes": ["violations"]}
 COLOURS = {**EVERYTHING, "runOnly": {"type": "rule", "values": ["color-contrast", "link-in-text-block"]}}
 RUN = "([exclude, options]) => axe.run({exclude}, options).then((found) => found.violations)"
-FORMULAS = [[".katex"], ["th:has(> .katex:only-child)"]]  # axe does not read the MathML in them, a screen reader does
+#: axe does not read the MathML in a formula, a screen reader does: a page's thousands are taken for their TeX.
+FORMULAS = (
+    "document.querySelectorAll('.katex').forEach(one => one.textContent = one.querySelector('annotation').textContent)"
+)
 CHECKED_ONCE = [[".statement"], [".katex"]]  # what a verdict does not change
 
 
@@ -78,7 +81,8 @@ def test_pages_to_read(visit: NewVisit) -> None:
         for word in page.locator(".term").all()[:1]:
             word.focus()
             page.locator("#definition").wait_for()
-        check(visitor, path, exclude=FORMULAS)
+        page.evaluate(FORMULAS)
+        check(visitor, path)
 
 
 @pytest.mark.slow

@@ -37,6 +37,12 @@ def walls_that_stand(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("server.cli.local.probe", lambda **_: [standing])
 
 
+@pytest.fixture(autouse=True)
+def _course_that_is_read_once(monkeypatch: pytest.MonkeyPatch, course: Course) -> None:
+    """A command in a process of its own reads it for itself."""
+    monkeypatch.setattr("server.cli.local.load", lambda **_: course)
+
+
 def verdict_of(text: str) -> dict[str, Any]:
     verdict: dict[str, Any] = json.loads(text)
     return verdict
