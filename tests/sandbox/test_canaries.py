@@ -48,7 +48,11 @@ def outcome(sandbox: Sandbox, program: str, *, drawing: bool) -> str:
     return "ok" if answers == ["rien", "rien"] else f"reached: {answers}"
 
 
-@pytest.mark.parametrize("drawing", [False, True], ids=["numpy", "drawing"])
+@pytest.mark.parametrize(
+    "drawing",
+    # That each wall stands around what draws too is proven in `test_drawing.py`.
+    [pytest.param(False, id="numpy"), pytest.param(True, id="drawing", marks=pytest.mark.slow)],
+)
 @pytest.mark.parametrize(("wall", "program", "hiders"), CANARIES, ids=[wall for wall, _, _ in CANARIES])
 def test_the_corpus_sees_that_a_wall_is_missing(
     without: Lifting, wall: str, program: str, hiders: tuple[str, ...], drawing: bool
