@@ -214,22 +214,44 @@ def test_every_order_that_respects_the_dependencies_is_right() -> None:
     other = ["definition", "bayes", "totales", "commande", "markov_etat", "markov_mesure", "conclusion"]
     forward = [*usual[3:6], *usual[:3], "conclusion"]  # the prediction first, as the filter runs
     assert placed(*usual).verdict.score == placed(*other).verdict.score == placed(*forward).verdict.score == 1
-    early = placed("definition", "markov_mesure", "bayes", *usual[3:])
-    assert check_of(early, "debut")["points"] == pytest.approx(9 / 7)
-    assert check_of(early, "debut")["counterexample"]["got"] == f"l'étape {by_name['markov_mesure']}"
-    assert "formule de Bayes" in check_of(early, "debut")["message"]
+
+
+def test_a_slip_in_a_proof_costs_little_and_is_told_by_its_kind() -> None:
+    def proof(*names: str) -> Judgement:
+        by_name = grader_of(PROOF).letters(7).by_name  # type: ignore[attr-defined]
+        return graded(PROOF, {"ordre": [by_name[name] for name in names]})
+
+    usual = ["definition", "bayes", "markov_mesure", "totales", "markov_etat", "commande", "conclusion"]
+    early = proof("definition", "markov_mesure", "bayes", *usual[3:])
+    assert check_of(early, "ordre")["points"] == pytest.approx(12 * 5 / 6)
+    assert "trop tôt" in check_of(early, "ordre")["message"]
     assert check_of(early, "etapes")["passed"]
-    false = placed(*usual[:3], "sans_commande", *usual[3:])
-    assert false.verdict.diagnosis is not None
-    assert false.verdict.diagnosis.id == "commande_sans_effet"
-    assert "a disparu" in check_of(false, "etapes")["message"]
-    assert check_of(false, "debut")["points"] == pytest.approx(27 / 7)
-    short = placed(*usual[:-1])
-    assert "trop tôt" in check_of(short, "debut")["message"]
-    assert 0 < short.verdict.score < 1
-    long = placed(*usual, "sans_eta")
-    assert check_of(long, "debut")["passed"]
-    assert not check_of(long, "ordre")["passed"]
+    intruder = proof(*usual[:1], "sans_commande", *usual[1:])
+    assert check_of(intruder, "ordre")["passed"], "an intruder costs its own points only"
+    assert intruder.verdict.points == pytest.approx(20 - 8 / 3, abs=1e-3)
+    assert intruder.verdict.diagnosis is not None
+    assert intruder.verdict.diagnosis.id == "commande_sans_effet"
+    assert "a disparu" in check_of(intruder, "etapes")["message"]
+    short = proof(*usual[:-1])
+    assert "conclusion" in check_of(short, "ordre")["message"]
+    assert "un trou" in check_of(proof(*usual[:3], *usual[4:]), "ordre")["message"]
+    assert "Le départ" in check_of(proof(*usual[1:]), "ordre")["message"]
+    assert check_of(proof(usual[3]), "ordre")["points"] == 0, "a step alone is no chain"
+    assert check_of(proof("sans_eta"), "ordre")["message"] == "Aucune étape de la démonstration n'est placée."
+
+
+@pytest.mark.parametrize("name", [name for name in EXERCISES if "demo" in name])
+def test_what_is_wrong_in_a_proof_is_told_without_the_step_that_a_place_needs(name: str) -> None:
+    sheet = grader_of(name).sheet  # type: ignore[attr-defined]
+    steps = [step.id for step in sheet.steps]
+    by_name = grader_of(name).letters(7).by_name  # type: ignore[attr-defined]
+    for place in range(1, len(steps)):
+        swapped = [*steps[: place - 1], steps[place], steps[place - 1], *steps[place + 1 :]]
+        for order in (swapped, swapped[:-1], swapped[1:]):
+            told = json.dumps(graded(name, {"ordre": [by_name[one] for one in order]}).verdict.to_json())
+            assert not any(json.dumps(step.role.strip())[1:-1] in told for step in sheet.steps)
+        score = graded(name, {"ordre": [by_name[one] for one in swapped]}).verdict.points
+        assert score >= 17.5, "one swap costs little"
 
 
 @pytest.mark.parametrize("name", LETTERED)
