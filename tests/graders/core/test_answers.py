@@ -96,10 +96,9 @@ def test_a_wrong_number_is_told_an_interval_that_does_not_tell_it() -> None:
             told = check_of(first, name)["counterexample"]["expected"]
             assert told == check_of(second, name)["counterexample"]["expected"], "trying again tells no more"
             assert f"{abs(value):.4g}".replace(".", ",") not in told
-            low, high = around(value, np.random.default_rng(seed))
-            assert low < value < high
-            assert low * high > 0
-            centred += abs(value - (low + high) / 2) < 0.02 * abs(value)
+            low, high = around(abs(value), np.random.default_rng(seed))
+            assert 0 < low < abs(value) < high
+            centred += abs(abs(value) - (low + high) / 2) < 0.02 * abs(value)
     assert centred < 0.1 * len(SEEDS) * len(right)
 
 
@@ -124,6 +123,67 @@ def made_up(deal: Any, *quantities: Quantity, text: str = "Combien ?", folder: P
     definition = numeric(str(folder / "grader.py"), deal=deal, quantities=quantities)
     wordings = tuple(NumericWording(one.id, "T", text, "m", "") for one in quantities)
     return definition.bind(NumericSheet((Datum("a", "a", "m", 1, "un nombre"),), wordings))
+
+
+def rounded(value: float, decimals: int) -> str:
+    return f"{value:.{decimals}f}".replace(".", ",")
+
+
+def test_the_right_value_of_which_too_few_digits_are_left_is_told_so_and_earns_half() -> None:
+    told = 0
+    for seed in SEEDS:
+        right = dict(grader_of(ODOMETRY).right(seed))
+        for decimals in (1, 2):
+            typed = rounded(right["x"], decimals)
+            check = check_of(graded(ODOMETRY, {**right, "x": typed}, seed), "x")
+            if check["passed"] or len(typed.strip("-0,")) < 2:
+                continue
+            assert "trop arrondie" in check["message"]
+            assert "3 chiffres après la virgule" in check["message"]
+            assert check["counterexample"]["expected"] == "un nombre avec au moins 3 chiffres après la virgule"
+            assert check["hint"] is None
+            assert check["points"] in {0, 1}
+            told += check["points"] == 1
+    assert told > 5, "the others are what a slip gives too when it is rounded"
+
+
+def test_a_rounding_that_a_slip_gives_too_earns_nothing(tmp_path: Path) -> None:
+    asked = Quantity("q", 20, lambda _, __: 2.3828, rel=0, abs=0.0006, slips={"autre": lambda _, __: 2.4141})
+    grader = made_up(lambda _: {"a": 1.0}, asked, folder=tmp_path)
+    found = {
+        text: grader.grade(json.dumps({"q": text}).encode(), seed=1, version="").verdict.checks[0]
+        for text in ("2,38", "2.4", "2", "2,382", "2,39", "2,41", "1+1,38", "-2,3828", "2,3805")
+    }
+    assert {text: check.points for text, check in found.items() if check.points} == {"2,38": 10, "2,382": 10}
+    assert "d'où elle vient" in found["2.4"].message
+    assert "trop arrondie" not in found["2"].message, "one digit is not an answer rounded, but a guess"
+    assert "au moins 4 chiffres" in found["2,382"].message, "cut where it should have been rounded"
+    for text in ("2,39", "2,41"):
+        assert found[text].message == "Ce n'est pas la bonne valeur."
+    assert found["-2,3828"].message == "Au signe près, c'est la bonne valeur."
+    assert "n'arrondissez qu'à la fin" in found["2,3805"].message
+    assert "n'arrondissez qu'à la fin" in found["1+1,38"].message, "a calculation has all its digits"
+
+
+def test_the_drift_of_the_course_is_named_where_another_is_asked() -> None:
+    right = dict(grader_of(ODOMETRY).right(7))
+    grading = graded(ODOMETRY, {**right, "derive": right["derive"] / 3**0.5})
+    assert grading.verdict.diagnosis is not None
+    assert grading.verdict.diagnosis.id == "ecart_type_de_la_derive"
+
+
+def test_the_interval_of_a_wrong_number_does_not_tell_its_sign() -> None:
+    grader = grader_of("l20/calcul_kabsch")
+    signs = set()
+    for seed in SEEDS:
+        right = grader.right(seed)
+        judged = graded("l20/calcul_kabsch", dict.fromkeys(right, 987.0), seed)
+        for name, value in right.items():
+            check = check_of(judged, name)
+            assert "\N{MINUS SIGN}" not in check["counterexample"]["expected"]
+            assert "signe" not in check["message"]
+            signs.add(value > 0)
+    assert signs == {True, False}
 
 
 def test_a_draw_on_which_a_slip_is_right_is_drawn_again(tmp_path: Path) -> None:
