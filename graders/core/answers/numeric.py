@@ -178,7 +178,7 @@ class NumericGrader(AnswersGrader):
         return None
 
     def _expected(self, name: str, right: float, seed: int) -> str:
-        """An interval without a sign, dealt once for a deal: trying again tells no more; nor does the seed by itself."""
+        """An interval without a sign, dealt once for a deal: trying again tells no more, nor does the seed alone."""
         low, high = around(abs(right), stream(seed, f"interval {name} {right:.6g}"))
         unit = next(question.unit for question in self.sheet.questions if question.id == name)
         return f"un nombre entre {number(low)} et {number(high)} {unit}".rstrip() + ", au signe près"

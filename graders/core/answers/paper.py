@@ -28,7 +28,10 @@ class Piece:
 
 @dataclass(frozen=True)
 class Question:
-    """One question. `id` names its answer; `pieces` are in the order of their letters."""
+    """One question. `id` names its answer; `pieces` are in the order of their letters.
+
+    `section` is the heading under which it stands, with the questions after it that have the same.
+    """
 
     id: str
     title: str
@@ -37,6 +40,7 @@ class Question:
     points: float
     unit: str = ""
     pieces: tuple[Piece, ...] = ()
+    section: str = ""
 
 
 @dataclass(frozen=True)

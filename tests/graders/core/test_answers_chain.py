@@ -70,5 +70,5 @@ def test_dependencies_hold_across_a_step_that_is_not_there() -> None:
 def test_the_longest_list_that_a_sheet_may_have_is_quick_in_any_order() -> None:
     line = all_before({name: (ascii_lowercase[place - 1],) if place else () for place, name in enumerate("abcdefghij")})
     assert longest_chain("jihgfedcba", line) == 1
-    free = all_before({name: () for name in ascii_lowercase})
+    free = all_before(dict.fromkeys(ascii_lowercase, ()))
     assert longest_chain(ascii_lowercase[::-1], free) == 26
