@@ -180,7 +180,7 @@ class ChoiceGrader(AnswersGrader):
 
     def told(self, answers: Answers, seed: int) -> Sequence[Told]:
         return [
-            _told(question.title, answers.get(question.id), {piece.id: piece for piece in _pieces(question, seed)})
+            _told(question, answers.get(question.id), {piece.id: piece for piece in _pieces(question, seed)})
             for question in self.questions
             if not is_blank(answers.get(question.id))
         ]
@@ -250,8 +250,8 @@ def _renamed(value: Any, names: Mapping[str, str]) -> Any:
     return names.get(value, value) if isinstance(value, str) else renamed(value, names)
 
 
-def _told(title: str, value: Any, pieces: Mapping[str, Piece]) -> Told:
+def _told(question: ChoiceQuestion, value: Any, pieces: Mapping[str, Piece]) -> Told:
     ids = [value] if isinstance(value, str) else value
     if isinstance(ids, list) and all(isinstance(letter, str) and letter in pieces for letter in ids):
-        return Told(title, "", tuple(pieces[letter] for letter in ids))
-    return Told(title, shown(value))
+        return Told(question.id, question.title, "", tuple(pieces[letter] for letter in ids))
+    return Told(question.id, question.title, shown(value))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ from graders.core.answers.quantity import Data, Formula, Quantity, Values
 from graders.core.answers.reading import is_blank, shown
 from graders.core.answers.rounding import Typed, decimals_for, typed
 from graders.core.answers.sheet import MalformedSheetError
-from graders.core.answers.wording import NumericSheet
+from graders.core.answers.wording import NumericSheet, NumericWording
 from graders.core.compare.words import number
 from graders.core.contract.definition import MODULE_FILE, Definition
 from graders.core.contract.findings import Finding
@@ -142,33 +142,32 @@ class NumericGrader(AnswersGrader):
             return check.passed()
         followed = _computed(quantity.expected, dealt.data, own)
         worked = value != 0.0  # zeros follow from zeros without any calculation
-        fail = partial(
-            check.failed,
-            inputs={datum.name: dealt.data[datum.name] for datum in self.sheet.data},
-            expected=self._expected(quantity.id, right, seed),
-            got=shown(raw),
-        )
+        shown_as = {
+            "inputs": {datum.name: dealt.data[datum.name] for datum in self.sheet.data},
+            "expected": self._expected(quantity.id, right, seed),
+            "got": shown(raw),
+        }
         if worked and followed is not None and not quantity.same(followed, right) and quantity.same(value, followed):
-            return fail(FOLLOWED, points=PART * quantity.points)
+            return check.failed(FOLLOWED, points=PART * quantity.points, **shown_as)
         few = typed(raw, value)
         if few is not None and few.rounds(right):
-            return self._rounded(quantity, few, dealt, own, fail)
+            message, wanted, points = self._rounded(quantity, few, dealt, own)
+            return check.unaided.failed(message, points=points, **{**shown_as, "expected": wanted})
         slip = self._slip(quantity, value, dealt, own)
         if slip:
-            return fail(self.catalogue[slip].brief, slip=slip)
-        return fail(_wrong(quantity, value, right))
+            return check.failed(self.catalogue[slip].brief, slip=slip, **shown_as)
+        return check.failed(_wrong(quantity, value, right), **shown_as)
 
-    def _rounded(
-        self, quantity: Quantity, few: Typed, dealt: Dealt, own: Values, fail: Callable[..., Finding]
-    ) -> Finding:
-        """The right value, of which too few digits are left: half the points, unless a slip may be what was rounded."""
+    def _rounded(self, quantity: Quantity, few: Typed, dealt: Dealt, own: Values) -> tuple[str, str, float]:
+        """The message, what is wanted and the points for the right value of which too few digits are left.
+
+        Half the points, unless it may be a slip that was rounded.
+        """
         digits = max(few.decimals + 1, decimals_for(quantity.tolerance(dealt.right[quantity.id])))
-        wanted = f"{digits} chiffre{'s' if digits > 1 else ''} après la virgule"
+        wanted = f"au moins {digits} chiffre{'s' if digits > 1 else ''} après la virgule"
         doubtful = any(few.rounds(wrong) for name in quantity.slips for wrong in _slipped(quantity, name, dealt, own))
-        told = f"{DOUBTFUL if doubtful else ROUNDED} : donnez au moins {wanted}."
-        points = 0.0 if doubtful else PART * quantity.points
-        finding = fail(told, expected=f"un nombre avec au moins {wanted}", points=points)
-        return replace(finding, result=replace(finding.result, hint=None))
+        message = f"{DOUBTFUL if doubtful else ROUNDED} : donnez {wanted}."
+        return message, f"un nombre avec {wanted}", 0.0 if doubtful else PART * quantity.points
 
     def _slip(self, quantity: Quantity, value: float, dealt: Dealt, own: Values) -> str | None:
         """The slip that gives this value, from the right earlier values or from the student's own."""
@@ -199,8 +198,11 @@ class NumericGrader(AnswersGrader):
         return own
 
     def told(self, answers: Answers, seed: int) -> Sequence[Told]:
+        def unit(question: NumericWording, value: Any) -> str:
+            return question.unit if isinstance(_read(value), float) else ""
+
         return [
-            Told(question.title, f"{shown(value)} {question.unit if isinstance(_read(value), float) else ''}".rstrip())
+            Told(question.id, question.title, f"{shown(value)} {unit(question, value)}".rstrip())
             for question in self.sheet.questions
             if not is_blank(value := answers.get(question.id))
         ]

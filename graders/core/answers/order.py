@@ -179,8 +179,8 @@ class OrderGrader(AnswersGrader):
         if is_blank(value):
             return []
         if isinstance(value, list) and all(isinstance(letter, str) and letter in pieces for letter in value):
-            return [Told("Vos étapes, dans l'ordre", "", tuple(pieces[letter] for letter in value))]
-        return [Told("Vos étapes, dans l'ordre", shown(value))]
+            return [Told(ORDER, "Vos étapes, dans l'ordre", "", tuple(pieces[letter] for letter in value))]
+        return [Told(ORDER, "Vos étapes, dans l'ordre", shown(value))]
 
     def correction(self, seed: int) -> str:
         letters = self.letters(seed).by_name

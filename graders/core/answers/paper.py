@@ -53,8 +53,9 @@ class Paper:
 
 @dataclass(frozen=True)
 class Told:
-    """An answer that was given, to be read again: as it was typed, or the pieces that were chosen."""
+    """The answer to a question, to be read again: as it was typed, or the pieces that were chosen."""
 
+    question: str
     title: str
     text: str
     pieces: tuple[Piece, ...] = ()
