@@ -142,7 +142,7 @@ class NumericGrader(AnswersGrader):
             return check.passed()
         followed = _computed(quantity.expected, dealt.data, own)
         worked = value != 0.0  # zeros follow from zeros without any calculation
-        shown_as = {
+        shown_as: dict[str, Any] = {
             "inputs": {datum.name: dealt.data[datum.name] for datum in self.sheet.data},
             "expected": self._expected(quantity.id, right, seed),
             "got": shown(raw),
