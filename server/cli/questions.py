@@ -4,6 +4,7 @@ from graders.core.answers import Paper
 from server.cli.report import number, paragraph
 
 EXAMPLES = {"number": '"0,1"', "one": '"a"', "several": '["a", "b"]', "order": '["b", "a"]'}
+FORMS = {"one": "Une seule réponse est bonne.", "several": "Une ou plusieurs réponses sont bonnes."}
 
 
 def render(exercise: str, paper: Paper, seed: int) -> str:
@@ -17,6 +18,8 @@ def render(exercise: str, paper: Paper, seed: int) -> str:
             f"{question.id}{unit} : {question.title} ({number(question.points)} points)",
             *paragraph(question.text, indent=2),
         ]
+        if question.form in FORMS:
+            lines += list(paragraph(FORMS[question.form], indent=2))
         for piece in question.pieces:
             lines += list(paragraph(f"{piece.id}) {piece.text}", indent=4))
     return "\n".join([*lines, "", f"Réponses attendues en JSON : {{{_example(paper)}}}"])

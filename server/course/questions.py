@@ -26,7 +26,7 @@ from server.text.markup import Names, Source, Text
 Id = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
 FILE = "questions.toml"
 INSTRUCTION = "Mettez dans l’ordre les étapes de la démonstration, et laissez de côté celles qui n’en sont pas."
-PLAIN = frozenset({"id", "form", "title", "unit", "name", "misconception", "after", "symbol"})
+PLAIN = frozenset({"id", "form", "title", "section", "unit", "name", "misconception", "after", "symbol"})
 
 
 class DatumEntry(Strict):
@@ -68,6 +68,7 @@ class ChoiceEntry(Strict):
     text: Words
     points: Annotated[float, Field(gt=0)] = 1
     several: bool = False
+    section: str = ""
     hint: str = ""
     option: Annotated[list[OptionEntry], Field(min_length=2)]
 
@@ -123,6 +124,7 @@ def _choice(file: ChoiceFile) -> ChoiceSheet:
                 points=question.points,
                 several=question.several,
                 hint=question.hint,
+                section=question.section,
                 options=tuple(
                     Option(option.id, option.right, option.text, option.why, option.misconception)
                     for option in question.option

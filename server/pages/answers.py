@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 from starlette.datastructures import FormData
@@ -31,13 +32,15 @@ def answers_page(reader: Reader, exercise: Exercise, seed: int, taken: Attempt |
     paper = grader.paper(seed)
     put_back = taken or latest
     answers = _answers(grader, put_back.submission if put_back else None, seed)
+    sections = ["", *(question.section for question in paper.questions)]
+    heads = [section if section != before else "" for before, section in pairwise(sections)]
     return AnswersPage(
         **service.common_parts(reader, exercise, latest),
         given=tuple(
             GivenView(exercise.line(f"${datum.symbol}$"), datum.name, datum.text, datum.unit) for datum in paper.given
         ),
         questions=tuple(
-            question_view(exercise, number, question, answers.get(question.id))
+            question_view(exercise, number, question, answers.get(question.id), heads[number - 1])
             for number, question in enumerate(paper.questions, 1)
         ),
         seed=str(seed),
@@ -59,7 +62,7 @@ def _answers(grader: AnswersGrader, submission: Submission | None, seed: int) ->
         return {}
 
 
-def question_view(exercise: Exercise, number: int, question: Question, answer: Any) -> QuestionView:
+def question_view(exercise: Exercise, number: int, question: Question, answer: Any, section: str) -> QuestionView:
     chosen = answer if isinstance(answer, list) else [answer]
     places = {letter: place for place, letter in enumerate(chosen, 1) if isinstance(letter, str)}
     order = question.form == "order"
@@ -78,6 +81,7 @@ def question_view(exercise: Exercise, number: int, question: Question, answer: A
         unit=question.unit,
         value=shown(answer) if question.form == "number" and isinstance(answer, str | int | float) else "",
         pieces=pieces,
+        section=section,
     )
 
 
@@ -110,15 +114,22 @@ def _placed(fields: FormData, question: Question) -> Any:
 
 
 def told(exercise: Exercise, submission: Submission) -> Sequence[ToldView]:
-    """What was answered in an attempt, to be read again."""
+    """What was answered in an attempt, to be read again; the questions left blank too, where one was answered."""
     grader = _grader(exercise)
     try:
         answers = read_answers(submission.source)
     except UnreadableAnswersError:
-        return [ToldView("Fichier envoyé", shown(submission.code), ())]
-    return [told_view(exercise, answer) for answer in grader.told(answers, submission.seed)]
+        return [ToldView("", "Fichier envoyé", shown(submission.code), ())]
+    given = {answer.question: answer for answer in grader.told(answers, submission.seed)}
+    questions = grader.paper(submission.seed).questions if given else ()
+    return [
+        told_view(exercise, given[question.id])
+        if question.id in given
+        else ToldView(question.id, exercise.line(question.title), "", ())
+        for question in questions
+    ]
 
 
 def told_view(exercise: Exercise, answer: Told) -> ToldView:
     pieces = tuple((piece.id, exercise.line(piece.text)) for piece in answer.pieces)
-    return ToldView(exercise.line(answer.title), answer.text, pieces)
+    return ToldView(answer.question, exercise.line(answer.title), answer.text, pieces)

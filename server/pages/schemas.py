@@ -13,9 +13,32 @@ class HomePage:
     modules: tuple[ModuleLink, ...]
 
 
+#: "none" where there is nothing to say.
+MarkTone = Literal["good", "partial", "bad", "blank", "none"]
+
+
+@dataclass(frozen=True)
+class MarkView:
+    """What a verdict says of one question. `answered` is text; `message`, `expected` and `hint` are HTML."""
+
+    question: str
+    tone: MarkTone
+    sign: str
+    word: str
+    points: str
+    max_points: str
+    answered: str
+    expected: str
+    message: str
+    hint: str
+
+
 @dataclass(frozen=True)
 class WorkView:
-    """The latest state of one submission: waiting (`waiting` says where) or judged."""
+    """The latest state of one submission: waiting (`waiting` says where) or judged.
+
+    `marks` are those of the questions, in an exercise answered without code.
+    """
 
     id: str
     number: int
@@ -25,6 +48,11 @@ class WorkView:
     page: str
     events: str
     fragment: str
+    marks: tuple[MarkView, ...]
+
+    def mark(self, question: str) -> MarkView | None:
+        """The mark of a question, where there is something to say of it."""
+        return next((mark for mark in self.marks if mark.question == question and mark.tone != "none"), None)
 
 
 @dataclass(frozen=True)
@@ -125,7 +153,10 @@ class PieceView:
 
 @dataclass(frozen=True)
 class QuestionView:
-    """A question; `title` is HTML, `field` names its form field, `value` is the number that was typed before."""
+    """A question; `title` is HTML, `field` names its form field, `value` is the number that was typed before.
+
+    `section` is the heading that comes before it, if one does.
+    """
 
     id: str
     number: int
@@ -137,6 +168,7 @@ class QuestionView:
     unit: str
     value: str
     pieces: tuple[PieceView, ...]
+    section: str
 
 
 @dataclass(frozen=True)
@@ -151,8 +183,12 @@ class AnswersPage(ExerciseFrame):
 
 @dataclass(frozen=True)
 class ToldView:
-    """One answer of an attempt, `title` in HTML: its text, or the letters and HTML of what was chosen."""
+    """One answer of an attempt, `title` in HTML: its text, or the letters and HTML of what was chosen.
 
+    `question` is what it answers; neither text nor letters where it was left blank.
+    """
+
+    question: str
     title: str
     text: str
     pieces: tuple[tuple[str, str], ...]

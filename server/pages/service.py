@@ -12,6 +12,7 @@ from server.base.errors import NotFound
 from server.course import Exercise, Module
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts, Progress
+from server.pages import marks
 from server.pages.policy import policy_lines
 from server.pages.schemas import (
     AttemptPage,
@@ -79,7 +80,8 @@ def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:
 def common_parts(reader: Reader, exercise: Exercise, latest: Attempt | None) -> dict[str, Any]:
     """What the page of an exercise holds, of whatever kind; it shows the verdict of the latest attempt."""
     attempts = gradebook.attempts(reader.db, reader.account, exercise.id, RECENT_ATTEMPTS)
-    work = _work(reader, exercise, latest, attempts.total)
+    deal = _deal(reader, exercise)
+    work = _work(reader, exercise, latest, attempts.total, deal)
     module = reader.course.modules[exercise.module]
     previous, following = _neighbours(module, exercise)
     return {
@@ -92,7 +94,7 @@ def common_parts(reader: Reader, exercise: Exercise, latest: Attempt | None) -> 
         "lesson": _lesson(module, exercise),
         "statement": exercise.statement_html,
         "action": f"{exercise_href(exercise)}/soumissions",
-        "results": results(reader, exercise, attempts, work, _deal(reader, exercise)),
+        "results": results(reader, exercise, attempts, work, deal),
         "previous": previous,
         "following": following,
     }
@@ -113,7 +115,7 @@ def attempt_page(
     submission = attempt.submission
     number = gradebook.number_of(reader.db, submission)
     href = exercise_href(exercise)
-    work = _work(reader, exercise, attempt, number)
+    work = _work(reader, exercise, attempt, number, submission.seed)
     return AttemptPage(
         module=module_link(reader.course.modules[exercise.module]),
         exercise_title=exercise.title,
@@ -183,22 +185,27 @@ def results(
     )
 
 
-def _work(reader: Reader, exercise: Exercise, attempt: Attempt | None, number: int) -> WorkView | None:
+def _work(
+    reader: Reader, exercise: Exercise, attempt: Attempt | None, number: int, seed: int | None
+) -> WorkView | None:
+    """`seed` is that of the deal that the page shows, in an exercise answered without code."""
     if attempt is None:
         return None
     submission, grading = attempt.submission, attempt.grading
     href = f"/soumissions/{submission.id}"
     texts = None if exercise.answers is None else exercise
     place = reader.submissions.place(reader.db, submission)
+    verdict = Verdict.from_json(grading.verdict) if grading else None
     return WorkView(
         id=str(submission.id),
         number=number,
         status=place.state.value,
         waiting=waiting_text(place),
-        verdict=verdicts.view(Verdict.from_json(grading.verdict), f"{href}/figures", texts) if grading else None,
+        verdict=verdicts.view(verdict, f"{href}/figures", texts) if verdict else None,
         page=href,
         events=f"{href}/evenements",
         fragment=f"{href}/verdict",
+        marks=marks.of(exercise, submission, verdict, seed),
     )
 
 

@@ -30,7 +30,7 @@ def view(verdict: Verdict, figures: str, texts: Texts | None = None) -> VerdictV
         sentence=wording.sentence,
         tone=_tone(verdict),
         points=points(verdict.points) if verdict.outcome.counts else "",
-        common=_common_message(verdict.checks),
+        common=common_message(verdict.checks),
         checks=tuple(_check(check, figures, marked) for check in verdict.checks),
         diagnosis=_diagnosis(verdict.diagnosis) if verdict.diagnosis else None,
         stdout=verdict.stdout,
@@ -52,7 +52,7 @@ def _tone(verdict: Verdict) -> Tone:
     return "ours" if verdict.outcome.blame is Blame.OURS else "good"
 
 
-def _common_message(checks: Sequence[CheckResult]) -> str:
+def common_message(checks: Sequence[CheckResult]) -> str:
     """What every check says, when they all say the same: the file did not load, and once is enough."""
     messages = {check.message for check in checks}
     return messages.pop() if len(messages) == 1 and len(checks) > 1 else ""

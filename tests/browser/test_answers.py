@@ -40,7 +40,9 @@ def test_numbers_are_typed_kept_and_judged(visit: NewVisit) -> None:
     page.reload()
     expect(page.get_by_label("Réponse").first).to_have_value("12 rad")
     send(visitor, "0")
-    expect(page.locator(".check-failed").first).to_contain_text("sans unité")
+    beside = page.locator("#question-ds .question-mark")
+    expect(beside).to_contain_text("sans unité")
+    expect(beside).to_contain_text("À revoir")
     check(visitor, "numbers, wrong", exclude=CHECKED_ONCE)
     for name, value in right(page).items():
         page.locator(f"#champ-{name}").fill(f"{value:.6f}".replace(".", ","))
@@ -56,7 +58,8 @@ def test_options_are_ticked_and_explained(visit: NewVisit) -> None:
         for letter in letters:
             page.locator(f"input[name='q.{question}'][value='{letter}']").check()
     send(visitor, "20")
-    expect(page.locator(".check-passed .message").first).to_contain_text("Oui.")
+    expect(page.locator(".question-mark-good .message").first).to_contain_text("Oui.")
+    expect(page.locator("#question-qos .question-mark-head")).to_contain_text("Juste")
     check(visitor, "options, right", exclude=CHECKED_ONCE)
     page.locator(".attempts a").first.click()
     expect(page.locator(".told dt").first).to_have_text("Particules ou Kalman")
@@ -91,7 +94,7 @@ def test_steps_are_moved_by_buttons_keys_and_hand(visit: NewVisit) -> None:
     page.reload()
     assert letters(proof) == wanted, "the draft is kept"
     page.get_by_role("button", name=f"Monter l’étape {wanted[-1]}").click()
-    send(visitor, ",")
+    send(visitor, "18")
     check(visitor, "steps, wrong", exclude=CHECKED_ONCE)
     page.get_by_role("button", name=f"Descendre l’étape {wanted[-1]}").click()
     send(visitor, "20")

@@ -208,6 +208,8 @@ def test_questions_are_told_for_a_seed_and_only_where_there_are_some(capsys: Any
     assert "graine 3" in told
     assert "    d) " in told
     assert '"fermeture": ["a", "b"]' in told
+    assert "Une seule réponse est bonne." in told.split("amcl :")[1].split("    a) ")[0]
+    assert "Une ou plusieurs réponses sont bonnes." in told.split("fermeture :")[1].split("    a) ")[0]
     assert main(["grade", ANSWERED, "--questions", "--seed", "3"]) == 0
     assert "= 0," in capsys.readouterr().out
     assert main(["grade", EXERCISE, "--questions"]) == 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import re
 from collections.abc import Mapping
 from html.parser import HTMLParser
@@ -10,10 +11,12 @@ from typing import Any
 import pytest
 
 from graders.core.contract.findings import Judgement
+from graders.core.contract.local import LOCAL
 from server.course import Course
 from server.grading.joint import Grader
 from server.grading.task import SentFile
 from server.identity import service as accounts
+from server.pages import marks
 from server.pages.answers import FIELD, PLACE
 from server.queue.worker import Worker
 from server.sandbox import Sandbox
@@ -176,6 +179,66 @@ def test_a_page_and_a_blank_verdict_tell_no_secret(site: Site, worker: Worker, c
         assert names & Form(form).words == set()
         reasons = [getattr(one, "why", getattr(one, "role", "")).split("'")[0][:25] for one in pieces]
         assert [one for one in reasons if len(one) > 15 and one in text] == []
+
+
+def beside(text: str, question: str) -> str:
+    """What a page says from the head of a question to the next question."""
+    parts = re.split(r'id="question-(\w+)"', text)
+    return html.unescape(re.sub(r"<[^>]+>", " ", parts[parts.index(question) + 1]))
+
+
+def test_each_question_is_marked_in_its_place(site: Site, worker: Worker, course: Course) -> None:
+    answers = right(site, course, QUIZ)
+    grader: Any = course.exercises[QUIZ].answers
+    seed = stored(site.database, Deal)[0].seed
+    letters = {question.id: question.letters(seed).by_name for question in grader.questions}
+    del answers["tf"]
+    answers |= {"amcl": letters["amcl"]["precision"], "fermeture": answers["fermeture"][:1]}
+    attempt = sent(site, QUIZ, fields_of(QUIZ, answers))
+    worker.step()
+    for path in (path_of(QUIZ), attempt):
+        text = page(site, path)
+        for question, told in {
+            "amcl": [
+                "À revoir",
+                "essai n° 1" if path != attempt else "0 /",
+                "fait aussi bien",
+                "toujours moins précis",
+            ],
+            "fermeture": ["En partie juste", "il manque au moins une bonne réponse"],
+            "tf": ["Sans réponse"],
+            "jauge": ["Juste", "Pourquoi c’est juste"],
+        }.items():
+            said = re.sub(r"\s+", " ", beside(text, question)).replace("\u00a0", " ")
+            assert [one for one in told if one not in said] == [], (path, question, said)
+        assert "Répondu : " + answers["amcl"] in re.sub(r"\s+", " ", beside(text, "amcl")) or path == attempt
+        assert "plusieurs poses expliquent" not in text, "what was not ticked is not explained"
+        links = re.findall(r'class="check-line" href="#(question-\w+)"', text)
+        assert links == [f"question-{question.id}" for question in grader.questions]
+        assert all(f'id="{link}"' in text for link in links)
+    parts = re.findall(r'data-part="mark-(\w+)"', page(site, f"{attempt}/verdict"))
+    assert parts == [question.id for question in grader.questions]
+
+
+def test_marks_go_where_the_next_verdict_says_nothing_of_a_question(site: Site, worker: Worker, course: Course) -> None:
+    sent(site, QUIZ, fields_of(QUIZ, right(site, course, QUIZ)))
+    worker.step()
+    assert 'class="question-mark question-mark-good"' in page(site, path_of(QUIZ))
+    attempt = sent(site, QUIZ, {})
+    worker.step()
+    for path in (path_of(QUIZ), f"{attempt}/verdict"):
+        text = page(site, path)
+        assert len(re.findall(r'data-part="mark-\w+"[^>]* class="question-mark" hidden>', text)) == 34
+        assert "question-mark-" not in text
+
+
+def test_another_deal_has_no_marks(site: Site, worker: Worker, course: Course) -> None:
+    sent(site, QUIZ, fields_of(QUIZ, right(site, course, QUIZ)))
+    exercise, (row,) = course.exercises[QUIZ], stored(site.database, Submission)
+    verdict = exercise.grader.grade(row.source, LOCAL, seed=row.seed, version="").verdict
+    assert {mark.tone for mark in marks.of(exercise, row, verdict, row.seed)} == {"good"}
+    assert {mark.tone for mark in marks.of(exercise, row, verdict, row.seed + 1)} == {"none"}
+    assert {mark.tone for mark in marks.of(exercise, row, None, row.seed)} == {"none"}
 
 
 def test_numbers_are_typed_by_hand_and_come_back_as_typed(site: Site, worker: Worker) -> None:

@@ -6,9 +6,10 @@ all that there is; for `numeric`, a grader's folder defines how data are dealt a
 
 from graders.core.answers.choice import ChoiceSheet, Option, choice
 from graders.core.answers.judging import AnswersGrader
-from graders.core.answers.numeric import NumericDefinition, Quantity, numeric
+from graders.core.answers.numeric import NumericDefinition, numeric
 from graders.core.answers.order import Distractor, OrderSheet, Step, order
 from graders.core.answers.paper import Given, Paper, Piece, Question
+from graders.core.answers.quantity import Quantity
 from graders.core.answers.reading import canonical
 from graders.core.answers.sheet import MalformedSheetError
 from graders.core.answers.wording import Datum, NumericSheet

@@ -11,14 +11,16 @@ from typing import Any
 from graders.core.answers.judging import Answers, AnswersGrader, Check
 from graders.core.answers.letters import MOST, Letters, renamed
 from graders.core.answers.mistakes import read_mistakes, same_mistakes
-from graders.core.answers.paper import Paper, Piece, Question, Told, quoted
+from graders.core.answers.paper import Form, Paper, Piece, Question, Told, quoted
 from graders.core.answers.reading import is_blank, shown
 from graders.core.answers.sheet import MalformedSheetError
 from graders.core.contract.findings import Finding
-from graders.core.contract.verdict import MAX_POINTS
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.verdict import MAX_POINTS, Diagnosis
 
-LACKING = "Il manque au moins une bonne réponse."
-TOO_MANY = "Il y a moins de bonnes réponses que de cases cochées."
+LACKING = "Ce que vous avez coché est juste, mais il manque au moins une bonne réponse."
+TOO_MANY = "Une case cochée au moins est de trop."
+ALL = "toutes les bonnes réponses, et elles seules"
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,7 @@ class ChoiceQuestion:
     several: bool
     hint: str
     options: tuple[Option, ...]
+    section: str = ""
 
     @property
     def right(self) -> list[str]:
@@ -106,7 +109,47 @@ class ChoiceGrader(AnswersGrader):
 
     def judge(self, answers: Answers, seed: int) -> Sequence[Finding]:
         pairs = zip(self.questions, self.checks(), strict=True)
-        return [_judged(question, check, answers.get(question.id), question.letters(seed)) for question, check in pairs]
+        return [self._judged(q, check, answers.get(q.id), q.letters(seed)) for q, check in pairs]
+
+    def _judged(self, question: ChoiceQuestion, check: Check, raw: Any, letters: Letters) -> Finding:
+        if raw is None:
+            return check.blank()
+        ticked = _read(question, raw, letters)
+        if isinstance(ticked, str):
+            return check.unreadable(ticked, raw)
+        options = [question.option(name) for name in ticked]
+        hits = [option for option in options if option.right]
+        if set(ticked) == set(question.right):
+            return check.passed(_reasons(options))
+        false = _explained(options)
+        slip = false.misconception if false else None
+        share = max(0, 2 * len(hits) - len(options)) / len(question.right) if question.several else 0.0
+        return check.failed(
+            "\n\n".join(self._told(question, options, false)),
+            inputs={},
+            expected=ALL if question.several else "une autre réponse",
+            got=", ".join(letters.by_name[name] for name in ticked),
+            points=share * check.points,
+            slip=slip,
+        )
+
+    def _told(self, question: ChoiceQuestion, ticked: Sequence[Option], false: Option | None) -> Iterator[str]:
+        """What a wrong answer is told: nothing of the options that were not ticked, nor how many are right."""
+        if false is None:
+            yield LACKING
+            yield _reasons(ticked)
+            return
+        yield false.why.strip()
+        if question.several and len(ticked) > 1:
+            yield TOO_MANY
+        if false.misconception:
+            yield f"Erreur reconnue : {self.catalogue[false.misconception].brief}"
+
+    def _diagnosis(self, findings: Sequence[Finding]) -> Diagnosis | None:
+        """A name for the whole, only where every wrong answer has it: each question tells its own."""
+        slips = {finding.slip for finding in findings if finding.cause is Outcome.WRONG_ANSWER}
+        slip = slips.pop() if len(slips) == 1 else None
+        return self.catalogue[slip].diagnosis if slip else None
 
     def wrong(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
         for question in self.questions:
@@ -137,7 +180,7 @@ class ChoiceGrader(AnswersGrader):
 
     def told(self, answers: Answers, seed: int) -> Sequence[Told]:
         return [
-            _told(question.title, answers.get(question.id), {piece.id: piece for piece in _pieces(question, seed)})
+            _told(question, answers.get(question.id), {piece.id: piece for piece in _pieces(question, seed)})
             for question in self.questions
             if not is_blank(answers.get(question.id))
         ]
@@ -153,8 +196,16 @@ class ChoiceGrader(AnswersGrader):
 
 
 def _question(question: ChoiceQuestion, points: float, seed: int) -> Question:
-    form = "several" if question.several else "one"
-    return Question(question.id, question.title, question.text, form, points, pieces=_pieces(question, seed))  # type: ignore[arg-type]
+    form: Form = "several" if question.several else "one"
+    return Question(
+        question.id,
+        question.title,
+        question.text,
+        form,
+        points,
+        pieces=_pieces(question, seed),
+        section=question.section,
+    )
 
 
 def _pieces(question: ChoiceQuestion, seed: int) -> tuple[Piece, ...]:
@@ -167,38 +218,17 @@ def _written(question: ChoiceQuestion, names: Sequence[str], seed: int) -> str |
     return letters if question.several else letters[0]
 
 
-def _judged(question: ChoiceQuestion, check: Check, raw: Any, letters: Letters) -> Finding:
-    if raw is None:
-        return check.blank()
-    ticked = _read(question, raw, letters)
-    if isinstance(ticked, str):
-        return check.unreadable(ticked, raw)
-    options = [question.option(name) for name in ticked]
-    right = set(question.right)
-    why = "\n\n".join(option.why.strip() for option in _explained(options, len(right)))
-    if set(ticked) == right:
-        return check.passed(why)
-    missing = bool(right - set(ticked)) and question.several
-    lacking = TOO_MANY if len(options) > len(right) else LACKING if missing else ""
-    hits = sum(option.right for option in options)
-    share = max(0, 2 * hits - len(options)) / len(right) if question.several else 0.0
-    return check.failed(
-        "\n\n".join(part for part in (why, lacking) if part),
-        inputs={},
-        expected=_plural(len(right)) if question.several else "une autre réponse",
-        got=", ".join(letters.by_name[name] for name in ticked),
-        points=share * check.points,
-        slip=next((option.misconception for option in options if option.misconception), None),
-    )
+def _explained(ticked: Sequence[Option]) -> Option | None:
+    """The wrong option that is explained, one with a name if there is one.
+
+    The others are not: ticking everything must not explain everything.
+    """
+    false = [option for option in ticked if not option.right]
+    return next((option for option in false if option.misconception), next(iter(false), None))
 
 
-def _explained(options: Sequence[Option], wanted: int) -> Sequence[Option]:
-    """All that were ticked; of too many, the first wrong one: ticking everything must not explain everything."""
-    return options if len(options) <= wanted else [option for option in options if not option.right][:1]
-
-
-def _plural(count: int) -> str:
-    return "une seule bonne réponse" if count == 1 else f"{count} bonnes réponses"
+def _reasons(options: Sequence[Option]) -> str:
+    return "\n\n".join(option.why.strip() for option in options)
 
 
 def _read(question: ChoiceQuestion, raw: Any, letters: Letters) -> list[str] | str:
@@ -220,8 +250,8 @@ def _renamed(value: Any, names: Mapping[str, str]) -> Any:
     return names.get(value, value) if isinstance(value, str) else renamed(value, names)
 
 
-def _told(title: str, value: Any, pieces: Mapping[str, Piece]) -> Told:
+def _told(question: ChoiceQuestion, value: Any, pieces: Mapping[str, Piece]) -> Told:
     ids = [value] if isinstance(value, str) else value
     if isinstance(ids, list) and all(isinstance(letter, str) and letter in pieces for letter in ids):
-        return Told(title, "", tuple(pieces[letter] for letter in ids))
-    return Told(title, shown(value))
+        return Told(question.id, question.title, "", tuple(pieces[letter] for letter in ids))
+    return Told(question.id, question.title, shown(value))

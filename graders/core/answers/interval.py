@@ -1,4 +1,4 @@
-"""An interval that says where a number is, without saying the number."""
+"""An interval that says how large a number is, without saying the number."""
 
 from __future__ import annotations
 
@@ -9,14 +9,10 @@ import numpy as np
 NEAREST, FURTHEST = 1.3, 3.0  # how far the ends are, as factors
 
 
-def around(value: float, rng: np.random.Generator) -> tuple[float, float]:
-    """Two rounded ends on either side of `value`, on its side of zero, each at a distance of its own."""
-    if value == 0.0:
-        return -1.0, 1.0
+def around(size: float, rng: np.random.Generator) -> tuple[float, float]:
+    """Two rounded ends on either side of `size`, which is positive, each at a distance of its own."""
     below, above = np.exp(rng.uniform(np.log(NEAREST), np.log(FURTHEST), 2))
-    size = abs(value)
-    low, high = _rounded(size / below, math.floor), _rounded(size * above, math.ceil)
-    return (low, high) if value > 0 else (-high, -low)
+    return _rounded(size / below, math.floor), _rounded(size * above, math.ceil)
 
 
 def _rounded(size: float, towards: object) -> float:

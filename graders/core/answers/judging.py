@@ -6,7 +6,7 @@ import time
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,11 @@ class Check:
     points: float
     hint: str | None = None
 
+    @property
+    def unaided(self) -> Check:
+        """The same without its hint, for what says nothing of how the question was understood."""
+        return replace(self, hint=None)
+
     def passed(self, message: str = "") -> Finding:
         return Finding(CheckResult(self.id, self.title, True, self.points, self.points, message))
 
@@ -54,12 +59,12 @@ class Check:
 
     def unreadable(self, reason: str, value: Any) -> Finding:
         message = f"Cette réponse n'est pas lue : {reason}."
-        return self.failed(
+        return self.unaided.failed(
             message, inputs={}, expected="une réponse lisible", got=shown(value), cause=Outcome.INVALID_OUTPUT
         )
 
     def blank(self) -> Finding:
-        return self.failed(NO_ANSWER, cause=Outcome.INVALID_OUTPUT)
+        return self.unaided.failed(NO_ANSWER, cause=Outcome.INVALID_OUTPUT)
 
 
 @dataclass(frozen=True, eq=False)

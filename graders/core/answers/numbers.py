@@ -1,4 +1,4 @@
-"""Reads a number as a student types it: « 0,1 », « 1/3 », « 2π », « sqrt(2)/2 », « 4,7·10^-3 ». Nothing is evaluated.
+"""Reads a number as a student types it: « 0,1 », « 1/3 », « 2π », « cos(0,3)/2 », « 4,7·10^-3 ». Nothing is evaluated.
 
 A grammar of its own, bounded in length and depth; the result is a finite float or an explanation in French.
 """
@@ -16,16 +16,45 @@ LARGEST_EXPONENT = 300
 
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+")
 _SUPERSCRIPT = re.compile(r"[⁻⁺]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
-_SIGNS = str.maketrans({"−": "-", "–": "-", "×": "*", "·": "*", "⋅": "*", "÷": "/", "π": "pi", "√": "sqrt"})
+_SIGNS = str.maketrans({"−": "-", "–": "-", "×": "*", "·": "*", "⋅": "*", "÷": "/", "π": " pi ", "√": " sqrt "})
 _THOUSANDS = re.compile(r"(?<![0-9.,])([0-9]{1,3}(?:[ \u00a0\u202f][0-9]{3})+)(?![0-9])")
 _TOKEN = re.compile(
-    r"\s*(?:([0-9]+(?:[.,][0-9]*)?(?:[eE][+-]?[0-9]+)?|[.,][0-9]+(?:[eE][+-]?[0-9]+)?)|(\*\*|[-+*/^()])|([A-Za-z]+))"
+    r"\s*(?:([0-9]+(?:[.,][0-9]*)?(?:[eE][+-]?[0-9]+)?|[.,][0-9]+(?:[eE][+-]?[0-9]+)?)|(\*\*|[-+*/^();])|"
+    r"(log10|atan2|arctan2|[^\W\d_]+))"
 )
-_NAMES = {"pi": "pi", "sqrt": "sqrt", "racine": "sqrt", "rac": "sqrt"}
+_CONSTANTS = {"pi": math.pi, "e": math.e}
+#: Angles are in radians. `log` is the natural logarithm, as in numpy and in the course's code.
+_FUNCTIONS: dict[str, Callable[[float], float]] = {
+    "sqrt": math.sqrt,
+    "sin": math.sin,
+    "cos": math.cos,
+    "tan": math.tan,
+    "asin": math.asin,
+    "acos": math.acos,
+    "atan": math.atan,
+    "exp": math.exp,
+    "ln": math.log,
+    "log10": math.log10,
+    "abs": abs,
+}
+_OF_TWO: dict[str, Callable[[float, float], float]] = {"atan2": math.atan2}
+_ALIASES = {
+    "racine": "sqrt",
+    "rac": "sqrt",
+    "log": "ln",
+    "arcsin": "asin",
+    "arccos": "acos",
+    "arctan": "atan",
+    "arctan2": "atan2",
+}
+_KNOWN = {*_CONSTANTS, *_FUNCTIONS, *_OF_TWO}
+READ = "pi, e, sqrt, sin, cos, tan, atan, exp et ln sont lus"
+LONGEST_WORD = 20
+_IMPOSSIBLE = {"sqrt": "prendre la racine", "ln": "prendre le logarithme", "log10": "prendre le logarithme"}
 
 
 class NotANumberError(Exception):
-    """What cannot be read as a number; `args[0]` says why, in French, without repeating the text."""
+    """What cannot be read as a number; `args[0]` says why, in French; of the text it repeats at most a word."""
 
 
 def read_number(text: str) -> float:
@@ -37,8 +66,10 @@ def read_number(text: str) -> float:
         raise NotANumberError("la réponse est vide")
     try:
         value = _Reader(tokens).whole()
-    except (ZeroDivisionError, OverflowError, ValueError) as error:
-        raise NotANumberError(_impossible(error)) from error
+    except ZeroDivisionError as error:
+        raise NotANumberError("ce calcul divise par zéro") from error
+    except OverflowError as error:
+        raise NotANumberError("ce nombre est démesuré") from error
     return bounded(value)
 
 
@@ -51,28 +82,19 @@ def bounded(value: float) -> float:
     return value
 
 
-def _impossible(error: Exception) -> str:
-    if isinstance(error, ZeroDivisionError):
-        return "ce calcul divise par zéro"
-    return (
-        "ce nombre est démesuré"
-        if isinstance(error, OverflowError)
-        else "ce calcul prend la racine d'un nombre négatif"
-    )
-
-
 def _plain(text: str) -> str:
     text = _SUPERSCRIPT.sub(lambda match: "^(" + match[0].translate(_SUPERSCRIPTS) + ")", text).translate(_SIGNS)
     return _THOUSANDS.sub(lambda match: re.sub(r"\s", "", match[1]), text).strip()
 
 
 def _tokens(text: str) -> list[str]:
-    tokens, place = [], 0
+    tokens: list[str] = []
+    place = 0
     while place < len(text):
         match = _TOKEN.match(text, place)
         if match is None:
             raise NotANumberError("un caractère n'est ni un chiffre, ni une virgule, ni une opération")
-        tokens.append(_token(match))
+        tokens.append("*" if match[3] == "x" and tokens and tokens[-1] != "0" else _token(match))
         place = match.end()
     return tokens
 
@@ -83,9 +105,19 @@ def _token(match: re.Match[str]) -> str:
         return str(number).replace(",", ".")
     if sign:
         return str(sign).replace("**", "^")
-    if word.lower() not in _NAMES:
-        raise NotANumberError("un mot n'est pas connu : écrivez le nombre seul, sans unité (pi et sqrt sont lus)")
-    return _NAMES[word.lower()]
+    name = _ALIASES.get(word.lower(), word.lower())
+    if name not in _KNOWN:
+        short = word if len(word) <= LONGEST_WORD else word[:LONGEST_WORD] + "…"
+        raise NotANumberError(f"« {short} » n'est pas connu : écrivez le nombre seul, sans unité ({READ})")
+    return name
+
+
+def _applied(name: str, *values: float) -> float:
+    function: Callable[..., float] = _OF_TWO[name] if name in _OF_TWO else _FUNCTIONS[name]
+    try:
+        return float(function(*values))
+    except ValueError as error:
+        raise NotANumberError(f"{_IMPOSSIBLE.get(name, name)} n'est pas possible pour ce nombre") from error
 
 
 class _Reader:
@@ -131,7 +163,7 @@ class _Reader:
                 self._take()
                 divided = token == "/"
                 value = value / self._signed() if divided else value * self._signed()
-            elif token in {"pi", "sqrt", "("}:
+            elif token in {"pi", "("} or token in _FUNCTIONS or token in _OF_TWO:
                 if divided:
                     raise NotANumberError("cette division est ambiguë : mettez le dénominateur entre parenthèses")
                 value *= self._power()
@@ -151,21 +183,42 @@ class _Reader:
             return base
         self._take()
         exponent = self._deeper(self._signed)
-        if abs(exponent) > LARGEST_EXPONENT or exponent != round(exponent):
-            raise NotANumberError(f"un exposant doit être un entier de −{LARGEST_EXPONENT} à {LARGEST_EXPONENT}")
-        return float(base ** int(exponent))
+        if abs(exponent) > LARGEST_EXPONENT:
+            raise NotANumberError(f"un exposant doit être entre −{LARGEST_EXPONENT} et {LARGEST_EXPONENT}")
+        if base < 0 and not float(exponent).is_integer():
+            raise NotANumberError("une puissance d'un nombre négatif doit être entière")
+        return float(base**exponent)
 
     def _atom(self) -> float:
         token = self._take()
-        if token == "pi":
-            return math.pi
+        if token in _CONSTANTS:
+            return _CONSTANTS[token]
         if token == "sqrt":
-            return math.sqrt(self._deeper(self._atom))
+            return _applied(token, self._deeper(self._atom))
+        if token in _FUNCTIONS or token in _OF_TWO:
+            return _applied(token, *self._arguments(token, 2 if token in _OF_TWO else 1))
         if token == "(":
             value = self._deeper(self._sum)
-            if self._take() != ")":
-                raise NotANumberError("une parenthèse n'est pas refermée")
+            self._close()
             return value
         if token[0] in "0123456789.":
             return float(token)
         raise NotANumberError("une opération n'est pas à sa place")
+
+    def _arguments(self, name: str, count: int) -> list[float]:
+        """What stands in parentheses after the name of a function."""
+        if self._next() != "(":
+            raise NotANumberError(f"mettez ce qui suit {name} entre parenthèses")
+        self._take()
+        values = [self._deeper(self._sum)]
+        for _ in range(count - 1):
+            if self._next() != ";":
+                raise NotANumberError(f"les deux nombres de {name} sont séparés par un point-virgule")
+            self._take()
+            values.append(self._deeper(self._sum))
+        self._close()
+        return values
+
+    def _close(self) -> None:
+        if self._take() != ")":
+            raise NotANumberError("une parenthèse n'est pas refermée")

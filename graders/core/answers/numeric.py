@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
@@ -16,9 +16,11 @@ from graders.core.answers.judging import Answers, AnswersGrader, Check
 from graders.core.answers.mistakes import Mistake, read_mistakes, same_mistakes
 from graders.core.answers.numbers import NotANumberError, bounded, read_number
 from graders.core.answers.paper import Given, Paper, Question, Told
+from graders.core.answers.quantity import Data, Formula, Quantity, Values
 from graders.core.answers.reading import is_blank, shown
+from graders.core.answers.rounding import Typed, decimals_for, typed
 from graders.core.answers.sheet import MalformedSheetError
-from graders.core.answers.wording import NumericSheet
+from graders.core.answers.wording import NumericSheet, NumericWording
 from graders.core.compare.words import number
 from graders.core.contract.definition import MODULE_FILE, Definition
 from graders.core.contract.findings import Finding
@@ -26,39 +28,16 @@ from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.streams import stream
 from graders.core.contract.verdict import MAX_POINTS
 
-Data = Mapping[str, float]
-Values = Mapping[str, float]
-#: From the data and the answers to earlier questions to a value.
-Formula = Callable[[Data, Values], float]
-
 DEALS = 1000  # one deal in thirteen is kept in some exercises: an unlucky seed would stay so for ever
 APART = 10  # tolerances between a slip and the right value, and between two slips
-FOLLOW_THROUGH = 0.5
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """What one question asks, and how it is judged.
-
-    `expected(data, earlier)` computes it with `reference/`; `earlier` holds the values of the questions before it.
-    An answer is right within `abs` + `rel` |value| (modulo 2π for an `angle`). `slips` are wrong formulas, by the
-    misconception that they show.
-    """
-
-    id: str
-    points: float
-    expected: Formula
-    rel: float = 0.01
-    abs: float = 0.0
-    angle: bool = False
-    slips: Mapping[str, Formula] = field(default_factory=dict)
-
-    def same(self, value: float, other: float, times: float = 1.0) -> bool:
-        """Whether `value` is `other`, within so many `times` the tolerance on `other`."""
-        gap, size = value - other, other
-        if self.angle:
-            gap, size = (math.remainder(angle, 2.0 * math.pi) for angle in (gap, size))
-        return abs(gap) <= times * (self.abs + self.rel * abs(size))
+FOLLOWED = (
+    "Votre calcul est juste, mais il part d'une de vos réponses précédentes qui ne l'est pas : "
+    "une partie des points est gagnée."
+)
+ROUNDED = "C'est la bonne valeur, mais trop arrondie, et la moitié des points est gagnée"
+DOUBTFUL = "Cette réponse est trop arrondie pour que l'on sache d'où elle vient"
+NEAR = 5  # tolerances from the right value that rounding on the way may explain
+PART = 0.5  # of the points: for what follows from one's own wrong answer, and for too few digits
 
 
 @dataclass(frozen=True)
@@ -161,35 +140,47 @@ class NumericGrader(AnswersGrader):
         right = dealt.right[quantity.id]
         if quantity.same(value, right):
             return check.passed()
-        inputs = {datum.name: dealt.data[datum.name] for datum in self.sheet.data}
-        expected = self._expected(quantity.id, right, seed)
         followed = _computed(quantity.expected, dealt.data, own)
         worked = value != 0.0  # zeros follow from zeros without any calculation
+        shown_as: dict[str, Any] = {
+            "inputs": {datum.name: dealt.data[datum.name] for datum in self.sheet.data},
+            "expected": self._expected(quantity.id, right, seed),
+            "got": shown(raw),
+        }
         if worked and followed is not None and not quantity.same(followed, right) and quantity.same(value, followed):
-            message = (
-                "Votre calcul est juste, mais il part d'une de vos réponses précédentes qui ne l'est pas : "
-                "une partie des points est gagnée."
-            )
-            points = FOLLOW_THROUGH * quantity.points
-            return check.failed(message, inputs=inputs, expected=expected, got=shown(raw), points=points)
+            return check.failed(FOLLOWED, points=PART * quantity.points, **shown_as)
+        few = typed(raw, value)
+        if few is not None and few.rounds(right):
+            message, wanted, points = self._rounded(quantity, few, dealt, own)
+            return check.unaided.failed(message, points=points, **{**shown_as, "expected": wanted})
         slip = self._slip(quantity, value, dealt, own)
-        message = self.catalogue[slip].brief if slip else _wrong(value, right)
-        return check.failed(message, inputs=inputs, expected=expected, got=shown(raw), slip=slip)
+        if slip:
+            return check.failed(self.catalogue[slip].brief, slip=slip, **shown_as)
+        return check.failed(_wrong(quantity, value, right), **shown_as)
+
+    def _rounded(self, quantity: Quantity, few: Typed, dealt: Dealt, own: Values) -> tuple[str, str, float]:
+        """The message, what is wanted and the points for the right value of which too few digits are left.
+
+        Half the points, unless it may be a slip that was rounded.
+        """
+        digits = max(few.decimals + 1, decimals_for(quantity.tolerance(dealt.right[quantity.id])))
+        wanted = f"au moins {digits} chiffre{'s' if digits > 1 else ''} après la virgule"
+        doubtful = any(few.rounds(wrong) for name in quantity.slips for wrong in _slipped(quantity, name, dealt, own))
+        message = f"{DOUBTFUL if doubtful else ROUNDED} : donnez {wanted}."
+        return message, f"un nombre avec {wanted}", 0.0 if doubtful else PART * quantity.points
 
     def _slip(self, quantity: Quantity, value: float, dealt: Dealt, own: Values) -> str | None:
         """The slip that gives this value, from the right earlier values or from the student's own."""
-        for name, formula in quantity.slips.items():
-            followed = _computed(formula, dealt.data, own)
-            wrong = (dealt.slips[quantity.id][name], *(() if followed is None else (followed,)))
-            if any(quantity.same(value, slipped) for slipped in wrong):
+        for name in quantity.slips:
+            if any(quantity.same(value, wrong) for wrong in _slipped(quantity, name, dealt, own)):
                 return name
         return None
 
     def _expected(self, name: str, right: float, seed: int) -> str:
-        """A sign and an interval, dealt once for a deal: trying again tells no more; nor does the seed by itself."""
-        low, high = around(right, stream(seed, f"interval {name} {right:.6g}"))
+        """An interval without a sign, dealt once for a deal: trying again tells no more, nor does the seed alone."""
+        low, high = around(abs(right), stream(seed, f"interval {name} {right:.6g}"))
         unit = next(question.unit for question in self.sheet.questions if question.id == name)
-        return f"un nombre entre {number(low)} et {number(high)} {unit}".rstrip()
+        return f"un nombre entre {number(low)} et {number(high)} {unit}".rstrip() + ", au signe près"
 
     def wrong(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
         for name in self.catalogue:
@@ -207,8 +198,11 @@ class NumericGrader(AnswersGrader):
         return own
 
     def told(self, answers: Answers, seed: int) -> Sequence[Told]:
+        def unit(question: NumericWording, value: Any) -> str:
+            return question.unit if isinstance(_read(value), float) else ""
+
         return [
-            Told(question.title, f"{shown(value)} {question.unit if isinstance(_read(value), float) else ''}".rstrip())
+            Told(question.id, question.title, f"{shown(value)} {unit(question, value)}".rstrip())
             for question in self.sheet.questions
             if not is_blank(value := answers.get(question.id))
         ]
@@ -233,7 +227,7 @@ class NumericGrader(AnswersGrader):
 def _dealt(grader: NumericGrader, seed: int) -> Dealt:
     """The deal of a seed: the first for which no slip gives the right value, nor two slips the same, and nothing is 0.
 
-    No interval on one side of zero holds zero: it would be guessed at once.
+    No interval of sizes holds zero: it would be guessed at once.
     """
     for try_number in range(DEALS):
         dealt = _one_deal(grader, grader.dealing(stream(seed, f"draw {try_number}")))
@@ -257,6 +251,12 @@ def _apart(quantity: Quantity, dealt: Dealt) -> bool:
         return False
     pairs = ((value, other) for place, value in enumerate(values) for other in values[:place])
     return not any(quantity.same(value, other, APART) or quantity.same(other, value, APART) for value, other in pairs)
+
+
+def _slipped(quantity: Quantity, name: str, dealt: Dealt, own: Values) -> tuple[float, ...]:
+    """What a slip gives from the right earlier values, and from the student's own."""
+    followed = _computed(quantity.slips[name], dealt.data, own)
+    return (dealt.slips[quantity.id][name], *(() if followed is None else (followed,)))
 
 
 def _computed(formula: Formula, data: Data, own: Values) -> float | None:
@@ -283,7 +283,9 @@ def _read(raw: Any) -> float | str:
         return str(error)
 
 
-def _wrong(value: float, right: float) -> str:
-    if value * right < 0:
-        return "Ce n'est pas la bonne valeur : son signe n'est pas le bon."
+def _wrong(quantity: Quantity, value: float, right: float) -> str:
+    if quantity.same(-value, right):
+        return "Au signe près, c'est la bonne valeur."
+    if quantity.same(value, right, NEAR):
+        return "Vous êtes tout près : gardez plus de chiffres dans vos calculs, et n'arrondissez qu'à la fin."
     return "Ce n'est pas la bonne valeur."

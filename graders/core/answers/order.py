@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from graders.core.answers.chain import Before, all_before, longest_chain
 from graders.core.answers.judging import Answers, AnswersGrader, Check
 from graders.core.answers.letters import MOST, Letters, renamed
 from graders.core.answers.mistakes import read_mistakes, same_mistakes
@@ -17,10 +18,8 @@ from graders.core.answers.sheet import MalformedSheetError
 from graders.core.contract.findings import Finding
 
 ORDER = "ordre"  # the name of the only question
-STEPS = Check("etapes", "Les bonnes étapes, sans intrus", 5)
-BEGINNING = Check("debut", "La démonstration commence bien", 9)
-WHOLE = Check("ordre", "Toutes les étapes, dans l'ordre", 6)
-STOPS = "La démonstration s'arrête trop tôt."
+STEPS = Check("etapes", "Les bonnes étapes, sans intrus", 8)
+CHAIN = Check("ordre", "Chaque étape après celles dont elle a besoin", 12)
 
 
 @dataclass(frozen=True)
@@ -80,20 +79,12 @@ def order(exercise: str, folder: Path, sheet: OrderSheet) -> OrderGrader:
     return OrderGrader(exercise, folder, catalogue, sheet)
 
 
-@dataclass(frozen=True)
-class Beginning:
-    """How far an answer is right: `length` steps, then `wanted` should have come (None: nothing more)."""
-
-    length: int
-    wanted: Step | None
-
-
 @dataclass(frozen=True, eq=False)
 class OrderGrader(AnswersGrader):
     sheet: OrderSheet
 
     def checks(self) -> Sequence[Check]:
-        return (STEPS, BEGINNING, WHOLE)
+        return (STEPS, CHAIN)
 
     def letters(self, seed: int) -> Letters:
         return Letters.dealt([piece.id for piece in self.sheet.pieces], seed, ORDER)
@@ -127,20 +118,7 @@ class OrderGrader(AnswersGrader):
         names = _read(raw, letters)
         if isinstance(names, str):
             return [check.unreadable(names, raw) for check in self.checks()]
-        beginning = self._beginning(names)
-        return [self._steps(names, letters), *self._ordered(names, beginning, letters)]
-
-    def _beginning(self, names: Sequence[str]) -> Beginning:
-        placed: list[str] = []
-        for name in names:
-            if name not in [step.id for step in self._next(placed)]:
-                break
-            placed.append(name)
-        return Beginning(len(placed), next(iter(self._next(placed)), None))
-
-    def _next(self, placed: Sequence[str]) -> list[Step]:
-        """The steps that may come now."""
-        return [step for step in self.sheet.steps if step.id not in placed and set(step.after) <= set(placed)]
+        return [self._steps(names, letters), self._chain(names, letters)]
 
     def _steps(self, names: Sequence[str], letters: Letters) -> Finding:
         distractors = {distractor.id: distractor for distractor in self.sheet.distractors}
@@ -159,31 +137,24 @@ class OrderGrader(AnswersGrader):
             slip=next((distractor.misconception for distractor in false if distractor.misconception), None),
         )
 
-    def _ordered(self, names: Sequence[str], beginning: Beginning, letters: Letters) -> tuple[Finding, Finding]:
-        if beginning.wanted is None and beginning.length == len(names):
-            return BEGINNING.passed(), WHOLE.passed()
-        place = beginning.length + 1
-        stands = f"l'étape {letters.by_name[names[place - 1]]}" if place <= len(names) else "rien"
-        role = beginning.wanted.role.strip() if beginning.wanted else "rien de plus : la démonstration est finie"
-        message = (
-            f"À la place {place}, il faut {role.rstrip('.')}." if beginning.wanted else f"En trop : place {place}."
-        )
-        if place > len(names):
-            message = f"{STOPS} {message}"
-        inputs = {"place": place}
-        points = BEGINNING.points * beginning.length / len(self.sheet.steps)
-        begins = (
-            BEGINNING.failed(message, inputs=inputs, expected=role, got=stands, points=points)
-            if beginning.wanted
-            else BEGINNING.passed()
-        )
-        whole = WHOLE.failed(
-            "La suite est à revoir à partir de cette place.",
-            inputs=inputs,
-            expected=role,
+    def _chain(self, names: Sequence[str], letters: Letters) -> Finding:
+        """Marked by the longest part that stands in a right order, whatever is false or lacking in between.
+
+        What is told is the kind of fault: the step that it is, or its place, would be found by trying.
+        """
+        before = all_before({step.id: step.after for step in self.sheet.steps})
+        true = [name for name in names if name in before]
+        wanted, length = len(before), longest_chain(true, before)
+        if length == wanted:
+            return CHAIN.passed()
+        share = max(0, length - 1) / (wanted - 1)  # a step alone is no chain
+        return CHAIN.failed(
+            " ".join(_faults(true, before, length)),
+            inputs={},
+            expected="chaque étape après toutes celles qu'elle utilise",
             got=_written_out(names, letters),
+            points=share * CHAIN.points,
         )
-        return begins, whole
 
     def wrong(self) -> Iterator[tuple[str, str | None, Callable[[int], Answers]]]:
         names = [step.id for step in self.sheet.steps]
@@ -208,8 +179,8 @@ class OrderGrader(AnswersGrader):
         if is_blank(value):
             return []
         if isinstance(value, list) and all(isinstance(letter, str) and letter in pieces for letter in value):
-            return [Told("Vos étapes, dans l'ordre", "", tuple(pieces[letter] for letter in value))]
-        return [Told("Vos étapes, dans l'ordre", shown(value))]
+            return [Told(ORDER, "Vos étapes, dans l'ordre", "", tuple(pieces[letter] for letter in value))]
+        return [Told(ORDER, "Vos étapes, dans l'ordre", shown(value))]
 
     def correction(self, seed: int) -> str:
         letters = self.letters(seed).by_name
@@ -222,6 +193,26 @@ class OrderGrader(AnswersGrader):
             for distractor in self.sheet.distractors
         ]
         return "\n\n".join([*steps, *(["**Les intrus**"] if false else []), *false])
+
+
+def _faults(true: Sequence[str], before: Before, length: int) -> Iterator[str]:
+    """The kinds of fault in the order of the true steps, in sentences."""
+    if not true:
+        yield "Aucune étape de la démonstration n'est placée."
+        return
+    if before[true[0]]:
+        yield "Le départ n'en est pas un : la première étape s'appuie déjà sur une autre."
+    if length < len(true):
+        yield "Une étape au moins vient trop tôt : elle utilise un résultat que vous n'établissez que plus bas."
+    if len(true) < len(before):
+        last = list(before)[-1]
+        yield (
+            "La démonstration n'arrive pas à sa conclusion."
+            if last not in true
+            else "La démonstration a un trou : une étape au moins s'appuie sur ce que rien n'établit."
+        )
+    if length > 1:
+        yield f"Au mieux, {length} étapes sur {len(before)} s'enchaînent bien."
 
 
 def _read(raw: Any, letters: Letters) -> list[str] | str:

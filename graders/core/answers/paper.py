@@ -28,7 +28,10 @@ class Piece:
 
 @dataclass(frozen=True)
 class Question:
-    """One question. `id` names its answer; `pieces` are in the order of their letters."""
+    """One question. `id` names its answer; `pieces` are in the order of their letters.
+
+    `section` is the heading under which it stands, with the questions after it that have the same.
+    """
 
     id: str
     title: str
@@ -37,6 +40,7 @@ class Question:
     points: float
     unit: str = ""
     pieces: tuple[Piece, ...] = ()
+    section: str = ""
 
 
 @dataclass(frozen=True)
@@ -49,8 +53,9 @@ class Paper:
 
 @dataclass(frozen=True)
 class Told:
-    """An answer that was given, to be read again: as it was typed, or the pieces that were chosen."""
+    """The answer to a question, to be read again: as it was typed, or the pieces that were chosen."""
 
+    question: str
     title: str
     text: str
     pieces: tuple[Piece, ...] = ()

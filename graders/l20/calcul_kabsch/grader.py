@@ -8,7 +8,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from graders.core.answers.numeric import Data, Formula, Quantity, Values, numeric
+from graders.core.answers.numeric import numeric
+from graders.core.answers.quantity import Data, Formula, Quantity, Values
 
 Floats = NDArray[np.float64]
 

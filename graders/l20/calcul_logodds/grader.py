@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from graders.core.answers.numeric import Data, Quantity, Values, numeric
+from graders.core.answers.numeric import numeric
+from graders.core.answers.quantity import Data, Quantity, Values
 from reference.occupancy import log_odds, probability
 
 

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from graders.core.answers.numeric import Data, Quantity, Values, numeric
+from graders.core.answers.numeric import numeric
+from graders.core.answers.quantity import Data, Quantity, Values
 from reference.odometry import DifferentialDrive, LateralDrift
 
 MILLI = 1e-3
@@ -64,8 +65,13 @@ def sigma_theta(data: Data, earlier: Values) -> float:
 
 
 def drift(data: Data, earlier: Values) -> float:
-    """The worst case: the heading is wrong by sigma_theta from the first step on."""
+    """The heading is wrong by sigma_theta from the first step on."""
     return data["n"] * earlier["ds"] * earlier["sigma_theta"]
+
+
+def deviation(data: Data, earlier: Values) -> float:
+    """What the course says of the drift when the heading errs little by little: right, but not what is asked."""
+    return drift(data, earlier) / math.sqrt(3)
 
 
 REL, ABS = 0.004, 0.0004  # four significant digits, and what rounding to them leaves
@@ -132,7 +138,10 @@ QUANTITIES = (
         2,
         drift,
         rel=0.02,
-        slips={"un_seul_pas": lambda d, f: f["ds"] * f["sigma_theta"]},
+        slips={
+            "un_seul_pas": lambda d, f: f["ds"] * f["sigma_theta"],
+            "ecart_type_de_la_derive": deviation,
+        },
     ),
 )
 

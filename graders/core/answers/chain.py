@@ -1,0 +1,34 @@
+"""How much of a list stands in an order that some dependencies allow."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import maximum_bipartite_matching
+
+Before = Mapping[str, AbstractSet[str]]
+
+
+def all_before(after: Mapping[str, Sequence[str]]) -> Before:
+    """All that must stand before each name, at whatever remove; `after` has the names in an order that it allows."""
+    before: dict[str, frozenset[str]] = {}
+    for name, direct in after.items():
+        before[name] = frozenset(direct).union(*(before[other] for other in direct))
+    return before
+
+
+def longest_chain(names: Sequence[str], before: Before) -> int:
+    """The length of the longest subsequence of `names`, all different, that some order which `before` allows contains.
+
+    Two names clash when the second must stand before the first. Clashing is transitive, so that the names without a
+    clash that are most numerous are as many as the chains of clashes that cover all of them (Dilworth's theorem):
+    what a greatest matching leaves.
+    """
+    clashes = np.array([[place < later and other in before[name] for later, other in enumerate(names)]
+                        for place, name in enumerate(names)], dtype=np.int8)  # fmt: skip
+    if not clashes.any():
+        return len(names)
+    return len(names) - int(np.count_nonzero(maximum_bipartite_matching(csr_array(clashes)) >= 0))

@@ -1,0 +1,77 @@
+"""What the verdict of an attempt says of each question, to stand beside that question."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from graders.core.answers.paper import Question, Told
+from graders.core.answers.reading import UnreadableAnswersError, is_blank, read_answers
+from graders.core.contract.verdict import CheckResult, Verdict
+from server.course import Exercise
+from server.pages.schemas import MarkTone, MarkView
+from server.submissions.models import Submission
+from server.web import verdicts
+from server.web.words import points
+
+SIGNS_AND_WORDS: Mapping[MarkTone, tuple[str, str]] = {
+    "good": ("✓", "Juste"),
+    "partial": ("½", "En partie juste"),
+    "bad": ("✗", "À revoir"),
+    "blank": ("○", "Sans réponse"),
+}
+
+
+def of(exercise: Exercise, submission: Submission, verdict: Verdict | None, seed: int | None) -> tuple[MarkView, ...]:
+    """A mark for each question of the page, which shows the deal of `seed`.
+
+    Empty ones (of tone "none") where there is nothing to say of a question by itself: no verdict yet, steps to be
+    ordered, another deal, a file that could not be read, a question that the exercise did not have.
+    """
+    if exercise.answers is None:
+        return ()
+    questions = exercise.answers.paper(submission.seed).questions
+    answers = _answers(submission)
+    if verdict is None or answers is None or submission.seed != seed or verdicts.common_message(verdict.checks):
+        return tuple(_empty(question) for question in questions)
+    checks = {check.id: check for check in verdict.checks}
+    told = {one.question: one for one in exercise.answers.told(answers, submission.seed)}
+    return tuple(
+        _empty(question)
+        if question.form == "order" or question.id not in checks
+        else _mark(exercise, checks[question.id], told.get(question.id), blank=is_blank(answers.get(question.id)))
+        for question in questions
+    )
+
+
+def _answers(submission: Submission) -> Mapping[str, Any] | None:
+    try:
+        return read_answers(submission.source)
+    except UnreadableAnswersError:
+        return None
+
+
+def _empty(question: Question) -> MarkView:
+    return MarkView(question.id, "none", "", "", "", "", "", "", "", "")
+
+
+def _mark(exercise: Exercise, check: CheckResult, told: Told | None, *, blank: bool) -> MarkView:
+    tone: MarkTone = "good" if check.passed else "blank" if blank else "partial" if check.points else "bad"
+    sign, word = SIGNS_AND_WORDS[tone]
+    expected = check.counterexample.expected if check.counterexample else None
+    return MarkView(
+        question=check.id,
+        tone=tone,
+        sign=sign,
+        word=word,
+        points=points(check.points),
+        max_points=points(check.max_points),
+        answered=_answered(told) if told else "",
+        expected=exercise.line(expected) if isinstance(expected, str) else "",
+        message="" if blank else exercise.prose(check.message),
+        hint=exercise.line(check.hint) if check.hint else "",
+    )
+
+
+def _answered(told: Told) -> str:
+    return ", ".join(piece.id for piece in told.pieces) or told.text
