@@ -40,13 +40,14 @@ from server.queue.port import Queue, Signals
 from server.queue.postgres import AllSignals, Listener, PostgresSignals
 from server.queue.service import TableQueue
 from server.queue.switchboard import Switchboard
+from server.queue.watch import Watch
 from server.reading.downloads import Downloads
 from server.reading.routes import router as reading_router
 from server.replays.routes import Desk
 from server.replays.routes import router as replays_router
 from server.replays.service import Replays
 from server.submissions.events import Events
-from server.submissions.service import Submissions
+from server.submissions.service import GRADE, Submissions
 from server.web import errors
 
 log = logging.getLogger(__name__)
@@ -87,6 +88,14 @@ class Services:
         return TableQueue(signals)
 
     @cached_property
+    def supervisor(self) -> Supervisor:
+        return Supervisor(self.settings, self.switchboard, self.take_back, self.worker_command)
+
+    @cached_property
+    def watch(self) -> Watch:
+        return Watch(self.queue, [GRADE])
+
+    @cached_property
     def cells(self) -> Cells:
         return Cells(self.settings, self.course.kits)
 
@@ -108,9 +117,11 @@ class Services:
             accounts.forget_stale(db)
 
     def recover(self) -> None:
-        """Leases that have run out, or whose holder died with another server."""
+        """Leases that have run out, or whose holder died with another server; then whether anybody takes what waits."""
         with self.database.write() as db:
             self.queue.recover(db, owner_of(os.getpid()), give_ups(self.course))
+        with self.database.read() as db:
+            self.watch.look(db)
 
     async def keep_recovering(self) -> None:
         while True:
@@ -132,9 +143,7 @@ class Services:
                 stack.push_async_callback(run_in_threadpool, self._listen())
             stack.push_async_callback(self.cells.close)
             stack.push_async_callback(self.figures.pictures.close)
-            await stack.enter_async_context(
-                Supervisor(self.settings, self.switchboard, self.take_back, self.worker_command)
-            )
+            await stack.enter_async_context(self.supervisor)
             recovering = asyncio.create_task(self.keep_recovering())
             yield
             recovering.cancel()
@@ -181,8 +190,8 @@ def _share(app: FastAPI, services: Services) -> None:
     course = services.course
     provide(app, services.settings, course, services.database, services.events, services.cells)
     provide(app, Accounts(services.database, services.settings, adopt=gradebook.adopt))
-    provide(app, Submissions(services.settings, services.queue))
-    provide(app, services.figures, Downloads(course), Desk(Replays()))
+    provide(app, Submissions(services.settings, services.queue, lambda: services.watch.unattended))
+    provide(app, services.figures, services.supervisor, Downloads(course), Desk(Replays()))
     check_provided(app)
 
 

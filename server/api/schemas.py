@@ -83,7 +83,14 @@ class SubmissionOut(Strict):
 
     id: UUID
     status: Status
-    position: Annotated[int | None, Field(description="Place in the queue: 1 is next; null once grading has begun.")]
+    position: Annotated[
+        int | None,
+        Field(
+            description="Place in the queue: 1 is next; null once grading has begun. Turns go round those who send, "
+            "so that it may go up."
+        ),
+    ]
+    notice: Annotated[str | None, Field(description="What keeps it waiting where nobody grades, in French.")]
     verdict: VerdictOut | None
     url: Annotated[str, Field(examples=["/api/v1/submissions/7d0c1a54-6b0e-4c69-9d3b-9a3f3a3c7a10"])]
     exercise: str

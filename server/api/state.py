@@ -14,7 +14,7 @@ from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
 from server.identity.models import Account
 from server.submissions.models import State
-from server.submissions.service import Submissions
+from server.submissions.service import UNATTENDED, Submissions
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,7 @@ def resource(db: Session, store: Submissions, attempt: Attempt) -> Resource:
             "id": str(submission.id),
             "status": place.state,
             "position": place.position,
+            "notice": UNATTENDED if place.unattended else None,
             "verdict": Verdict.from_json(attempt.grading.verdict).to_json() if attempt.grading else None,
             "url": url_of(submission.id),
             "exercise": submission.exercise,

@@ -49,6 +49,7 @@ STREAM = events("Its data is as in `GET /submissions/{id}`; ends when done.", "s
     },
 )
 async def create(
+    request: Request,
     body: NewSubmission,
     account: ApiAccount,
     database: DatabaseOf,
@@ -59,7 +60,7 @@ async def create(
 ) -> Response:
     """Stores a file, or answers, and queues it. With `wait`, answers as soon as the verdict is there."""
     _require_its_kind(find(course, body.exercise), body)
-    current = await run_in_threadpool(_store, database, store, account, body)
+    current = await run_in_threadpool(_store, database, store, account, body, client_address(request))
     if wait:
         current = await _wait(hub, reader(database, store, account, current.id), current, min(wait, LONGEST_WAIT))
     return _json(current, 200 if current.done else 202)
@@ -75,12 +76,12 @@ def _require_its_kind(exercise: Exercise, body: NewSubmission) -> None:
         raise RequestValidationError([{"type": fault, "loc": ("body", name), "msg": ""} for name, fault in faults])
 
 
-def _store(database: Database, store: Submissions, account: Account, body: NewSubmission) -> Resource:
+def _store(database: Database, store: Submissions, account: Account, body: NewSubmission, address: str) -> Resource:
     with database.write() as db:
         if "answers" in body.model_fields_set:
-            submission = store.submit_answers(db, account, body.exercise, body.answers)
+            submission = store.submit_answers(db, account, body.exercise, body.answers, address=address)
         else:
-            submission = store.submit(db, account, body.exercise, body.code)
+            submission = store.submit(db, account, body.exercise, body.code, address=address)
         return resource(db, store, Attempt(submission, None))
 
 

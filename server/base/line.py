@@ -35,10 +35,14 @@ class Line:
 
 
 def to_service(name: str, line: int, parent: int) -> Line:
-    """What a helper does first: it ends with the service, is nice, and leaves Ctrl+C to the service."""
+    """What a helper does first: it ends with the service, is nice, and leaves it to the service to be stopped.
+
+    Ctrl+C, and whoever stops a service with all its processes, tell helpers too: the service ends them in its order.
+    """
     die_with(parent)
     logging.basicConfig(level=logging.WARNING, format=f"%(asctime)s %(levelname)s {name} %(name)s: %(message)s")
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
     os.nice(NICE)
     os.set_inheritable(line, False)  # no child of ours may keep the line open after our death
     return Line(socket.socket(fileno=line))

@@ -63,6 +63,11 @@ class Settings(BaseSettings):
     submission_refill_seconds: Seconds = Field(
         default=3.0, ge=0, description="then one more after so long; 0: as many as one likes"
     )
+    waiting_each: Count = Field(default=20, description="submissions of an account that wait; more are refused")
+    waiting_from_address: Count = Field(
+        default=300,
+        description="submissions from one address that wait, of guests and of accounts each; more are refused",
+    )
     guest_burst: Count = Field(
         default=300, description="guests from one address at once; also the log-ins that it tries, to any account"
     )

@@ -26,6 +26,7 @@ from server.course import Course, load
 from server.database import Database
 from server.database.migrate import upgrade
 from server.figures.service import Figures
+from server.grading.supervisor import Supervisor
 from server.identity import service as accounts
 from server.submissions.events import Events
 
@@ -62,11 +63,17 @@ def _leave(_signal: int, _frame: FrameType | None) -> None:
 
 
 class Server(uvicorn.Server):
-    """uvicorn, which says when it is ready, and when it begins to stop (open streams would keep it from ending)."""
+    """uvicorn, which says when it is ready, as soon as it is told to stop, and when it begins to."""
 
-    def __init__(self, config: uvicorn.Config, ready: Callable[[], None], stopping: Callable[[], None]) -> None:
+    def __init__(
+        self, config: uvicorn.Config, ready: Callable[[], None], told: Callable[[], None], stopping: Callable[[], None]
+    ) -> None:
         super().__init__(config)
-        self._ready, self._stopping = ready, stopping
+        self._ready, self._told, self._stopping = ready, told, stopping
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        self._told()
+        super().handle_exit(sig, frame)
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
@@ -82,7 +89,8 @@ def _serve(app: FastAPI, listener: socket.socket, ready: Callable[[], None]) -> 
     config = uvicorn.Config(
         app, log_config=None, access_log=False, timeout_graceful_shutdown=GRACE, server_header=False
     )
-    server = Server(config, ready, provided_to(app, Events).close)
+    end_streams = provided_to(app, Events).close  # open, they would keep it from ending
+    server = Server(config, ready, provided_to(app, Supervisor).expect_the_end, end_streams)
     server.run([listener])
     if not server.started:
         raise CannotRun("le service n’a pas pu démarrer (voir les messages ci-dessus).")

@@ -100,7 +100,7 @@ def _events(client: httpx.Client, url: str) -> Iterator[Json]:
 
 def _tell(current: Json) -> None:
     place = f"en attente, place {current['position']}" if current.get("position") else "correction en cours"
-    print(f"{place}…", file=sys.stderr)
+    print(current.get("notice") or f"{place}…", file=sys.stderr)
 
 
 def _explained(error: Exception, server: str) -> str:

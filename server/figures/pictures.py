@@ -125,6 +125,8 @@ class Pictures:
             log.warning("the process that draws could not be made ready beforehand")
 
     async def close(self) -> None:
+        if self._warming is not None:
+            self._warming.cancel()
         await self._drawer.close()
         left = [coming.task for coming in self._coming.values()]
         await asyncio.gather(*left, *filter(None, [self._warming]), return_exceptions=True)

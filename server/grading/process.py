@@ -28,8 +28,12 @@ def stop_on_signals(*, interrupt: bool = False) -> None:
     signal.signal(signal.SIGINT, _stop if interrupt else signal.SIG_IGN)
 
 
+_stopping = threading.Event()
+
+
 def _stop(_signal: int, _frame: FrameType | None) -> None:
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    _stopping.set()
     raise Stop
 
 
@@ -46,6 +50,8 @@ def _warm(sandbox: Sandbox, course: Course) -> None:
         try:
             sandbox.warm(imports)
         except SandboxFault:
+            if _stopping.is_set():
+                return
             log.warning("the %s template did not start", imports, exc_info=True)
     for exercise in course.exercises.values():
         try:

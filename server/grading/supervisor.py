@@ -53,6 +53,10 @@ class Supervisor:
         self._tasks = [asyncio.create_task(self._keep(slot)) for slot in range(self._settings.workers)]
         return self
 
+    def expect_the_end(self) -> None:
+        """The server has been told to stop: workers that end now, having been told too, are missed by nobody."""
+        self._stopping = True
+
     async def __aexit__(self, *_exc: object) -> None:
         self._stopping = True
         if self._tasks:

@@ -108,13 +108,16 @@ async def _fields(request: Request) -> FormData:
 FormFields = Annotated[FormData, Depends(_fields)]
 
 
-def _sent(store: Submissions, db: Db, account: Account, exercise: Exercise, fields: FormData) -> Submission:
+def _sent(
+    store: Submissions, db: Db, account: Account, exercise: Exercise, fields: FormData, *, address: str
+) -> Submission:
     if exercise.answers is not None:
-        return store.submit_answers(db, account, exercise.id, answers.read_form(exercise, fields))
+        given = answers.read_form(exercise, fields)
+        return store.submit_answers(db, account, exercise.id, given, address=address)
     code = fields.get("code", "")
     if not isinstance(code, str):
         raise Invalid("Le code est attendu comme un texte, pas comme un fichier joint.")
-    return store.submit(db, account, exercise.id, code.replace("\r\n", "\n"))
+    return store.submit(db, account, exercise.id, code.replace("\r\n", "\n"), address=address)
 
 
 @router.post("/{module:module}/exercices/{slug}/soumissions")
@@ -130,7 +133,7 @@ def submit(
 ) -> Response:
     """A browser without script goes on to the attempt's page; a script gets the addresses to follow."""
     exercise = find_exercise(course, module, slug)
-    submission = _sent(store, db, account, exercise, fields)
+    submission = _sent(store, db, account, exercise, fields, address=client_address(request))
     href = f"/soumissions/{submission.id}"
     if "application/json" not in request.headers.get("accept", ""):
         return RedirectResponse(href, MOVES_ON)

@@ -29,7 +29,7 @@ from server.pages.schemas import (
 )
 from server.submissions import deals
 from server.submissions.models import State
-from server.submissions.service import Place
+from server.submissions.service import UNATTENDED, Place
 from server.web import verdicts
 from server.web.rendering import python
 from server.web.views import Reader, exercise_href, in_order, lesson_href, module_link, own_state
@@ -215,6 +215,8 @@ def waiting_text(place: Place) -> str:
         return "Correction en cours…"
     if place.position is None:
         return ""
+    if place.unattended:
+        return UNATTENDED
     before = place.position - 1
     return (
         f"En attente : {plural(before, 'envoi passe', 'envois passent')} avant le vôtre."

@@ -7,7 +7,7 @@ result. Signals only save waiting: if one is lost, a slow poll finds the same th
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from datetime import datetime
-from typing import Any, Protocol, TypeVar
+from typing import Any, Literal, Protocol, TypeVar
 from uuid import UUID
 
 from sqlalchemy.orm import Session
@@ -31,6 +31,36 @@ class Lease:
     started_at: datetime
 
 
+@dataclass(frozen=True)
+class Sender:
+    """Whose a job is. Lower ranks go first; within a rank turns go round the lines, and in a line round its senders.
+
+    `name` is one account, whatever it calls itself; `address` is where it sends from.
+    """
+
+    name: str = ""
+    address: str = ""
+    line: str = ""
+    rank: int = 0
+
+
+@dataclass(frozen=True)
+class Most:
+    """How many jobs may wait: of one sender, and from one address in one rank."""
+
+    each: int
+    from_address: int
+
+
+class HeapError(Exception):
+    """So much waits already that no more is taken; `whose` heap it is."""
+
+    def __init__(self, whose: Literal["sender", "address"]) -> None:
+        super().__init__(f"the heap of this {whose} is as high as it may be")
+        self.whose = whose
+
+
+NOBODY = Sender()
 GiveUp = Callable[[Session, Lease], None]
 
 
@@ -57,9 +87,15 @@ class Queue(Protocol):
     """Jobs with a lease. Every method takes the session of the caller's transaction."""
 
     def put(
-        self, db: Session, kind: str, key: str, payload: Mapping[str, Any] | None = None, priority: int = 0
+        self,
+        db: Session,
+        kind: str,
+        key: str,
+        payload: Mapping[str, Any] | None = None,
+        sender: Sender = NOBODY,
+        most: Most | None = None,
     ) -> None:
-        """Has a job done later: lower priorities first, then older ones. One job at a time has this kind and key."""
+        """Has a job done later, in its sender's turn. One job at a time has this kind and key. Raises HeapError."""
 
     def claim(self, db: Session, owner: Owner, kinds: Collection[str], lease_seconds: float) -> Lease | None:
         """Begins the next job of these kinds; None where none waits."""
@@ -84,6 +120,12 @@ class Queue(Protocol):
 
     def position(self, db: Session, kind: str, key: str) -> int | None:
         """1 for the next job to begin, 0 for one that has begun, None where there is no such job."""
+
+    def untaken(self, db: Session, kinds: Collection[str], before: UUID | None) -> UUID | None:
+        """A job of these kinds that waits while none is being done: `before` if it still does, else the next to begin.
+
+        None where one is being done, or none waits.
+        """
 
 
 class Signals(Protocol):

@@ -7,9 +7,10 @@ queue; after `MAX_TRIES` it is given up.
 
 import logging
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import replace
 from datetime import timedelta
 from typing import Any
-from uuid import uuid4
+from uuid import UUID, uuid4
 
 from sqlalchemy.orm import Session
 
@@ -17,7 +18,8 @@ from server.database import utc_now
 from server.queue import repository
 from server.queue.models import Job
 from server.queue.owner import Owner, is_dead
-from server.queue.port import GiveUp, Lease, Signals
+from server.queue.port import NOBODY, GiveUp, HeapError, Lease, Most, Sender, Signals
+from server.queue.turns import Crowd, next_turn
 
 log = logging.getLogger(__name__)
 
@@ -31,9 +33,22 @@ class TableQueue:
         self._signals = signals
 
     def put(
-        self, db: Session, kind: str, key: str, payload: Mapping[str, Any] | None = None, priority: int = 0
+        self,
+        db: Session,
+        kind: str,
+        key: str,
+        payload: Mapping[str, Any] | None = None,
+        sender: Sender = NOBODY,
+        most: Most | None = None,
     ) -> None:
-        repository.put(db, kind, key, payload or {}, priority)
+        repository.one_at_a_time(db)
+        crowd = repository.crowd(db, sender)
+        if most is not None:
+            _require_room(crowd, most)
+        turn = next_turn(crowd)
+        if turn.pushes:
+            turn = replace(turn, line=repository.push(db, sender, turn.own))
+        repository.put(db, kind, key, payload or {}, sender, turn)
         self._signals.queued(db)
 
     def claim(self, db: Session, owner: Owner, kinds: Collection[str], lease_seconds: float) -> Lease | None:
@@ -75,6 +90,9 @@ class TableQueue:
         token, ahead = place
         return ahead + 1 if token is None else 0
 
+    def untaken(self, db: Session, kinds: Collection[str], before: UUID | None) -> UUID | None:
+        return repository.untaken(db, kinds, before)
+
     def _take_all_back(self, db: Session, jobs: Iterable[Job], give_ups: Mapping[str, GiveUp]) -> int:
         return sum(self._take_back(db, _lease(job), give_ups) for job in jobs)
 
@@ -93,6 +111,13 @@ class TableQueue:
         if taken:
             self._signals.changed(db, lease.key)
         return taken
+
+
+def _require_room(crowd: Crowd, most: Most) -> None:
+    if crowd.of_sender >= most.each:
+        raise HeapError("sender")
+    if crowd.from_address >= most.from_address:
+        raise HeapError("address")
 
 
 def _is_lost(job: Job, here: Owner) -> bool:

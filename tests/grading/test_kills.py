@@ -30,7 +30,12 @@ VICTIMS = [*ALWAYS, "worker", "server"]
 MORE_ROUNDS = int(os.environ.get("BALISE_TEST_ROUNDS", "0"))
 SEED = int(os.environ.get("BALISE_TEST_SEED", "5"))
 AT_ONCE = 5
-SETTINGS = {"BALISE_WORKERS": "2", "BALISE_LEASE_SECONDS": "2", "BALISE_SUBMISSION_BURST": "100000"}
+SETTINGS = {
+    "BALISE_WORKERS": "2",
+    "BALISE_LEASE_SECONDS": "2",
+    "BALISE_SUBMISSION_BURST": "100000",
+    "BALISE_WAITING_EACH": "100000",
+}
 
 
 class Field:

@@ -28,19 +28,19 @@ from server.grading.joint import Grader
 from server.grading.task import SentFile
 from server.identity.models import Account
 from server.queue.models import Job
-from server.queue.port import Lease
+from server.queue.port import Lease, Sender
 from server.queue.worker import Stop, Worker
 from server.sandbox import FaultKind, Sandbox, SandboxFault
 from server.submissions.models import Submission
 from server.submissions.service import Submissions
-from tests.support.service import EXERCISE, QUIET, fake_grade, worker_of
+from tests.support.service import ADDRESS, EXERCISE, QUIET, fake_grade, worker_of
 
 Row = TypeVar("Row")
 
 
 def submitted(database: Database, settings: Settings, account: Account, code: str = "pass") -> Submission:
     with database.write() as db:
-        return Submissions(settings, QUIET).submit(db, account, EXERCISE, code)
+        return Submissions(settings, QUIET).submit(db, account, EXERCISE, code, address=ADDRESS)
 
 
 def only(database: Database, table: type[Row]) -> Row:
@@ -139,7 +139,7 @@ def test_work_whose_author_has_gone_is_dropped(database: Database, ada: Account,
 
 def test_a_kind_that_nobody_here_can_do_is_left_alone(database: Database, ada: Account, both: Settings) -> None:
     with database.write() as db:
-        QUIET.put(db, "mail", "to Ada", {"subject": "hello"}, priority=-1)
+        QUIET.put(db, "mail", "to Ada", {"subject": "hello"}, Sender(rank=-1))
     submitted(database, both, ada)
     worker = worker_of(database, both)
     assert [worker.step() for _ in range(2)] == [True, False]

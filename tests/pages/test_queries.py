@@ -22,7 +22,7 @@ from server.submissions.models import Submission
 from server.submissions.service import Submissions
 from tests.support.counting import Counted
 from tests.support.quick import some
-from tests.support.service import EXERCISE, QUIET, Site, worker_of
+from tests.support.service import ADDRESS, EXERCISE, QUIET, Site, worker_of
 
 FORM = {"name": "Ada L.", "login": "ada@example.org", "password": "notes sur la machine"}
 PAGE = "/l20/exercices/poses"
@@ -39,13 +39,13 @@ class Ada:
     sent: list[Submission] = field(default_factory=list)
 
     def send(self, count: int, *, graded: bool = True) -> None:
-        generous = self.site.settings.model_copy(update={"submission_burst": 1000})
+        generous = self.site.settings.model_copy(update={"submission_burst": 1000, "waiting_each": 1000})
         store = Submissions(generous, QUIET)
         worker = worker_of(self.site.database, generous)
         for number in range(count):
             code = f"x = {number}  # outcome: {'ok' if number % 7 == 3 else 'wrong_answer'}"
             with self.site.database.write() as db:
-                self.sent.append(store.submit(db, self.account, EXERCISE, code))
+                self.sent.append(store.submit(db, self.account, EXERCISE, code, address=ADDRESS))
             assert not graded or worker.step()
 
     @property

@@ -23,11 +23,11 @@ from server.grading.task import give_ups
 from server.identity.models import Account
 from server.queue.models import Job
 from server.queue.owner import is_dead, owner_of, parse
-from server.queue.port import Lease
+from server.queue.port import Lease, Sender
 from server.queue.service import MAX_TRIES, TableQueue
 from server.submissions.models import State
 from server.submissions.service import GRADE, Place, Submissions
-from tests.support.service import EXERCISE
+from tests.support.service import ADDRESS, EXERCISE
 
 HERE = owner_of(os.getpid())
 GONE = replace(HERE, started="1")
@@ -58,7 +58,7 @@ class Bakery:
     def put(self, *keys: str, kind: str = KIND, priority: int = 0) -> None:
         for key in keys:
             with self.database.write() as db:
-                self.queue.put(db, kind, key, {"of": "rye"}, priority)
+                self.queue.put(db, kind, key, {"of": "rye"}, Sender(rank=priority))
 
     def claim(self, owner: object = HERE, seconds: float = 60, kinds: tuple[str, ...] = (KIND,)) -> Lease | None:
         with self.database.write() as db:
@@ -213,7 +213,7 @@ def test_a_submission_given_up_is_our_error_and_costs_nothing(
     database: Database, store: Submissions, ada: Account, course: Course, caplog: pytest.LogCaptureFixture
 ) -> None:
     with database.write() as db:
-        sent = store.submit(db, ada, EXERCISE, "pass")
+        sent = store.submit(db, ada, EXERCISE, "pass", address=ADDRESS)
     queue = Told().queue
     for _ in range(MAX_TRIES):
         with database.write() as db:

@@ -25,7 +25,7 @@ from server.submissions import events as events_module
 from server.submissions.events import Events, as_sse
 from server.submissions.service import Submissions, key_of
 from tests.support.quick import in_a_loop
-from tests.support.service import EXERCISE, opened, worker_of
+from tests.support.service import ADDRESS, EXERCISE, opened, worker_of
 
 
 class Wire:
@@ -234,7 +234,7 @@ def test_postgresql_tells_other_machines(far: Settings) -> None:
     working = threading.Thread(target=work_once, args=(worker_of(remote, far, queue=queue), PostgresSource(far.url)))
     working.start()
     with remote.write() as db:
-        name = key_of(Submissions(far, queue).submit(db, account, EXERCISE, "pass").id)
+        name = key_of(Submissions(far, queue).submit(db, account, EXERCISE, "pass", address=ADDRESS).id)
     assert told.get(timeout=20) == "queued"
     assert {told.get(timeout=20), told.get(timeout=20)} == {name}, "it began, then it was done"
     working.join()

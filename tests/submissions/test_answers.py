@@ -25,7 +25,7 @@ from server.submissions import deals
 from server.submissions.models import Deal, Submission
 from server.submissions.service import Submissions
 from tests.support.quick import some
-from tests.support.service import EXERCISE, Site, new_account
+from tests.support.service import ADDRESS, EXERCISE, Site, new_account
 
 ODOMETRY, QUIZ, PROOF = (f"l20/{slug}" for slug in ("calcul_odometrie", "verification", "demo_1"))
 PAGE = "/l20/exercices/calcul_odometrie"
@@ -153,7 +153,7 @@ def test_a_deal_is_made_once_whoever_asks_first(database: Database, store: Submi
         seeds = set(pool.map(lambda _: deals.seed_to_show(database, ada, ODOMETRY), range(12)))
     assert len(seeds) == 1
     with database.write() as db:
-        sent = store.submit_answers(db, ada, ODOMETRY, {"ds": 1})
+        sent = store.submit_answers(db, ada, ODOMETRY, {"ds": 1}, address=ADDRESS)
         assert {sent.seed} == seeds
     assert deals.seed_to_show(database, ada, QUIZ) not in seeds
     assert deals.seed_to_show(database, new_account(database), ODOMETRY) not in seeds
@@ -166,7 +166,7 @@ def test_a_guest_s_deals_follow_and_an_account_keeps_its_own(
     mine = deals.seed_to_show(database, ada, ODOMETRY)
     theirs = {name: deals.seed_to_show(database, guest, name) for name in (ODOMETRY, QUIZ)}
     with database.write() as db:
-        store.submit_answers(db, guest, ODOMETRY, {"ds": 1})
+        store.submit_answers(db, guest, ODOMETRY, {"ds": 1}, address=ADDRESS)
         gradebook.adopt(db, guest.id, ada.id)
         identity.delete_account(db, guest.id)
     assert deals.seed_to_show(database, ada, ODOMETRY) == mine != theirs[ODOMETRY]

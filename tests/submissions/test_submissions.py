@@ -19,7 +19,7 @@ from server.identity.models import Account, Role
 from server.submissions import service
 from server.submissions.models import State, Submission
 from server.submissions.service import Place, Submissions
-from tests.support.service import EXERCISE, new_account, worker_of
+from tests.support.service import ADDRESS, EXERCISE, new_account, worker_of
 
 STARTER = "def composer(a, b):\n    return a\n"
 
@@ -34,7 +34,7 @@ class Desk:
 
     def submit(self, account: Account, code: str = "x = 1\n") -> Submission:
         with self.database.write() as db:
-            return self.store.submit(db, account, EXERCISE, code)
+            return self.store.submit(db, account, EXERCISE, code, address=ADDRESS)
 
     def grade_all(self) -> None:
         worker = worker_of(self.database, self.settings)

@@ -38,6 +38,7 @@ from tests.support.quick import migrated, standing_app, the_course, weak_hasher
 from tests.support.shared import shared
 
 EXERCISE = "l20/poses"
+ADDRESS = "192.0.2.1"
 
 
 def fake_verdict(code: str, seed: int) -> Verdict:

@@ -1,0 +1,80 @@
+"""The watch says when nobody takes what waits, once, and when somebody does again; a long queue is no reason."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+from server.database import Database
+from server.queue.owner import owner_of
+from server.queue.port import Lease, NoSignals, Sender
+from server.queue.service import TableQueue
+from server.queue.watch import PATIENCE, Watch
+
+QUEUE, HERE, KIND = TableQueue(NoSignals()), owner_of(os.getpid()), "bake"
+
+
+class Watched:
+    """A queue, a watch on it, and a clock that is set by hand."""
+
+    def __init__(self, database: Database) -> None:
+        self.database, self.now = database, 0.0
+        self.watch = Watch(QUEUE, [KIND], lambda: self.now)
+
+    def put(self, key: str, sender: Sender | None = None, kind: str = KIND) -> None:
+        with self.database.write() as db:
+            QUEUE.put(db, kind, key, {}, sender or Sender())
+
+    def claim(self) -> Lease:
+        with self.database.write() as db:
+            lease = QUEUE.claim(db, HERE, [KIND], 60)
+        assert lease is not None
+        return lease
+
+    def finish(self, lease: Lease) -> None:
+        with self.database.write() as db:
+            assert QUEUE.finish(db, lease)
+
+    def look(self, later: float = 0.0) -> bool:
+        self.now += later
+        with self.database.read() as db:
+            self.watch.look(db)
+        return self.watch.unattended
+
+
+@pytest.fixture
+def watched(database: Database) -> Watched:
+    return Watched(database)
+
+
+def test_what_nobody_takes_is_told_once_and_so_is_its_end(watched: Watched, caplog: pytest.LogCaptureFixture) -> None:
+    assert not watched.look(1000), "nothing waits"
+    watched.put("a")
+    assert not watched.look()
+    watched.put("b", Sender("who comes before", rank=-1))
+    assert not watched.look(PATIENCE / 2)
+    assert watched.look(PATIENCE / 2), "a newcomer that comes first changes nothing"
+    assert watched.look(1000)
+    lease = watched.claim()
+    assert not watched.look(1)
+    watched.finish(lease)
+    assert not watched.look(1), "the other one waits, but since a moment only"
+    assert [record.levelname for record in caplog.records] == ["ERROR", "WARNING"]
+    assert watched.look(PATIENCE)
+
+
+def test_a_long_queue_is_no_reason(watched: Watched) -> None:
+    for number in range(4):
+        watched.put(str(number))
+    for _ in range(3):
+        lease = watched.claim()
+        assert not watched.look(3 * PATIENCE), "one is being done"
+        watched.finish(lease)
+        assert not watched.look(), "and none is, for now"
+
+
+def test_what_others_are_to_do_is_not_missed(watched: Watched) -> None:
+    watched.put("a", kind="mail")
+    assert not watched.look()
+    assert not watched.look(1000)
