@@ -1,11 +1,21 @@
 """The shapes of the HTTP interface (contract, sections 3 and 5)."""
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from datetime import datetime
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from uuid import UUID
 
-from pydantic import BaseModel, ConfigDict, Field, create_model
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    ModelWrapValidatorHandler,
+    ValidationError,
+    create_model,
+    model_validator,
+)
+from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from graders.core.contract.outcomes import Outcome
 from server.sandbox.policy import ROWS, Policy
@@ -16,6 +26,10 @@ Status = Literal["queued", "running", "done"]
 
 class Strict(BaseModel):
     model_config = ConfigDict(strict=True, extra="forbid")
+
+
+def _again(error: ErrorDetails) -> InitErrorDetails:
+    return {"type": error["type"], "loc": error["loc"], "input": error["input"], "ctx": error.get("ctx", {})}
 
 
 class NewSubmission(Strict):
@@ -30,6 +44,19 @@ class NewSubmission(Strict):
             "oneOf": [{"required": ["code"]}, {"required": ["answers"]}],
         }
     )
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _with_what_is_missing(cls, data: object, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        """A name that is refused is often that of what is missing, written otherwise: both are told at once."""
+        try:
+            return handler(data)
+        except ValidationError as error:
+            if not isinstance(data, Mapping) or {"code", "answers"} & data.keys():
+                raise
+            missing: InitErrorDetails = {"type": PydanticCustomError("nothing_sent", "missing"), "input": data}
+            raise ValidationError.from_exception_data(error.title, [*map(_again, error.errors()), missing]) from error
+
     exercise: Annotated[str, Field(description="Exercise, as `module/slug`.")]
     code: Annotated[str, Field(description="The whole file, at most 64 KiB in UTF-8.")] = ""
     answers: Annotated[

@@ -6,6 +6,7 @@ from typing import Any
 REASONS = {
     "missing": "valeur manquante",
     "extra_forbidden": "nom inconnu",
+    "nothing_sent": "valeur manquante : « code », ou « answers » pour un exercice sans code",
     "string_type": "un texte est attendu",
     "string_too_short": "ne peut être vide",
     "string_pattern_mismatch": "ce nom ne convient pas",

@@ -16,6 +16,8 @@ from pydantic_settings import BaseSettings, SettingsConfigDict
 from server.base.paths import default_data_dir
 
 PREFIX = "BALISE_"
+#: Settings that are announced, and have no effect yet: who sets them already has made no mistake.
+TO_COME = frozenset({"courses", "nats_url"})
 Seconds = Annotated[float, Field(allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=1)]
 
@@ -132,6 +134,6 @@ def misspelt(environment: Iterable[str]) -> Iterator[tuple[str, str | None]]:
     """The variables that look like settings and are none, each with the setting that was probably meant."""
     for name in sorted(environment):
         field = name.lower().removeprefix(PREFIX.lower())
-        if name.upper().startswith(PREFIX) and field not in Settings.model_fields:
+        if name.upper().startswith(PREFIX) and field not in Settings.model_fields and field not in TO_COME:
             close = get_close_matches(field, Settings.model_fields, n=1)
             yield name, variable(close[0]) if close else None

@@ -4,6 +4,7 @@ import os
 import sys
 from argparse import Namespace
 
+from sqlalchemy import make_url
 from sqlalchemy.exc import OperationalError
 
 from server.base.settings import Settings
@@ -26,7 +27,10 @@ def run(_arguments: Namespace) -> int:
     start_logging(f"worker[{os.getpid()}]")
     stop_on_signals(interrupt=True)
     try:
-        run_worker(settings, *_wake_up(settings))
+        wake_up = _wake_up(settings)
+        place = make_url(settings.url).render_as_string(hide_password=True)
+        print(f"Balise corrige ce qui attend dans {place} ; Ctrl+C pour arrêter.", flush=True)
+        run_worker(settings, *wake_up)
     except Stop:
         return 0
     except OperationalError as error:

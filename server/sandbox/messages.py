@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterable
 
 from server.sandbox.faults import Frame
-from server.sandbox.policy import KIB, MIB, Policy
+from server.sandbox.policy import GIB, KIB, MIB, Policy
 
 _NARROW = "\u00a0"
 
@@ -88,9 +88,10 @@ def _is_bidi(character: str) -> bool:
 
 
 def size(count: int) -> str:
-    if count >= MIB:
-        return f"{count / MIB:.3g} Mio".replace(".", ",")
-    return f"{count / KIB:.3g} Kio".replace(".", ",") if count >= KIB else f"{count} octets"
+    for unit, name in ((GIB, "Gio"), (MIB, "Mio"), (KIB, "Kio")):
+        if count >= unit:
+            return f"{count / unit:.4g} {name}".replace(".", ",")
+    return f"{count} octets"
 
 
 def seconds(duration: float) -> str:
@@ -217,7 +218,7 @@ def forged() -> str:
 
 
 def answer_too_big(what: str, function: str, policy: Policy) -> str:
-    limit = f"{policy.items} valeurs" if what == "items" else size(policy.frame_bytes)
+    limit = f"{policy.items:,} valeurs".replace(",", "\u202f") if what == "items" else size(policy.frame_bytes)
     return f"Le résultat de « {function} » est trop gros : la limite est de {limit}."
 
 

@@ -23,6 +23,7 @@ from server.course import Course
 from server.database import Database
 from server.figures.service import Figures
 from server.identity.models import Role
+from server.submissions.service import Submissions
 from tests.support.service import EXERCISE, Site
 
 BODY = {"exercise": EXERCISE, "code": "pass\n"}
@@ -165,6 +166,32 @@ def test_refused_data_is_told_with_its_place(site: Site, content: bytes, place: 
     assert [one["pointer"] for one in told["errors"]] == [place]
 
 
+@pytest.mark.parametrize(
+    ("content", "places"),
+    [
+        ({"exercise": "l20/poses", "cod": "x"}, {"#/cod": "nom inconnu", "#": "valeur manquante : « code »"}),
+        ({"exercice": "l20/poses", "code": "x"}, {"#/exercice": "nom inconnu", "#/exercise": "valeur manquante"}),
+        (
+            {"exo": "l20/poses", "file": "x"},
+            {
+                "#/exo": "nom inconnu",
+                "#/file": "nom inconnu",
+                "#/exercise": "valeur manquante",
+                "#": "valeur manquante",
+            },
+        ),
+        ({"exercise": 3}, {"#/exercise": "un texte est attendu", "#": "valeur manquante"}),
+    ],
+)
+def test_a_name_that_is_unknown_and_the_one_that_is_missing_are_told_at_once(
+    site: Site, content: dict[str, object], places: dict[str, str]
+) -> None:
+    told = problem(site.client.post("/api/v1/submissions", json=content, headers=site.token()), 422)
+    details = {one["pointer"]: one["detail"] for one in told["errors"]}
+    assert details.keys() == places.keys()
+    assert all(details[place].startswith(detail) for place, detail in places.items())
+
+
 @pytest.mark.parametrize("wait", ["-1", "nan", "inf", "zut"])
 def test_a_wait_that_means_nothing_is_refused(site: Site, wait: str) -> None:
     told = problem(site.client.post(f"/api/v1/submissions?wait={wait}", json=BODY, headers=site.token()), 422)
@@ -197,6 +224,35 @@ def test_the_rate_limit_says_when_to_come_back(site: Site, settings: Settings) -
     problem(answer, 429)
     assert 1 <= int(answer.headers["retry-after"]) <= settings.submission_refill_seconds
     site.submit(site.token())
+
+
+def test_a_heap_that_waits_says_when_to_come_back_and_costs_nothing(site: Site) -> None:
+    site.tighten(waiting_each=2)
+    headers = site.token()
+    for _ in range(2):
+        site.submit(headers)
+    answer = site.client.post("/api/v1/submissions", json=BODY, headers=headers)
+    assert "Vos 2 dernières propositions attendent" in problem(answer, 429)["detail"]
+    assert int(answer.headers["retry-after"]) >= 1
+    site.submit(site.token())
+    assert site.worker.step()
+    site.submit(headers)
+    site.tighten(waiting_from_address=1)
+    answer = site.client.post("/api/v1/submissions", json=BODY, headers=site.token())
+    assert "depuis votre adresse" in problem(answer, 429)["detail"]
+    assert "invités" not in answer.text
+
+
+def test_what_nobody_takes_is_told(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    headers = site.token()
+    sent = site.submit(headers)
+    assert sent["notice"] is None
+    monkeypatch.setattr(provided_to(site.app, Submissions), "_unattended", lambda: True)
+    told = site.client.get(sent["url"], headers=headers).json()
+    assert told["notice"].startswith("En attente : plus rien n’est corrigé")
+    assert told["position"] == 1
+    assert site.worker.step()
+    assert site.client.get(sent["url"], headers=headers).json()["notice"] is None
 
 
 def test_an_unexpected_failure_is_a_problem_too(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:

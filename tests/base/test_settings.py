@@ -92,6 +92,11 @@ def test_right_names_in_any_case_and_others_variables_are_no_mistake() -> None:
     assert list(misspelt([*names, *(name.lower() for name in names), "BALISES", "PATH", "MY_BALISE_WORKRES"])) == []
 
 
+def test_settings_that_are_announced_are_no_mistake() -> None:
+    assert list(misspelt(["BALISE_COURSES", "BALISE_NATS_URL"])) == []
+    assert list(misspelt(["BALISE_COURSE"])) != []
+
+
 REFUSED = {
     ("BALISE_WORKERS", "beaucoup"): "un nombre entier est attendu",
     ("BALISE_WORKERS", "2.5"): "un nombre entier est attendu",

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 from uuid import uuid4
 
 import pytest
 
 from graders.core.contract.outcomes import Outcome
+from server.base.provided import provided_to
 from server.pages.service import HINT_OPENS_AFTER
+from server.submissions.service import Submissions
 from tests.support.small_site import CHECK, PAGE, SmallSite, verdict
 
 
@@ -145,6 +148,16 @@ def test_a_teacher_opens_and_closes_the_solution_for_all(small_site: SmallSite) 
     assert "Refermer" in small_site.get(PAGE)
     small_site.client.post(f"{PAGE}/corrige", data={"ouvrir": "false"})
     assert "Corrigé" not in pupil.get(PAGE)
+
+
+def test_what_nobody_takes_is_told_to_who_waits(small_site: SmallSite, monkeypatch: pytest.MonkeyPatch) -> None:
+    app: Any = small_site.client.app
+    monkeypatch.setattr(provided_to(app, Submissions), "_unattended", lambda: True)
+    href = small_site.submit()
+    for path in (f"{href}/verdict", PAGE):
+        assert "plus rien n’est corrigé depuis un moment" in small_site.get(path)
+    small_site.grade(verdict())
+    assert "plus rien" not in small_site.get(f"{href}/verdict")
 
 
 def test_somebody_elses_attempt_does_not_exist(small_site: SmallSite) -> None:

@@ -16,10 +16,12 @@ from server.database import Database
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, Progress
 from server.identity.models import Account, Role
+from server.limits import service as limits
+from server.limits.models import Allowance
 from server.submissions import service
 from server.submissions.models import State, Submission
 from server.submissions.service import Place, Submissions
-from tests.support.service import ADDRESS, EXERCISE, new_account, worker_of
+from tests.support.service import ADDRESS, EXERCISE, QUIET, new_account, worker_of
 
 STARTER = "def composer(a, b):\n    return a\n"
 
@@ -167,6 +169,25 @@ def test_attempts_come_newest_first(desk: Desk, ada: Account) -> None:
         assert [(line.id, line.number) for line in older.lines] == [(rows[0].id, 1)]
         assert [gradebook.number_of(db, row) for row in rows] == [1, 2, 3]
         assert gradebook.attempts(db, None, EXERCISE, 2).total == 0
+
+
+def test_a_guest_whose_address_has_its_heap_learns_that_accounts_come_first(desk: Desk, ada: Account) -> None:
+    store = Submissions(desk.settings.model_copy(update={"waiting_from_address": 1}), QUIET)
+    one, two = (new_account(desk.database, Role.guest) for _ in range(2))
+
+    def send(account: Account, address: str = ADDRESS) -> None:
+        with desk.database.write() as db:
+            store.submit(db, account, EXERCISE, "x = 1\n", address=address)
+
+    send(one)
+    with pytest.raises(TooMany, match=r"depuis votre adresse.*Ceux qui ont un compte passent avant") as refused:
+        send(two)
+    assert refused.value.retry_after >= 1
+    with desk.database.read() as db:
+        assert gradebook.attempts(db, two, EXERCISE, 1).total == 0
+        assert db.get(Allowance, limits.of_submissions(two.id)) is None, "a refusal costs nothing"
+    send(two, "198.51.100.7")
+    send(ada)
 
 
 @given(st.text(), st.integers(0, 3), st.sampled_from(["", "# note", "   # note", "\t"]))

@@ -194,7 +194,8 @@ class Site:
     def tighten(self, **limits: float) -> None:
         """Other settings from now on."""
         settings = self.settings.model_copy(update=limits)
-        provide(self.app, settings, replace(self.accounts, settings=settings))
+        store = provided_to(self.app, Submissions)
+        provide(self.app, settings, replace(self.accounts, settings=settings), Submissions(settings, store._queue))
 
     @cached_property
     def worker(self) -> Worker:
