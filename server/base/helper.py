@@ -123,6 +123,7 @@ class _Process:
                 pass_fds=[theirs.fileno()],
                 env=program.environment,
                 stdin=asyncio.subprocess.DEVNULL,
+                process_group=0,  # it is the service that is told to stop, and ends it
             )
         reader, writer = await asyncio.open_connection(sock=ours)
         writer.write(frames.framed(0, frames.QUESTION, program.beginning))

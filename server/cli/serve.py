@@ -164,6 +164,8 @@ def _announce(settings: Settings, course: Course, address: str) -> None:
     if link:
         print("  Enseignant : ce lien crée le premier compte d’enseignant et ne sert qu’une fois :")
         print(f"    {address}{link}")
+    if not settings.workers:
+        print("  Correction : aucun correcteur ici ; « balise worker », sur une autre machine, corrige ce qui attend.")
     print(f"  Données : {settings.data_dir}\n  Ctrl+C pour arrêter.\n", flush=True)
 
 

@@ -80,7 +80,12 @@ class Live:
         self.errors = data.parent / "errors.log"
         self._errors = self.errors.open("a")
         self.process = subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=self._errors, text=True, env=environment(**values)
+            command,
+            stdout=subprocess.PIPE,
+            stderr=self._errors,
+            text=True,
+            env=environment(**values),
+            process_group=0,
         )
         self.output = ""
         self.address = self._ready()

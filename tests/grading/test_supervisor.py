@@ -1,0 +1,55 @@
+"""The supervisor: a worker that ends is told and replaced, unless the server has been told to stop."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+
+import pytest
+
+from server.base.settings import Settings
+from server.grading.supervisor import Supervisor
+from server.queue.owner import Owner
+from server.queue.switchboard import Switchboard
+from tests.support.quick import in_a_loop
+
+SLEEPS = ("sleep", "600")  # and as many more as its line's number and our own
+
+
+@pytest.mark.parametrize("told", [True, False])
+def test_a_worker_told_to_stop_with_its_server_is_not_replaced(
+    told: bool, settings: Settings, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("server.grading.supervisor.QUICK_DEATH", 0.0)
+    dead = list[int]()
+
+    def bury(owner: Owner) -> None:
+        dead.append(owner.pid)
+
+    async def scene() -> None:
+        supervisor = Supervisor(settings.model_copy(update={"workers": 1}), Switchboard(print), bury, SLEEPS)
+        async with supervisor:
+            first = await worker_besides(supervisor, None)
+            if told:
+                supervisor.expect_the_end()
+            first.terminate()
+            if told:
+                await asyncio.wait_for(asyncio.gather(*supervisor._tasks), 20)
+            else:
+                await worker_besides(supervisor, first)
+
+    in_a_loop(scene())
+    assert len(dead) == (1 if told else 2)
+    errors = [record for record in caplog.records if record.levelno >= logging.ERROR]
+    assert len(errors) == (0 if told else 1)
+
+
+async def worker_besides(
+    supervisor: Supervisor, other: asyncio.subprocess.Process | None
+) -> asyncio.subprocess.Process:
+    async with asyncio.timeout(20):
+        while True:
+            for running in supervisor._running.values():
+                if running.process is not other:
+                    return running.process
+            await asyncio.sleep(0.005)
