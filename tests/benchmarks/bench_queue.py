@@ -1,0 +1,88 @@
+"""What putting, claiming, ending a job and telling its place take, with few and with many that wait. Run by hand:
+
+python tests/benchmarks/bench_queue.py [--url postgresql://…]
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import statistics
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+
+from sqlalchemy import delete
+
+from server.base.settings import Settings
+from server.database import Database
+from server.database.migrate import upgrade
+from server.queue.models import Job
+from server.queue.owner import owner_of
+from server.queue.port import Lease, NoSignals, Sender
+from server.queue.service import TableQueue
+
+KIND, ROUNDS = "bench", 200
+QUEUE, HERE = TableQueue(NoSignals()), owner_of(os.getpid())
+
+
+def median(action: Callable[[int], object]) -> float:
+    """Microseconds."""
+    taken = []
+    for number in range(ROUNDS):
+        start = time.perf_counter()
+        action(number)
+        taken.append(time.perf_counter() - start)
+    return 1e6 * statistics.median(taken)
+
+
+def sender(number: int, of: str) -> Sender:
+    """Guests, ten of each address."""
+    return Sender(f"{of}{number % 300}", f"{of}{number % 30}", line=f"{of}{number % 30}", rank=1)
+
+
+def measure(database: Database, waiting: int) -> dict[str, float]:
+    with database.write() as db:
+        db.execute(delete(Job))
+        for number in range(waiting):
+            QUEUE.put(db, KIND, f"waiting {number}", {}, sender(number, "a"))
+    leases: list[Lease | None] = []
+
+    def put(number: int) -> None:
+        with database.write() as db:
+            QUEUE.put(db, KIND, str(number), {}, sender(number, "b"))
+
+    def place(number: int) -> None:
+        with database.read() as db:
+            QUEUE.position(db, KIND, str(number))
+
+    def claim(_number: int) -> None:
+        with database.write() as db:
+            leases.append(QUEUE.claim(db, HERE, [KIND], 60))
+
+    def finish(number: int) -> None:
+        lease = leases[number]
+        if lease is None:
+            raise RuntimeError("there was nothing to claim")
+        with database.write() as db:
+            QUEUE.finish(db, lease)
+
+    return {action.__name__: median(action) for action in (put, place, claim, finish)}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--url")
+    with tempfile.TemporaryDirectory() as folder:
+        settings = Settings(data_dir=Path(folder), workers=0, database_url=parser.parse_args().url)
+        with closing(Database(settings.url)) as database:
+            upgrade(database.engine)
+            for waiting in (5, 300, 6000):
+                told = "  ".join(f"{name} {taken:5.0f} µs" for name, taken in measure(database, waiting).items())
+                print(f"{waiting:5d} waiting: {told}")
+
+
+if __name__ == "__main__":
+    main()
