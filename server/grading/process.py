@@ -73,4 +73,7 @@ def run(settings: Settings, work: WorkSource, signals: Signals) -> None:
         def grade(work: SentFile) -> Judgement:
             return grader.grade(work.exercise, work.source, work.seed, submission=work.submission_id)
 
-        Worker(database, TableQueue(signals), settings, {GRADE: GradingTask(course, grade)}).run(work)
+        try:
+            Worker(database, TableQueue(signals), settings, {GRADE: GradingTask(course, grade)}).run(work)
+        finally:
+            _stopping.set()  # what still warms up is closed under it

@@ -35,7 +35,11 @@ class Watch:
 
     def _tell(self, unattended: bool, waited: float) -> None:
         if unattended and not self.unattended:
-            log.error("no worker takes what waits: job %s is untouched since %.0f s or more", self._awaited, waited)
+            log.error(
+                "no worker takes what waits: job %s, for %.0f s or more; does any run (BALISE_WORKERS here, or "
+                "`balise worker` elsewhere)?",
+                *(self._awaited, waited),
+            )
         elif self.unattended and not unattended:
             log.warning("what waited is taken again")
         self.unattended = unattended

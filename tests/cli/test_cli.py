@@ -249,7 +249,11 @@ def test_a_server_that_answers_something_else_than_a_verdict_is_told_in_a_senten
     def answer(request: httpx.Request) -> httpx.Response:
         if request.method == "POST":
             return httpx.Response(202, json={"url": "/api/v1/submissions/1"})
-        return httpx.Response(200, text=f"data: {json.dumps({'status': 'done', 'verdict': verdict})}\n\n")
+        said = (
+            {"status": "queued", "position": 1, "notice": "plus rien n’est corrigé"},
+            {"status": "done", "verdict": verdict},
+        )
+        return httpx.Response(200, text="".join(f"data: {json.dumps(one)}\n\n" for one in said))
 
     client = partial(httpx.Client, transport=httpx.MockTransport(answer))
     monkeypatch.setattr("server.cli.submit.httpx.Client", client)
@@ -259,3 +263,4 @@ def test_a_server_that_answers_something_else_than_a_verdict_is_told_in_a_senten
     told = capsys.readouterr().err
     assert "n’est pas un verdict" in told
     assert place in told
+    assert "plus rien n’est corrigé\n" in told

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from server.sandbox import FaultKind, ProgramFault, Sandbox, messages
+from server.sandbox import FaultKind, Policy, ProgramFault, Sandbox, messages
 from server.sandbox.diagnosis import last_frames
 
 from .limits import only
@@ -19,6 +19,18 @@ FaultOf = Callable[..., ProgramFault]
 
 def plain(text: str) -> str:
     return text.replace("\u00a0", " ")
+
+
+@pytest.mark.parametrize(
+    ("count", "told"),
+    [(12, "12 octets"), (64 << 10, "64 Kio"), (1536 << 10, "1,5 Mio"), (1000 << 20, "1000 Mio"), (4 << 30, "4 Gio")],
+)
+def test_limits_are_told_in_units_that_people_read(count: int, told: str) -> None:
+    assert messages.size(count) == told
+
+
+def test_many_values_are_told_with_the_space_of_thousands() -> None:
+    assert "200\u202f000 valeurs" in messages.answer_too_big("items", "f", Policy())
 
 
 @pytest.mark.parametrize(
@@ -141,7 +153,7 @@ def test_the_limits_are_told(fault_of: FaultOf) -> None:
     told = {
         "return bytearray(1 << 40)": (FaultKind.MEMORY_LIMIT, "64 Mio"),
         "return 'x' * 300_000": (FaultKind.OUTPUT_LIMIT, "256 Kio"),
-        "return list(range(5000))": (FaultKind.OUTPUT_LIMIT, "1000 valeurs"),
+        "return list(range(5000))": (FaultKind.OUTPUT_LIMIT, "1\u202f000 valeurs"),
     }
     policy = only(memory_bytes=64 << 20, frame_bytes=1 << 18, items=1000)
     for body, (kind, limit) in told.items():
