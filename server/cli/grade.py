@@ -6,6 +6,7 @@ import secrets
 import sys
 from argparse import Namespace
 
+from graders.core.contract.bounds import bounded
 from graders.core.contract.verdict import Verdict
 from server.cli import CannotRun, questions, report
 from server.cli.files import ANSWERS, read_source
@@ -29,7 +30,7 @@ def run(arguments: Namespace) -> int:
     if exercise.kind == "code" and probing is None:
         probing = start_probing(slow=False)
     with local_grader(course, probing if exercise.kind == "code" else None) as grader:
-        verdict = grader.grade(exercise.id, source, seed).verdict
+        verdict = bounded(grader.grade(exercise.id, source, seed)).verdict
     print(_json(verdict) if arguments.json else report.render(verdict))
     return report.exit_status(verdict)
 

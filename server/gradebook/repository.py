@@ -8,6 +8,7 @@ from uuid import UUID, uuid4
 from sqlalchemy import ColumnElement, Row, and_, bindparam, delete, func, insert, select, tuple_, update
 from sqlalchemy.orm import Session, undefer
 
+from graders.core.contract.bounds import bounded
 from graders.core.contract.outcomes import Blame, blamed_on
 from server.database import table_of
 from server.gradebook.models import Grading, SolutionOpening
@@ -86,8 +87,9 @@ def locked(db: Session, submission_id: UUID) -> Row[UUID, str, datetime, UUID | 
 
 
 def add(db: Session, submission_id: UUID, graded: Graded) -> UUID:
-    """Adds to the history of a submission; the grading does not count yet."""
-    identity, verdict = uuid4(), graded.verdict
+    """Adds to the history of a submission, within the bound of a verdict; the grading does not count yet."""
+    identity, judgement = uuid4(), bounded(graded.judgement)
+    verdict = judgement.verdict
     row = {
         "id": identity,
         "submission_id": submission_id,
@@ -100,7 +102,7 @@ def add(db: Session, submission_id: UUID, graded: Graded) -> UUID:
         "finished_at": graded.finished_at,
         **{name: verdict.timings.get(name) for name in ("checks_ms", "diagnosis_ms", "total_ms")},
         "verdict": verdict.to_json(),
-        "figures": graded.judgement.figures,
+        "figures": judgement.figures,
     }
     db.execute(ADD, row)
     return identity

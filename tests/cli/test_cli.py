@@ -14,6 +14,10 @@ from typing import Any
 import httpx
 import pytest
 
+from graders.core.contract.bounds import VERDICT_BYTES
+from graders.core.contract.findings import Judgement
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.verdict import CheckResult, Verdict
 from server.cli import check, main, report
 from server.cli.files import read_text
 from server.course import Course
@@ -264,3 +268,12 @@ def test_a_server_that_answers_something_else_than_a_verdict_is_told_in_a_senten
     assert "n’est pas un verdict" in told
     assert place in told
     assert "plus rien n’est corrigé\n" in told
+
+
+@pytest.mark.usefixtures("walls_that_stand")
+def test_what_is_printed_has_the_bound_of_what_is_recorded(right: Path, monkeypatch: Any, capsys: Any) -> None:
+    check = CheckResult("a", "Une", False, 0, 20.0, "m" * 900_000)
+    heavy = Judgement(Verdict(EXERCISE, "v1", Outcome.WRONG_ANSWER, 1, [check]))
+    monkeypatch.setattr("server.grading.joint.Grader.grade", lambda *_, **__: heavy)
+    assert main(["grade", EXERCISE, str(right), "--json"]) == 1
+    assert len(capsys.readouterr().out) <= VERDICT_BYTES

@@ -18,9 +18,10 @@ from hypothesis import settings as runs
 from hypothesis import strategies as st
 from sqlalchemy import delete, insert, select, update
 
+from graders.core.contract.bounds import VERDICT_BYTES, weight
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
+from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Verdict
 from server.base.errors import NotFound
 from server.base.settings import Settings
 from server.cli import main
@@ -350,3 +351,18 @@ def test_an_account_s_end_is_the_end_of_its_gradings(database: Database, ada: Ac
     with database.read() as db:
         for table in (Submission, Grading, Standing):
             assert db.execute(select(table)).first() is None
+
+
+def test_what_is_recorded_has_a_bound_and_says_what_it_leaves_out(database: Database, ada: Account) -> None:
+    shown = Counterexample({"x": 1.0}, 2.0, {"k" * 300_000: 1})
+    check = CheckResult("a", "Une", False, 0, 20.0, "m" * 300_000, shown, figure="a")
+    heavy = Verdict("m/a", "v1", Outcome.WRONG_ANSWER, 1, [check], stdout="\x01" * 65536)
+    submission = sent(database, ada.id)
+    record(database, submission, Graded(Judgement(heavy, {"a": {"rows": [0.5] * 90_000}}), utc_now()))
+    with database.read() as db:
+        grading = service.find(db, ada, submission).grading
+        assert grading is not None
+        kept, figures = Verdict.from_json(grading.verdict), repository.figures_of(db, grading.id)
+    assert weight(kept.to_json()) + weight(figures) <= VERDICT_BYTES
+    assert (kept.outcome, kept.points, figures) == (heavy.outcome, heavy.points, {})
+    assert "300000 caractères" in kept.checks[0].message

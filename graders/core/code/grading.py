@@ -16,7 +16,7 @@ from graders.core.code.diagnosis import diagnose, slip_diagnosis
 from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.reenacting import Reenactor
 from graders.core.compare.shrinking import Budget
-from graders.core.compare.words import tidy, to_jsonable
+from graders.core.compare.words import tidy, to_jsonable, whole_jsonable
 from graders.core.contract.findings import Finding, Judgement, verdict_of
 from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
@@ -73,7 +73,7 @@ class CodeGrader:
             stdout=runner.stdout,
             timings={name: round(1000.0 * (end - start), 3) for name, (start, end) in timings.items()},
         )
-        figures = {f.result.id: to_jsonable(f.figure, limit=FIGURE_ITEMS) for f in findings if f.figure is not None}
+        figures = {f.result.id: f.figure for f in findings if f.figure is not None}
         return Judgement(verdict, figures)
 
     def _diagnosis(
@@ -155,6 +155,8 @@ def _finding(check: Check, rejection: Rejection) -> Finding:
     if rejection.inputs is not None:
         inputs = {name: to_jsonable(value) for name, value in rejection.inputs.items()}
         counterexample = Counterexample(inputs, tidy(to_jsonable(rejection.expected)), tidy(to_jsonable(rejection.got)))
+    # A drawing of a part would be a drawing of something else.
+    figure = None if rejection.figure is None else whole_jsonable(rejection.figure, limit=FIGURE_ITEMS)
     result = CheckResult(
         id=check.id,
         title=check.title,
@@ -164,6 +166,6 @@ def _finding(check: Check, rejection: Rejection) -> Finding:
         message=rejection.message,
         counterexample=counterexample,
         hint=check.hint,
-        figure=check.id if rejection.figure is not None else None,
+        figure=None if figure is None else check.id,
     )
-    return Finding(result, rejection.cause, rejection.slip, rejection.figure)
+    return Finding(result, rejection.cause, rejection.slip, figure)

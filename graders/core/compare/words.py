@@ -3,36 +3,85 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Iterable, Iterator
+from typing import Any, TypeVar
 
 import numpy as np
 
 from graders.core.contract.values import Value
 
+#: Of one value: items on a level, how many such levels in all, characters of a text, of a key, of all texts.
 MAX_ITEMS = 400
+LEVELS = 5
 MAX_TEXT = 400
+MAX_KEY = 80
+MAX_CHARACTERS = 40_000
+#: Of a value written in a sentence: items on a level, items in all, characters.
+LINE_ITEMS, LINE_ALL, MAX_LINE = 40, 200, 4000
+MORE = "…"
 MINUS = "\N{MINUS SIGN}"
 NEGLIGIBLE = 1e-13
+T = TypeVar("T")
 #: An integer of more bits may be beyond every float.
 _FLOAT_BITS = 1023
+
+
+class _Room:
+    """How much may still be written of one value; `cut` once something was left out."""
+
+    def __init__(self, level: int, items: int) -> None:
+        self.level, self.items = level, items
+        self.characters = MAX_CHARACTERS
+        self.cut = False
+
+    def taken(self, values: Iterable[T]) -> Iterator[T]:
+        """The values of one level as far as there is room."""
+        for place, value in enumerate(values):
+            if place >= self.level or self.items <= 0 or self.characters <= 0:
+                self.cut = True
+                return
+            self.items -= 1
+            yield value
+
+    def text(self, text: str, most: int = MAX_TEXT) -> str:
+        self.cut = self.cut or len(text) > most
+        text = _cut(text, most)
+        self.characters -= len(text)
+        return text
 
 
 def to_jsonable(value: Value, *, limit: int = MAX_ITEMS) -> Any:
     """Turn a plain value into strict JSON: NaN and infinities become text, large arrays a summary.
 
-    A number keeps all its digits, so that a counterexample can be typed in again.
+    A number keeps all its digits, so that a counterexample can be typed in again. However large the value, at most
+    `LEVELS` times `limit` items are written, and some tens of thousands of characters; « … » tells what is left out.
     """
+    return _jsonable(value, _Room(limit, LEVELS * limit))
+
+
+def whole_jsonable(value: Value, *, limit: int) -> Any:
+    """As `to_jsonable`; None for a value of which something would be left out."""
+    room = _Room(limit, LEVELS * limit)
+    written = _jsonable(value, room)
+    return None if room.cut else written
+
+
+def _jsonable(value: Value, room: _Room) -> Any:
     if isinstance(value, np.ndarray):
-        if value.size > limit:
-            return {"forme": list(value.shape), "premiers": to_jsonable(value.ravel()[:12])}
-        return to_jsonable(value.tolist(), limit=limit)
+        if value.size > min(room.level, room.items):
+            room.cut = True
+            return {"forme": list(value.shape), "premiers": [_scalar(x, room) for x in value.ravel()[:12].tolist()]}
+        return _jsonable(value.tolist(), room)
     if isinstance(value, np.generic):
-        return to_jsonable(value.item(), limit=limit)
+        return _jsonable(value.item(), room)
     if isinstance(value, dict):
-        return {str(key): to_jsonable(item, limit=limit) for key, item in list(value.items())[:limit]}
+        members = room.taken(value.items())
+        written = {room.text(str(key), MAX_KEY): _jsonable(item, room) for key, item in members}
+        return written if len(written) == len(value) else written | {MORE: MORE}
     if isinstance(value, list | tuple):
-        return [to_jsonable(item, limit=limit) for item in value[:limit]]
-    return _scalar_to_jsonable(value)
+        items = [_jsonable(item, room) for item in room.taken(value)]
+        return items if len(items) == len(value) else [*items, MORE]
+    return _scalar(value, room)
 
 
 def tidy(value: Any) -> Any:
@@ -47,18 +96,20 @@ def tidy(value: Any) -> Any:
     return {key: tidy(item) for key, item in value.items()} if isinstance(value, dict) else value
 
 
-def _scalar_to_jsonable(value: Value) -> Any:
+def _scalar(value: Value, room: _Room) -> Any:
     if value is None or isinstance(value, bool):
         return value
     if isinstance(value, int):
-        return value if abs(value) < 2**53 else _cut(str(value) if value.bit_length() < 4000 else "entier immense")
+        if abs(value) < 2**53:
+            return value
+        return room.text(str(value) if value.bit_length() < 4000 else "entier immense")
     if isinstance(value, float):
         return value if math.isfinite(value) else str(value)
-    return _cut(str(value))
+    return room.text(str(value))
 
 
-def _cut(text: str) -> str:
-    return text if len(text) <= MAX_TEXT else text[: MAX_TEXT - 1] + "…"
+def _cut(text: str, most: int = MAX_TEXT) -> str:
+    return text if len(text) <= most else text[: most - 1] + MORE
 
 
 def number(value: complex, digits: int = 6) -> str:
@@ -106,24 +157,32 @@ def _fraction_of_pi(value: float) -> str | None:
 
 
 def text(value: Value, *, digits: int = 6) -> str:
-    """A plain value in one readable French line; long arrays are cut."""
+    """A plain value in one readable French line: long arrays are cut, and so is what would make a line of a table."""
+    room = _Room(LINE_ITEMS, LINE_ALL)
+    line = _text(value, digits, room)
+    return _cut(line if room.items > 0 else _text(value, digits, _Room(LINE_ITEMS, LINE_ITEMS)), MAX_LINE)
+
+
+def _text(value: Value, digits: int, room: _Room) -> str:
     if isinstance(value, np.ndarray):
         if value.size > 40:
             return f"un tableau de forme {shape_text(value.shape)}"
-        return text(value.tolist(), digits=digits)
+        return _text(value.tolist(), digits, room)
     if isinstance(value, bool | np.bool_):
         return "vrai" if value else "faux"
     if isinstance(value, int | float | complex | np.number):
         return number(value.item() if isinstance(value, np.generic) else value, digits)
-    return _items_text(value, digits) if isinstance(value, list | tuple | dict) else _cut(str(value))
+    return _items_text(value, digits, room) if isinstance(value, list | tuple | dict) else room.text(str(value))
 
 
-def _items_text(value: list[Value] | tuple[Value, ...] | dict[str, Value], digits: int) -> str:
-    cut = ["…"] if len(value) > 40 else []
+def _items_text(value: list[Value] | tuple[Value, ...] | dict[str, Value], digits: int, room: _Room) -> str:
     if isinstance(value, dict):
-        return " ; ".join([f"{k} : {text(v, digits=digits)}" for k, v in list(value.items())[:40]] + cut)
-    left, right = ("[", "]") if isinstance(value, list) else ("(", ")")
-    return left + " ; ".join([text(item, digits=digits) for item in value[:40]] + cut) + right
+        members = room.taken(value.items())
+        pieces = [f"{room.text(str(key), MAX_KEY)} : {_text(item, digits, room)}" for key, item in members]
+    else:
+        pieces = [_text(item, digits, room) for item in room.taken(value)]
+    line = " ; ".join(pieces + [MORE] * (len(pieces) < len(value)))
+    return line if isinstance(value, dict) else f"[{line}]" if isinstance(value, list) else f"({line})"
 
 
 def shape_text(shape: tuple[int, ...]) -> str:

@@ -1,0 +1,93 @@
+"""How much a verdict may weigh, everything in it: what is beyond is left out, and the verdict says so.
+
+What students see is bounded value by value where it is put in words (`compare.words`); this is the bound of the whole,
+which nothing that is recorded or printed exceeds. Values of an honest submission stay far below it (the largest verdict
+of the course weighs 82 KiB with its figures), and come out as they went in.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+from graders.core.contract.findings import Judgement
+from graders.core.contract.verdict import CheckResult, Counterexample
+
+#: Bytes of a verdict and of its figures' data together, as JSON that escapes what is not ASCII: its longest form.
+VERDICT_BYTES = 256 * 1024
+#: What the words that tell of a cut take at most, for each part that may be cut.
+_WORDS = 200
+_NO_DRAWING = "Le dessin de ce cas serait trop volumineux : il n’est pas montré."
+
+
+def weight(value: Any) -> int:
+    """Bytes of strict JSON."""
+    return len(json.dumps(value, allow_nan=False))
+
+
+def bounded(judgement: Judgement, most: int = VERDICT_BYTES) -> Judgement:
+    """The same judgement within `most` bytes: the heaviest of its values, messages, figures and prints are cut.
+
+    All parts above one level are cut to that level, which is as high as may be, so that the light ones stay whole.
+    """
+    verdict = judgement.verdict
+    whole = weight(verdict.to_json()) + weight(judgement.figures)
+    if whole <= most:
+        return judgement
+    parts = [*_values(verdict.checks), *judgement.figures.values(), verdict.stdout]
+    weights = [weight(part) for part in parts]
+    level = _level(weights, most - (whole - sum(weights)) - _WORDS * len(parts))
+    figures = {name: data for name, data in judgement.figures.items() if weight(data) <= level}
+    checks = [_lighter(check, level, figures) for check in verdict.checks]
+    return Judgement(replace(verdict, checks=checks, stdout=_shorter(verdict.stdout, level)), figures)
+
+
+def _level(weights: Sequence[int], room: int) -> int:
+    """The highest level for which the weights, each cut to it, fit into the room together."""
+    for place, heaviest in enumerate(ordered := sorted(weights)):
+        share = max(room, 0) // (len(ordered) - place)
+        if heaviest > share:
+            return share
+        room -= heaviest
+    return max(weights, default=0)
+
+
+def _values(checks: Sequence[CheckResult]) -> list[Any]:
+    """What may be heavy in the lines of a verdict."""
+    shown = [check.counterexample for check in checks if check.counterexample is not None]
+    values = [value for one in shown for value in (*one.inputs.values(), one.expected, one.got)]
+    return [check.message for check in checks] + values
+
+
+def _lighter(check: CheckResult, level: int, figures: dict[str, Any]) -> CheckResult:
+    lost = check.figure is not None and check.figure not in figures
+    message = _shorter(check.message, level)
+    return replace(
+        check,
+        message=f"{message} {_NO_DRAWING}".strip() if lost else message,
+        counterexample=check.counterexample and _shown(check.counterexample, lambda value: _light(value, level)),
+        figure=None if lost else check.figure,
+    )
+
+
+def _shown(counterexample: Counterexample, light: Callable[[Any], Any]) -> Counterexample:
+    inputs = {name: light(value) for name, value in counterexample.inputs.items()}
+    return Counterexample(inputs, light(counterexample.expected), light(counterexample.got))
+
+
+def _light(value: Any, level: int) -> Any:
+    if weight(value) <= level:
+        return value
+    return _shorter(value, level) if isinstance(value, str) else "valeur trop longue pour être montrée ici"
+
+
+def _shorter(text: str, level: int) -> str:
+    """The beginning of a text, within `level` bytes but for the words that say how long it was."""
+    if weight(text) <= level:
+        return text
+    kept = text[: max(level, 0) // 12]  # a character takes 12 bytes at most, and most of them one
+    while (more := text[: 2 * len(kept) + 1]) != kept and weight(more) <= level:
+        kept = more
+    return f"{kept}… (coupé ici : {len(text)} caractères en tout)"
