@@ -6,6 +6,7 @@ ends as `internal_error`.
 
 import hashlib
 import logging
+import time
 from collections.abc import Iterable, Iterator
 from uuid import UUID
 
@@ -15,7 +16,7 @@ from graders.core.contract.program import Answer, KitSettings, Reply, StudentFau
 from graders.core.contract.values import Arguments, Value
 from graders.core.contract.verdict import internal_error_verdict
 from server.course.models import Course
-from server.sandbox import Frame, Kit, Policy, ProgramFault, Sandbox, Session
+from server.sandbox import Frame, Kit, Policy, ProgramFault, Sandbox, Session, judging_too_long
 
 log = logging.getLogger(__name__)
 
@@ -23,14 +24,36 @@ TRIES = 2
 FILENAME = "solution.py"
 
 
+class Patience:
+    """The processor time that reading and comparing the answers of one submission may take, in this thread.
+
+    What is read is bounded in size, so that only values made for it come near: it is spent by the student, not by us.
+    """
+
+    def __init__(self, policy: Policy) -> None:
+        self._policy, self._begun = policy, time.thread_time()
+
+    def spent(self) -> StudentFault | None:
+        """The fault that answers for every call once it is spent."""
+        if time.thread_time() - self._begun <= self._policy.judging_seconds:
+            return None
+        return StudentFault(Outcome.OUTPUT_LIMIT, judging_too_long(self._policy), fatal=True)
+
+    def must_last(self) -> None:
+        """Raises StudentFault once it is spent."""
+        if spent := self.spent():
+            raise spent
+
+
 class SandboxProgram:
     """A student's program behind the walls, as graders see it."""
 
-    def __init__(self, session: Session) -> None:
-        self._session = session
+    def __init__(self, session: Session, patience: Patience) -> None:
+        self._session, self._patience = session, patience
         self.functions = frozenset(session.functions)
 
     def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
+        self._patience.must_last()
         try:
             reply = self._session.call(function, *args, return_arguments=return_arguments)
         except ProgramFault as fault:
@@ -39,6 +62,9 @@ class SandboxProgram:
 
     def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
         for answer in self._session.call_many(function, calls, faults=faults):
+            if spent := self._patience.spent():
+                yield spent
+                return
             if isinstance(answer, ProgramFault):
                 yield student_fault(answer)
             else:
@@ -52,18 +78,19 @@ class SandboxProgram:
 
 
 class SandboxPrograms:
-    """Starts students' files behind the walls, under the policy of one exercise."""
+    """Starts a student's file behind the walls, under the policy of one exercise, for one grading."""
 
     def __init__(self, sandbox: Sandbox, policy: Policy) -> None:
-        self._sandbox, self._policy = sandbox, policy
+        self._sandbox, self._policy, self._patience = sandbox, policy, Patience(policy)
 
     def open(self, source: bytes, kit: KitSettings) -> SandboxProgram:
+        self._patience.must_last()
         settings = Kit(kit.module, dict(kit.parameters))
         try:
             session = self._sandbox.open(source, kit=settings, policy=self._policy, filename=FILENAME)
         except ProgramFault as fault:
             raise student_fault(fault) from fault
-        return SandboxProgram(session)
+        return SandboxProgram(session, self._patience)
 
 
 def student_fault(fault: ProgramFault) -> StudentFault:

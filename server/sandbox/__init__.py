@@ -2,6 +2,7 @@
 
 from server.sandbox.child.codec import Value
 from server.sandbox.faults import FaultKind, Frame, ProgramFault, SandboxFault
+from server.sandbox.messages import judging_too_long
 from server.sandbox.policy import Policy
 from server.sandbox.pool import Sandbox
 from server.sandbox.probe import WallReport, WallStatus, probe, safe_to_serve
@@ -22,6 +23,7 @@ __all__ = [
     "Value",
     "WallReport",
     "WallStatus",
+    "judging_too_long",
     "probe",
     "safe_to_serve",
 ]

@@ -29,6 +29,11 @@ def forged() -> ProgramFault:
     return _fatal(FaultKind.INVALID_OUTPUT, messages.forged())
 
 
+def too_much(what: str, policy: Policy) -> ProgramFault:
+    """The answers of a session are too big together; `what` is bytes or items."""
+    return _fatal(FaultKind.OUTPUT_LIMIT, messages.answers_too_big(what, policy))
+
+
 def late(policy: Policy, frames: tuple[Frame, ...] = ()) -> ProgramFault:
     return _out_of_time("wall", policy, frames)
 

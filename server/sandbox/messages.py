@@ -217,9 +217,28 @@ def forged() -> str:
     )
 
 
+def _values(count: int) -> str:
+    return f"{count:,} valeurs".replace(",", "\u202f")
+
+
 def answer_too_big(what: str, function: str, policy: Policy) -> str:
-    limit = f"{policy.items:,} valeurs".replace(",", "\u202f") if what == "items" else size(policy.frame_bytes)
+    limit = _values(policy.items) if what == "items" else size(policy.frame_bytes)
     return f"Le résultat de « {function} » est trop gros : la limite est de {limit}."
+
+
+def answers_too_big(what: str, policy: Policy) -> str:
+    limit = _values(policy.session_items) if what == "items" else size(policy.session_bytes)
+    return (
+        f"Ce que vos fonctions ont renvoyé dépasse, en tout, la limite de {limit} : le programme est arrêté là. "
+        "Ne renvoyez que ce qui est demandé : ni liste ni tableau qui grandit d’un appel à l’autre."
+    )
+
+
+def judging_too_long(policy: Policy) -> str:
+    return (
+        f"Lire et comparer ce que vos fonctions renvoient a pris plus de {seconds(policy.judging_seconds)} de calcul, "
+        "la limite : ce sont des valeurs bien plus grandes que celles qui sont demandées."
+    )
 
 
 _NOT_A_VALUE = {

@@ -38,7 +38,9 @@ class Policy:
     for answers; `memory_bytes` comes above what the interpreter and the libraries use themselves; `threads` counts the
     main one; `files` are descriptors; a program may write files of `file_bytes` each, `folder_bytes` in all, into a
     private folder that goes with it (where the machine cannot give it one, it writes nothing); `depth` and `items`
-    bound the nesting and the number of values of an answer.
+    bound the nesting and the number of values of an answer, where an array is one value; `session_…` bound all answers
+    together. What the trusted side keeps, reads and compares is in proportion to these: they are its limits as well.
+    `judging_seconds` is the processor time that it may take itself between a program's first line and its last answer.
     """
 
     cpu_seconds: float = _limit(5.0, "Temps de calcul", "seconds", 0.01, 120)
@@ -46,9 +48,12 @@ class Policy:
     memory_bytes: int = _limit(512 * MIB, "Mémoire, sans les bibliothèques", "bytes", 64 * MIB, 4 * GIB)
     source_bytes: int = _limit(64 * KIB, "Taille de votre fichier", "bytes", KIB, MIB)
     stdout_bytes: int = _limit(64 * KIB, "Texte affiché par print", "bytes", KIB, MIB)
-    frame_bytes: int = _limit(8 * MIB, "Taille d’une réponse", "bytes", KIB, 64 * MIB)
-    items: int = _limit(200_000, "Valeurs d’une réponse, hors tableaux", "count", 1000, 10_000_000)
+    frame_bytes: int = _limit(4 * MIB, "Taille d’une réponse", "bytes", KIB, 64 * MIB)
+    items: int = _limit(10_000, "Valeurs d’une réponse, hors tableaux", "count", 1000, 1_000_000)
+    session_bytes: int = _limit(8 * MIB, "Taille des réponses, en tout", "bytes", KIB, 256 * MIB)
+    session_items: int = _limit(100_000, "Valeurs des réponses, en tout, hors tableaux", "count", 1000, 10_000_000)
     depth: int = _limit(16, "Imbrication d’une réponse", "levels", 4, 60)
+    judging_seconds: float = _limit(8.0, "Temps pour lire et comparer vos réponses", "seconds", 1, 60)
     threads: int = _limit(1, "Fils d’exécution (threads)", "threads", 1, 16)
     files: int = _limit(64, "Fichiers ouverts en même temps", "count", 16, 1024)
     file_bytes: int = _limit(4 * MIB, "Taille d’un fichier écrit", "bytes", KIB, 64 * MIB)

@@ -8,6 +8,7 @@ import signal
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any, NoReturn, Self
 
 import numpy as np
@@ -20,7 +21,7 @@ from server.sandbox.faults import FaultKind, Frame, ProgramFault, SandboxFault, 
 from server.sandbox.policy import Policy
 from server.sandbox.process import Child, Ending
 from server.sandbox.values import Kit, Reply, Usage
-from server.sandbox.wire import Closed, Forged, Late
+from server.sandbox.wire import Closed, Forged, Late, TooMuch
 
 #: What the child is left to tell by itself that its time is up, before it is killed.
 GRACE = 0.5
@@ -36,6 +37,7 @@ class Session:
     def __init__(self, child: Child, policy: Policy) -> None:
         self._child, self._policy = child, policy
         self._waited = 0.0
+        self._bytes_left, self._items_left = policy.session_bytes, policy.session_items
         self._filename, self._lines = "", [""]
         self._batch: Batch | None = None
         self._fatal: ProgramFault | None = None
@@ -225,7 +227,9 @@ class Session:
 
     def _hear(self, token: int, kinds: frozenset[int]) -> tuple[int, bytes]:
         with self._counted() as deadline:
-            return self._child.wire.answer(token, kinds, self._policy.frame_bytes, deadline)
+            kind, payload = self._child.wire.answer(token, kinds, self._policy.frame_bytes, deadline, self._bytes_left)
+        self._bytes_left -= len(payload)
+        return kind, payload
 
     @contextmanager
     def _counted(self) -> Iterator[float]:
@@ -237,6 +241,8 @@ class Session:
             self._end(lambda _: diagnosis.late(self._policy, self._last_frames()))
         except Forged:
             self._forged()
+        except TooMuch:
+            self._end(lambda _: diagnosis.too_much("bytes", self._policy))
         except Closed:
             self._died()
         finally:
@@ -245,7 +251,7 @@ class Session:
     def _understood(self, outcome: int, answer: bytes) -> Value:
         try:
             if outcome == frames.VALUE:
-                return codec.decode(answer, self._policy.answer)
+                return self._value(answer)
             fault: Any = codec.decode(answer, frames.FAULT_LIMITS)
         except codec.Malformed:
             self._forged()
@@ -255,6 +261,18 @@ class Session:
         if program_fault.fatal:
             self._end(lambda _: program_fault)
         raise program_fault
+
+    def _value(self, answer: bytes) -> Value:
+        """Raises Malformed, or the fault of a program that has answered too much in all."""
+        limits = self._policy.answer
+        try:
+            value, items = codec.measured(answer, replace(limits, items=min(limits.items, self._items_left)))
+        except codec.TooMany:
+            if self._items_left >= limits.items:
+                raise
+            self._end(lambda _: diagnosis.too_much("items", self._policy))
+        self._items_left -= items
+        return value
 
     def _died(self) -> NoReturn:
         """The wire is closed: the process has ended by itself, or it has closed the wire and lives on."""

@@ -23,6 +23,10 @@ class Forged(Exception):
     """What came is no answer to the question asked."""
 
 
+class TooMuch(Exception):
+    """More bytes are announced than are still to be read."""
+
+
 class Wire:
     """Owns the socket. Deadlines are times of `time.monotonic`."""
 
@@ -52,11 +56,18 @@ class Wire:
             except OSError as error:
                 raise Closed from error
 
-    def answer(self, token: int, kinds: frozenset[int], limit: int, deadline: float) -> tuple[int, bytes]:
-        """Kind and payload of the next frame, which must carry the token and be one of the kinds."""
+    def answer(
+        self, token: int, kinds: frozenset[int], limit: int, deadline: float, left: int | None = None
+    ) -> tuple[int, bytes]:
+        """Kind and payload of the next frame, which must carry the token and be one of the kinds.
+
+        `limit` is that of any frame, `left` what is left of a session's; an announced length is refused unread.
+        """
         length, given, kind = HEADER.unpack(self._read(HEADER.size, deadline))
         if given != token or kind not in kinds or length > limit:
             raise Forged
+        if left is not None and length > left:
+            raise TooMuch
         return kind, self._read(length, deadline)
 
     def _peek(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import logging
 import os
 import signal
@@ -10,30 +11,34 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
+from dataclasses import replace
 from typing import Any, TypeVar
 from uuid import uuid4
 
+import numpy as np
 import pytest
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import KitSettings, Reply, StudentFault
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
 from server.gradebook.models import Grading
 from server.grading import joint as grading
-from server.grading.joint import Grader
-from server.grading.task import SentFile
+from server.grading.joint import Grader, SandboxPrograms
+from server.grading.task import SentFile, give_ups
 from server.identity.models import Account
 from server.queue.models import Job
+from server.queue.owner import owner_of
 from server.queue.port import Lease, Sender
-from server.queue.worker import Stop, Worker
+from server.queue.worker import Heartbeat, Stop, Worker, _pauses
 from server.sandbox import FaultKind, Sandbox, SandboxFault
 from server.submissions.models import Submission
-from server.submissions.service import Submissions
-from tests.support.service import ADDRESS, EXERCISE, QUIET, fake_grade, worker_of
+from server.submissions.service import GRADE, Submissions
+from tests.support.service import ADDRESS, EXERCISE, QUIET, fake_grade, new_account, worker_of
 
 Row = TypeVar("Row")
 
@@ -282,3 +287,52 @@ def test_sigterm_stops_a_worker_in_its_main_thread() -> None:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def test_a_job_that_does_not_end_is_given_up_at_once_with_its_worker(
+    sqlite: Database, settings: Settings, course: Course, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It would take as long again, and a third time."""
+
+    class Ended(Exception):
+        pass
+
+    def end(status: int) -> None:
+        raise Ended(status)
+
+    monkeypatch.setattr("server.queue.worker.os._exit", end)
+    submitted(sqlite, settings, new_account(sqlite))
+    owner = owner_of(os.getpid())
+    with sqlite.write() as db:
+        lease = QUIET.claim(db, owner, [GRADE], 60)
+    assert lease is not None
+    with pytest.raises(Ended):
+        Heartbeat(sqlite, QUIET, settings, give_ups(course))._beat(lease, time.monotonic() - 1)
+    assert none(sqlite, Job)
+    assert only(sqlite, Grading).outcome == Outcome.INTERNAL_ERROR
+
+
+def test_a_locked_database_is_left_alone_for_longer_each_time() -> None:
+    assert [*itertools.islice(_pauses(), 8)] == [0.5, 1.0, 2.0, 4.0, 8.0, 10.0, 10.0, 10.0]
+
+
+def test_what_exhausts_the_judge_is_the_student_s_outcome(course_sandbox: Sandbox, course: Course) -> None:
+    """A budget spent before the first answer stands for one that comparing has spent."""
+    exercise = course.exercises[EXERCISE]
+    programs = SandboxPrograms(course_sandbox, replace(exercise.policy, judging_seconds=1e-9))
+    verdict = exercise.grader.grade(exercise.solution.encode(), programs, seed=7, version="v").verdict
+    assert verdict.outcome is Outcome.OUTPUT_LIMIT
+    assert verdict.outcome.counts
+    assert all("a pris plus de" in check.message for check in verdict.checks)
+
+
+def test_a_judge_s_patience_may_end_between_two_answers(
+    course_sandbox: Sandbox, course: Course, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    exercise = course.exercises[EXERCISE]
+    program = SandboxPrograms(course_sandbox, exercise.policy).open(exercise.solution.encode(), KitSettings("l20", {}))
+    with closing(program):
+        spent = iter([None, None, StudentFault(Outcome.OUTPUT_LIMIT, "assez", fatal=True)])
+        monkeypatch.setattr(program._patience, "spent", lambda: next(spent))
+        answers = list(program.call_many("inverse", [(np.zeros(3),)] * 9))
+    assert [type(answer) for answer in answers] == [Reply, Reply, StudentFault]

@@ -30,7 +30,8 @@ def test_limits_are_told_in_units_that_people_read(count: int, told: str) -> Non
 
 
 def test_many_values_are_told_with_the_space_of_thousands() -> None:
-    assert "200\u202f000 valeurs" in messages.answer_too_big("items", "f", Policy())
+    assert "10\u202f000 valeurs" in messages.answer_too_big("items", "f", Policy())
+    assert "100\u202f000 valeurs" in messages.answers_too_big("items", Policy())
 
 
 @pytest.mark.parametrize(
@@ -309,3 +310,35 @@ def test_names_are_told_without_what_they_hide(sandbox: Sandbox) -> None:
     with sandbox.open(source) as session, pytest.raises(ProgramFault) as caught:
         session.call("composer")
     assert "comp\ufffd[2J\ufffdoser" in caught.value.message
+
+
+@pytest.mark.parametrize(
+    ("body", "limit", "told"),
+    [
+        ("np.zeros(3000)", {"session_bytes": 1 << 16}, "64 Kio"),
+        ("'é' * 9000", {"session_bytes": 1 << 16}, "64 Kio"),
+        ("[1] * 900", {"session_items": 3000, "items": 1000}, "3\u202f000 valeurs"),
+        ("{str(k): 1 for k in range(400)}", {"session_items": 3000, "items": 1000}, "3\u202f000 valeurs"),
+        ("[[]] * 900", {"session_items": 3000, "items": 1000}, "3\u202f000 valeurs"),
+    ],
+)
+def test_answers_that_are_too_big_together_end_the_session(
+    sandbox: Sandbox, body: str, limit: dict[str, int], told: str
+) -> None:
+    source = f"import numpy as np\ndef f():\n    return {body}\ndef g():\n    return 1\n".encode()
+    with sandbox.open(source, policy=only(**limit)) as session:
+        answers = list(session.call_many("f", [()] * 20))
+        fault = answers.pop()
+        assert isinstance(fault, ProgramFault)
+        assert (fault.kind, fault.fatal) == (FaultKind.OUTPUT_LIMIT, True)
+        assert told in plain(fault.message)
+        assert 2 <= len(answers) <= 8
+        assert not any(isinstance(answer, ProgramFault) for answer in answers)
+        with pytest.raises(ProgramFault, match="en tout"):
+            session.call("g")
+
+
+def test_a_program_may_answer_up_to_its_limit(sandbox: Sandbox) -> None:
+    policy = only(session_items=1000 + 10 * 903, items=1000)
+    with sandbox.open(b"def f():\n    return [1] * 900\n", policy=policy) as session:
+        assert all(not isinstance(answer, ProgramFault) for answer in session.call_many("f", [()] * 10))

@@ -17,7 +17,7 @@ import numpy as np
 from graders.core.compare.shrinking import Budget
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, KitSettings, Program, Programs, Reply, StudentFault
-from graders.core.contract.values import Arguments, Value
+from graders.core.contract.values import Arguments, Value, kept
 
 MAX_LAUNCHES = 12
 DEFAULT_BUDGET = Budget()
@@ -195,7 +195,7 @@ class Bench:
     def observe(self, function: str, value: Value, *, ok: bool, fault: StudentFault | None = None) -> None:
         """Write down what a function gave; a fault is known by its exception's or its outcome's name."""
         name = (fault.exception or fault.outcome.value) if fault else None
-        self.runner.observations.append(Observation(self.check, self._count[0], function, value, name, ok))
+        self.runner.observations.append(Observation(self.check, self._count[0], function, kept(value), name, ok))
         self._count[0] += 1
 
     @contextmanager

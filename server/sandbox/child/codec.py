@@ -5,8 +5,20 @@ trusted process on bytes that may be hostile: it yields exact base types, or rai
 the bytes do not fill.
 """
 
-from .decoder import decode
+from .decoder import decode, measured
 from .encoder import encode
-from .plain import DTYPES, Array, Limits, Malformed, TooBig, Unsendable, Value
+from .plain import DTYPES, Array, Limits, Malformed, TooBig, TooMany, Unsendable, Value
 
-__all__ = ["DTYPES", "Array", "Limits", "Malformed", "TooBig", "Unsendable", "Value", "decode", "encode"]
+__all__ = [
+    "DTYPES",
+    "Array",
+    "Limits",
+    "Malformed",
+    "TooBig",
+    "TooMany",
+    "Unsendable",
+    "Value",
+    "decode",
+    "encode",
+    "measured",
+]

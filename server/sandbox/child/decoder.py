@@ -19,6 +19,7 @@ from .plain import (
     Array,
     Limits,
     Malformed,
+    TooMany,
     Value,
 )
 
@@ -38,6 +39,11 @@ class _Reader:
         self.at = end
         return piece
 
+    def item(self) -> None:
+        self.items += 1
+        if self.items > self.limits.items:
+            raise TooMany("too many items")
+
     def length(self) -> int:
         return int(LENGTH.unpack(self.take(4))[0])
 
@@ -46,6 +52,8 @@ class _Reader:
         count = self.length()
         if count > len(self.data) - self.at:
             raise Malformed("more items than bytes")
+        if self.items + count > self.limits.items:  # told before any of them is read
+            raise TooMany("too many items")
         return count
 
 
@@ -54,19 +62,24 @@ def decode(data: bytes, limits: Limits) -> Value:
 
     Raises Malformed, and nothing else, for bytes that are not one whole value within the limits.
     """
+    return measured(data, limits)[0]
+
+
+def measured(data: bytes, limits: Limits) -> tuple[Value, int]:
+    """As `decode`, with the number of items that the value is made of: an array is one, the key of a dict is one."""
     if len(data) > limits.size:
         raise Malformed("too long")
     reader = _Reader(data, limits)
     value = _decode(reader, 1)
     if reader.at != len(data):
         raise Malformed("bytes left over")
-    return value
+    return value, reader.items
 
 
 def _decode(reader: _Reader, depth: int) -> Value:
-    reader.items += 1
-    if reader.items > reader.limits.items or depth > reader.limits.depth:
-        raise Malformed("too many items or too deep")
+    reader.item()
+    if depth > reader.limits.depth:
+        raise Malformed("too deep")
     decoder = _DECODERS.get(reader.take(1))
     if decoder is None:
         raise Malformed("unknown tag")
@@ -129,6 +142,7 @@ def _decode_dict(reader: _Reader, depth: int) -> dict[str, Value]:
     for _ in range(reader.count()):
         if reader.take(1) != b"s":
             raise Malformed("key is not text")
+        reader.item()
         key = _decode_str(reader, depth)
         if key in result:
             raise Malformed("key given twice")

@@ -169,6 +169,7 @@ def _encode_dict(writer: _Writer, value: dict[object, object], depth: int, place
     for key, item in dict.items(value):
         if not isinstance(key, str):
             raise Unsendable("key", type(key).__name__, place)
+        writer.node(depth)
         _encode_str(writer, key, depth, place)
         _encode(writer, item, depth + 1, f"{place}[{str.__str__(key)[:40]!r}]")
 

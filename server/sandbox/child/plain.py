@@ -45,6 +45,10 @@ class Malformed(ValueError):
     """The bytes are not a value within the limits."""
 
 
+class TooMany(Malformed):
+    """The bytes may be a value, of more items than the limits allow."""
+
+
 class Unsendable(TypeError):
     """A Python object that is no value: `culprit` is its type, `place` where it was found."""
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from graders.core.compare.comparison import CloseTo, SameIndices, ScalarCloseTo
 from graders.core.compare.slips import SLIPS
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.values import same_value
+from graders.core.contract.values import KEPT_BYTES, MAX_READ_ONE_BY_ONE, Digest, kept, same_value
 from graders.robotics.poses import SamePose
 
 plain = st.recursive(
@@ -116,3 +116,37 @@ def test_any_two_values_are_the_same_or_not(left: object, right: object) -> None
 def test_a_text_is_never_the_same_as_an_array() -> None:
     assert same_value("x", np.zeros(3)) is False
     assert same_value(None, np.zeros(3)) is False
+
+
+@given(plain | arrays, plain | arrays, st.booleans())
+def test_what_is_kept_of_two_values_is_the_same_when_they_are(first: object, other: object, again: bool) -> None:
+    if again:
+        other = first
+    assert same_value(kept(first), kept(other)) == same_value(first, other)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        [[0.5] * 100] * 100,
+        np.zeros(KEPT_BYTES // 8 + 1),
+        "x" * (KEPT_BYTES + 1),
+        {"k" * KEPT_BYTES: 1},
+        [[0.5], [1, 2]] * 1000,
+        [np.zeros(0), np.zeros(1)] * 1000,
+    ],
+    ids=["rows", "array", "text", "key", "ragged", "arrays"],
+)
+def test_of_a_value_that_is_too_big_a_digest_is_kept(value: object) -> None:
+    digest = kept(value)
+    assert isinstance(digest, Digest)
+    assert same_value(digest, kept(value))
+    assert not same_value(digest, kept([value, 1]))
+    assert not same_value(digest, kept([1.0, 2.0]))
+
+
+def test_more_indices_than_there_can_be_are_not_read() -> None:
+    mismatch = SameIndices()([1, 2], np.ones(MAX_READ_ONE_BY_ONE + 1, dtype=np.uint8))
+    assert mismatch is not None
+    assert mismatch.cause is Outcome.INVALID_OUTPUT
+    assert str(MAX_READ_ONE_BY_ONE + 1) in mismatch.message
