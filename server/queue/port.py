@@ -106,8 +106,8 @@ class Queue(Protocol):
     def finish(self, db: Session, lease: Lease) -> bool:
         """Ends a job, once: False when the lease has been lost, and nothing may be recorded then."""
 
-    def fail(self, db: Session, lease: Lease, give_ups: Mapping[str, GiveUp]) -> None:
-        """Has a job tried again, or given up once it has been tried too often."""
+    def fail(self, db: Session, lease: Lease, give_ups: Mapping[str, GiveUp], *, last: bool = False) -> None:
+        """Has a job tried again, or given up: once it has been tried too often, or with the `last` of its tries."""
 
     def give_back(self, db: Session, lease: Lease) -> None:
         """Puts a job that its worker was told to leave back in its place, as if it had not been tried."""

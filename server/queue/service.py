@@ -68,8 +68,8 @@ class TableQueue:
             self._signals.changed(db, lease.key)
         return ended
 
-    def fail(self, db: Session, lease: Lease, give_ups: Mapping[str, GiveUp]) -> None:
-        self._take_back(db, lease, give_ups)
+    def fail(self, db: Session, lease: Lease, give_ups: Mapping[str, GiveUp], *, last: bool = False) -> None:
+        self._take_back(db, lease, give_ups, last=last)
 
     def give_back(self, db: Session, lease: Lease) -> None:
         if repository.free(db, lease.job_id, lease.token, tried=False):
@@ -96,9 +96,9 @@ class TableQueue:
     def _take_all_back(self, db: Session, jobs: Iterable[Job], give_ups: Mapping[str, GiveUp]) -> int:
         return sum(self._take_back(db, _lease(job), give_ups) for job in jobs)
 
-    def _take_back(self, db: Session, lease: Lease, give_ups: Mapping[str, GiveUp]) -> bool:
+    def _take_back(self, db: Session, lease: Lease, give_ups: Mapping[str, GiveUp], *, last: bool = False) -> bool:
         """False when another has taken it back already."""
-        if lease.tries < MAX_TRIES:
+        if lease.tries < MAX_TRIES and not last:
             taken = repository.free(db, lease.job_id, lease.token, tried=True)
             if taken:
                 log.warning("job %s %s: its try has failed, queued again", lease.kind, lease.key)

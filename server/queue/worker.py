@@ -4,7 +4,7 @@ import logging
 import os
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeVar
 
 from sqlalchemy.exc import OperationalError, SQLAlchemyError
@@ -13,14 +13,23 @@ from sqlalchemy.orm import Session
 from server.base.settings import Settings
 from server.database import Database, is_locked
 from server.queue.owner import Owner, owner_of
-from server.queue.port import Lease, Queue, Tasks, WorkSource
+from server.queue.port import GiveUp, Lease, Queue, Tasks, WorkSource
 
 log = logging.getLogger(__name__)
 
 STUCK_EXIT = 70
-LOCKED_PAUSE = 0.5  # seconds between two tries at a database that another writer holds
+#: Seconds between two tries at a database that another writer holds: doubled each time, up to the longest.
+LOCKED_PAUSE, LONGEST_PAUSE = 0.5, 10.0
 
 T = TypeVar("T")
+
+
+def _pauses() -> Iterator[float]:
+    """How long to leave a locked database alone, the first time and each time after."""
+    pause = LOCKED_PAUSE
+    while True:
+        yield pause
+        pause = min(2.0 * pause, LONGEST_PAUSE)
 
 
 class Stop(BaseException):
@@ -30,12 +39,12 @@ class Stop(BaseException):
 class Heartbeat:
     """Extends the lease of what is being done, from a thread of its own.
 
-    Work longer than `grading_seconds` is a fault of ours that nothing else would end: the process ends itself, and the
-    job is taken back like any dead worker's.
+    Work longer than `grading_seconds` is a fault of ours that nothing else would end: the job is given up, for it would
+    take as long again, and the process ends itself.
     """
 
-    def __init__(self, database: Database, queue: Queue, settings: Settings) -> None:
-        self._database, self._queue, self._settings = database, queue, settings
+    def __init__(self, database: Database, queue: Queue, settings: Settings, give_ups: Mapping[str, GiveUp]) -> None:
+        self._database, self._queue, self._settings, self._give_ups = database, queue, settings, give_ups
         self._current: tuple[Lease, float] | None = None
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name="heartbeat", daemon=True)
@@ -60,7 +69,13 @@ class Heartbeat:
     def _beat(self, lease: Lease, deadline: float) -> None:
         if time.monotonic() > deadline:
             log.critical("job %s %s does not end, this worker gives up", lease.kind, lease.key)
-            os._exit(STUCK_EXIT)
+            try:
+                with self._database.write() as db:
+                    self._queue.fail(db, lease, self._give_ups, last=True)
+            except Exception:
+                log.exception("job %s %s: will be tried again", lease.kind, lease.key)
+            finally:
+                os._exit(STUCK_EXIT)
         try:
             with self._database.write() as db:
                 self._queue.heartbeat(db, lease, self._settings.lease_seconds)
@@ -77,7 +92,7 @@ class Worker:
         self._database, self._queue, self._settings, self._tasks = database, queue, settings, tasks
         self._give_ups = {kind: task.give_up for kind, task in tasks.items()}
         self._owner = owner or owner_of(os.getpid())
-        self._heartbeat = Heartbeat(database, queue, settings)
+        self._heartbeat = Heartbeat(database, queue, settings, self._give_ups)
 
     def step(self) -> bool:
         """Does one job; False when none waits."""
@@ -132,15 +147,16 @@ class Worker:
 
     def _write(self, step: Callable[[Session], T]) -> T:
         """`step` in a transaction; done again where another writer of SQLite has outlasted the driver's wait."""
-        while True:
+        for pause in _pauses():
             try:
                 with self._database.write() as db:
                     return step(db)
             except OperationalError as error:
                 if not is_locked(error):
                     raise
-                log.warning("the database is locked, trying again")
-            time.sleep(LOCKED_PAUSE)
+                log.warning("the database is locked, trying again in %g s", pause)
+            time.sleep(pause)
+        raise AssertionError("pauses have no end")
 
     def run(self, work: WorkSource) -> None:
         """Until `work` says that it is over, or Stop is raised."""
