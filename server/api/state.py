@@ -3,7 +3,6 @@
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 from uuid import UUID
 
 from sqlalchemy.orm import Session
@@ -19,17 +18,14 @@ from server.submissions.service import UNATTENDED, Submissions
 
 @dataclass(frozen=True)
 class Resource:
-    """The JSON members of a submission (`api.schemas.SubmissionOut`)."""
+    """A submission as JSON (`api.schemas.SubmissionOut`), written in the thread that reads it: the loop passes it on.
+
+    A verdict is what a student's program made of it, within `graders.core.contract.bounds`.
+    """
 
     id: UUID
-    members: dict[str, Any]
-
-    @property
-    def done(self) -> bool:
-        return bool(self.members["status"] == State.done)
-
-    def text(self) -> str:
-        return json.dumps(self.members, ensure_ascii=False, allow_nan=False)
+    done: bool
+    text: str
 
 
 def url_of(submission_id: UUID) -> str:
@@ -39,19 +35,18 @@ def url_of(submission_id: UUID) -> str:
 def resource(db: Session, store: Submissions, attempt: Attempt) -> Resource:
     submission = attempt.submission
     place = store.place(db, submission)
-    return Resource(
-        submission.id,
-        {
-            "id": str(submission.id),
-            "status": place.state,
-            "position": place.position,
-            "notice": UNATTENDED if place.unattended else None,
-            "verdict": Verdict.from_json(attempt.grading.verdict).to_json() if attempt.grading else None,
-            "url": url_of(submission.id),
-            "exercise": submission.exercise,
-            "created_at": submission.created_at.isoformat(),
-        },
-    )
+    members = {
+        "id": str(submission.id),
+        "status": place.state,
+        "position": place.position,
+        "notice": UNATTENDED if place.unattended else None,
+        "verdict": Verdict.from_json(attempt.grading.verdict).to_json() if attempt.grading else None,
+        "url": url_of(submission.id),
+        "exercise": submission.exercise,
+        "created_at": submission.created_at.isoformat(),
+    }
+    text = json.dumps(members, ensure_ascii=False, allow_nan=False)
+    return Resource(submission.id, place.state == State.done, text)
 
 
 def reader(database: Database, store: Submissions, account: Account, submission_id: UUID) -> Callable[[], Resource]:

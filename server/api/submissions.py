@@ -5,13 +5,13 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse, Response, StreamingResponse
+from fastapi.responses import Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from server.api.documentation import content, events, problems
 from server.api.exercises import find
 from server.api.schemas import NewSubmission, SubmissionOut
-from server.api.state import Resource, reader, resource
+from server.api.state import Resource, reader, resource, url_of
 from server.base.request import client_address
 from server.course.dependencies import CourseOf
 from server.course.models import Exercise
@@ -90,13 +90,14 @@ async def _wait(hub: Events, read: Callable[[], Resource], current: Resource, se
 
 
 def _json(current: Resource, status: int = 200) -> Response:
-    return Response(current.text(), status, {"Location": current.members["url"]}, "application/json")
+    return Response(current.text, status, {"Location": url_of(current.id)}, "application/json")
 
 
 @router.get("/submissions/{submission_id}", response_model=SubmissionOut, responses=problems(401, 404))
 def read(submission_id: str, store: SubmissionsOf, account: ApiAccount, db: Db) -> Response:
     """The submission as it stands."""
-    return JSONResponse(resource(db, store, gradebook.find(db, account, submission_id)).members)
+    current = resource(db, store, gradebook.find(db, account, submission_id))
+    return Response(current.text, media_type="application/json")
 
 
 @router.get(
@@ -109,7 +110,7 @@ async def follow(
     identity = parse_id(submission_id)
     read = reader(database, store, account, identity)
     await run_in_threadpool(read)  # a 404 must come before the stream begins
-    stream = as_sse(hub.follow(key_of(identity), read), Resource.text)
+    stream = as_sse(hub.follow(key_of(identity), read), lambda current: current.text)
     return StreamingResponse(stream, headers={"Cache-Control": "no-store"}, media_type="text/event-stream")
 
 

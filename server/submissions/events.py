@@ -4,6 +4,7 @@ Everything here runs on the web process's event loop, and holds neither a thread
 """
 
 import asyncio
+import re
 from collections import defaultdict
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import contextmanager
@@ -11,6 +12,7 @@ from typing import Protocol, TypeVar
 
 from starlette.concurrency import run_in_threadpool
 
+LINE_END = re.compile("\r\n|\r|\n")
 QUEUE_MOVES_EVERY = 0.3  # seconds: places in the queue are refreshed no more often than this
 SAFETY_POLL = 2.0  # seconds: longest time without looking, should a signal be lost
 
@@ -105,5 +107,6 @@ async def as_sse(
 ) -> AsyncIterator[str]:
     """Snapshots as server-sent events; `encode` gives text of any number of lines."""
     async for snapshot in snapshots:
-        lines = "".join(f"data: {line}\n" for line in encode(snapshot).splitlines())
+        # A client takes a line up to CR or LF, and no other character that `splitlines` knows of.
+        lines = "".join(f"data: {line}\n" for line in LINE_END.split(encode(snapshot)))
         yield f"event: {name}\n{lines}\n"

@@ -6,6 +6,7 @@ import asyncio
 import json
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import Any
@@ -15,6 +16,9 @@ import pytest
 import uvicorn
 from fastapi import FastAPI
 
+from graders.core.contract.findings import Judgement
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.verdict import CheckResult, Verdict
 from server.app import create_app
 from server.base.helper import UnansweredError
 from server.base.provided import provided_to
@@ -22,6 +26,7 @@ from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
 from server.figures.service import Figures
+from server.grading.task import SentFile
 from server.identity.models import Role
 from server.submissions.service import Submissions
 from tests.support.service import EXERCISE, Site
@@ -107,6 +112,48 @@ def test_a_name_that_is_no_text_is_an_unknown_exercise(site: Site) -> None:
     answer = site.client.post("/api/v1/submissions", content=body, headers=headers)
     assert answer.status_code == 404
     assert answer.headers["content-type"] == "application/problem+json"
+
+
+def test_no_verdict_is_read_or_written_on_the_loop(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever else is served waits for what is done there."""
+    heavy = "m" * 200_000
+
+    def grade(sent: SentFile) -> Judgement:
+        check = CheckResult("a", "Une", False, 0, 20, heavy)
+        return Judgement(Verdict(EXERCISE, "v1", Outcome.WRONG_ANSWER, sent.seed, [check]))
+
+    where = Counter[bool]()
+
+    def spy(module: Any, name: str) -> None:
+        function = getattr(module, name)
+
+        def spied(first: Any, *args: Any, **options: Any) -> Any:
+            result = function(first, *args, **options)
+            text = result if isinstance(result, str) else first
+            where[_on_the_loop()] += isinstance(text, str | bytes) and len(text) >= len(heavy)
+            return result
+
+        monkeypatch.setattr(module, name, spied)
+
+    headers = site.token()
+    sent = site.submit(headers)
+    spy(json, "dumps")
+    spy(json, "loads")
+    with site.client.stream("GET", f"{sent['url']}/events", headers=headers) as answer:
+        site.worker_with(grade).step()
+        told = "".join(answer.iter_text())
+    assert heavy in told
+    assert heavy in site.client.get(sent["url"], headers=headers).text
+    assert where[True] == 0
+    assert where[False] >= 3
+
+
+def _on_the_loop() -> bool:
+    try:
+        asyncio.get_running_loop()
+    except RuntimeError:
+        return False
+    return True
 
 
 def test_events_tell_each_change_and_end(site: Site) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
 from dataclasses import dataclass
 from uuid import uuid4
 
@@ -19,8 +20,10 @@ from server.identity.models import Account, Role
 from server.limits import service as limits
 from server.limits.models import Allowance
 from server.submissions import service
+from server.submissions.events import as_sse
 from server.submissions.models import State, Submission
 from server.submissions.service import Place, Submissions
+from tests.support.quick import in_a_loop
 from tests.support.service import ADDRESS, EXERCISE, QUIET, new_account, worker_of
 
 STARTER = "def composer(a, b):\n    return a\n"
@@ -199,3 +202,15 @@ def test_blank_lines_and_whole_line_comments_never_count(code: str, spaces: int,
 def test_indentation_and_content_count() -> None:
     digests = {service.digest(code) for code in ("x = 1", "x = 2", "  x = 1", "x = 1 # note", "")}
     assert len(digests) == 5
+
+
+def test_an_event_s_line_ends_only_where_its_reader_ends_it() -> None:
+    async def told(text: str) -> list[str]:
+        async def once() -> AsyncIterator[str]:
+            yield text
+
+        return [event async for event in as_sse(once(), str)]
+
+    assert in_a_loop(told("a\u2028b\x85c\x0bd\ne\r\nf")) == [
+        "event: status\ndata: a\u2028b\x85c\x0bd\ndata: e\ndata: f\n\n"
+    ]
