@@ -32,6 +32,13 @@ WARM_UP = 10
 @contextmanager
 def server(data: Path) -> Iterator[str]:
     """A server on a free port, without submission limits; yields its address."""
+    with serving(data) as (address, _):
+        yield address
+
+
+@contextmanager
+def serving(data: Path) -> Iterator[tuple[str, int]]:
+    """The same, with the number of its process."""
     environment = {**os.environ, "BALISE_SUBMISSION_REFILL_SECONDS": "0", "PYTHONPATH": str(PROJECT)}
     command = [sys.executable, "-m", "server", "serve", "--port", "0", "--data", str(data)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
@@ -41,12 +48,12 @@ def server(data: Path) -> Iterator[str]:
                 break
         else:
             raise SystemExit("the server did not start")
-        yield found[1]
+        yield found[1], process.pid
         process.terminate()
 
 
-def new_token(client: httpx.Client) -> str:
-    form = {"name": "Banc", "login": "banc", "password": "mesure de latence"}
+def new_token(client: httpx.Client, login: str = "banc") -> str:
+    form = {"name": "Banc", "login": login, "password": "mesure de latence"}
     client.post("/inscription", data=form)
     page = client.post("/compte/jetons", data={"label": "banc"}).text
     found = re.search(r'id="jeton">([^<]+)<', page)

@@ -1,0 +1,5 @@
+"""An exception whose text is megabytes long."""
+
+
+def repondre(*arguments):
+    raise ValueError("x" * 10_000_000)
