@@ -23,7 +23,7 @@ from server.base.settings import Settings
 from server.cells.routes import router as cells_router
 from server.cells.supervisor import Cells
 from server.course import Course, load
-from server.database import Database
+from server.database import Database, utc_now
 from server.figures.pictures import Pictures
 from server.figures.program import program
 from server.figures.service import Figures
@@ -34,7 +34,9 @@ from server.grading.task import give_ups
 from server.identity import service as accounts
 from server.identity.service import Accounts
 from server.pages.accounts import router as accounts_router
+from server.pages.person import router as person_router
 from server.pages.routes import router as pages_router
+from server.personal.service import Personal
 from server.queue.owner import Owner, owner_of
 from server.queue.port import Queue, Signals
 from server.queue.postgres import AllSignals, Listener, PostgresSignals
@@ -96,6 +98,10 @@ class Services:
         return Watch(self.queue, [GRADE])
 
     @cached_property
+    def personal(self) -> Personal:
+        return Personal(self.database, self.settings, self.course)
+
+    @cached_property
     def cells(self) -> Cells:
         return Cells(self.settings, self.course.kits)
 
@@ -115,6 +121,7 @@ class Services:
     def tidy(self) -> None:
         with self.database.write() as db:
             accounts.forget_stale(db)
+        self.personal.forget_guests(utc_now())
 
     def recover(self) -> None:
         """Leases that have run out, or whose holder died with another server; then whether anybody takes what waits."""
@@ -124,12 +131,12 @@ class Services:
             self.watch.look(db)
 
     async def keep_recovering(self) -> None:
-        while True:
-            await asyncio.sleep(min(RECOVER_EVERY, self.settings.lease_seconds / 3))
-            try:
-                await run_in_threadpool(self.recover)
-            except Exception:
-                log.exception("lost leases could not be looked for; trying again later")
+        seconds = min(RECOVER_EVERY, self.settings.lease_seconds / 3)
+        await _keep(seconds, self.recover, "lost leases could not be looked for; trying again later")
+
+    async def keep_tidying(self) -> None:
+        """What is to be forgotten is, however long the service runs."""
+        await _keep(DAY, self.tidy, "what has ended could not be removed; trying again later")
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
@@ -144,16 +151,27 @@ class Services:
             stack.push_async_callback(self.cells.close)
             stack.push_async_callback(self.figures.pictures.close)
             await stack.enter_async_context(self.supervisor)
-            recovering = asyncio.create_task(self.keep_recovering())
+            chores = [asyncio.create_task(chore) for chore in (self.keep_recovering(), self.keep_tidying())]
             yield
-            recovering.cancel()
-            with suppress(asyncio.CancelledError):
-                await recovering
+            for chore in chores:
+                chore.cancel()
+                with suppress(asyncio.CancelledError):
+                    await chore
 
     def _listen(self) -> Callable[[], None]:
         listener = Listener(self.settings.url, self.switchboard.wake, self.switchboard.tell)
         listener.start()
         return listener.stop
+
+
+async def _keep(seconds: float, doing: Callable[[], None], failed: str) -> None:
+    """Does it again and again, in a thread, whatever it raises."""
+    while True:
+        await asyncio.sleep(seconds)
+        try:
+            await run_in_threadpool(doing)
+        except Exception:
+            log.exception(failed)
 
 
 def create_app(
@@ -179,7 +197,15 @@ def create_app(
     )
     _share(app, services)
     _protect(app, settings)
-    for router in (api_router, accounts_router, pages_router, reading_router, cells_router, replays_router):
+    for router in (
+        api_router,
+        accounts_router,
+        person_router,
+        pages_router,
+        reading_router,
+        cells_router,
+        replays_router,
+    ):
         app.include_router(router)
     errors.install(app)
     _lesson(app)
@@ -190,6 +216,7 @@ def _share(app: FastAPI, services: Services) -> None:
     course = services.course
     provide(app, services.settings, course, services.database, services.events, services.cells)
     provide(app, Accounts(services.database, services.settings, adopt=gradebook.adopt))
+    provide(app, services.personal)
     provide(app, Submissions(services.settings, services.queue, lambda: services.watch.unattended))
     provide(app, services.figures, services.supervisor, Downloads(course), Desk(Replays()))
     check_provided(app)

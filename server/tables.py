@@ -11,6 +11,7 @@ TABLES = (
     identity.Account,
     identity.BrowserSession,
     identity.ApiToken,
+    identity.PasswordLink,
     identity.Invitation,
     limits.Allowance,
     queue.Job,

@@ -2,8 +2,9 @@
 
 from fastapi import APIRouter
 
-from server.api import exercises, submissions
+from server.api import exercises, me, submissions
 
 router = APIRouter(prefix="/api/v1")
 router.include_router(exercises.router)
 router.include_router(submissions.router)
+router.include_router(me.router)

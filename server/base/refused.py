@@ -31,6 +31,7 @@ REASONS = {
     "literal_error": "valeur inconnue",
     "enum": "valeur inconnue",
     "path_type": "un chemin est attendu",
+    "no_address": "« {address} » n’est ni une adresse IP ni un réseau",
     "json_invalid": "JSON mal formé",
     "model_attributes_type": "un objet est attendu",
 }

@@ -7,10 +7,12 @@ import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
+from ipaddress import ip_network
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, field_validator
+from pydantic_core import PydanticCustomError
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 from server.base.paths import default_data_dir
@@ -20,6 +22,9 @@ PREFIX = "BALISE_"
 TO_COME = frozenset({"courses", "nats_url"})
 Seconds = Annotated[float, Field(allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=1)]
+
+#: What the commands on a student's own machine read, and the service does not.
+ELSEWHERE = frozenset({"BALISE_TOKEN"})
 
 
 @dataclass(frozen=True)
@@ -74,6 +79,8 @@ class Settings(BaseSettings):
         default=300, description="guests from one address at once; also the log-ins that it tries, to any account"
     )
     guest_refill_seconds: Seconds = Field(default=1.0, ge=0, description="then one more after so long")
+    sign_up_burst: Count = Field(default=100, description="accounts that one address opens, or tries to, at once")
+    sign_up_refill_seconds: Seconds = Field(default=10.0, ge=0, description="then one more after so long")
     login_burst: Count = Field(default=10, description="log-ins tried to one account from one address, at once")
     login_refill_seconds: Seconds = Field(default=30.0, ge=0, description="then one more after so long")
     cell_burst: Count = Field(default=30, description="runs of a page's cells by an account at once")
@@ -82,6 +89,17 @@ class Settings(BaseSettings):
     cells_waiting: int = Field(default=16, ge=0, le=1024, description="cells that wait; more are refused")
     warm_figures: bool = Field(default=True, description="start what draws figures before somebody looks at one")
     session_days: Count = Field(default=180, description="how long a browser stays logged in")
+    api_tokens: Count = Field(default=10, description="API tokens that an account may have")
+    api_token_days: Count = Field(default=365, description="how long an API token is good for")
+    password_link_hours: Count = Field(default=48, description="how long a link to a new password is good for")
+    export_burst: Count = Field(default=3, description="times that one takes one's own data away, at once")
+    export_refill_seconds: Seconds = Field(default=1200.0, ge=0, description="then one more after so long")
+    trusted_proxy: str = Field(
+        default="",
+        description="addresses or networks, separated by commas, of the reverse proxies whose `X-Forwarded-For` and "
+        "`X-Forwarded-Proto` are believed",
+        json_schema_extra=_told("none"),
+    )
 
     lease_seconds: Seconds = Field(
         default=30.0, gt=0, description="a worker that has given no sign of life for so long loses its submission"
@@ -92,6 +110,21 @@ class Settings(BaseSettings):
     grading_seconds: Seconds = Field(
         default=600.0, gt=0, description="a grading that takes longer is given up, with its worker"
     )
+
+    @field_validator("trusted_proxy")
+    @classmethod
+    def _addresses(cls, text: str) -> str:
+        """uvicorn takes what is no address for a name that never comes, without a word."""
+        for address in _pieces(text):
+            try:
+                ip_network(address)
+            except ValueError as error:
+                raise PydanticCustomError("no_address", "not an address", {"address": address}) from error
+        return text
+
+    @property
+    def trusted_proxies(self) -> tuple[str, ...]:
+        return tuple(_pieces(self.trusted_proxy))
 
     @property
     def url(self) -> str:
@@ -109,12 +142,24 @@ class Settings(BaseSettings):
         return Bucket(self.guest_burst, self.guest_refill_seconds)
 
     @property
+    def sign_up_bucket(self) -> Bucket:
+        return Bucket(self.sign_up_burst, self.sign_up_refill_seconds)
+
+    @property
+    def export_bucket(self) -> Bucket:
+        return Bucket(self.export_burst, self.export_refill_seconds)
+
+    @property
     def login_bucket(self) -> Bucket:
         return Bucket(self.login_burst, self.login_refill_seconds)
 
     @property
     def cell_bucket(self) -> Bucket:
         return Bucket(self.cell_burst, self.cell_refill_seconds)
+
+
+def _pieces(text: str) -> list[str]:
+    return [piece.strip() for piece in text.split(",") if piece.strip()]
 
 
 def variable(field: str) -> str:
@@ -134,6 +179,7 @@ def misspelt(environment: Iterable[str]) -> Iterator[tuple[str, str | None]]:
     """The variables that look like settings and are none, each with the setting that was probably meant."""
     for name in sorted(environment):
         field = name.lower().removeprefix(PREFIX.lower())
-        if name.upper().startswith(PREFIX) and field not in Settings.model_fields and field not in TO_COME:
+        known = field in Settings.model_fields or field in TO_COME or name in ELSEWHERE
+        if name.upper().startswith(PREFIX) and not known:
             close = get_close_matches(field, Settings.model_fields, n=1)
             yield name, variable(close[0]) if close else None

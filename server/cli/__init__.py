@@ -51,6 +51,13 @@ def _admin(parser: argparse.ArgumentParser) -> None:
     help_text = "refait les bilans (meilleure note, nombre d’essais) d’après l’historique des corrections"
     standings = actions.add_parser("standings", help=help_text, description=f"{help_text.capitalize()}.")
     standings.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
+    help_text = "donne un lien, qui ne sert qu’une fois, pour choisir un nouveau mot de passe"
+    link = actions.add_parser("reset-link", help=help_text, description=f"{help_text.capitalize()}.")
+    link.add_argument("login", metavar="LOGIN", help="identifiant du compte")
+    link.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
+    link.add_argument(
+        "--server", metavar="URL", default="", help="adresse publique du service, à mettre devant le lien"
+    )
 
 
 def _serve(parser: argparse.ArgumentParser) -> None:

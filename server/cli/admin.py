@@ -1,5 +1,6 @@
 """`balise admin …`: what administrators do by hand."""
 
+import sys
 from argparse import Namespace
 from collections.abc import Callable, Mapping
 from contextlib import closing
@@ -8,11 +9,13 @@ from pathlib import Path
 from sqlalchemy import make_url
 from sqlalchemy.exc import SQLAlchemyError
 
+from server.base.errors import NotFound
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
 from server.database import Database
 from server.gradebook import service as gradebook
+from server.identity import links
 from server.web.words import plural
 
 
@@ -21,7 +24,9 @@ def run(arguments: Namespace) -> int:
     _require_database(settings)
     with closing(Database(settings.url)) as database:
         try:
-            ACTIONS[arguments.action](database)
+            ACTIONS[arguments.action](database, settings, arguments)
+        except NotFound as refused:
+            raise CannotRun(refused.detail) from refused
         except SQLAlchemyError as error:
             raise CannotRun(f"la base de données ne convient pas : {error}") from error
     return 0
@@ -34,10 +39,21 @@ def _require_database(settings: Settings) -> None:
         raise CannotRun(f"il n’y a pas de base de données dans {url.database} (autre dossier : --data).")
 
 
-def _standings(database: Database) -> None:
+def _standings(database: Database, _settings: Settings, _arguments: Namespace) -> None:
     total, changed = gradebook.rebuild(database)
     corrected = plural(changed, "ligne corrigée", "lignes corrigées")
     print(f"Bilans refaits d’après l’historique des corrections : {corrected}, {total} en tout.")
 
 
-ACTIONS: Mapping[str, Callable[[Database], None]] = {"standings": _standings}
+def _reset_link(database: Database, settings: Settings, arguments: Namespace) -> None:
+    with database.write() as db:
+        account, token = links.to_new_password(db, arguments.login, settings)
+    hours = plural(settings.password_link_hours, "heure")
+    print(f"Pour {account.name} ({account.login}) : ce lien ne sert qu’une fois, et pendant {hours}.")
+    print(f"{arguments.server.rstrip('/')}/nouveau-mot-de-passe/{token}")
+    if not arguments.server:
+        print("À mettre derrière l’adresse du service (--server URL l’ajoute).", file=sys.stderr)
+
+
+Action = Callable[[Database, Settings, Namespace], None]
+ACTIONS: Mapping[str, Action] = {"standings": _standings, "reset-link": _reset_link}

@@ -27,7 +27,7 @@ from server.database import Database
 from server.database.migrate import upgrade
 from server.figures.service import Figures
 from server.grading.supervisor import Supervisor
-from server.identity import service as accounts
+from server.identity import links
 from server.submissions.events import Events
 
 GRACE = 2  # seconds left to open connections when the server stops
@@ -173,7 +173,7 @@ def _teacher_link(settings: Settings) -> str | None:
     database = Database(settings.url)
     try:
         with database.write() as db:
-            token = accounts.invite_first_teacher(db)
+            token = links.invite_first_teacher(db)
     finally:
         database.close()
     return None if token is None else f"/bienvenue/{token}"

@@ -10,7 +10,7 @@ from server.base.provided import provided
 from server.base.request import COOKIE, client_address
 from server.database import Database
 from server.database.dependencies import DatabaseOf
-from server.identity import service
+from server.identity import service, tokens
 from server.identity.models import Account
 from server.identity.service import Accounts, Opened
 
@@ -70,10 +70,9 @@ def _api(
 ) -> Account:
     if credentials is None:
         raise Unauthorised("Un jeton est attendu dans l’en-tête « Authorization: Bearer … ».")
-    with database.read() as db:
-        account = service.account_of_api_token(db, credentials.credentials)
+    account = tokens.owner(database, credentials.credentials)
     if account is None:
-        raise Unauthorised("Ce jeton n’est pas valable, ou a été révoqué.")
+        raise Unauthorised("Ce jeton n’est pas valable, n’est plus valable ou a été révoqué.")
     return account
 
 

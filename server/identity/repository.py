@@ -1,13 +1,14 @@
-"""Queries on accounts, browser sessions, API tokens and invitations."""
+"""Queries on accounts, browser sessions, API tokens, invitations and links to a new password."""
 
 from collections.abc import Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import delete, select, update
+from sqlalchemy import delete, func, select, update
 from sqlalchemy.orm import Session
 
-from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
+from server.database import upserting, utc_now
+from server.identity.models import Account, ApiToken, BrowserSession, Invitation, PasswordLink, Role
 
 
 def by_id(db: Session, account_id: UUID) -> Account | None:
@@ -27,15 +28,24 @@ def by_session(db: Session, token_digest: str, now: datetime) -> Account | None:
     return db.execute(query).scalar_one_or_none()
 
 
-def by_api_token(db: Session, token_digest: str) -> Account | None:
+def by_api_token(db: Session, token_digest: str, now: datetime) -> tuple[Account, datetime | None] | None:
+    """Whose token it is, and when it last served."""
     query = (
-        select(Account).join(ApiToken, ApiToken.account_id == Account.id).where(ApiToken.token_digest == token_digest)
+        select(Account, ApiToken.last_used_at)
+        .join(ApiToken, ApiToken.account_id == Account.id)
+        .where(ApiToken.token_digest == token_digest, ApiToken.expires_at > now)
     )
-    return db.execute(query).scalar_one_or_none()
+    row = db.execute(query).one_or_none()
+    return None if row is None else (row[0], row[1])
 
 
-def delete_ended_sessions(db: Session, now: datetime) -> None:
-    db.execute(delete(BrowserSession).where(BrowserSession.expires_at < now))
+def note_use(db: Session, token_digest: str, now: datetime) -> None:
+    db.execute(update(ApiToken).where(ApiToken.token_digest == token_digest).values(last_used_at=now))
+
+
+def lock(db: Session, account_id: UUID) -> None:
+    """Until the commit, nobody else does what locks this account first."""
+    db.execute(select(Account.id).where(Account.id == account_id).with_for_update())
 
 
 def teacher_exists(db: Session) -> bool:
@@ -46,17 +56,82 @@ def delete_session(db: Session, token_digest: str) -> None:
     db.execute(delete(BrowserSession).where(BrowserSession.token_digest == token_digest))
 
 
-def delete_sessions_of(db: Session, account_id: UUID) -> None:
-    db.execute(delete(BrowserSession).where(BrowserSession.account_id == account_id))
+def delete_sessions_of(db: Session, account_id: UUID, but: str = "") -> None:
+    """All of an account's sessions, but the one of the digest `but`."""
+    db.execute(
+        delete(BrowserSession).where(BrowserSession.account_id == account_id, BrowserSession.token_digest != but)
+    )
+
+
+def sessions_of(db: Session, account_id: UUID) -> Sequence[BrowserSession]:
+    query = select(BrowserSession).where(BrowserSession.account_id == account_id)
+    return db.execute(query.order_by(BrowserSession.created_at)).scalars().all()
+
+
+def set_password(db: Session, account_id: UUID, password_hash: str) -> None:
+    """Whoever holds a link to a new password no longer needs it."""
+    db.execute(update(Account).where(Account.id == account_id).values(password_hash=password_hash))
+    db.execute(delete(PasswordLink).where(PasswordLink.account_id == account_id))
 
 
 def delete_account(db: Session, account_id: UUID) -> None:
     db.execute(delete(Account).where(Account.id == account_id))
 
 
-def tokens_of(db: Session, account_id: UUID) -> Sequence[ApiToken]:
-    query = select(ApiToken).where(ApiToken.account_id == account_id).order_by(ApiToken.created_at)
-    return db.execute(query).scalars().all()
+def tokens_of(db: Session, account_id: UUID, now: datetime) -> Sequence[ApiToken]:
+    query = select(ApiToken).where(ApiToken.account_id == account_id, ApiToken.expires_at > now)
+    return db.execute(query.order_by(ApiToken.created_at)).scalars().all()
+
+
+def all_tokens_of(db: Session, account_id: UUID) -> Sequence[ApiToken]:
+    """Those that have ended too, until they are forgotten."""
+    query = select(ApiToken).where(ApiToken.account_id == account_id)
+    return db.execute(query.order_by(ApiToken.created_at)).scalars().all()
+
+
+def count_tokens(db: Session, account_id: UUID) -> int:
+    query = select(func.count()).select_from(ApiToken).where(ApiToken.account_id == account_id)
+    return db.execute(query).scalar_one()
+
+
+def delete_ended_tokens(db: Session, account_id: UUID, now: datetime) -> None:
+    db.execute(delete(ApiToken).where(ApiToken.account_id == account_id, ApiToken.expires_at <= now))
+
+
+def delete_tokens_of(db: Session, account_id: UUID) -> None:
+    db.execute(delete(ApiToken).where(ApiToken.account_id == account_id))
+
+
+def forget_ended(db: Session, now: datetime) -> None:
+    """Removes what is past its end, whoever's it was."""
+    for table in (BrowserSession, ApiToken, PasswordLink):
+        db.execute(delete(table).where(table.expires_at < now))
+
+
+def keep_password_link(db: Session, account_id: UUID, token_digest: str, expires_at: datetime) -> None:
+    """In place of the account's earlier one."""
+    row = {"token_digest": token_digest, "created_at": utc_now(), "expires_at": expires_at}
+    statement = upserting(db, PasswordLink).values(account_id=account_id, **row)
+    db.execute(statement.on_conflict_do_update(index_elements=["account_id"], set_=row))
+
+
+def by_password_link(db: Session, token_digest: str, now: datetime) -> Account | None:
+    query = (
+        select(Account)
+        .join(PasswordLink, PasswordLink.account_id == Account.id)
+        .where(PasswordLink.token_digest == token_digest, PasswordLink.expires_at > now)
+    )
+    return db.execute(query).scalar_one_or_none()
+
+
+def use_password_link(db: Session, token_digest: str, now: datetime) -> UUID | None:
+    """Removes the link and says whose it was, in one statement."""
+    statement = (
+        delete(PasswordLink)
+        .where(PasswordLink.token_digest == token_digest, PasswordLink.expires_at > now)
+        .returning(PasswordLink.account_id)
+    )
+    return db.execute(statement).scalar_one_or_none()
 
 
 def delete_token(db: Session, account_id: UUID, token_id: UUID) -> bool:

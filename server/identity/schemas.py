@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 from server.base.errors import Invalid
+from server.identity.passwords import problem
 
 LOGIN_LENGTH = range(2, 255)
-PASSWORD_LENGTH = range(8, 1025)
 NAME_LENGTH = 100
 LABEL_LENGTH = 100
 
@@ -43,23 +43,25 @@ def new_account(name: str, login: str, password: str) -> NewAccount:
 def _checks(wanted: NewAccount) -> list[tuple[str, str]]:
     return [
         ("name", "" if _printable(wanted.name, NAME_LENGTH) else "Indiquez un nom de 1 à 100 caractères."),
-        ("login", "" if _valid_login(wanted.login) else "L’identifiant compte de 2 à 254 caractères, sans espace."),
-        ("password", _password_problem(wanted.password)),
+        ("login", "" if valid_login(wanted.login) else "L’identifiant compte de 2 à 254 caractères, sans espace."),
+        ("password", problem(wanted.password, login=wanted.login, name=wanted.name)),
     ]
+
+
+def new_password(password: str, *, login: str, name: str) -> str:
+    """The password that this person may have from now on, or raises RefusedForm."""
+    why = problem(password, login=login, name=name)
+    if why:
+        raise RefusedForm({"new_password": why})
+    return password
 
 
 def _printable(text: str, longest: int) -> bool:
     return 0 < len(text) <= longest and text.isprintable()
 
 
-def _valid_login(login: str) -> bool:
+def valid_login(login: str) -> bool:
     return len(login) in LOGIN_LENGTH and login.isprintable() and " " not in login
-
-
-def _password_problem(password: str) -> str:
-    if len(password) < PASSWORD_LENGTH.start:
-        return f"Le mot de passe compte au moins {PASSWORD_LENGTH.start} caractères."
-    return "" if len(password) < PASSWORD_LENGTH.stop else "Le mot de passe est trop long."
 
 
 def token_label(text: str) -> str:

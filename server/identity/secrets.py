@@ -25,7 +25,7 @@ def _hasher() -> PasswordHash:
 
 
 def hash_password(password: str) -> str:
-    """Argon2id; about 0.1 s on purpose: never call it while a transaction is open."""
+    """Argon2id; about 0.1 s on purpose: see `server.identity.hashing`."""
     return _hasher().hash(password)
 
 

@@ -1,31 +1,36 @@
-"""Guests, sign-up, log-in, API tokens, and the one-time link of the first teacher.
+"""Guests, sign-up, log-in, passwords.
 
-Functions that take `db` work inside the caller's transaction. Password hashing takes 0.1 s: the two entries that need
-it, `Accounts.sign_up` and `Accounts.log_in`, hash outside of any transaction.
+Functions that take `db` work inside the caller's transaction. Whatever needs a password's hash is asynchronous, and
+waits for it outside of any transaction (`server.identity.hashing`).
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from datetime import timedelta
 from uuid import UUID
 
 from sqlalchemy.orm import Session
+from starlette.concurrency import run_in_threadpool
 
-from server.base.errors import Conflict, NotFound
+from server.base.errors import NotFound
 from server.base.settings import Settings
 from server.database import Database, utc_now
-from server.identity import repository, secrets
-from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
-from server.identity.schemas import NewAccount, RefusedForm, normalised_login, token_label
+from server.identity import links, repository, secrets
+from server.identity.hashing import Hashing
+from server.identity.models import Account, BrowserSession, Role
+from server.identity.schemas import NewAccount, RefusedForm, new_password, normalised_login, valid_login
 from server.limits import service as limits
 
 ALLOWANCES_KEPT = timedelta(days=7)
 GUEST_NAME = "Invité"
-TAKEN = "Cet identifiant est déjà pris."
+#: A form must say that a login is not free, and thereby that it exists: the bucket of sign-ups makes asking slow.
+TAKEN = "Cet identifiant n’est pas disponible : choisissez-en un autre, ou connectez-vous si c’est le vôtre."
+WRONG_PASSWORD = "Ce n’est pas votre mot de passe actuel."
+NO_PASSWORD = "Un invité n’a pas de mot de passe."
+TOO_MANY_ACCOUNTS = "Trop de comptes créés depuis cette adresse : réessayez dans {seconds} s."
 WRONG_LOGIN = "Identifiant ou mot de passe incorrect."
 TOO_MANY_LOGINS = "Trop d’essais de connexion : réessayez dans {seconds} s."
 TOO_MANY_GUESTS = "Trop de nouveaux visiteurs depuis cette adresse : réessayez dans {seconds} s."
-USED_LINK = "Ce lien a déjà servi, ou n’existe pas."
 
 
 @dataclass(frozen=True)
@@ -47,6 +52,7 @@ class Accounts:
     database: Database
     settings: Settings
     adopt: Adopt
+    hashing: Hashing = field(default_factory=Hashing)
 
     def welcome(self, address: str) -> Opened:
         """A new guest: a real account, bound to nothing but the session that is opened for it. Raises TooMany."""
@@ -57,34 +63,112 @@ class Accounts:
             db.flush()
             return self._open_session(db, account)
 
-    def sign_up(self, wanted: NewAccount, *, visitor: Account | None, invitation: str | None = None) -> Opened:
-        """Makes a named account: a guest `visitor` becomes it, with its work. `invitation` gives its role."""
-        hashed = secrets.hash_password(wanted.password)
+    async def sign_up(
+        self, wanted: NewAccount, *, visitor: Account | None, address: str, invitation: str | None = None
+    ) -> Opened:
+        """Makes a named account: a guest `visitor` becomes it, with its work. `invitation` gives its role.
+
+        What costs nothing is looked at before the password is hashed. Raises RefusedForm, NotFound, Conflict, TooMany
+        or Crowded.
+        """
+        await run_in_threadpool(self._may_sign_up, wanted, address, invitation)
+        hashed = await self.hashing.hash(wanted.password, address=address)
+        return await run_in_threadpool(self._enter, wanted, hashed, visitor, invitation)
+
+    def _may_sign_up(self, wanted: NewAccount, address: str, invitation: str | None) -> None:
         with self.database.write() as db:
-            role = Role.student if invitation is None else _use_invitation(db, invitation)
-            if repository.by_login(db, wanted.login) is not None:
-                raise RefusedForm({"login": TAKEN})
+            limits.take(db, f"sign-up:{address}", self.settings.sign_up_bucket, TOO_MANY_ACCOUNTS)
+        with self.database.read() as db:
+            if invitation is not None:
+                links.check_invitation(db, invitation)
+            _require_free(db, wanted.login)
+
+    def _enter(self, wanted: NewAccount, hashed: str, visitor: Account | None, invitation: str | None) -> Opened:
+        with self.database.write() as db:
+            role = Role.student if invitation is None else links.use_invitation(db, invitation)
+            _require_free(db, wanted.login)
             account = _account_to_name(db, visitor)
             account.role, account.name, account.login, account.password_hash = role, wanted.name, wanted.login, hashed
             db.flush()
             repository.delete_sessions_of(db, account.id)
             return self._open_session(db, account)
 
-    def log_in(self, login: str, password: str, *, visitor: Account | None, address: str) -> Opened:
-        """Opens a session; a guest `visitor`'s work joins the account. Raises RefusedForm or TooMany."""
-        login = normalised_login(login)
+    async def log_in(self, login: str, password: str, *, visitor: Account | None, address: str) -> Opened:
+        """Opens a session; a guest `visitor`'s work joins the account. Raises RefusedForm, TooMany or Crowded."""
+        account = await run_in_threadpool(self._account_to_try, normalised_login(login), address)
+        stored = account.password_hash if account else None
+        right = await self.hashing.verify(password, stored, address=address)
+        if not right or account is None:
+            raise RefusedForm({"password": WRONG_LOGIN})
+        return await run_in_threadpool(self._come_back, account, visitor)
+
+    def _account_to_try(self, login: str, address: str) -> Account | None:
+        """The account whose password is going to be tried; each try is counted. Raises TooMany."""
         with self.database.write() as db:
             key = f"login:{secrets.digest(f'{login} {address}')}"
             limits.take(db, key, self.settings.login_bucket, TOO_MANY_LOGINS)
             limits.take(db, f"login-from:{address}", self.settings.guest_bucket, TOO_MANY_LOGINS)
         with self.database.read() as db:
-            account = repository.by_login(db, login)
-        if not secrets.verify_password(password, account.password_hash if account else None) or account is None:
-            raise RefusedForm({"password": WRONG_LOGIN})
+            return repository.by_login(db, login) if valid_login(login) else None
+
+    def _come_back(self, account: Account, visitor: Account | None) -> Opened:
         with self.database.write() as db:
-            if visitor is not None and visitor.is_guest:
-                self.adopt(db, visitor.id, account.id)
-                repository.delete_account(db, visitor.id)
+            self._bring_along(db, visitor, account.id)
+            return self._open_session(db, account)
+
+    def _bring_along(self, db: Session, visitor: Account | None, account_id: UUID) -> None:
+        if visitor is not None and visitor.is_guest:
+            self.adopt(db, visitor.id, account_id)
+            repository.delete_account(db, visitor.id)
+
+    async def prove(self, account: Account, password: str, *, address: str) -> None:
+        """That who asks knows the password, before what cannot be undone. A guest has none, and is not asked.
+
+        Raises RefusedForm, TooMany or Crowded.
+        """
+        if account.login is None:
+            return
+        stored = await run_in_threadpool(self._account_to_try, account.login, address)
+        if not await self.hashing.verify(password, stored.password_hash if stored else None, address=address):
+            raise RefusedForm({"password": WRONG_PASSWORD})
+
+    async def change_password(self, account: Account, old: str, new: str, *, session: str, address: str) -> None:
+        """Closes every other session than the one of the token `session`. Raises as `prove` does, and NotFound."""
+        if account.login is None:
+            raise NotFound(NO_PASSWORD)
+        wanted = await run_in_threadpool(new_password, new, login=account.login, name=account.name)
+        await self.prove(account, old, address=address)
+        hashed = await self.hashing.hash(wanted, address=address)
+        await run_in_threadpool(self._change, account.id, hashed, secrets.digest(session))
+
+    def _change(self, account_id: UUID, hashed: str, kept: str) -> None:
+        with self.database.write() as db:
+            repository.set_password(db, account_id, hashed)
+            repository.delete_sessions_of(db, account_id, but=kept)
+
+    async def choose_password(self, token: str, password: str, *, visitor: Account | None, address: str) -> Opened:
+        """By a one-time link: all that was open with the old password ends, API tokens too.
+
+        Raises NotFound, Conflict, RefusedForm, TooMany or Crowded.
+        """
+        account = await run_in_threadpool(self._owner_of_link, token, address)
+        wanted = new_password(password, login=account.login or "", name=account.name)
+        hashed = await self.hashing.hash(wanted, address=address)
+        return await run_in_threadpool(self._choose, token, hashed, visitor)
+
+    def _owner_of_link(self, token: str, address: str) -> Account:
+        with self.database.write() as db:
+            limits.take(db, f"login-from:{address}", self.settings.guest_bucket, TOO_MANY_LOGINS)
+        with self.database.read() as db:
+            return links.owner(db, token)
+
+    def _choose(self, token: str, hashed: str, visitor: Account | None) -> Opened:
+        with self.database.write() as db:
+            account = links.use(db, token)
+            repository.set_password(db, account.id, hashed)
+            repository.delete_sessions_of(db, account.id)
+            repository.delete_tokens_of(db, account.id)
+            self._bring_along(db, visitor, account.id)
             return self._open_session(db, account)
 
     def _open_session(self, db: Session, account: Account) -> Opened:
@@ -92,6 +176,11 @@ class Accounts:
         expires = utc_now() + timedelta(days=self.settings.session_days)
         db.add(BrowserSession(token_digest=secrets.digest(token), account_id=account.id, expires_at=expires))
         return Opened(account, token)
+
+
+def _require_free(db: Session, login: str) -> None:
+    if repository.by_login(db, login) is not None:
+        raise RefusedForm({"login": TAKEN})
 
 
 def _account_to_name(db: Session, visitor: Account | None) -> Account:
@@ -106,57 +195,11 @@ def close_session(db: Session, token: str) -> None:
 
 
 def forget_stale(db: Session) -> None:
-    """Removes sessions that have ended, and token buckets that have been full again for long."""
+    """Removes sessions, API tokens and links that have ended, and token buckets that have been full for long."""
     now = utc_now()
-    repository.delete_ended_sessions(db, now)
+    repository.forget_ended(db, now)
     limits.forget(db, before=now - ALLOWANCES_KEPT)
 
 
 def account_of_session(db: Session, token: str) -> Account | None:
     return repository.by_session(db, secrets.digest(token), utc_now())
-
-
-def account_of_api_token(db: Session, token: str) -> Account | None:
-    return repository.by_api_token(db, secrets.digest(token))
-
-
-def invite_first_teacher(db: Session) -> str | None:
-    """A fresh one-time token (older unused ones stop working), or None once a teacher exists."""
-    if repository.teacher_exists(db):
-        return None
-    repository.delete_unused_invitations(db, Role.teacher)
-    token = secrets.new_token()
-    db.add(Invitation(token_digest=secrets.digest(token), role=Role.teacher))
-    return token
-
-
-def check_invitation(db: Session, token: str) -> Invitation:
-    invitation = repository.open_invitation(db, secrets.digest(token))
-    if invitation is None:
-        raise NotFound(USED_LINK)
-    return invitation
-
-
-def _use_invitation(db: Session, token: str) -> Role:
-    role = repository.use_invitation(db, secrets.digest(token), utc_now())
-    if role is None:
-        raise Conflict(USED_LINK)
-    return role
-
-
-def new_api_token(db: Session, account: Account, label: str) -> tuple[ApiToken, str]:
-    """The token's row, and its secret: shown once, never stored."""
-    secret = secrets.new_token(secrets.API_PREFIX)
-    token = ApiToken(account_id=account.id, label=token_label(label), token_digest=secrets.digest(secret))
-    db.add(token)
-    db.flush()
-    return token, secret
-
-
-def api_tokens(db: Session, account: Account) -> Sequence[ApiToken]:
-    return repository.tokens_of(db, account.id)
-
-
-def revoke_api_token(db: Session, account: Account, token_id: UUID) -> None:
-    if not repository.delete_token(db, account.id, token_id):
-        raise NotFound("Ce jeton n’existe pas, ou a déjà été révoqué.")

@@ -173,7 +173,8 @@ def attempt(request: Request, submission_id: str, reader: Reading) -> HTMLRespon
 def verdict(submission_id: str, reader: Reading) -> HTMLResponse:
     attempt = gradebook.find(reader.db, reader.account, submission_id)
     exercise = find_exercise(reader.course, *attempt.submission.exercise.split("/"))
-    return fragment("fragment.html", reader.account, results=service.attempt_page(reader, exercise, attempt).results)
+    results = service.attempt_page(reader, exercise, attempt).results
+    return fragment("fragment.html", reader.account, back=exercise_href(exercise), results=results)
 
 
 @dataclass(frozen=True)

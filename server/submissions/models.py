@@ -29,7 +29,8 @@ class Submission(Base):
     seed: Mapped[int] = mapped_column(BigInteger)
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     grading_id: Mapped[UUID | None] = mapped_column(
-        ForeignKey("grading.id", name="fk_submission_grading_id_grading", use_alter=True)
+        ForeignKey("grading.id", name="fk_submission_grading_id_grading", use_alter=True),
+        index=True,  # a grading that goes looks for who counts it
     )
 
     __table_args__ = (Index("ix_submission_attempts", "account_id", "exercise", "created_at"),)

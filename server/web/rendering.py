@@ -16,6 +16,7 @@ from markupsafe import Markup, escape
 from graders.typography import french
 from server.base.paths import TEMPLATES
 from server.base.provided import provided_to
+from server.base.request import SAFE_METHODS
 from server.course import Course, Module
 from server.identity.models import Account
 from server.text.highlight import highlight
@@ -72,6 +73,16 @@ def _here(request: Request, modules: Mapping[str, Module]) -> HereView | None:
     return HereView(module.slug, module.number, request.url.path == f"/{module.slug}/recherche")
 
 
+def _back(request: Request, context: Mapping[str, Any]) -> str:
+    """Where who logs in from this page comes back to: the page, or where it was to lead."""
+    if "after" in context:
+        return str(context["after"])
+    if request.method not in SAFE_METHODS:
+        return "/"
+    query = f"?{request.url.query}" if request.url.query else ""
+    return f"{request.url.path}{query}"
+
+
 def page(
     request: Request,
     template: str,
@@ -87,6 +98,7 @@ def page(
         "modules": [(module.slug, module.number, module.title) for module in modules.values()],
         "here": _here(request, modules),
         "path": request.url.path,
+        "back": _back(request, context),
     }
     body = environment().get_template(template).render(account=account_view(account), **surroundings, **context)
     # A page shows one person's own work: nobody else's cache may keep it.
@@ -108,7 +120,7 @@ def once(request: Request, answer: Answer) -> Answer:
     return answer
 
 
-def fragment(template: str, account: Account | None, **context: Any) -> HTMLResponse:
-    """A part of a page, for a script that puts it in place."""
-    body = environment().get_template(template).render(account=account_view(account), **context)
+def fragment(template: str, account: Account | None, *, back: str, **context: Any) -> HTMLResponse:
+    """A part of a page, for a script that puts it in place; `back` is where who logs in from there comes back to."""
+    body = environment().get_template(template).render(account=account_view(account), back=back, **context)
     return HTMLResponse(body, headers={"Cache-Control": "private, no-store"})

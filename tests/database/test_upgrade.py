@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass
+from datetime import timedelta
 from uuid import UUID
 
 import pytest
@@ -22,7 +23,7 @@ from server.gradebook import service as gradebook
 from server.gradebook import standings
 from server.gradebook.models import Grading, SolutionOpening
 from server.gradebook.schemas import Progress
-from server.identity.models import Account
+from server.identity.models import Account, ApiToken
 from server.queue.models import Job
 from server.queue.port import Lease
 from server.submissions.models import Deal, Submission
@@ -113,6 +114,13 @@ def test_what_waits_becomes_a_job_and_what_runs_keeps_its_lease(upgraded: Upgrad
     with upgraded.database.write() as db:
         assert store.position(db, GRADE, queued.key) == 1
         assert store.finish(db, lease)
+
+
+def test_tokens_that_had_no_end_get_one(upgraded: Upgraded) -> None:
+    with upgraded.database.read() as db:
+        ends = list(db.execute(select(ApiToken.expires_at)).scalars())
+    assert len(ends) == 4
+    assert all(timedelta(days=364) < end - utc_now() < timedelta(days=366) for end in ends)
 
 
 def test_standings_are_those_of_the_history(upgraded: Upgraded) -> None:

@@ -15,7 +15,7 @@ from graders.core.contract.local import LOCAL
 from server.course import Course
 from server.grading.joint import Grader
 from server.grading.task import SentFile
-from server.identity import service as accounts
+from server.identity import links
 from server.pages import marks
 from server.pages.answers import FIELD, PLACE
 from server.queue.worker import Worker
@@ -156,7 +156,7 @@ def test_a_teacher_reads_the_correction_of_the_draw_that_is_looked_at(
     seed = stored(site.database, Submission)[0].seed
     grader: Any = course.exercises[ODOMETRY].answers
     with site.database.write() as db:
-        token = accounts.invite_first_teacher(db)
+        token = links.invite_first_teacher(db)
     site.client.cookies.clear()
     form = {"name": "Mme Martin", "login": "martin", "password": "une phrase assez longue"}
     site.client.post(f"/bienvenue/{token}", data=form)

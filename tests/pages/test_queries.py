@@ -15,7 +15,7 @@ from server.app import Services
 from server.database import Database
 from server.gradebook import repository
 from server.gradebook.models import Grading
-from server.identity import service as accounts
+from server.identity import tokens
 from server.identity.models import Account
 from server.pages.service import ATTEMPTS_A_PAGE
 from server.submissions.models import Submission
@@ -89,8 +89,10 @@ def ada(site: Site) -> Ada:
     site.client.post("/inscription", data=FORM)
     with site.database.write() as db:
         account = db.execute(select(Account)).scalar_one()
-        _, secret = accounts.new_api_token(db, account, "essai")
-    return Ada(site, account, {"Authorization": f"Bearer {secret}"})
+        _, secret = tokens.create(db, account, "essai", site.settings)
+    headers = {"Authorization": f"Bearer {secret}"}
+    site.client.get("/api/v1/exercises", headers=headers)  # the first use of a token is noted
+    return Ada(site, account, headers)
 
 
 @pytest.mark.parametrize("graded", [True, False])

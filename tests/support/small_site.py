@@ -15,7 +15,7 @@ from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
 from server.grading.task import GradingTask
-from server.identity import service as accounts
+from server.identity import links
 from server.queue.port import NoSignals
 from server.queue.service import TableQueue
 from server.queue.worker import Worker
@@ -78,6 +78,6 @@ class SmallSite:
 
     def become_teacher(self) -> None:
         with self.database.write() as db:
-            token = accounts.invite_first_teacher(db)
+            token = links.invite_first_teacher(db)
         form = {"name": "Mme Martin", "login": "martin", "password": "une phrase assez longue"}
         assert self.client.post(f"/bienvenue/{token}", data=form).status_code == 200

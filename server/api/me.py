@@ -1,0 +1,51 @@
+"""One's own data: taken away, or erased."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Request
+from fastapi.responses import Response, StreamingResponse
+from pydantic import Field
+from starlette.concurrency import run_in_threadpool
+
+from server.api.documentation import content, problems
+from server.api.schemas import Strict
+from server.base.errors import Invalid
+from server.base.request import client_address
+from server.database import utc_now
+from server.identity.dependencies import AccountsOf, ApiAccount
+from server.personal.dependencies import PersonalOf
+from server.personal.service import headers_of_archive
+
+router = APIRouter(tags=["me"])
+PASSWORD_ASKED = "L’effacement ne se défait pas : il demande aussi votre mot de passe, dans le champ « password »."
+
+
+class Proof(Strict):
+    """That it is the person who asks, and not whoever found a token."""
+
+    password: Annotated[str, Field(max_length=1024, description="The account's; a guest has none.")] = ""
+
+
+@router.get(
+    "/me/export",
+    response_class=Response,
+    responses={200: content("A ZIP, sent while it is made.", "application/zip"), **problems(401, 429)},
+)
+def export(account: ApiAccount, personal: PersonalOf) -> StreamingResponse:
+    """All that is kept of this person: the account in JSON, every attempt as it was sent, every verdict."""
+    return StreamingResponse(
+        personal.export(account), headers=headers_of_archive(utc_now()), media_type="application/zip"
+    )
+
+
+@router.delete("/me", status_code=204, response_class=Response, responses=problems(400, 401, 413, 422, 429, 503))
+async def erase(
+    request: Request, account: ApiAccount, accounts: AccountsOf, personal: PersonalOf, proof: Proof | None = None
+) -> Response:
+    """Erases the account with all that hangs on it. It cannot be undone."""
+    password = proof.password if proof else ""
+    if account.login is not None and not password:
+        raise Invalid(PASSWORD_ASKED)
+    await accounts.prove(account, password, address=client_address(request))
+    await run_in_threadpool(personal.erase, account.id)
+    return Response(status_code=204)

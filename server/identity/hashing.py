@@ -1,0 +1,41 @@
+"""Argon2 takes 0.1 s, four threads and 64 MiB on purpose: a few at once, off the event loop, in turns by address."""
+
+import os
+from collections.abc import Callable
+from functools import partial
+from typing import TypeVar
+
+from starlette.concurrency import run_in_threadpool
+
+from server.base.errors import Crowded
+from server.base.turns import FullError, Turns
+from server.identity import secrets
+
+THREADS_OF_A_HASH = 4
+MOST_WAITING = 200  # a few classes at once; on two processors the last waits some twenty seconds
+T = TypeVar("T")
+BUSY = "Beaucoup de monde se connecte en ce moment. Réessayez dans quelques secondes."
+
+
+class Hashing:
+    """For one event loop. Raises Crowded where too many wait; an address's flood does not keep the others out."""
+
+    def __init__(self, at_once: int | None = None, waiting: int = MOST_WAITING) -> None:
+        self._turns = Turns(at_once or max(1, (os.cpu_count() or 1) // THREADS_OF_A_HASH), waiting)
+
+    async def hash(self, password: str, *, address: str) -> str:
+        return await self._in_turn(address, partial(secrets.hash_password, password))
+
+    async def verify(self, password: str, stored: str | None, *, address: str) -> bool:
+        """Takes the same time whether the account exists (`stored` given) or not."""
+        return await self._in_turn(address, partial(secrets.verify_password, password, stored))
+
+    async def _in_turn(self, address: str, work: Callable[[], T]) -> T:
+        try:
+            await self._turns.take(address)
+        except FullError:
+            raise Crowded(BUSY, retry_after=5) from None
+        try:
+            return await run_in_threadpool(work)
+        finally:
+            self._turns.give_back()

@@ -1,0 +1,72 @@
+"""One-time links: the one that makes the first teacher, those that lead to a new password.
+
+Functions work inside the caller's transaction.
+"""
+
+from datetime import timedelta
+
+from sqlalchemy.orm import Session
+
+from server.base.errors import Conflict, NotFound
+from server.base.settings import Settings
+from server.database import utc_now
+from server.identity import repository, secrets
+from server.identity.models import Account, Invitation, Role
+from server.identity.schemas import normalised_login
+
+USED = "Ce lien a déjà servi, ou n’existe pas."
+ENDED = "Ce lien a déjà servi, ou n’est plus valable : demandez-en un autre à votre enseignant."
+
+
+def invite_first_teacher(db: Session) -> str | None:
+    """A fresh one-time token (older unused ones stop working), or None once a teacher exists."""
+    if repository.teacher_exists(db):
+        return None
+    repository.delete_unused_invitations(db, Role.teacher)
+    token = secrets.new_token()
+    db.add(Invitation(token_digest=secrets.digest(token), role=Role.teacher))
+    return token
+
+
+def check_invitation(db: Session, token: str) -> Invitation:
+    """Raises NotFound."""
+    invitation = repository.open_invitation(db, secrets.digest(token))
+    if invitation is None:
+        raise NotFound(USED)
+    return invitation
+
+
+def use_invitation(db: Session, token: str) -> Role:
+    """Raises Conflict."""
+    role = repository.use_invitation(db, secrets.digest(token), utc_now())
+    if role is None:
+        raise Conflict(USED)
+    return role
+
+
+def to_new_password(db: Session, login: str, settings: Settings) -> tuple[Account, str]:
+    """Whose link it is, and its token; an earlier one of this account stops working. Raises NotFound."""
+    account = repository.by_login(db, normalised_login(login))
+    if account is None:
+        raise NotFound(f"Aucun compte n’a l’identifiant « {login} ».")
+    token = secrets.new_token()
+    ends = utc_now() + timedelta(hours=settings.password_link_hours)
+    repository.keep_password_link(db, account.id, secrets.digest(token), ends)
+    return account, token
+
+
+def owner(db: Session, token: str) -> Account:
+    """Who may choose a new password with this link. Raises NotFound."""
+    account = repository.by_password_link(db, secrets.digest(token), utc_now())
+    if account is None:
+        raise NotFound(ENDED)
+    return account
+
+
+def use(db: Session, token: str) -> Account:
+    """The same, once: of two uses at the same time one only gets the account. Raises Conflict."""
+    account_id = repository.use_password_link(db, secrets.digest(token), utc_now())
+    account = None if account_id is None else repository.by_id(db, account_id)
+    if account is None:
+        raise Conflict(ENDED)
+    return account

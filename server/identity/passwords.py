@@ -1,0 +1,79 @@
+"""Which passwords are refused: those that anybody would try first. NIST SP 800-63B, section 5.1.1.2.
+
+Length is what counts: no mixture of signs is asked for. A library that weighs passwords (zxcvbn) takes seconds over one
+that was written to cost it that; whoever tries them in turn is slowed down anyhow, so that a short list is enough.
+"""
+
+import re
+
+LENGTH = range(8, 1025)
+FEWEST_DIFFERENT = 4
+RUNS = ("abcdefghijklmnopqrstuvwxyz", "01234567890", "azertyuiopqsdfghjklmwxcvbn", "qwertyuiopasdfghjklzxcvbnm")
+AROUND = re.compile(r"^[\W\d_]+|[\W\d_]+$")
+
+#: The words that common passwords are made of, with digits or signs around them or not.
+WORDS = """
+abc abcd abcde abcdef abc123 admin administrateur administrator alexandre amour amsterdam anthony arsenal azerty
+azertyuiop azqswx balise barcelona baseball basketball batman benjamin bienvenue bigbang bisous bonjour bordeaux
+butterfly caramel camille celtic changeme charlotte cheval chocolat chocolate chouchou chouette cocacola coucou
+computer computers daniel default dolphin doudou doudoune dragon ecole elephant elodie eleve eleves etudiant
+football france francois freedom gabriel gangster guillaume hello hunter iloveyou internet isabelle jennifer jeremy
+jessica jesus jetaime jonathan jordan julien killer kevin letmein liberte liverpool login loulou louloute lovely
+lycee machine maison maman mamanpapa marine marseille martin master mathieu maximilien michael michelle minecraft
+monkey montpellier mustang mylove naruto nathalie nicolas nintendo nirvana olivier ordinateur papamaman paris
+parissaintgermain pass passe passw passwd password passwords passwort patate patrick pikachu pokemon
+pompier porsche portugal prepa princess princesse prof professeur qazwsx qazwsxedc qsdfghjklm qwer qwerty qwertyuiop
+rencontre robot romain rugby samsung scoubidou sebastien secret secrets shadow shadows skyline snoopy soleil sophie
+spiderman starwars stephane stephanie sunshine superman sweetheart taekwondo thebest thomas tinkerbell titeuf toto
+toulouse trustno unicorn valentin valerie vanessa vincent virginie voiture welcome whatever william motdepasse
+monmotdepasse motpasse mdp nouveau nouveaumotdepasse changezmoi test testtest
+"""
+COMMON = frozenset(WORDS.split())
+
+TOO_SHORT = f"Le mot de passe compte au moins {LENGTH.start} caractères."
+TOO_LONG = "Le mot de passe est trop long."
+BLANK = "Un mot de passe fait d’espaces seulement se devine tout de suite."
+SAME = "Le mot de passe ne peut pas être l’identifiant ni le nom : c’est ce que l’on essaie en premier."
+TOO_COMMON = (
+    "Ce mot de passe est parmi ceux que l’on essaie en premier. Choisissez par exemple quelques mots sans rapport "
+    "entre eux."
+)
+
+
+def problem(password: str, *, login: str, name: str) -> str:
+    """Why this person's password is refused, or an empty text. `login` is as it is stored."""
+    if len(password) < LENGTH.start:
+        return TOO_SHORT
+    if len(password) >= LENGTH.stop:
+        return TOO_LONG
+    if not password.strip():
+        return BLANK
+    if _bare(password) in {_bare(login), _bare(login.partition("@")[0]), _bare(name)} - {""}:
+        return SAME
+    return TOO_COMMON if _common(password.casefold()) else ""
+
+
+def _bare(text: str) -> str:
+    """Without case, spaces and signs."""
+    return re.sub(r"[\W_]+", "", text.casefold())
+
+
+def _common(password: str) -> bool:
+    core = AROUND.sub("", password)
+    return (
+        len(set(password)) < FEWEST_DIFFERENT
+        or _is_run(_repeated(password))
+        or _bare(core) in COMMON
+        or _bare(password) in COMMON
+        or _repeated(_bare(password)) in COMMON
+    )
+
+
+def _repeated(text: str) -> str:
+    """The shortest text of which this is a repetition."""
+    return text[: (text + text).find(text, 1)] if text else text
+
+
+def _is_run(text: str) -> bool:
+    """Neighbours on the keyboard, in the alphabet or among the digits, to one side or the other, and around."""
+    return any(text in turned * 2 for run in RUNS for turned in (run, run[::-1]) if len(text) <= len(run))

@@ -1,0 +1,33 @@
+"""What the pages with forms share: what was refused stands beside its field, and one goes on where one was."""
+
+from typing import Annotated, Any
+from urllib.parse import urlsplit
+
+from fastapi import Form, Request
+from fastapi.responses import HTMLResponse, RedirectResponse
+
+from server.identity.models import Account
+from server.identity.schemas import RefusedForm
+from server.web.rendering import page
+
+Field = Annotated[str, Form()]
+SEE_OTHER = 303
+
+
+def form(
+    request: Request, template: str, account: Account | None, refused: RefusedForm | None = None, **context: Any
+) -> HTMLResponse:
+    problems = refused.problems if refused else {}
+    values = {"name": "", "login": "", **context}
+    return page(request, f"accounts/{template}", account, status=422 if refused else 200, problems=problems, **values)
+
+
+def local(address: str) -> str:
+    """Where to go afterwards: a path of this site, whatever was asked for."""
+    parts = urlsplit(address)
+    safe = address.startswith("/") and not address.startswith(("//", "/\\")) and not parts.netloc
+    return address if safe and address.isprintable() else "/"
+
+
+def go(address: str) -> RedirectResponse:
+    return RedirectResponse(address, SEE_OTHER)

@@ -1,0 +1,142 @@
+"""Pages of what is one's own: password, API tokens, data to take away or to erase, and what is kept."""
+
+from typing import Annotated
+from uuid import UUID
+
+from fastapi import APIRouter, Depends, Request
+from fastapi.responses import HTMLResponse, Response, StreamingResponse
+from starlette.concurrency import run_in_threadpool
+
+from server.base.errors import Unauthorised
+from server.base.provided import provided
+from server.base.request import COOKIE, client_address
+from server.base.settings import Settings
+from server.database import utc_now
+from server.database.dependencies import DatabaseOf, Db
+from server.identity import tokens
+from server.identity.dependencies import AccountsOf, OptionalAccount, forget
+from server.identity.models import Account
+from server.identity.schemas import RefusedForm
+from server.identity.service import ALLOWANCES_KEPT
+from server.pages.forms import Field, form, go
+from server.personal.dependencies import PersonalOf
+from server.personal.service import headers_of_archive
+
+router = APIRouter(include_in_schema=False)
+
+SettingsOf = Annotated[Settings, Depends(provided(Settings))]
+
+
+def _signed_in(account: OptionalAccount) -> Account:
+    if account is None:
+        raise Unauthorised("Connectez-vous d’abord.")
+    return account
+
+
+Person = Annotated[Account, Depends(_signed_in)]
+
+
+@router.get("/donnees-personnelles")
+def what_is_kept(request: Request, account: OptionalAccount, settings: SettingsOf) -> HTMLResponse:
+    return form(request, "donnees.html", account, settings=settings, kept_days=ALLOWANCES_KEPT.days)
+
+
+@router.get("/compte")
+def account_page(
+    request: Request, account: OptionalAccount, db: Db, settings: SettingsOf, change: str = ""
+) -> Response:
+    if account is None:
+        return go("/connexion?suite=/compte")
+    return _account_page(request, account, db, settings, changed=change == "mot-de-passe")
+
+
+def _account_page(
+    request: Request,
+    account: Account,
+    db: Db,
+    settings: Settings,
+    secret: str | None = None,
+    refused: RefusedForm | None = None,
+    *,
+    changed: bool = False,
+) -> HTMLResponse:
+    return form(
+        request,
+        "compte.html",
+        account,
+        refused,
+        person=account,
+        tokens=tokens.of(db, account),
+        secret=secret,
+        changed=changed,
+        settings=settings,
+        server=str(request.base_url).rstrip("/"),
+    )
+
+
+@router.post("/compte/jetons")
+def create_token(request: Request, person: Person, db: Db, settings: SettingsOf, label: Field = "") -> Response:
+    try:
+        _, secret = tokens.create(db, person, label, settings)
+    except RefusedForm as refused:
+        return _account_page(request, person, db, settings, refused=refused)
+    return _account_page(request, person, db, settings, secret=secret)
+
+
+@router.post("/compte/jetons/{token_id}/revoquer")
+def revoke_token(person: Person, db: Db, token_id: UUID) -> Response:
+    tokens.revoke(db, person, token_id)
+    return go("/compte")
+
+
+@router.post("/compte/mot-de-passe")
+async def change_password(
+    request: Request,
+    person: Person,
+    accounts: AccountsOf,
+    database: DatabaseOf,
+    settings: SettingsOf,
+    password: Field = "",
+    new_password: Field = "",
+) -> Response:
+    session, address = request.cookies.get(COOKIE, ""), client_address(request)
+    try:
+        await accounts.change_password(person, password, new_password, session=session, address=address)
+    except RefusedForm as refused:
+        with database.read() as db:
+            return _account_page(request, person, db, settings, refused=refused)
+    return go("/compte?change=mot-de-passe")
+
+
+@router.get("/compte/donnees")
+def take_away(person: Person, personal: PersonalOf) -> StreamingResponse:
+    return StreamingResponse(
+        personal.export(person), headers=headers_of_archive(utc_now()), media_type="application/zip"
+    )
+
+
+@router.get("/compte/supprimer")
+def erase_form(request: Request, account: OptionalAccount) -> Response:
+    return (
+        go("/connexion?suite=/compte/supprimer")
+        if account is None
+        else form(request, "supprimer.html", account, login=account.login)
+    )
+
+
+@router.post("/compte/supprimer")
+async def erase(
+    request: Request, person: Person, accounts: AccountsOf, personal: PersonalOf, password: Field = ""
+) -> Response:
+    try:
+        await accounts.prove(person, password, address=client_address(request))
+    except RefusedForm as refused:
+        return form(request, "supprimer.html", person, refused, login=person.login)
+    await run_in_threadpool(personal.erase, person.id)
+    forget(request)
+    return go("/compte/efface")
+
+
+@router.get("/compte/efface")
+def erased(request: Request, account: OptionalAccount) -> HTMLResponse:
+    return form(request, "efface.html", account)

@@ -1,0 +1,1 @@
+"""What is kept of a person: taken away as an archive, or erased."""

@@ -1,0 +1,10 @@
+"""What the application has been built with, for the routes."""
+
+from typing import Annotated
+
+from fastapi import Depends
+
+from server.base.provided import provided
+from server.personal.service import Personal
+
+PersonalOf = Annotated[Personal, Depends(provided(Personal))]

@@ -1,0 +1,136 @@
+"""A person's data as files: an account in JSON, and each attempt as it was sent, with what was found."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import asdict
+from datetime import datetime
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.course import Course
+from server.database import Database
+from server.gradebook import repository as gradings
+from server.gradebook import standings
+from server.gradebook.models import Grading
+from server.identity import repository as identity
+from server.identity.models import Account
+from server.personal import repository
+from server.submissions import repository as submissions
+from server.submissions.models import Submission
+
+AT_ONCE = 500
+READ_ME = """Vos données sur Balise
+======================
+
+compte.json      qui vous êtes ici, vos sessions ouvertes et vos jetons
+                 (ni mot de passe ni jeton : ils ne sont pas gardés, seule leur empreinte l’est)
+exercices.json   vos bilans, vos tirages et, pour un enseignant, les corrigés ouverts
+essais/          un dossier par envoi : votre réponse telle que vous l’avez envoyée,
+                 et corrections.json, ce qui en a été dit à chaque correction
+
+Les dates sont en temps universel, au format ISO 8601. Les figures des verdicts se redessinent
+à partir de ce qu’elles montrent ; chacune se télécharge depuis la page de son essai.
+"""
+
+File = tuple[str, bytes]
+
+
+def files_of(database: Database, course: Course, account_id: UUID) -> Iterator[File]:
+    """Path and content of each; one transaction a file, so that a slow reader holds nothing open.
+
+    What the account sends or erases meanwhile may be in it or not.
+    """
+    yield "LISEZ-MOI.txt", READ_ME.encode()
+    with database.read() as db:
+        account = identity.by_id(db, account_id)
+        if account is None:
+            return
+        yield "compte.json", _json(_account(db, account))
+        yield "exercices.json", _json(_exercises(db, account_id))
+    last: UUID | None = None
+    while True:
+        with database.read() as db:
+            names = repository.submissions_of(db, account_id, after=last, most=AT_ONCE)
+        for name in names:
+            yield from _attempt(database, course, name)
+        if len(names) < AT_ONCE:
+            return
+        last = names[-1]
+
+
+def _attempt(database: Database, course: Course, name: UUID) -> Iterator[File]:
+    with database.read() as db:
+        submission = submissions.by_id(db, name)
+        if submission is None:
+            return
+        history = [_grading(submission, one) for one in gradings.history(db, name)]
+    sent = submission.created_at.strftime("%Y-%m-%d-%H%M%S")
+    folder = f"essais/{submission.exercise}/{sent}-{str(name)[:8]}"
+    exercise = course.exercises.get(submission.exercise)
+    ending = "json" if exercise is not None and exercise.answers is not None else "py"
+    yield f"{folder}/reponse.{ending}", submission.source
+    about = {"id": str(name), "exercise": submission.exercise, "sent_at": _time(submission.created_at)}
+    yield f"{folder}/corrections.json", _json({**about, "seed": submission.seed, "gradings": history})
+
+
+def _grading(submission: Submission, grading: Grading) -> dict[str, Any]:
+    return {
+        "counts": grading.id == submission.grading_id,
+        "started_at": _time(grading.started_at),
+        "finished_at": _time(grading.finished_at),
+        "verdict": grading.verdict,
+    }
+
+
+def _account(db: Session, account: Account) -> dict[str, Any]:
+    sessions = identity.sessions_of(db, account.id)
+    tokens = identity.all_tokens_of(db, account.id)
+    return {
+        "id": str(account.id),
+        "name": account.name,
+        "login": account.login,
+        "role": account.role,
+        "created_at": _time(account.created_at),
+        "sessions": [{"created_at": _time(one.created_at), "expires_at": _time(one.expires_at)} for one in sessions],
+        "api_tokens": [
+            {
+                "label": one.label,
+                "created_at": _time(one.created_at),
+                "expires_at": _time(one.expires_at),
+                "last_used_at": _time(one.last_used_at),
+            }
+            for one in tokens
+        ],
+    }
+
+
+def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
+    sums = standings.of_account(db, account_id)
+    return {
+        "standings": [
+            {"exercise": name, **{key: _plain(value) for key, value in asdict(one).items()}}
+            for name, one in sorted(sums.items())
+        ],
+        "deals": [
+            {"exercise": one.exercise, "seed": one.seed, "created_at": _time(one.created_at)}
+            for one in repository.deals_of(db, account_id)
+        ],
+        "solutions_opened": [
+            {"exercise": one.exercise, "opened_at": _time(one.opened_at)}
+            for one in repository.openings_by(db, account_id)
+        ],
+    }
+
+
+def _plain(value: Any) -> Any:
+    return _time(value) if isinstance(value, datetime) else value
+
+
+def _time(when: datetime | None) -> str | None:
+    return None if when is None else when.isoformat()
+
+
+def _json(content: Any) -> bytes:
+    return json.dumps(content, ensure_ascii=False, indent=2).encode()

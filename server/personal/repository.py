@@ -1,0 +1,49 @@
+"""Queries on all that hangs on an account."""
+
+from collections.abc import Sequence
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import ColumnElement, delete, exists, select
+from sqlalchemy.orm import Session
+
+from server.gradebook.models import SolutionOpening
+from server.identity.models import Account, ApiToken, BrowserSession, Role
+from server.submissions.models import Deal, Submission
+
+
+def deals_of(db: Session, account_id: UUID) -> Sequence[Deal]:
+    return db.execute(select(Deal).where(Deal.account_id == account_id).order_by(Deal.exercise)).scalars().all()
+
+
+def openings_by(db: Session, account_id: UUID) -> Sequence[SolutionOpening]:
+    query = select(SolutionOpening).where(SolutionOpening.opened_by == account_id)
+    return db.execute(query.order_by(SolutionOpening.exercise)).scalars().all()
+
+
+def submissions_of(db: Session, account_id: UUID, *, after: UUID | None, most: int) -> Sequence[UUID]:
+    """The names of some of an account's submissions, in the order of their names."""
+    query = select(Submission.id).where(_sent_by(account_id))
+    query = query if after is None else query.where(Submission.id > after)
+    return db.execute(query.order_by(Submission.id).limit(most)).scalars().all()
+
+
+def delete_submissions(db: Session, account_id: UUID, most: int) -> int:
+    """Some of an account's submissions with their gradings; how many."""
+    some = select(Submission.id).where(_sent_by(account_id)).limit(most)
+    return len(db.execute(delete(Submission).where(Submission.id.in_(some)).returning(Submission.id)).all())
+
+
+def _sent_by(account_id: UUID) -> ColumnElement[bool]:
+    return Submission.account_id == account_id
+
+
+def lost_guests(db: Session, before: datetime, most: int) -> Sequence[UUID]:
+    """Some of the guests from before that time whom no browser and no token leads to any more."""
+    query = select(Account.id).where(
+        Account.role == Role.guest,
+        Account.created_at < before,
+        ~exists().where(BrowserSession.account_id == Account.id),
+        ~exists().where(ApiToken.account_id == Account.id),
+    )
+    return db.execute(query.limit(most)).scalars().all()

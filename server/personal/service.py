@@ -1,0 +1,61 @@
+"""A person takes their data away, or has them erased."""
+
+from collections.abc import Iterator
+from datetime import datetime, timedelta
+from uuid import UUID
+
+from server.base.settings import Settings
+from server.course import Course
+from server.database import Database, utc_now
+from server.identity import repository as identity
+from server.identity.models import Account
+from server.limits import service as limits
+from server.personal import repository
+from server.personal.export import files_of
+from server.personal.zipping import zipped
+
+ERASED_AT_ONCE = 100  # who waits for a verdict meanwhile waits for no more than these
+GUEST_GRACE = timedelta(days=1)
+TOO_MANY_EXPORTS = "Vous venez de télécharger vos données : réessayez dans {seconds} s."
+
+
+class Personal:
+    """For several threads: each entry opens its own short transactions."""
+
+    def __init__(self, database: Database, settings: Settings, course: Course) -> None:
+        self._database, self._settings, self._course = database, settings, course
+
+    def export(self, account: Account) -> Iterator[bytes]:
+        """The pieces of a ZIP of all that is kept of this person. Raises TooMany, before the first of them."""
+        with self._database.write() as db:
+            limits.take(db, f"export:{account.id}", self._settings.export_bucket, TOO_MANY_EXPORTS)
+        return zipped(files_of(self._database, self._course, account.id), utc_now())
+
+    def erase(self, account_id: UUID) -> None:
+        """Everything that hangs on the account, then the account: interrupted, it can be asked for again.
+
+        A solution that its teacher has opened to all stays open, without their name.
+        """
+        erased = ERASED_AT_ONCE
+        while erased == ERASED_AT_ONCE:
+            with self._database.write() as db:
+                erased = repository.delete_submissions(db, account_id, ERASED_AT_ONCE)
+        with self._database.write() as db:
+            identity.delete_account(db, account_id)
+
+    def forget_guests(self, now: datetime) -> int:
+        """Erases the guests that nothing leads to any more; how many."""
+        with self._database.read() as db:
+            lost = repository.lost_guests(db, now - GUEST_GRACE, most=1000)
+        for account_id in lost:
+            self.erase(account_id)
+        return len(lost)
+
+
+def headers_of_archive(now: datetime) -> dict[str, str]:
+    """How it is sent, under which name; it is compressed already."""
+    return {
+        "Content-Disposition": f'attachment; filename="balise-mes-donnees-{now:%Y-%m-%d}.zip"',
+        "Content-Encoding": "identity",
+        "Cache-Control": "private, no-store",
+    }

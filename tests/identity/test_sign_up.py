@@ -1,0 +1,102 @@
+"""What a sign-up costs, and to whom: nothing is hashed for nothing, a few at once, and never on the loop."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from typing import Any
+
+import pytest
+from sqlalchemy import select
+
+from server.base.errors import Crowded
+from server.identity import secrets
+from server.identity.hashing import Hashing
+from server.identity.models import Account
+from server.limits.models import Allowance
+from tests.support.quick import in_a_loop
+from tests.support.service import Site
+
+FORM = {"name": "Ada L.", "login": "ada", "password": "notes sur la machine"}
+
+
+@pytest.fixture
+def hashed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The passwords that are hashed."""
+    asked: list[str] = []
+    real = secrets.hash_password
+
+    def note(password: str) -> str:
+        asked.append(password)
+        return real(password)
+
+    monkeypatch.setattr(secrets, "hash_password", note)
+    return asked
+
+
+def sign_up(site: Site, **change: str) -> Any:
+    site.client.cookies.clear()
+    return site.client.post("/inscription", data={**FORM, **change})
+
+
+def test_sign_ups_from_one_address_are_bounded_before_any_hash(site: Site, hashed: list[str]) -> None:
+    site.tighten(sign_up_burst=2, sign_up_refill_seconds=1000.0)
+    statuses = [sign_up(site, login=f"ada{number}").status_code for number in range(4)]
+    assert statuses == [303, 303, 429, 429]
+    assert len(hashed) == 2
+
+
+def test_a_form_that_is_refused_takes_nothing_from_the_others(site: Site) -> None:
+    site.tighten(sign_up_burst=1, sign_up_refill_seconds=1000.0)
+    for _ in range(3):
+        assert sign_up(site, password="court").status_code == 422
+    assert sign_up(site).status_code == 303
+
+
+def test_a_login_that_is_taken_costs_no_hash_and_asking_is_slow(site: Site, hashed: list[str]) -> None:
+    assert sign_up(site).status_code == 303
+    site.tighten(sign_up_burst=3, sign_up_refill_seconds=1000.0)
+    statuses = [sign_up(site).status_code for _ in range(4)]
+    assert statuses == [422, 422, 422, 429]
+    assert len(hashed) == 1
+
+
+def test_a_link_that_is_none_costs_no_hash(site: Site, hashed: list[str]) -> None:
+    assert site.client.post("/bienvenue/au-hasard", data=FORM).status_code == 404
+    assert hashed == []
+    with site.database.read() as db:
+        keys = list(db.execute(select(Allowance.key)).scalars())
+        assert db.execute(select(Account)).first() is None
+    assert keys == ["sign-up:inconnue"], "guessing links is slow too"
+
+
+def test_few_are_hashed_at_once_off_the_loop_and_too_many_are_sent_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    running: list[int] = []
+    most, gate, loop_thread = [0], threading.Event(), []
+
+    def slow(password: str) -> str:
+        running.append(1)
+        most[0] = max(most[0], len(running))
+        assert threading.current_thread() not in loop_thread
+        gate.wait(10)
+        running.pop()
+        return password
+
+    monkeypatch.setattr(secrets, "hash_password", slow)
+
+    async def scene() -> list[object]:
+        loop_thread.append(threading.current_thread())
+        few = Hashing(at_once=2, waiting=3)
+        flood = [asyncio.create_task(few.hash(f"p{number}", address="a")) for number in range(8)]
+        while sum(task.done() for task in flood) < 3:
+            await asyncio.sleep(0)
+        other = asyncio.create_task(few.hash("other", address="b"))
+        while sum(task.done() for task in flood) < 4:  # one of the flood gives way
+            await asyncio.sleep(0)
+        gate.set()
+        return await asyncio.gather(*flood, other, return_exceptions=True)
+
+    results = in_a_loop(scene())
+    assert most[0] == 2
+    assert [type(result) for result in results].count(Crowded) == 4
+    assert results[-1] == "other"

@@ -1,0 +1,226 @@
+"""What is kept of a person is taken away whole, and erased whole."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Iterator
+from datetime import timedelta
+from random import Random
+from typing import Any
+
+import pytest
+from sqlalchemy import func, select, text, update
+from starlette.testclient import TestClient
+
+from server.app import Services
+from server.base.provided import provide
+from server.course import Course
+from server.database import Database, utc_now
+from server.gradebook.models import Grading, SolutionOpening, Standing
+from server.identity.models import Account, ApiToken, BrowserSession, Role
+from server.personal import service
+from server.personal.service import Personal
+from server.personal.zipping import PIECE, zipped
+from server.queue.models import Job
+from server.submissions.models import Deal, Submission
+from server.submissions.service import Submissions
+from tests.support.service import EXERCISE, QUIET, Site, new_account, worker_of
+
+FORM = {"name": "Ada L.", "login": "ada", "password": "notes sur la machine"}
+POSES, ANSWERS = "/l20/exercices/poses", "/l20/exercices/calcul_odometrie"
+CODE = "# é\r\nx = 1\n"
+
+
+@pytest.fixture
+def ada(site: Site) -> Site:
+    """Somebody who has signed up, sent a file that was graded and answers that wait, and made a token."""
+    site.client.post("/inscription", data=FORM)
+    site.client.post(f"{POSES}/soumissions", data={"code": CODE})
+    assert site.worker.step()
+    site.client.get(ANSWERS)
+    site.client.post(f"{ANSWERS}/soumissions", data={"ds": "0,1"})
+    site.client.post("/compte/jetons", data={"label": "portable"})
+    return site
+
+
+def archive(answer: Any) -> zipfile.ZipFile:
+    assert answer.status_code == 200
+    assert answer.headers["content-type"] == "application/zip"
+    assert answer.headers["content-disposition"].startswith('attachment; filename="balise-mes-donnees-')
+    assert answer.headers["content-encoding"] == "identity"
+    files = zipfile.ZipFile(io.BytesIO(answer.content))
+    assert files.testzip() is None
+    return files
+
+
+def read(files: zipfile.ZipFile, name: str) -> Any:
+    return json.loads(files.read(name))
+
+
+def counts(database: Database) -> dict[type, int]:
+    with database.read() as db:
+        return {
+            table: db.execute(select(func.count()).select_from(table)).scalar_one()
+            for table in (Account, BrowserSession, ApiToken, Submission, Grading, Standing, Deal)
+        }
+
+
+def test_all_of_it_is_in_the_archive_and_nobody_else_s(ada: Site) -> None:
+    stranger = TestClient(ada.app, follow_redirects=False)
+    stranger.post("/inscription", data={**FORM, "name": "Bob", "login": "bob"})
+    stranger.post(f"{POSES}/soumissions", data={"code": "secret_de_bob"})
+    files = archive(ada.client.get("/compte/donnees"))
+    account = read(files, "compte.json")
+    assert (account["name"], account["login"], account["role"]) == ("Ada L.", "ada", "student")
+    assert [token["label"] for token in account["api_tokens"]] == ["portable"]
+    assert len(account["sessions"]) == 1
+    exercises = read(files, "exercices.json")
+    assert [(one["exercise"], one["best_score"]) for one in exercises["standings"]] == [(EXERCISE, 1.0)]
+    assert [one["exercise"] for one in exercises["deals"]] == ["l20/calcul_odometrie"]
+    sent = {name.rpartition("/")[2]: name for name in files.namelist() if name.startswith(f"essais/{EXERCISE}/")}
+    assert files.read(sent["reponse.py"]).decode() == CODE.replace("\r\n", "\n")
+    (grading,) = read(files, sent["corrections.json"])["gradings"]
+    assert (grading["counts"], grading["verdict"]["points"]) == (True, 20)
+    (waiting,) = [name for name in files.namelist() if "calcul_odometrie" in name and name.endswith("corrections.json")]
+    assert read(files, waiting)["gradings"] == []
+    assert waiting.replace("corrections", "reponse") in files.namelist()
+    everything = b"".join(files.read(name) for name in files.namelist())
+    for hidden in (b"argon2", b"secret_de_bob", b"digest", b"bob"):
+        assert hidden not in everything
+
+
+def test_it_is_given_to_its_owner_alone_and_not_too_often(ada: Site, course: Course) -> None:
+    nobody = TestClient(ada.app, follow_redirects=False)
+    assert nobody.get("/compte/donnees").status_code == 401
+    assert nobody.get("/api/v1/me/export").status_code == 401
+    slow = ada.settings.model_copy(update={"export_burst": 1, "export_refill_seconds": 1000.0})
+    provide(ada.app, Personal(ada.database, slow, course))
+    assert ada.client.get("/compte/donnees").status_code == 200
+    assert ada.client.get("/compte/donnees").status_code == 429
+
+
+def test_many_attempts_are_read_a_few_at_a_time(ada: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("server.personal.export.AT_ONCE", 2)
+    for number in range(4):
+        ada.client.post(f"{POSES}/soumissions", data={"code": f"x = {number}"})
+    names = archive(ada.client.get("/compte/donnees")).namelist()
+    assert len([name for name in names if name.endswith("/reponse.py")]) == 5
+    assert len(names) == len(set(names))
+
+
+def test_an_archive_is_sent_while_it_is_made() -> None:
+    made: list[int] = []
+
+    def files() -> Iterator[tuple[str, bytes]]:
+        for number in range(20):
+            made.append(number)
+            yield f"{number}", Random(number).randbytes(PIECE)
+
+    pieces = zipped(files(), utc_now())
+    first = next(pieces)
+    assert len(made) < 10
+    rest = list(pieces)
+    assert max(map(len, [first, *rest])) < 3 * PIECE
+    with zipfile.ZipFile(io.BytesIO(b"".join([first, *rest]))) as archive:
+        assert archive.testzip() is None
+        assert len(archive.namelist()) == 20
+
+
+def test_erasing_asks_for_the_password_and_leaves_nothing(ada: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(service, "ERASED_AT_ONCE", 1)
+    before = counts(ada.database)
+    assert before == {Account: 1, BrowserSession: 1, ApiToken: 1, Submission: 2, Grading: 1, Standing: 1, Deal: 1}
+    assert ada.client.get("/compte/supprimer").status_code == 200
+    refused = ada.client.post("/compte/supprimer", data={"password": "au hasard"})
+    assert (refused.status_code, 'id="password-probleme"' in refused.text) == (422, True)
+    assert counts(ada.database) == before
+    done = ada.client.post("/compte/supprimer", data={"password": FORM["password"]})
+    assert (done.status_code, done.headers["location"]) == (303, "/compte/efface")
+    assert ada.client.get("/compte/efface").status_code == 200
+    assert set(counts(ada.database).values()) == {0}
+    assert ada.client.post("/connexion", data=FORM).status_code == 422
+    while ada.worker.step():  # what waited is of nobody any more
+        pass
+    with ada.database.read() as db:
+        assert db.execute(select(Job)).first() is None
+
+
+def test_a_guest_is_erased_without_a_password(site: Site) -> None:
+    site.client.post(f"{POSES}/soumissions", data={"code": CODE})
+    assert 'name="password"' not in site.client.get("/compte/supprimer").text
+    assert site.client.post("/compte/supprimer").status_code == 303
+    assert set(counts(site.database).values()) == {0}
+
+
+def test_a_token_takes_away_but_erases_with_the_password_alone(ada: Site) -> None:
+    page = ada.client.post("/compte/jetons", data={"label": "autre"}).text
+    headers = {"Authorization": "Bearer " + page.split('id="jeton">')[1].split("<")[0]}
+    archive(ada.client.get("/api/v1/me/export", headers=headers))
+
+    def erase(**body: str) -> int:
+        return ada.client.request(
+            "DELETE", "/api/v1/me", headers=headers, **({"json": body} if body else {})
+        ).status_code
+
+    assert [erase(), erase(password="au hasard")] == [422, 422]
+    assert counts(ada.database)[Account] == 1
+    assert erase(password=FORM["password"]) == 204
+    assert erase(password=FORM["password"]) == 401
+    assert set(counts(ada.database).values()) == {0}
+
+
+def test_what_a_teacher_opened_stays_open_without_a_name(database: Database, both: Any, course: Any) -> None:
+    teacher, ada = new_account(database, Role.teacher), new_account(database)
+    store = Submissions(both, QUIET)
+    with database.write() as db:
+        db.add(SolutionOpening(exercise=EXERCISE, opened_by=teacher.id))
+        for account in (teacher, ada):
+            store.submit(db, account, EXERCISE, "pass", address="192.0.2.1")
+    while worker_of(database, both).step():
+        pass
+    Personal(database, both, course).erase(teacher.id)
+    with database.read() as db:
+        opening = db.execute(select(SolutionOpening)).scalar_one()
+        assert (opening.exercise, opening.opened_by) == (EXERCISE, None)
+        assert db.execute(select(Submission.account_id)).scalars().all() == [ada.id]
+        assert db.execute(select(func.count()).select_from(Grading)).scalar_one() == 1
+
+
+def test_erasing_does_not_read_every_submission(sqlite: Database) -> None:
+    """Without an index, each grading that goes would have SQLite look for it in all submissions, holding its lock."""
+    with sqlite.read() as db:
+        plan = db.execute(text("EXPLAIN QUERY PLAN SELECT 1 FROM submission WHERE grading_id = 'x'")).all()
+    assert "USING COVERING INDEX ix_submission_grading_id" in str(plan)
+
+
+def test_guests_that_nothing_leads_to_are_forgotten(site: Site) -> None:
+    site.client.post(f"{POSES}/soumissions", data={"code": CODE})
+    kept = new_account(site.database)  # a student without a session
+    personal = Personal(site.database, site.settings, None)  # type: ignore[arg-type]
+    later = utc_now() + timedelta(days=2)
+    assert personal.forget_guests(later) == 0, "its browser may come back"
+    site.client.post("/deconnexion")
+    assert personal.forget_guests(utc_now()) == 0, "not the same day"
+    assert personal.forget_guests(later) == 1
+    with site.database.read() as db:
+        assert db.execute(select(Account.id)).scalars().all() == [kept.id]
+        assert db.execute(select(Submission)).first() is None
+
+
+def test_what_has_ended_is_removed_however_long_the_service_runs(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    site.client.post(f"{POSES}/soumissions", data={"code": CODE})
+    with site.database.write() as db:
+        db.execute(update(BrowserSession).values(expires_at=utc_now() - timedelta(seconds=1)))
+        db.execute(update(Account).values(created_at=utc_now() - timedelta(days=400)))
+    Services(site.settings, None, ()).tidy()  # type: ignore[arg-type]
+    assert set(counts(site.database).values()) == {0}
+
+
+def test_the_page_tells_how_long_each_thing_is_kept(site: Site) -> None:
+    site.tighten(session_days=123, api_token_days=45, password_link_hours=6)
+    page = site.client.get("/donnees-personnelles").text
+    for told in ("123 jours", "45 jours", "6 heures", "8 jours", "balise_session", "CNIL"):
+        assert told in page
+    assert 'href="/donnees-personnelles"' in site.client.get("/").text
