@@ -2,11 +2,33 @@
 
 from __future__ import annotations
 
+from ipaddress import IPv6Address, ip_address, ip_network
+
 from starlette.requests import HTTPConnection
 
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 COOKIE = "balise_session"
 
 
+UNKNOWN = "inconnue"
+HOUSEHOLD = 64  # bits of an IPv6 address that are one subscriber's: the others are its own to choose
+
+
 def client_address(connection: HTTPConnection) -> str:
-    return connection.client.host if connection.client else "inconnue"
+    """Whom the limits count as one visitor: an IPv4 address, or the network of an IPv6 one.
+
+    It is what is at the other end, or what a trusted proxy says is behind it (`balise serve --trusted-proxy`).
+    """
+    return visitor_of(connection.client.host) if connection.client else UNKNOWN
+
+
+def visitor_of(host: str) -> str:
+    try:
+        address = ip_address(host)
+    except ValueError:
+        return UNKNOWN
+    if not isinstance(address, IPv6Address):
+        return str(address)
+    if address.ipv4_mapped is not None:
+        return str(address.ipv4_mapped)
+    return str(ip_network((int(address), HOUSEHOLD), strict=False))

@@ -66,6 +66,8 @@ def _serve(parser: argparse.ArgumentParser) -> None:
         "--port", type=_port, default=8000, help="port, 0 pour un port libre (par défaut : %(default)s)"
     )
     parser.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
+    help_text = "adresses ou réseaux des serveurs mandataires que l’on croit sur l’adresse des visiteurs"
+    parser.add_argument("--trusted-proxy", metavar="ADDRESS[,…]", help=help_text)
 
 
 def _grade(parser: argparse.ArgumentParser) -> None:

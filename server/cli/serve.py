@@ -36,7 +36,7 @@ LOG_FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 
 
 def run(arguments: Namespace) -> int:
-    settings = read_settings(data_dir=arguments.data)
+    settings = read_settings(data_dir=arguments.data, trusted_proxy=arguments.trusted_proxy)
     logging.basicConfig(level=logging.WARNING, format=LOG_FORMAT)
     with _listening(arguments.host, arguments.port) as listener, _alone(settings):
         for number in (signal.SIGTERM, signal.SIGINT):
@@ -53,7 +53,7 @@ def run(arguments: Namespace) -> int:
             if settings.warm_figures:
                 provided_to(app, Figures).pictures.warm()
 
-        _serve(app, listener, ready)
+        _serve(app, settings, listener, ready)
     return 0
 
 
@@ -85,12 +85,23 @@ class Server(uvicorn.Server):
         await super().shutdown(sockets)
 
 
-def _serve(app: FastAPI, listener: socket.socket, ready: Callable[[], None]) -> None:
-    config = uvicorn.Config(
-        app, log_config=None, access_log=False, timeout_graceful_shutdown=GRACE, server_header=False
+def configuration(app: FastAPI, settings: Settings) -> uvicorn.Config:
+    """What a visitor's headers say of the address that they come from is believed from trusted proxies alone."""
+    proxies = list(settings.trusted_proxies)
+    return uvicorn.Config(
+        app,
+        log_config=None,
+        access_log=False,
+        timeout_graceful_shutdown=GRACE,
+        server_header=False,
+        proxy_headers=bool(proxies),
+        forwarded_allow_ips=proxies,
     )
+
+
+def _serve(app: FastAPI, settings: Settings, listener: socket.socket, ready: Callable[[], None]) -> None:
     end_streams = provided_to(app, Events).close  # open, they would keep it from ending
-    server = Server(config, ready, provided_to(app, Supervisor).expect_the_end, end_streams)
+    server = Server(configuration(app, settings), ready, provided_to(app, Supervisor).expect_the_end, end_streams)
     server.run([listener])
     if not server.started:
         raise CannotRun("le service n’a pas pu démarrer (voir les messages ci-dessus).")
