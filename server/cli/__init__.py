@@ -41,6 +41,11 @@ def _parser() -> argparse.ArgumentParser:
     _check(commands.add_parser("check", help="vérifie les exercices eux-mêmes (références, erreurs cataloguées)"))
     commands.add_parser("doctor", help="dit quelles protections du bac à sable tiennent sur cette machine")
     _submit(commands.add_parser("submit", help="envoie un fichier à un serveur et suit sa correction"))
+    _login(
+        commands.add_parser(
+            "login", help="garde un jeton pour « balise submit », lu au clavier ou sur l’entrée standard"
+        )
+    )
     commands.add_parser("worker", help="corrige pour un serveur, depuis une autre machine (BALISE_DATABASE_URL)")
     _admin(commands.add_parser("admin", help="ce que fait un administrateur"))
     return parser
@@ -85,8 +90,15 @@ def _check(parser: argparse.ArgumentParser) -> None:
 
 def _submit(parser: argparse.ArgumentParser) -> None:
     _exercise_and_file(parser)
+    parser.add_argument(
+        "--server", metavar="URL", help="adresse du serveur (sans elle, celui du dernier « balise login »)"
+    )
+    help_text = "jeton créé sur la page « Mon compte » (sans lui, BALISE_TOKEN, puis celui de « balise login »)"
+    parser.add_argument("--token", help=help_text)
+
+
+def _login(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--server", required=True, metavar="URL", help="adresse du serveur")
-    parser.add_argument("--token", required=True, help="jeton créé sur la page « Mon compte »")
 
 
 def _exercise_and_file(parser: argparse.ArgumentParser, nargs: str | None = None) -> None:

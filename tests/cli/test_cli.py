@@ -90,9 +90,8 @@ def test_what_cannot_be_graded_has_its_own_status(right: Path, tmp_path: Path, m
 
 WRONG_USAGE = {
     (): "il manque COMMANDE",
-    (
-        "zut",
-    ): "COMMANDE : « zut » n’existe pas. Au choix : 'serve', 'grade', 'check', 'doctor', 'submit', 'worker', 'admin'",
+    ("zut",): "COMMANDE : « zut » n’existe pas. Au choix : "
+    "'serve', 'grade', 'check', 'doctor', 'submit', 'login', 'worker', 'admin'",
     ("admin",): "il manque ACTION",
     ("grade",): "il manque EXERCISE",
     ("doctor", "--vite"): "argument inconnu : --vite",
@@ -260,7 +259,7 @@ def test_a_server_that_answers_something_else_than_a_verdict_is_told_in_a_senten
         return httpx.Response(200, text="".join(f"data: {json.dumps(one)}\n\n" for one in said))
 
     client = partial(httpx.Client, transport=httpx.MockTransport(answer))
-    monkeypatch.setattr("server.cli.submit.httpx.Client", client)
+    monkeypatch.setattr("server.cli.remote.httpx.Client", client)
     file = tmp_path / "a.py"
     file.write_text("x = 1")
     assert main(["submit", EXERCISE, str(file), "--server", "http://serveur", "--token", "jeton"]) == 2

@@ -1,0 +1,45 @@
+"""The tokens that `balise login` keeps: a file that its owner alone may read, in the user's folder of settings."""
+
+import json
+import os
+from pathlib import Path
+
+from server.cli import CannotRun
+
+NAME = Path("balise", "tokens.json")
+OWNER_ALONE = 0o600
+
+
+def path() -> Path:
+    """As freedesktop.org's base directories say."""
+    folder = os.environ.get("XDG_CONFIG_HOME", "")
+    return (Path(folder) if Path(folder).is_absolute() else Path.home() / ".config") / NAME
+
+
+def read() -> dict[str, str]:
+    """The tokens by server, the latest to have been kept at the end."""
+    try:
+        content = json.loads(path().read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    except (OSError, ValueError) as error:
+        raise CannotRun(f"les jetons gardés dans {path()} ne se lisent pas : {error}.") from error
+    if not isinstance(content, dict) or not all(isinstance(token, str) for token in content.values()):
+        raise CannotRun(f"{path()} n’est pas un fichier de jetons : refaites « balise login ».")
+    return content
+
+
+def keep(server: str, token: str) -> None:
+    """Replaces the file at once: it is never there half written, nor readable by others."""
+    others = {name: value for name, value in read().items() if name != server}
+    unfinished = path().with_suffix(".new")
+    try:
+        path().parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        unfinished.unlink(missing_ok=True)
+        with open(
+            os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, OWNER_ALONE), "w", encoding="utf-8"
+        ) as file:
+            json.dump({**others, server: token}, file, indent=2)
+        unfinished.replace(path())
+    except OSError as error:
+        raise CannotRun(f"le jeton ne peut pas être gardé dans {path()} : {error.strerror}.") from error

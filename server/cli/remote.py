@@ -1,0 +1,84 @@
+"""Talking to a server over HTTP, for the commands of whoever works in their own editor."""
+
+import json
+import os
+import ssl
+from typing import Any
+
+import httpx
+
+from server.cli import CannotRun, kept
+
+Json = dict[str, Any]
+TIMEOUT = httpx.Timeout(10, read=60)
+NO_BALISE = "cette adresse ne répond pas comme un serveur Balise."
+NO_SERVER = "à quel serveur ? Donnez --server URL, ou commencez par « balise login --server URL »."
+NO_TOKEN = (
+    "il manque un jeton : créez-en un sur la page « Mon compte » du serveur, puis « balise login --server {server} » "
+    "(ou --token, ou la variable BALISE_TOKEN)."
+)
+
+
+def server_of(given: str | None) -> str:
+    """The server's address: the one that is given, or the one of the last `balise login`."""
+    if given is None:
+        known = list(kept.read())
+        if not known:
+            raise CannotRun(NO_SERVER)
+        return known[-1]
+    if not given.startswith(("http://", "https://")):
+        raise CannotRun(f"l’adresse du serveur doit commencer par http:// ou https:// : « {given} ».")
+    return given.rstrip("/")
+
+
+def token_of(given: str | None, server: str) -> str:
+    """The option's, the environment's, or the one that was kept for this very server."""
+    token = given or os.environ.get("BALISE_TOKEN", "").strip() or kept.read().get(server)
+    if not token:
+        raise CannotRun(NO_TOKEN.format(server=server))
+    if not token.isascii() or not token.isprintable():
+        raise CannotRun("le jeton porte un caractère qui n’en fait pas partie ; recopiez-le depuis votre compte.")
+    return token
+
+
+def client_of(server: str, token: str) -> httpx.Client:
+    return httpx.Client(base_url=server, headers={"Authorization": f"Bearer {token}"}, timeout=TIMEOUT)
+
+
+def ask(client: httpx.Client, method: str, url: str, **options: Any) -> Json:
+    answer = client.request(method, url, **options)
+    check(answer)
+    return json_object(answer.text)
+
+
+def json_object(text: str) -> Json:
+    try:
+        content = json.loads(text)
+    except ValueError as error:
+        raise CannotRun(NO_BALISE) from error
+    if not isinstance(content, dict):
+        raise CannotRun(NO_BALISE)
+    return content
+
+
+def check(answer: httpx.Response) -> None:
+    if answer.is_success:
+        return
+    if answer.headers.get("content-type") != "application/problem+json":
+        raise CannotRun(f"le serveur répond {answer.status_code}, sans explication.")
+    problem = json_object(answer.text)
+    places = "".join(f"\n  {error.get('pointer', '')} : {error['detail']}" for error in problem.get("errors") or ())
+    raise CannotRun(f"le serveur refuse ({answer.status_code}) : {problem['detail']}{places}")
+
+
+def explained(error: Exception, server: str) -> str:
+    cause: BaseException | None = error
+    while cause is not None:
+        if isinstance(cause, ssl.SSLError):
+            return f"la connexion chiffrée à {server} est refusée (certificat) : {cause}."
+        cause = cause.__cause__ or cause.__context__
+    if isinstance(error, httpx.ConnectError):
+        return f"impossible de joindre {server} : le serveur ne répond pas à cette adresse."
+    if isinstance(error, httpx.TimeoutException):
+        return f"{server} met trop de temps à répondre."
+    return f"l’échange avec {server} a échoué : {error}."
