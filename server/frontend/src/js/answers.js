@@ -1,5 +1,6 @@
 // The page of an exercise answered without code: draft, submission without leaving the page, steps to be ordered.
 
+import { inherited } from "./drafts.js";
 import { followToVerdict, showWaiting } from "./follow.js";
 import { setUpOrder } from "./answers/order.js";
 import { post } from "./send.js";
@@ -26,7 +27,8 @@ function saveDraft() {
 }
 
 function recallDraft() {
-  const draft = recall(draftKey);
+  const before = inherited(form.dataset.account, keyOf);
+  const draft = before ?? recall(draftKey);
   if (draft === null) return;
   const fields = new URLSearchParams(draft);
   for (const field of form.elements) {
@@ -34,6 +36,7 @@ function recallDraft() {
     if (field.type === "radio" || field.type === "checkbox") field.checked = fields.getAll(field.name).includes(field.value);
     else field.value = fields.get(field.name) ?? "";
   }
+  if (before !== null) saveDraft();
 }
 
 async function submit(event) {

@@ -1,5 +1,6 @@
 // On every page: the theme switch, confirmations, submissions that are still waiting.
 
+import { noteAccount } from "./drafts.js";
 import { followToVerdict } from "./follow.js";
 import { setUpSearchKey } from "./search.js";
 import { keep } from "./storage.js";
@@ -30,6 +31,8 @@ document.getElementById("theme")?.addEventListener("click", () => {
   showTheme();
 });
 prefersDark.addEventListener("change", showTheme);
+
+noteAccount();
 
 // The server knows no time zone: dates come in UTC and are shown in the reader's own.
 function showLocalTimes() {

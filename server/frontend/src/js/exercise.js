@@ -1,5 +1,6 @@
 // The exercise page: draft, editor, submission without leaving the page, columns that can be resized.
 
+import { inherited } from "./drafts.js";
 import { followToVerdict, showWaiting } from "./follow.js";
 import { post } from "./send.js";
 import { setUpSplitter } from "./splitter.js";
@@ -9,7 +10,8 @@ const form = document.getElementById("essai");
 const area = document.getElementById("code");
 const message = document.getElementById("essai-message");
 const starter = document.getElementById("squelette").textContent.replace(/^\n/, "");
-let draftKey = `balise-brouillon:${form.dataset.account}:${form.dataset.exercise}`;
+const keyOf = (account) => `balise-brouillon:${account}:${form.dataset.exercise}`;
+let draftKey = keyOf(form.dataset.account);
 let editor = plainEditor();
 
 // What any editor offers; this one is the text area itself.
@@ -34,6 +36,7 @@ function saveDraft() {
 
 async function setUpEditor() {
   const taken = form.dataset.taken === "true" ? area.value : null;
+  const before = inherited(form.dataset.account, keyOf);
   const text = recall(draftKey) ?? area.value;
   area.value = text;
   try {
@@ -43,8 +46,12 @@ async function setUpEditor() {
   } catch (error) {
     console.warn("L’éditeur n’a pas pu être chargé ; la zone de texte reste.", error);
   }
-  // Code taken up again from an attempt goes above the draft: Ctrl+Z gives the draft back.
-  if (taken !== null && taken !== text) editor.set(taken);
+  // What was written before logging in, and code taken up again from an attempt, go above the draft: Ctrl+Z gives it back.
+  if (before !== null) {
+    editor.set(before);
+    saveDraft();
+  }
+  if (taken !== null && taken !== (before ?? text)) editor.set(taken);
   if (taken !== null) {
     saveDraft();
     history.replaceState(null, "", location.pathname);
@@ -92,7 +99,7 @@ function moveDraft(account) {
   if (String(account) === form.dataset.account) return;
   keep(draftKey, null);
   form.dataset.account = account;
-  draftKey = `balise-brouillon:${account}:${form.dataset.exercise}`;
+  draftKey = keyOf(account);
   saveDraft();
 }
 
