@@ -57,6 +57,7 @@ log = logging.getLogger(__name__)
 DAY = 86400
 GZIP_LEVEL = 4  # mathematics in HTML shrink twelvefold; higher levels gain little and cost time
 RECOVER_EVERY = 3.0  # seconds
+TIDY_EVERY = 3600.0
 
 
 @dataclass(frozen=True)
@@ -136,7 +137,7 @@ class Services:
 
     async def keep_tidying(self) -> None:
         """What is to be forgotten is, however long the service runs."""
-        await _keep(DAY, self.tidy, "what has ended could not be removed; trying again later")
+        await _keep(TIDY_EVERY, self.tidy, "what has ended could not be removed; trying again later")
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:

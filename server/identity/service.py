@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from datetime import timedelta
 from uuid import UUID
 
+from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
@@ -84,14 +85,18 @@ class Accounts:
             _require_free(db, wanted.login)
 
     def _enter(self, wanted: NewAccount, hashed: str, visitor: Account | None, invitation: str | None) -> Opened:
-        with self.database.write() as db:
-            role = Role.student if invitation is None else links.use_invitation(db, invitation)
-            _require_free(db, wanted.login)
-            account = _account_to_name(db, visitor)
-            account.role, account.name, account.login, account.password_hash = role, wanted.name, wanted.login, hashed
-            db.flush()
-            repository.delete_sessions_of(db, account.id)
-            return self._open_session(db, account)
+        try:
+            with self.database.write() as db:
+                role = Role.student if invitation is None else links.use_invitation(db, invitation)
+                _require_free(db, wanted.login)
+                account = _account_to_name(db, visitor)
+                account.role, account.name = role, wanted.name
+                account.login, account.password_hash = wanted.login, hashed
+                db.flush()
+                repository.delete_sessions_of(db, account.id)
+                return self._open_session(db, account)
+        except IntegrityError as error:  # taken by somebody else in this very moment
+            raise RefusedForm({"login": TAKEN}) from error
 
     async def log_in(self, login: str, password: str, *, visitor: Account | None, address: str) -> Opened:
         """Opens a session; a guest `visitor`'s work joins the account. Raises RefusedForm, TooMany or Crowded."""

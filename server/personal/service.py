@@ -16,6 +16,7 @@ from server.personal.zipping import zipped
 
 ERASED_AT_ONCE = 100  # who waits for a verdict meanwhile waits for no more than these
 GUEST_GRACE = timedelta(days=1)
+GUESTS_AT_ONCE = 200  # the service starts only then
 TOO_MANY_EXPORTS = "Vous venez de télécharger vos données : réessayez dans {seconds} s."
 
 
@@ -44,9 +45,9 @@ class Personal:
             identity.delete_account(db, account_id)
 
     def forget_guests(self, now: datetime) -> int:
-        """Erases the guests that nothing leads to any more; how many."""
+        """Erases some of the guests that nothing leads to any more; how many."""
         with self._database.read() as db:
-            lost = repository.lost_guests(db, now - GUEST_GRACE, most=1000)
+            lost = repository.lost_guests(db, now - GUEST_GRACE, most=GUESTS_AT_ONCE)
         for account_id in lost:
             self.erase(account_id)
         return len(lost)

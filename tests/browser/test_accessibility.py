@@ -64,9 +64,37 @@ def test_an_exercise_fresh_and_right(visit: NewVisit) -> None:
 @pytest.mark.slow
 def test_plain_pages(visit: NewVisit) -> None:
     visitor = visit(expected="404")
-    for path in ("/", f"{EXERCISE}/essais", "/connexion", "/inscription", "/compte", "/nulle-part"):
+    for path in (
+        "/",
+        f"{EXERCISE}/essais",
+        "/connexion",
+        "/inscription",
+        "/compte",
+        "/donnees-personnelles",
+        "/nulle-part",
+    ):
         visitor.page.goto(visitor.server.address + path)
         check(visitor, path)
+
+
+@pytest.mark.slow
+def test_pages_of_an_account(visit: NewVisit) -> None:
+    visitor = visit(expected="422")
+    page = visitor.page
+    page.goto(visitor.server.address + "/inscription")
+    for field, text in {"name": "Ada", "login": "ada-axe", "password": "notes sur la machine"}.items():
+        page.fill(f"#{field}", text)
+    page.get_by_role("button", name="Créer le compte").click()
+    page.goto(visitor.server.address + "/compte")
+    page.fill("#label", "portable")
+    page.get_by_role("button", name="Créer un jeton").click()
+    check(visitor, "account with a token")
+    page.fill("#password", "au hasard")
+    page.fill("#new_password", "motdepasse")
+    page.get_by_role("button", name="Changer de mot de passe").click()
+    check(visitor, "account, refused")
+    page.goto(visitor.server.address + "/compte/supprimer")
+    check(visitor, "erasure")
 
 
 def test_pages_to_read(visit: NewVisit) -> None:

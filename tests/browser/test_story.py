@@ -84,6 +84,38 @@ def test_the_draft_follows_a_visitor_who_becomes_a_guest(visit: NewVisit) -> Non
     expect(page.locator(".cm-content")).to_contain_text("pas encore envoyé")
 
 
+@pytest.mark.slow
+def test_the_draft_joins_the_account_that_one_logs_in_to(visit: NewVisit) -> None:
+    visitor = visit()
+    page = visitor.open()
+
+    def to_the_form(link: str) -> None:
+        page.locator(".account").get_by_role("link", name=link).click()
+
+    def enter(button: str) -> None:
+        page.fill("#login", "bob-brouillon")
+        page.fill("#password", "notes sur la machine")
+        page.locator("main").get_by_role("button", name=button).click()
+        page.wait_for_selector("html.has-editor")
+
+    visitor.write("x = 1  # sans compte\n")
+    to_the_form("Se connecter")
+    page.get_by_role("link", name="Créez-en un").click()
+    page.fill("#name", "Bob")
+    enter("Créer le compte")
+    expect(page.locator(".cm-content")).to_contain_text("# sans compte")
+    page.locator(".account").get_by_role("button", name="Se déconnecter").click()
+    visitor.open()
+    expect(page.locator(".cm-content")).not_to_contain_text("# sans compte")
+    visitor.write("x = 2  # avant de revenir\n")
+    to_the_form("Se connecter")
+    enter("Se connecter")
+    expect(page.locator(".cm-content")).to_contain_text("# avant de revenir")
+    page.locator(".cm-content").click()
+    page.keyboard.press("Control+z")
+    expect(page.locator(".cm-content")).to_contain_text("# sans compte")
+
+
 def test_everything_can_be_done_from_the_keyboard(visit: NewVisit) -> None:
     visitor = visit()
     page = visitor.open()

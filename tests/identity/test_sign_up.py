@@ -61,6 +61,13 @@ def test_a_login_that_is_taken_costs_no_hash_and_asking_is_slow(site: Site, hash
     assert len(hashed) == 1
 
 
+def test_of_two_who_take_a_login_at_once_one_is_told(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert sign_up(site).status_code == 303
+    monkeypatch.setattr("server.identity.service._require_free", lambda _db, _login: None)
+    answer = sign_up(site)
+    assert (answer.status_code, "pas disponible" in answer.text) == (422, True)
+
+
 def test_a_link_that_is_none_costs_no_hash(site: Site, hashed: list[str]) -> None:
     assert site.client.post("/bienvenue/au-hasard", data=FORM).status_code == 404
     assert hashed == []

@@ -6,15 +6,38 @@ import re
 from datetime import timedelta
 from typing import Any
 
+import pytest
 from sqlalchemy import select, update
 
-from server.database import utc_now
-from server.identity import service, tokens
-from server.identity.models import ApiToken
+from server.base.errors import NotFound
+from server.base.settings import Settings
+from server.database import Database, utc_now
+from server.identity import links, service, tokens
+from server.identity.models import Account, ApiToken
 from tests.support.counting import Counted
-from tests.support.service import Site
+from tests.support.service import Site, new_account
 
 FORM = {"name": "Ada L.", "login": "ada", "password": "notes sur la machine"}
+
+
+def test_both_databases_know_them_and_the_links(database: Database, both: Settings) -> None:
+    account = new_account(database)
+    with database.write() as db:
+        db.execute(update(Account).values(login="ada"))
+        _, secret = tokens.create(db, account, "essai", both)
+        _, first = links.to_new_password(db, "ada", both)
+        _, second = links.to_new_password(db, "ada", both)
+    for _ in range(2):
+        owner = tokens.owner(database, secret)
+        assert owner is not None
+        assert owner.id == account.id
+    with database.write() as db:
+        assert [token.last_used_at is not None for token in tokens.of(db, account)] == [True]
+        assert links.use(db, second).id == account.id
+        for token in (first, second):
+            with pytest.raises(NotFound):
+                links.owner(db, token)
+        service.forget_stale(db)
 
 
 def create(site: Site, label: str = "portable") -> Any:
