@@ -100,6 +100,8 @@ def test_few_are_hashed_at_once_off_the_loop_and_too_many_are_sent_away(monkeypa
         other = asyncio.create_task(few.hash("other", address="b"))
         while sum(task.done() for task in flood) < 4:  # one of the flood gives way
             await asyncio.sleep(0)
+        while len(running) < 2:  # both threads have begun
+            await asyncio.sleep(0)
         gate.set()
         return await asyncio.gather(*flood, other, return_exceptions=True)
 
