@@ -9,7 +9,6 @@ from starlette.concurrency import run_in_threadpool
 
 from server.api.documentation import content, problems
 from server.api.schemas import Strict
-from server.base.errors import Invalid
 from server.base.request import client_address
 from server.database import utc_now
 from server.identity.dependencies import AccountsOf, ApiAccount
@@ -17,13 +16,12 @@ from server.personal.dependencies import PersonalOf
 from server.personal.service import headers_of_archive
 
 router = APIRouter(tags=["me"])
-PASSWORD_ASKED = "L’effacement ne se défait pas : il demande aussi votre mot de passe, dans le champ « password »."
 
 
 class Proof(Strict):
-    """That it is the person who asks, and not whoever found a token."""
+    """That it is the person who asks: a program may check it once more. The token alone is enough."""
 
-    password: Annotated[str, Field(max_length=1024, description="The account's; a guest has none.")] = ""
+    password: Annotated[str, Field(max_length=1024, description="The account's.")]
 
 
 @router.get(
@@ -43,9 +41,7 @@ async def erase(
     request: Request, account: ApiAccount, accounts: AccountsOf, personal: PersonalOf, proof: Proof | None = None
 ) -> Response:
     """Erases the account with all that hangs on it. It cannot be undone."""
-    password = proof.password if proof else ""
-    if account.login is not None and not password:
-        raise Invalid(PASSWORD_ASKED)
-    await accounts.prove(account, password, address=client_address(request))
+    if proof is not None:
+        await accounts.prove(account, proof.password, address=client_address(request))
     await run_in_threadpool(personal.erase, account.id)
     return Response(status_code=204)
