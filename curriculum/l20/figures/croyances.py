@@ -32,15 +32,15 @@ SIGMA = 1.5
 @cache
 def grid_story() -> list[tuple[tuple[int, int], Floats]]:
     """Where the robot is, (y, x), and what it believes, after the first scan and after each of eight steps."""
-    world, rng = GridWorld.of(module_map().free, RANGE), np.random.default_rng(8)
+    world, rng = GridWorld.of(module_map().free, RANGE), np.random.default_rng(2)
+    lidar = Lidar.full_turn(4, RANGE, SIGMA)
     cell, belief = (8, 9), GridFilter(world, SIGMA)
     story = []
     for step in range(len(COMMANDS) + 1):
         if step > 0:
             belief.predict(COMMANDS[step - 1])
             cell = sample_move(world, cell, *COMMANDS[step - 1], rng)
-        scan = world.scans[cell] + rng.normal(0.0, SIGMA, 4)
-        belief.correct(np.clip(scan, 0.0, RANGE))
+        belief.correct(lidar.disturb(world.scans[cell], rng))
         story.append((cell, belief.belief))
     return story
 

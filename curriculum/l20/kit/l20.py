@@ -116,12 +116,14 @@ def _trousse(libres, portee, rng):
         return 0 <= x < largeur and 0 <= y < hauteur
 
     def bruiter(scan, bruit):
+        """Le bruit déplace les impacts ; un rayon qui n'a rien touché lit la portée, exactement."""
         if bruit:
-            scan = np.clip(scan + rng.normal(0.0, bruit, scan.shape), 0.0, portee)
+            lus = np.clip(scan + rng.normal(0.0, bruit, scan.shape), 0.0, portee)
+            scan = np.where(scan < portee, lus, portee)
         return scan
 
     def lidar(pose, n_rayons=36, bruit=0.0):
-        """Scan (n_rayons,) vu depuis `pose` = (x, y, theta) ; `bruit` : écart-type gaussien, en cases."""
+        """Scan (n_rayons,) vu depuis `pose` = (x, y, theta) ; `bruit` : écart-type des impacts, en cases."""
         x, y, theta = (float(c) for c in pose)
         if not dans_la_carte(x, y):
             return bruiter(np.zeros(n_rayons), bruit)

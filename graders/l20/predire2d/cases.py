@@ -139,10 +139,10 @@ def noisy_scans(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
 
 
 def noisy_scan(rng: Rng, grid: GridWorld, belief: Floats, deviation: float) -> Floats:
-    """What the lidar reads in the likeliest cell, with noise kept between 0 and the range."""
-    cell = np.unravel_index(int(np.argmax(belief)), belief.shape)
+    """What the lidar reads in the likeliest cell: noise where a ray hit, kept between 0 and the range."""
+    seen = grid.scans[np.unravel_index(int(np.argmax(belief)), belief.shape)]
     noise = np.clip(rng.normal(0.0, deviation, BEAMS), -2.0 * deviation, 2.0 * deviation)
-    return np.asarray(np.clip(grid.scans[cell] + noise, 0.0, world.RANGE))
+    return np.asarray(np.where(seen < world.RANGE, np.clip(seen + noise, 0.0, world.RANGE), world.RANGE))
 
 
 def without_sigma(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:

@@ -80,6 +80,16 @@ def test_noise_is_drawn_from_the_seed_and_stays_in_range(kit: Any) -> None:
     assert scans[0].max() <= 12.0
 
 
+def test_noise_moves_what_a_ray_hit_and_leaves_the_range_of_those_that_hit_nothing(kit: Any) -> None:
+    names = kit["configurer"](portee_max=5.0, seed=3)
+    clean = names["lidar"]((4.5, 8.2, 0.0), 90)
+    noisy = names["lidar"]((4.5, 8.2, 0.0), 90, 0.3)
+    hit = clean < 5.0
+    assert 10 < hit.sum() < 80
+    assert np.array_equal(noisy[~hit], clean[~hit])
+    assert (noisy[hit] != clean[hit]).mean() > 0.95
+
+
 def test_the_map_of_the_student_cannot_move_the_walls_of_the_lidar(kit: Any) -> None:
     names = kit["configurer"](seed=1)
     before = names["lidar"]((4.5, 8.2, 0.0))
