@@ -165,8 +165,8 @@ class LateralDrift:
 
         d sum_j (n - j + 1/2) e_j,  of standard deviation  D s sqrt(n) sqrt(1/3 - 1/(12 n^2))                   (5)
 
-    which is D sd(h_n) / sqrt(3) as n grows: less than 58 % of the worst case, D sd(h_n), where the heading is wrong by
-    all of sd(h_n) from the first step on.
+    which is D sd(h_n) / sqrt(3) as n grows: less than 58 % of the pessimistic D sd(h_n), where the heading is
+    wrong by one standard deviation from the first step on. That one is no bound: 2 Phi(-sqrt 3), 8 %, lie beyond.
     """
 
     steps: int
@@ -186,14 +186,14 @@ class LateralDrift:
         return self.turn_deviation * float(np.sqrt(self.steps))
 
     @property
-    def worst_case(self) -> float:
+    def pessimistic(self) -> float:
         """How far beside the line a heading leads that is wrong by `heading_deviation` all along: D sd(h_n)."""
         return self.distance * self.heading_deviation
 
     @property
     def deviation(self) -> float:
         """The standard deviation (5) of the position beside the line."""
-        return self.worst_case * float(np.sqrt(1.0 / 3.0 - 1.0 / (12.0 * self.steps**2)))
+        return self.pessimistic * float(np.sqrt(1.0 / 3.0 - 1.0 / (12.0 * self.steps**2)))
 
 
 def _checked_wheels(wheels: ArrayLike) -> Floats:

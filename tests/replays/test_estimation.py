@@ -33,6 +33,15 @@ def test_icp_ends_well_from_near_and_in_a_local_minimum_from_afar() -> None:
     assert by_angle[180] > 90
 
 
+@pytest.mark.parametrize("rotation", [45, 60, -120])
+def test_the_chart_of_all_starts_ends_where_the_animation_does(rotation: int) -> None:
+    body = scene("icp", rotation=rotation)
+    ends = body["charts"][1]["series"][0]
+    reached = layer(body["frames"][-1]["layers"], "pose")["at"][2]
+    away = np.degrees(abs(np.angle(np.exp(1j * (reached - 0.4)))))
+    assert dict(zip(ends["x"], ends["y"], strict=True))[rotation] == pytest.approx(away, abs=0.2)
+
+
 def test_keeping_the_shortest_pairs_resists_intruders() -> None:
     settings = {"intrus": 40, "rotation": 15, "dx": 0.5, "dy": 0.5}
     poses = [

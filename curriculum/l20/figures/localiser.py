@@ -108,7 +108,7 @@ def dead_reckoning_paths() -> Floats:
 
 
 def draw_drift(figure: Figure, palette: Palette) -> None:
-    """Journeys by odometry alone, one standard deviation of them, and the worst case of the exercise."""
+    """Journeys by odometry alone, one standard deviation of them, and the pessimistic estimate of the exercise."""
     figure.set_size_inches(5.8, 5.0)
     axes = figure.subplots()
     paths = dead_reckoning_paths()
@@ -127,18 +127,18 @@ def draw_drift(figure: Figure, palette: Palette) -> None:
             zorder=5,
             label="± 1 écart-type" if sign > 0 else None,
         )
-    worst = LateralDrift(1000, 115.0, np.sqrt(2.0) * 1e-3 / 0.3)
+    end = LateralDrift(1000, 115.0, np.sqrt(2.0) * 1e-3 / 0.3)
     axes.plot(
         [0, 115],
-        [0, worst.worst_case],
+        [0, end.pessimistic],
         "--",
         color=palette.alert,
         lw=1.8,
         zorder=5,
         label="cap faux de 0,149 rad dès le départ",
     )
-    axes.text(116.5, worst.worst_case, "17,1 m", color=palette.alert, va="center", fontsize=11, weight="bold")
-    axes.text(116.5, -worst.deviation, "9,9 m", color=palette.ink, va="center", fontsize=11, weight="bold")
+    axes.text(116.5, end.pessimistic, "17,1 m", color=palette.alert, va="center", fontsize=11, weight="bold")
+    axes.text(116.5, -end.deviation, "9,9 m", color=palette.ink, va="center", fontsize=11, weight="bold")
     axes.set(xlim=(0, 128), ylim=(-34, 34), xlabel="avancée (m)", ylabel="écart latéral (m)")
     figure.legend(loc="outside lower center", ncols=2, fontsize=9.5)
 
@@ -236,7 +236,7 @@ FIGURES = {
     "derive-odometrie": (
         draw_drift,
         "Des trajets simulés s’écartent en éventail de la ligne droite de 115 mètres que le robot croit suivre. "
-        "L’écart-type latéral atteint 9,9 m ; la droite du pire cas atteint 17,1 m.",
+        "L’écart-type latéral atteint 9,9 m ; la droite de l’estimation pessimiste atteint 17,1 m.",
         (5.8, 5.0),
     ),
     "croyance-couloir": (

@@ -142,8 +142,8 @@ def draw_drift(figure: Figure, palette: Palette) -> None:
     axes.plot(counts * length, -band, color=palette.truth, lw=2, zorder=3)
     end = LateralDrift(steps, steps * length, turn)
     for sign in (1, -1):
-        axes.plot([0, end.distance], [0, sign * end.worst_case], color=palette.alert, lw=1.6, ls=(0, (5, 3)), zorder=4)
-    for height, colour in ((end.deviation, palette.truth), (end.worst_case, palette.alert)):
+        axes.plot([0, end.distance], [0, sign * end.pessimistic], color=palette.alert, lw=1.6, ls=(0, (5, 3)), zorder=4)
+    for height, colour in ((end.deviation, palette.truth), (end.pessimistic, palette.alert)):
         axes.text(116.5, height, f"{height:.1f} m".replace(".", ","), color=colour, va="center", fontsize=10)
     axes.set(xlabel="distance (m)", ylabel="écart latéral (m)", xlim=(0, 130), ylim=(-28, 28))
 
@@ -171,7 +171,7 @@ FIGURES = {
     "fiche-derive": (
         draw_drift,
         "Cent trajets de 115 mètres qui s'écartent peu à peu d'une ligne droite. La bande à un écart-type "
-        "s'ouvre jusqu'à 9,9 mètres ; deux droites en tirets, le pire des cas, atteignent 17,1 mètres.",
+        "s'ouvre jusqu'à 9,9 mètres ; deux droites en tirets, l'estimation pessimiste, atteignent 17,1 mètres.",
         (5.6, 3.6),
     ),
 }

@@ -74,7 +74,7 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
     shift = np.array([values.number("dx"), values.number("dy"), 0.0])
     rotation = values.number("rotation")
     course = follow(p, q, guess(rotation, shift), pairing)
-    ends = [abs_angle(icp(p, q, guess(angle, shift), pairing=pairing, max_iterations=25).T_q_p) for angle in ROTATIONS]
+    ends = [abs_angle(settled(p, q, guess(angle, shift), pairing)) for angle in ROTATIONS]
     frames, moments = pictures(course, p, q)
     return Replay(
         View(4.5, -1.2, 18.5, 9.2),
@@ -144,6 +144,11 @@ def follow(p: np.ndarray, q: np.ndarray, start: np.ndarray, pairing: Pairing) ->
         if max(abs(step[0]), abs(step[1]), abs(wrap_angle(float(step[2])))) < STILL:
             return Course(course.poses, course.pairs, course.weights, course.gaps, True)
     return course
+
+
+def settled(p: np.ndarray, q: np.ndarray, start: np.ndarray, pairing: Pairing) -> np.ndarray:
+    """Où finit `follow`, d'un seul trait."""
+    return icp(p, q, start, pairing=pairing, max_iterations=MOST, tolerance=STILL).T_q_p
 
 
 def mean_gap(state: IcpResult) -> float:
