@@ -97,7 +97,7 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
                 cursor=moments,
             ),
             Chart(
-                "Écart moyen au vrai trajet, en cases",
+                "Écart quadratique moyen au vrai trajet, en cases",
                 [Series("écart", "second", errors)],
                 "itération",
                 (0.0, None),
@@ -170,7 +170,7 @@ def judged(graph: PoseGraph, run: Run, poses: np.ndarray, kernel: Kernel | None)
 def pictures(run: Run, graph: PoseGraph, states: list[State], mistaken: bool) -> list[Frame]:
     scans = [run.scan(k).points() for k in range(len(run))]
     loops = np.flatnonzero(graph.closures)
-    before = f"L'odométrie seule : un écart moyen de {en_cases(states[0].error)} avec le vrai trajet."
+    before = f"L'odométrie seule : un écart quadratique moyen de {en_cases(states[0].error)} avec le vrai trajet."
     frames = [Frame(layers(states[0], scans, graph, loops[:0], False), before)]
     for k, state in enumerate(states):
         if k == 0:

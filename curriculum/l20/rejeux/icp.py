@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 
 from curriculum.l20.rejeux._carte import carte, contours, en_cases, pluriel
+from graders.scene.packing import rounded
 from graders.scene.replay import (
     Chart,
     Draw,
@@ -34,8 +35,8 @@ TITLE = "ICP : recaler un scan sur un autre"
 ALT = (
     "Deux nuages de points pris dans la même pièce : les points bleus d'un premier scan, immobiles, et les points "
     "orange d'un second, mal placés. Des traits verts joignent chaque point orange au point bleu le plus proche ; puis "
-    "les points orange glissent, et l'on recommence. Dessous, l'écart moyen décroît à chaque tour : jusqu'au bon "
-    "recalage, ou vers un mauvais quand on part de trop loin."
+    "les points orange glissent, et l'on recommence. Dessous, l'écart quadratique moyen décroît à chaque tour : "
+    "jusqu'au bon recalage, ou vers un mauvais quand on part de trop loin."
 )
 PARAMETERS = {
     "rotation": Slider("Rotation de départ", -180, 180, 5, 30, "°"),
@@ -57,7 +58,7 @@ ROTATIONS = np.arange(-180, 181, 15)
 
 @dataclass(frozen=True)
 class Course:
-    """Les poses de départ et d'arrivée de chaque tour, les paires au départ, et l'écart moyen à chaque pose."""
+    """Les poses de départ et d'arrivée de chaque tour, les paires au départ, et leur écart quadratique moyen."""
 
     poses: list[np.ndarray]
     pairs: list[np.ndarray]
@@ -83,7 +84,7 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
         layers=[contours_faint(), Points(q, "truth", size=3.0), Pose(FIRST, "truth", style="ghost", radius=0.3)],
         charts=[
             Chart(
-                "Écart moyen des paires (racine de E / n, en cases)",
+                "Écart quadratique moyen des paires (racine de E / n, en cases)",
                 [Series("écart", "alert", course.gaps, style="line")],
                 "tour",
                 (0.0, None),
@@ -152,7 +153,8 @@ def settled(p: np.ndarray, q: np.ndarray, start: np.ndarray, pairing: Pairing) -
 
 
 def mean_gap(state: IcpResult) -> float:
-    return float(np.sqrt(state.errors[-1] / np.count_nonzero(state.weights)))
+    """La racine de E / n, telle que la courbe la reçoit : la légende dit alors le même nombre qu'elle."""
+    return float(rounded(float(np.sqrt(state.errors[-1] / np.count_nonzero(state.weights)))) or 0.0)
 
 
 def pictures(course: Course, p: np.ndarray, q: np.ndarray) -> tuple[list[Frame], list[float]]:
@@ -160,7 +162,7 @@ def pictures(course: Course, p: np.ndarray, q: np.ndarray) -> tuple[list[Frame],
     for k, pose in enumerate(course.poses):
         moved = transform(pose, p)
         pairs, kept = q[course.pairs[k]], course.weights[k] > 0.0
-        text = f"Tour {k} : on associe. L'écart moyen vaut {en_cases(course.gaps[k])}."
+        text = f"Tour {k} : on associe. L'écart quadratique moyen vaut {en_cases(course.gaps[k])}."
         frames.append(Frame(layers(pose, moved, moved, pairs, kept), text, k))
         moments.append(float(k))
         if k + 1 < len(course.poses):
@@ -198,7 +200,7 @@ def summary(course: Course, ends: list[float], values: Values) -> list[str]:
     angle = abs_angle(course.poses[-1])
     turns = len(course.poses) - 1
     texts = [
-        f"L'écart moyen passe de {en_cases(course.gaps[0])} à {en_cases(course.gaps[-1])} en "
+        f"L'écart quadratique moyen passe de {en_cases(course.gaps[0])} à {en_cases(course.gaps[-1])} en "
         f"{pluriel(turns, 'tour', 'tours')}."
     ]
     if not course.converged:

@@ -40,7 +40,7 @@ ALT = (
     "Le plan du module, vu de dessus, semé de particules orange : chacune est une pose possible du robot, qu'un petit "
     "trait oriente. Un disque bleu montre le vrai robot, un contour orange l'estimation. Les particules avancent avec "
     "le robot, grossissent quand le scan leur donne raison, puis se regroupent autour de lui. Deux courbes suivent la "
-    "taille efficace du nuage et l'erreur de position."
+    "nombre effectif de particules et l'erreur de position."
 )
 STEPS = 46
 PARAMETERS = {
@@ -150,7 +150,7 @@ def weigh_and_resample(
     injection: float,
     rng: np.random.Generator,
 ) -> None:
-    """Une mesure : les particules se pèsent, et se rééchantillonnent si leur taille efficace est trop petite."""
+    """Une mesure : les particules se pèsent, et se rééchantillonnent si leur nombre effectif est trop petit."""
     scan = Scan(lidar.read(carte(), [truth], rng)[0], lidar.angles, REACH)
     robot.weigh(scan)
     size = robot.effective_sample_size
@@ -188,7 +188,7 @@ def charts(story: Story, count: int, threshold: float, taken: int | None) -> lis
     steps, sizes = np.array(story.sizes).T
     return [
         Chart(
-            "Taille efficace du nuage N_{eff}",
+            "Nombre effectif de particules N_{eff}",
             [Series("N_{eff}", "estimate", sizes, steps)],
             y_range=(0.0, count * 1.15),
             levels=[Level(threshold * count, "seuil", "alert")],
