@@ -5,5 +5,5 @@ def signature(scan):
 
 
 def candidats_boucle(scans, i, seuil):
-    """Les indices j ≤ i − 10, croissants, dont la signature est à moins de `seuil` de celle du scan i."""
+    """Les indices j ≤ i − 10, croissants, dont la signature est à une distance d'au plus `seuil` de celle du scan i."""
     return []
