@@ -99,12 +99,17 @@ def draw_two_clouds(figure: Figure, palette: Palette) -> None:
 def beacons(
     *, closure: bool, seed: int = 5, poses: int = 20, marks: int = 8
 ) -> tuple[PoseGraph, Floats, Floats, Floats]:
-    """A ring of poses among landmarks: the graph, the truth, odometry, and the true landmarks."""
+    """A ring of poses among landmarks: the graph, the truth, odometry, and the true landmarks.
+
+    With more poses, the ring is larger: a pose is always as far from the next one, and sees about as many landmarks.
+    """
     rng = np.random.default_rng(seed)
     turn = 2 * np.pi * np.arange(poses) / poses
-    truth = np.column_stack([5 * np.cos(turn), 5 * np.sin(turn), wrap_angle(turn + np.pi / 2)])
+    radius = 5 * poses / 20
+    truth = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), wrap_angle(turn + np.pi / 2)])
     bearing = 2 * np.pi * (np.arange(marks) + 0.3) / marks
-    places = 6.8 * np.column_stack([np.cos(bearing), np.sin(bearing)]) * (1 + rng.normal(0, 0.06, (marks, 1)))
+    away = radius + 1.8 + rng.normal(0, 0.408, (marks, 1))
+    places = away * np.column_stack([np.cos(bearing), np.sin(bearing)])
     sigma, sight = np.array([0.1, 0.1, 0.04]), np.array([0.15, 0.15])
     steps = [relative(truth[k], truth[(k + 1) % poses]) + rng.normal(0, sigma) for k in range(poses)]
     weights = np.diag(1 / sigma**2)
