@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
+import numpy as np
 import pytest
 
-from tests.curriculum.measured import graphs, particles
+from reference.se2 import relative
+from tests.curriculum.measured import graphs, journey, particles, singles
 from tests.curriculum.measured.claims import BY_HAND, MEASURES
 from tests.curriculum.measured.tables import FOLDER, Measure, Table, agrees, seconds, tables
 
@@ -74,7 +78,13 @@ def test_a_table_holds_what_its_script_finds(measure: Measure) -> None:
 
 def says(page: str, *parts: str) -> bool:
     """Does a lesson hold each of these words?"""
-    text = (FOLDER / f"{page}.md").read_text(encoding="utf-8").replace("{,}", ",")
+    text = (
+        (FOLDER / f"{page}.md")
+        .read_text(encoding="utf-8")
+        .replace("{,}", ",")
+        .replace("\u202f", " ")
+        .replace("\xa0", " ")
+    )
     return all(part in text for part in parts)
 
 
@@ -97,3 +107,65 @@ def test_kernels_that_start_well_or_harden_slowly() -> None:
     assert says("defis/robuste", f"l'écart revient à {near:.2f}".replace(".", ","))
     assert says("defis/robuste", f"elle trouve ici {graduated:.2f}".replace(".", ","))
     assert graphs.iterations_of_icp() == (27, 8)
+
+
+@pytest.mark.slow
+def test_the_practical_work_passes_its_own_checkpoints() -> None:
+    """To within what the details of an ICP change: a centimetre, two closures."""
+    scans, true = list(journey.keys()), journey.truth()
+    assert says("tp/slam-navigation", "1 045 scans et 1 044 lignes", "136 poses clés", "71 fermetures acceptées")
+    assert (len(journey.odometry()), len(scans)) == (1045, 136)
+    assert len(journey.closures()) == pytest.approx(71, abs=2)
+    first = journey.journey().ranges[0]
+    assert (first[0], first[90]) == pytest.approx((3.4, 0.55), abs=0.05)
+    end = float(np.hypot(*(journey.odometry() - true)[-1, :2]))
+    shares = [step.share for step in journey.steps()]
+    for told, found in (
+        ("ATE de $0,58$ m", journey.ate(journey.odometry(), at_keys=False)),
+        ("$1,10$ m d'écart", end),
+        ("vaut $0,93$ en moyenne", float(np.mean(shares))),
+        ("l'ATE tombe à $0,20$ m", journey.ate(journey.chain())),
+        ("ATE de $0,10$ m", journey.ate(journey.optimised())),
+        ("sans les fermetures : $0,20$ m", journey.ate(journey.optimised(closed=False))),
+    ):
+        assert says("tp/slam-navigation", told)
+        assert found == pytest.approx(float(re.findall(r"\d,\d+", told)[0].replace(",", ".")), abs=0.0125)
+    assert min(shares) > 0.7
+    for i, j, z in [*((k, k + 1, step.T_a_b) for k, step in enumerate(journey.steps())), *journey.closures()]:
+        assert np.hypot(*(z - relative(true[scans[i]], true[scans[j]]))[:2]) < 0.03
+
+
+@pytest.mark.slow
+def test_what_is_measured_outside_tables() -> None:
+    assert singles.astray_in_a_circle() == pytest.approx(0.24, abs=0.01)
+    assert says("seances/localiser", "erreur quadratique moyenne de 24 cm")
+    assert says("fiches/exercices-corriges", "que de $0,24$ m")
+    assert singles.quarter_circle(middle=False) == pytest.approx(0.11, abs=0.005)
+    assert singles.quarter_circle(middle=True) == pytest.approx(0.0015, abs=0.0001)
+    assert says("seances/localiser", "11 cm à l'arrivée", "de 1,5 mm")
+    length, cells = singles.ray_in_the_map()
+    assert length == pytest.approx(2.8, abs=0.05)
+    assert cells == pytest.approx(4.0, abs=0.1)
+    assert says("seances/localiser", "2,8 cases en moyenne et en visite quatre")
+    assert singles.farther_by_steps() == pytest.approx(12.0, abs=0.5)
+    assert says("cours/telemetre", "12 % des cases libres")
+
+
+@pytest.mark.slow
+def test_a_passer_by_in_the_scan_that_icp_registers() -> None:
+    plain, disturbed, trimmed = singles.intruders()
+    assert plain == pytest.approx(0.03, abs=0.005)
+    assert disturbed == pytest.approx(0.25, abs=0.02)
+    assert trimmed < 0.01
+    assert says("seances/slam", "passée de 0,03 case à 0,25", "retombée sous 0,01")
+
+
+@pytest.mark.slow
+def test_a_field_is_quicker_than_rays_and_must_be_fine() -> None:
+    assert 4.0 < singles.faster_by_field() < 100.0
+    assert says("cours/telemetre", "de dix à trente fois plus vite")
+    (coarse, _), (middle, off), (fine, near) = (singles.by_field(fineness) for fineness in (1, 2, 8))
+    assert coarse <= 3
+    assert (middle, fine) == (pytest.approx(15, abs=2), pytest.approx(17, abs=2))
+    assert (off, near) == (pytest.approx(0.22, abs=0.06), pytest.approx(0.08, abs=0.03))
+    assert says("cours/telemetre", "15 fois sur une grille deux fois plus fine, et 17 fois", "de 0,22 à 0,08 case")

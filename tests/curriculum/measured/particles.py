@@ -69,7 +69,7 @@ def successes(count: int, injection: Injection | None) -> int:
 
 def how_many() -> Iterator[list[Cell]]:
     for count in SOUGHT:
-        yield [float(count), float(successes(count, None)), float(successes(count, INJECTED["even"]))]
+        yield [float(successes(count, None)), float(successes(count, INJECTED["even"]))]
 
 
 def guided() -> float:
@@ -82,7 +82,8 @@ def kidnapped() -> Iterator[list[Cell]]:
         steps = [recovery(injection, seed) for seed in range(SEEDS)]
         found = sorted(step for step in steps if step is not None)
         times = sorted(step if step is not None else STEPS + 1 for step in steps)
-        yield [len(found) / SEEDS, (times[SEEDS // 2 - 1] + times[SEEDS // 2]) / 2.0]
+        middle = (times[SEEDS // 2 - 1] + times[SEEDS // 2]) / 2.0
+        yield [len(found) / SEEDS, middle if found else None]
 
 
 def tracked(threshold: float, seed: int) -> tuple[int, float, bool]:
