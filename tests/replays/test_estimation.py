@@ -42,6 +42,13 @@ def test_the_chart_of_all_starts_ends_where_the_animation_does(rotation: int) ->
     assert dict(zip(ends["x"], ends["y"], strict=True))[rotation] == pytest.approx(away, abs=0.2)
 
 
+@pytest.mark.parametrize("settings", [{}, {"rotation": 45}])
+def test_what_icp_tells_is_what_its_chart_shows(settings: dict[str, Any]) -> None:
+    found = [f"{gaps(**settings)[k]:.2f} case".replace(".", ",") for k in (0, -1)]
+    told = scene("icp", **settings)["summary"][0].replace("\xa0", " ").replace("\u202f", " ")
+    assert f"passe de {found[0]} à {found[1]}" in told
+
+
 def test_keeping_the_shortest_pairs_resists_intruders() -> None:
     settings = {"intrus": 40, "rotation": 15, "dx": 0.5, "dy": 0.5}
     poses = [
