@@ -135,7 +135,10 @@ class HitView:
 
 @dataclass(frozen=True)
 class SearchPage:
+    """`read_as` is the query with other words in the place of those that stand nowhere, or empty."""
+
     module: ModuleLink
     query: str
+    read_as: str
     hits: tuple[HitView, ...]
     examples: tuple[str, ...]

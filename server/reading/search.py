@@ -1,16 +1,17 @@
-"""Full text of a module: lessons by section, glossary, exercises. Accents, capitals and plurals do not count.
+"""Full text of a module: lessons by section, glossary, exercises. Accents, capitals and endings do not count.
 
-The index is an SQLite table in memory (FTS5), built at the first search.
+The index is an SQLite table in memory (FTS5), built at the first search with the vocabulary of its texts, which says
+what else a word of a query stands for.
 """
 
 from __future__ import annotations
 
 import re
 import sqlite3
-import unicodedata
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import islice, product
 from threading import Lock
 
 from markupsafe import Markup, escape
@@ -19,12 +20,13 @@ from graders.typography import french
 from server.course import Exercise, Module
 from server.course.models import Lesson, Term
 from server.reading.schemas import HitView
+from server.reading.vocabulary import WORD, Vocabulary, spelt
 
 MOST_HITS = 30
 MOST_LETTERS, MOST_WORDS = 200, 8  # what is read of a query
 TITLE_WEIGHT, NAME_WEIGHT = 6.0, 20.0
 WORDS_AROUND = 26
-WORD = re.compile(r"[^\W_]+")
+MOST_PHRASES = 60  # ways to write the words of a query next to one another that are looked for
 #: How a numbered block begins, « Théorème 1 : », where others only speak of it.
 NUMBERED = re.compile(r"\b[A-ZÉ]\w+\u00a0\d+(?= :)")
 ON, OFF = "\x02", "\x03"
@@ -51,7 +53,15 @@ class Passage:
     names: str = ""
 
 
-def find(module: Module, query: str) -> tuple[HitView, ...]:
+@dataclass(frozen=True)
+class Found:
+    """What was found. `read_as` is the query as it was understood, where a word of it stands nowhere as typed."""
+
+    hits: tuple[HitView, ...] = ()
+    read_as: str = ""
+
+
+def find(module: Module, query: str) -> Found:
     """The places that speak of all the words of `query`, first where they stand together; failing that, of some."""
     return _index(module).find(query)
 
@@ -62,25 +72,49 @@ def _index(module: Module) -> Index:
 
 
 class Index:
-    """One table, behind a lock: a search takes about a millisecond."""
+    """One table, behind a lock: a search takes some milliseconds."""
 
     def __init__(self, passages: Sequence[Passage]) -> None:
         self._passages = passages
         self._lock = Lock()
+        self._vocabulary = Vocabulary(f"{one.part} {one.text} {one.names}" for one in passages)
         self._table = sqlite3.connect(":memory:", check_same_thread=False)
         options = "tokenize = 'unicode61 remove_diacritics 2'"
         self._table.execute(f"CREATE VIRTUAL TABLE passages USING fts5(title, body, names, {options})")
         rows = ((number, passage.part, _clean(passage.text), passage.names) for number, passage in enumerate(passages))
         self._table.executemany("INSERT INTO passages(rowid, title, body, names) VALUES (?, ?, ?, ?)", rows)
 
-    def find(self, query: str, most: int = MOST_HITS) -> tuple[HitView, ...]:
-        terms = words(query)
-        if not terms:
-            return ()
-        together = " + ".join([*(f'"{word}"' for word in terms[:-1]), _beginning(terms[-1])])
-        every, some = (joint.join(_beginning(word) for word in terms) for joint in (" AND ", " OR "))
-        hits = self._hits(together, most) | self._hits(every, most) or self._hits(some, most)
-        return tuple(hits.values())[:most]
+    def find(self, query: str, most: int = MOST_HITS) -> Found:
+        asked = words(query)
+        if not asked:
+            return Found()
+        mended = {word: self._mended(word) for word in asked}
+        hits = self._ranked([self._kin(word) for word in mended.values()], [*mended.values()], most)
+        changed = any(word != instead for word, instead in mended.items())
+        return Found(hits, " ".join(mended.values()) if changed and hits else "")
+
+    def _mended(self, word: str) -> str:
+        return word if self._vocabulary.knows(word) else self._vocabulary.mended(word) or word
+
+    def _kin(self, word: str) -> list[str]:
+        """Each word as FTS5 takes it; the first is meant as a beginning, and FTS5 does not take ligatures apart."""
+        kin = self._vocabulary.kin(word) if _has_forms(word) else []
+        ligature = [_beginning(word.replace("oe", "œ"))] if "oe" in word else []
+        return [_beginning(word), *ligature, *(f'"{one}"' for one in kin if one != word)]
+
+    def _family(self, word: str, kin: Sequence[str]) -> str:
+        """Whatever begins as the words of its family do."""
+        beginnings = self._vocabulary.beginnings(word) if _has_forms(word) else []
+        return _any([*kin, *map(_beginning, beginnings)])
+
+    def _ranked(self, kin: list[list[str]], terms: list[str], most: int) -> tuple[HitView, ...]:
+        phrases = _any([" + ".join(phrase) for phrase in islice(product(*kin), MOST_PHRASES)])
+        every = " AND ".join(map(_any, kin))
+        family = " AND ".join(self._family(word, alike) for word, alike in zip(terms, kin, strict=True))
+        hits: dict[int, HitView] = {}
+        for match in (phrases, every, family):
+            hits = hits | {place: hit for place, hit in self._hits(match, most).items() if place not in hits}
+        return tuple((hits or self._hits(" OR ".join(map(_any, kin)), most)).values())[:most]
 
     def _hits(self, match: str, most: int) -> dict[int, HitView]:
         rank = f"bm25(passages, {TITLE_WEIGHT}, 1.0, {NAME_WEIGHT}), rowid"
@@ -95,20 +129,22 @@ class Index:
 
 def words(query: str) -> tuple[str, ...]:
     """The words to look for, each meant as a beginning. Small ones only count where there is no other."""
-    text = unicodedata.normalize("NFC", query[:MOST_LETTERS]).lower()
-    all_words = list(dict.fromkeys(WORD.findall(text)))
+    all_words = list(dict.fromkeys(WORD.findall(spelt(query[:MOST_LETTERS]))))
     telling = [word for word in all_words if word not in SMALL] or all_words
-    return tuple(_singular(word) for word in telling[:MOST_WORDS])
+    return tuple(telling[:MOST_WORDS])
+
+
+def _has_forms(word: str) -> bool:
+    """Numbers and letters are meant as they are: « théorème 1 » is not the tenth, « A* » is no adverb."""
+    return not word.isdigit() and len(word) > 1
 
 
 def _beginning(word: str) -> str:
-    """Numbers and letters are meant as they are: « théorème 1 » is not the tenth, « A* » is no adverb."""
-    return f'"{word}"' if word.isdigit() or len(word) == 1 else f'"{word}"*'
+    return f'"{word}"*' if _has_forms(word) else f'"{word}"'
 
 
-def _singular(word: str) -> str:
-    """« particules » finds « particule » too (the other way round goes without saying)."""
-    return word[:-1] if len(word) > 3 and word[-1] in "sx" else word
+def _any(terms: Sequence[str]) -> str:
+    return f"({' OR '.join(dict.fromkeys(terms))})"
 
 
 def _hit(passage: Passage, snippet: str) -> HitView:

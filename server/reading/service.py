@@ -226,8 +226,8 @@ def plain(word: str) -> str:
 
 def search_page(module: Module, query: str) -> SearchPage:
     query = " ".join(query.split())
-    hits = search.find(module, query)
-    return SearchPage(module_link(module), query, hits, () if hits else _examples(module))
+    found = search.find(module, query)
+    return SearchPage(module_link(module), query, found.read_as, found.hits, () if found.hits else _examples(module))
 
 
 def _examples(module: Module) -> tuple[str, ...]:

@@ -43,7 +43,7 @@ def search(course_folder: CourseFolder) -> Search:
     )
     course_folder.write("curriculum/m9/glossaire.toml", GLOSSARY)
     module = course_folder.load().modules["m9"]
-    return lambda query: find(module, query)
+    return lambda query: find(module, query).hits
 
 
 def hrefs(hits: tuple[HitView, ...]) -> list[str]:
@@ -116,7 +116,39 @@ def find_in(query: str) -> tuple[HitView, ...]:
         Passage("/a-etoile", "Glossaire", "", "A*", "Un plus court chemin.", "a-etoile"),
         Passage("/autre", "Fiche", "", "Autre", "Avancer, aller, arriver."),
     )
-    return Index(texts).find(query)
+    return Index(texts).find(query).hits
+
+
+FORMS = Index(
+    [
+        Passage("/filtre", "Fiche", "", "Rééchantillonnage", "Rééchantillonner, c'est tirer selon les poids."),
+        Passage("/graphe", "Fiche", "", "Fermeture de boucle", "Un nœud du graphe, revu."),
+        Passage("/autre", "Fiche", "", "Autre", "Une boucle. Un chat."),
+    ]
+)
+
+
+@pytest.mark.parametrize(
+    ("query", "first", "read_as"),
+    [
+        ("rééchantillonnages", "/filtre", ""),
+        ("boucles fermées", "/graphe", ""),
+        ("noeuds", "/graphe", ""),
+        ("nœud", "/graphe", ""),
+        ("NŒU", "/graphe", ""),
+        ("reechantillonage", "/filtre", "rééchantillonnage"),
+        ("les grapes et le noeud", "/graphe", "graphe noeud"),
+        ("fremeture", "/graphe", "fermeture"),
+    ],
+)
+def test_endings_ligatures_and_typing_errors(query: str, first: str, read_as: str) -> None:
+    found = FORMS.find(query)
+    assert (hrefs(found.hits)[0], found.read_as) == (first, read_as)
+
+
+def test_a_word_like_no_other_is_left_as_it_is() -> None:
+    assert FORMS.find("wxyz boucle").read_as == ""
+    assert hrefs(FORMS.find("wxyz boucle").hits) == ["/graphe", "/autre"]
 
 
 def test_what_stands_above_the_first_title_leads_to_the_page(search: Search) -> None:
@@ -144,7 +176,7 @@ INDEX = Index([Passage("/a", "Fiche", "Titre", "Été & hiver", "Du <b>texte</b>
 @settings(deadline=None, max_examples=400)
 @given(st.text() | st.text(alphabet="\"'*^():{}-+ANDORNEAR \0éà1²<>&;"))
 def test_no_query_breaks_the_search(query: str) -> None:
-    for hit in INDEX.find(query):
+    for hit in INDEX.find(query).hits:
         bare = hit.snippet.replace("<mark>", "").replace("</mark>", "")
         assert "<" not in bare
         assert "\x02" not in hit.snippet
@@ -154,4 +186,4 @@ def test_no_query_breaks_the_search(query: str) -> None:
 @settings(deadline=None)
 @given(st.sampled_from(["Été", "hiver", "texte", "chercher", "ici"]), st.integers(0, 3))
 def test_every_word_is_found_by_its_beginning(word: str, cut: int) -> None:
-    assert INDEX.find(word[: max(3, len(word) - cut)])
+    assert INDEX.find(word[: max(3, len(word) - cut)]).hits

@@ -1,0 +1,71 @@
+"""The words of a module's texts: which of them a word that is looked for stands for.
+
+Words are compared without accents, capitals and ligatures; those of one stem (Snowball's French) count as one; a word
+that stands nowhere is taken for the one that is spelt most like it.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+import unicodedata
+from bisect import bisect_left
+from collections import defaultdict
+from collections.abc import Iterable
+
+import snowballstemmer
+
+from graders.typography import unaccented
+
+WORD = re.compile(r"[^\W_]+")
+SHORTEST_STEM, SHORTEST_TYPO = 4, 4
+#: How much alike (`difflib`'s ratio) a word and what it is taken for are at least: « noued » and « noeud » are at 0.8.
+ALIKE = 0.8
+
+
+def spelt(text: str) -> str:
+    """Small letters, accents composed: how words are kept."""
+    return unicodedata.normalize("NFC", text).lower()
+
+
+class Vocabulary:
+    """Built once over some texts, then only read."""
+
+    def __init__(self, texts: Iterable[str]) -> None:
+        words = sorted({word for text in texts for word in WORD.findall(spelt(text))})
+        self._stem = snowballstemmer.stemmer("french").stemWord
+        self._spellings: dict[str, list[str]] = defaultdict(list)
+        self._of_stem: dict[str, list[str]] = defaultdict(list)
+        for word in words:
+            self._spellings[unaccented(word) or word].append(word)
+            self._of_stem[unaccented(self._stem(word))].append(word)
+        self._plain = sorted(self._spellings)
+
+    def knows(self, word: str) -> bool:
+        """Whether it stands in the texts: it, its beginning, or another of its stem."""
+        plain = unaccented(word) or word
+        place = bisect_left(self._plain, plain)
+        begins = place < len(self._plain) and self._plain[place].startswith(plain)
+        return begins or any(stem in self._of_stem for stem in self.stems(word))
+
+    def stems(self, word: str) -> set[str]:
+        """Those of the words spelt so but for accents: « fermee » has the stem of « fermée »; failing that, its own."""
+        spellings = self._spellings.get(unaccented(word)) or [word]
+        return {unaccented(self._stem(one)) for one in spellings} - {""}
+
+    def kin(self, word: str) -> list[str]:
+        """The words that one who looks for `word` means too, as they are spelt in the texts."""
+        same = self._spellings.get(unaccented(word), [])
+        return sorted({*same, *(one for stem in self.stems(word) for one in self._of_stem.get(stem, ()))})
+
+    def beginnings(self, word: str) -> list[str]:
+        """What the words of its family begin with: « ferm » for « fermée », which finds « fermeture »."""
+        return sorted(stem for stem in self.stems(word) if len(stem) >= SHORTEST_STEM)
+
+    def mended(self, word: str) -> str | None:
+        """The word of the texts that is spelt most like one that stands nowhere; None where none is near."""
+        plain = unaccented(word)
+        if len(plain) < SHORTEST_TYPO:
+            return None
+        close = difflib.get_close_matches(plain, self._plain, n=1, cutoff=ALIKE)
+        return self._spellings[close[0]][-1] if close else None  # the last one bears the accents
