@@ -64,7 +64,7 @@ def run(sandbox: Sandbox, kit: str, source: bytes) -> RunOut:
 def _shown(sandbox: Sandbox, kit: str, source: bytes) -> _Shown:
     settings = Kit(kit, {"seed": SEED})
     try:
-        session = sandbox.open(source, kit=settings, policy=POLICY, filename=FILENAME, drawing=True)
+        session = sandbox.open(source, kit=settings, policy=POLICY, filename=FILENAME, drawing=True, shows_last=True)
     except ProgramFault as unloaded:
         return _Shown(unloaded.stdout, unloaded.stdout_truncated, fault=unloaded)
     figures, fault = _figures(session)

@@ -105,20 +105,22 @@ class Sandbox:
         policy: Policy | None = None,
         filename: str = "solution.py",
         drawing: bool = False,
+        shows_last: bool = False,
     ) -> Session:
         """A session in which the file is loaded. Raises ProgramFault if it does not load, SandboxFault if we failed.
 
         With `drawing`, a source that speaks of matplotlib finds it, and its figures are asked for by `Session.figures`.
+        With `shows_last`, the value of an expression that ends the file is printed, as a notebook does.
         """
         policy = policy or self.policy
         _check_source(source, policy)
         imports = import_set(source, drawing=drawing)
         try:
-            return self._opened(imports, source, filename, kit, policy)
+            return self._opened(imports, source, filename, kit, policy, shows_last=shows_last)
         except TemplateFault as first:
             _log.warning("a template failed and is replaced: %s", first)
         try:
-            return self._opened(imports, source, filename, kit, policy)
+            return self._opened(imports, source, filename, kit, policy, shows_last=shows_last)
         except TemplateFault as error:
             raise SandboxFault(str(error)) from error
 
@@ -136,11 +138,13 @@ class Sandbox:
         self._spawner.shutdown()
         self._seats.close()
 
-    def _opened(self, imports: str, source: bytes, filename: str, kit: Kit | None, policy: Policy) -> Session:
+    def _opened(
+        self, imports: str, source: bytes, filename: str, kit: Kit | None, policy: Policy, *, shows_last: bool
+    ) -> Session:
         template, child = self._take(imports, policy)
         session = Session(child, policy)
         try:
-            session.load(source, filename, kit)
+            session.load(source, filename, kit, shows_last=shows_last)
         except TemplateFault as error:
             self._replace(imports, template)
             session.close()

@@ -45,12 +45,13 @@ class Session:
         self._printed, self._cut = "", False
         self.functions: frozenset[str] = frozenset()
 
-    def load(self, source: bytes, filename: str, kit: Kit | None) -> None:
-        """Runs the file's top level. Raises TemplateFault when the child was not sound to begin with."""
+    def load(self, source: bytes, filename: str, kit: Kit | None, *, shows_last: bool = False) -> None:
+        """Runs the file's top level; `shows_last` as in `Sandbox.open`. Raises TemplateFault when the child was not sound to begin with."""
         self._expect(0, frames.READY)
         self._configure(kit)
         self._filename, self._lines = filename, re.split("\r\n|\r|\n", source.decode("utf-8-sig", "replace"))
         question: dict[str, Value] = {"source": np.frombuffer(source, dtype=np.uint8), "filename": filename}
+        question["shows_last"] = shows_last
         token = secrets.randbits(64)
         self._say(token, frames.LOAD, codec.encode(question | {"wall": self._left}, frames.QUESTION_LIMITS))
         functions = diagnosis.names(self._understood(*self._hear(token, _ANSWERS)))

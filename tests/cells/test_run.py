@@ -94,6 +94,35 @@ def test_advice_is_for_a_reader_not_for_a_submission(run: Run, code: str, told: 
     assert shown.fault.message.replace("\u202f", " ").endswith(told)
 
 
+@pytest.mark.parametrize(
+    ("code", "printed"),
+    [
+        ("x = 3\n2 * x  # le double", "6\n"),
+        ("print('avant')\n[1, 2][0]", "avant\n1\n"),
+        ("np.eye(2)", "array([[1., 0.],\n       [0., 1.]])\n"),
+        ("print(1)", "1\n"),
+        ("def f():\n    5\nf()", ""),
+        ("3\nx = 4", ""),
+        ("list(range(9999))", str(list(range(9999)))[:4000] + "…\n"),
+        (PYPLOT + "plt.plot([0, 1])", ""),
+        (PYPLOT + "plt.subplots()", ""),
+        ("", ""),
+    ],
+)
+def test_a_last_expression_shows_its_value(run: Run, code: str, printed: str) -> None:
+    shown = run(code)
+    assert (shown.stdout, shown.fault) == (printed, None)
+
+
+def test_a_last_expression_that_fails_says_its_line(run: Run) -> None:
+    fault = run("x = 0\n1 / x").fault
+    assert fault is not None
+    assert (fault.line, fault.frames) == (2, ["ligne 2 : 1 / x"])
+    mute = run("class A:\n    def __repr__(self):\n        return 1 / 0\nA()").fault
+    assert mute is not None
+    assert mute.line == 3
+
+
 def test_what_is_printed_hides_nothing(run: Run) -> None:
     assert run("print('\\x1b[2J\\u202e<b>')").stdout == "␛[2J⟦U+202E⟧<b>\n"
 

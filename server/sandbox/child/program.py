@@ -8,12 +8,13 @@ import random
 import re
 import sys
 from collections.abc import Callable, Mapping
-from types import ModuleType
+from functools import partial
+from types import CodeType, ModuleType
 from typing import Any
 
 import numpy as np
 
-from . import drawing, report
+from . import drawing, last, report
 from .codec import Limits, TooBig, Unsendable, Value, encode
 
 MODULE = "solution"
@@ -42,14 +43,20 @@ class Program:
         self._injected: dict[str, object] = {}
         self._globals: dict[str, Any] = {}
 
-    def load(self, source: bytes, filename: str) -> bytes:
-        """Runs the file's top level; returns the names of the callables that it defines, encoded."""
-        code = self._compile(source, filename)
+    def load(self, source: bytes, filename: str, *, shows_last: bool = False) -> bytes:
+        """Runs the file's top level; returns the names of the callables that it defines, encoded.
+
+        With `shows_last`, the value of a last expression is printed.
+        """
+        codes = self._compile(source, filename, last.parts if shows_last else _whole)
+        if shows_last:
+            sys.displayhook = last.show
         module = ModuleType(MODULE)
         module.__dict__.update(self._injected, __file__=filename)
         sys.modules[MODULE] = module
         self._globals = module.__dict__
-        self._guarded(lambda: exec(code, self._globals))
+        for code in codes:
+            self._guarded(partial(exec, code, self._globals))
         if drawing.offered():
             self._globals[drawing.FIGURES] = drawing.figures
         return encode(self._defined(), self._limits)
@@ -76,12 +83,12 @@ class Program:
             self._injected = dict(module.configurer(**parameters))
             module.__dict__.update(self._injected)
 
-    def _compile(self, source: bytes, filename: str) -> Any:
+    def _compile(self, source: bytes, filename: str, parts: Callable[[bytes, str], list[CodeType]]) -> list[CodeType]:
         text = source.decode("utf-8-sig", "replace")
         self._lines, self._filename = re.split("\r\n|\r|\n", text), filename
         linecache.cache[filename] = (len(text), None, [line + "\n" for line in self._lines], filename)
         try:
-            return compile(source, filename, "exec", dont_inherit=True)
+            return parts(source, filename)
         except (SyntaxError, ValueError, RecursionError, MemoryError, OverflowError) as error:
             raise Failure(report.describe_syntax(error, self._lines)) from None
 
@@ -129,6 +136,10 @@ class Program:
             "line": line_reached,
             "frames": tuple(frames),
         }
+
+
+def _whole(source: bytes, filename: str) -> list[CodeType]:
+    return [compile(source, filename, "exec", dont_inherit=True)]
 
 
 def _result_fault(kind: str, reason: str, culprit: str, function: str, place: str) -> Fault:

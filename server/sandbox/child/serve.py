@@ -96,7 +96,10 @@ class Child:
     def _load(self, question: Any) -> None:
         signal.setitimer(signal.ITIMER_PROF, self._cpu_seconds)
         outcome, names, _ = self._timed(
-            question["wall"], lambda: self._program.load(question["source"].tobytes(), question["filename"])
+            question["wall"],
+            lambda: self._program.load(
+                question["source"].tobytes(), question["filename"], shows_last=question["shows_last"]
+            ),
         )
         self.send(self._token, outcome, names)
 

@@ -3,6 +3,7 @@
 
 import { keep, recall } from "./storage.js";
 
+const STOPPED = "La cellule est arrêtée.";
 const FAILED = "Le serveur ne répond pas. Réessayez dans un instant.";
 // Figures come with one and a half times the points that they take on the page.
 const DENSITY = 1.5;
@@ -33,21 +34,24 @@ class Cell {
     this.run = button("Exécuter", () => this.execute(), "primary");
     this.run.title = "Ctrl+Entrée";
     this.run.setAttribute("aria-keyshortcuts", "Control+Enter");
-    this.modify = button("Modifier", () => this.edit(true));
+    this.stop = button("Arrêter", () => this.running?.abort());
+    this.stop.hidden = true;
+    this.modify = button("Modifier", () => this.edit({}));
     this.reset = button("Rétablir", () => this.restore());
     this.reset.title = "Revenir au code de départ";
     this.reset.hidden = true;
     this.time = element("span", "cell-time");
     const bar = element("div", "cell-bar");
-    bar.append(this.run, this.modify, this.reset, this.time);
+    bar.append(this.run, this.stop, this.modify, this.reset, this.time);
     this.output = element("div", "cell-output");
     this.output.setAttribute("role", "log");
     this.output.setAttribute("aria-live", "polite");
     this.output.setAttribute("aria-label", `Sortie de la cellule ${this.name}`);
     this.section.append(bar, this.output);
-    this.pre.addEventListener("click", () => {
-      if (getSelection().isCollapsed) this.edit(true);
+    this.pre.addEventListener("click", ({ clientX: x, clientY: y }) => {
+      if (getSelection().isCollapsed) this.edit({ x, y });
     });
+    this.pre.addEventListener("keydown", (event) => this.typed(event));
     this.section.addEventListener("keydown", (event) => {
       if (event.defaultPrevented || event.key !== "Enter" || !(event.ctrlKey || event.metaKey)) return;
       event.preventDefault();
@@ -63,6 +67,7 @@ class Cell {
     this.section.setAttribute("aria-busy", String(state));
     this.run.setAttribute("aria-disabled", String(state));
     this.run.textContent = state ? "En cours" : "Exécuter";
+    this.stop.hidden = !state;
   }
 
   show(text) {
@@ -87,10 +92,21 @@ class Cell {
     (this.editor ?? this.run).focus();
   }
 
-  async edit(focus) {
+  /** Opens the editor; with `at`, writing goes on in it: there, where it is a place on the screen. */
+  async edit(at = null) {
     this.loading ??= this.load();
     await this.loading;
-    if (focus) this.editor?.focus();
+    if (at) this.editor.focus(at);
+  }
+
+  /** Whoever types on the code as it is read writes in it: what is typed while the editor is loaded comes with it. */
+  async typed(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.key.length !== 1) return;
+    event.preventDefault();
+    this.waiting = (this.waiting ?? "") + event.key;
+    await this.edit({});
+    this.editor.insert(this.waiting);
+    this.waiting = "";
   }
 
   async load() {
@@ -108,21 +124,25 @@ class Cell {
 
   async execute() {
     if (this.busy) return;
+    this.running = new AbortController();
     this.busy = true;
     this.time.textContent = "";
     try {
-      this.present(await this.send());
+      this.present(await this.send(this.running.signal));
     } finally {
+      if (document.activeElement === this.stop) this.run.focus();
       this.busy = false;
     }
   }
 
-  async send() {
+  async send(signal) {
     const response = await fetch(this.section.dataset.action, {
       method: "POST",
       headers: { "Content-Type": "application/json", Accept: "application/json" },
       body: JSON.stringify({ code: this.text }),
+      signal,
     }).catch(() => null);
+    if (signal.aborted) return { refusal: STOPPED };
     const answer = await response?.json().catch(() => null);
     if (response?.ok && answer) return answer;
     return { refusal: answer?.detail ?? FAILED };
@@ -133,7 +153,7 @@ class Cell {
     this.output.replaceChildren(...(answer.refusal ? [paragraph("cell-note", answer.refusal)] : this.parts(answer)));
     if (answer.refusal) return;
     this.time.textContent = `${seconds.format(answer.milliseconds / 1000)} s`;
-    if (answer.fault?.line) this.edit(false).then(() => this.editor?.mark(answer.fault.line));
+    if (answer.fault?.line) this.edit().then(() => this.editor?.mark(answer.fault.line));
   }
 
   parts({ stdout, truncated, fault, figures }) {
@@ -142,7 +162,7 @@ class Cell {
     if (truncated) parts.push(paragraph("cell-note", "L’affichage est coupé ici : il est trop long."));
     figures.forEach((address, index) => parts.push(this.figure(address, figures.length > 1 ? ` (${index + 1})` : "")));
     if (fault) parts.push(explained(fault));
-    if (!parts.length) parts.push(paragraph("cell-note", "La cellule n’affiche rien."));
+    if (!parts.length) parts.push(paragraph("cell-note", "La cellule n’affiche rien : terminez-la par une expression, ou appelez print."));
     return parts;
   }
 
@@ -173,6 +193,7 @@ function plainEditor({ area, text, onChange }) {
       field.value = fresh;
     },
     mark: () => {},
+    insert: (typed) => field.setRangeText(typed, field.selectionStart, field.selectionEnd, "end"),
     focus: () => field.focus(),
   };
 }

@@ -133,6 +133,12 @@ export function createEditor({ area, text, label, onChange, onSubmit }) {
     get: () => view.state.doc.toString(),
     set: (fresh) => view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: fresh } }),
     mark: (line) => view.dispatch({ effects: markFault.of(faultAt(view.state.doc, line)) }),
-    focus: () => view.focus(),
+    insert: (typed) => view.dispatch(view.state.replaceSelection(typed)),
+    // The caret goes to a place on the screen, where one is told.
+    focus: ({ x, y } = {}) => {
+      const at = x === undefined ? null : view.posAtCoords({ x, y });
+      if (at !== null) view.dispatch({ selection: { anchor: at } });
+      view.focus();
+    },
   };
 }
