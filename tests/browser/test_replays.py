@@ -82,7 +82,7 @@ def test_the_robot_is_dragged_and_moved_with_keys(visit: NewVisit) -> None:
     canvas.focus()
     page.keyboard.press("ArrowRight")
     expect(where).to_contain_text("x = 4,75, y = 4,20")
-    page.keyboard.press("]")
+    page.keyboard.press("d")
     expect(where).to_contain_text("θ = 24°")
     page.get_by_role("button", name="Réglages de départ").click()
     expect(where).to_contain_text("x = 11,50, y = 8,20")

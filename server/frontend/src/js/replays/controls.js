@@ -156,7 +156,7 @@ export class Settings {
     const keys = (...names) => names.flatMap((one) => [make("kbd", {}, one), " "]);
     const help = make("span", { class: "help" }, "À tirer sur le dessin, ou avec les touches ");
     help.append(...keys("←", "↑", "→", "↓"));
-    if (turns) help.append("; pour l’orienter, tirez sa pointe, ou touches ", ...keys("[", "]"));
+    if (turns) help.append("; pour l’orienter, tirez sa pointe, ou touches ", ...keys("G"), "(gauche) et ", ...keys("D"), "(droite)");
     const title = make("span", { class: "replay-name" }, label);
     return make("div", { class: "replay-field replay-pose" }, title, output, help);
   }

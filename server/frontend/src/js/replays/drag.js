@@ -1,6 +1,7 @@
 // A pose that the reader moves on the drawing, by mouse, by touch or with the keys.
 
 const REACH = 26; // pixels from which the robot can be taken hold of
+const TURNS = { g: -1, d: 1 }; // to the left and to the right, as seen: letters that AZERTY and QWERTY have alike
 const KEYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 export class Drag {
@@ -38,9 +39,10 @@ export class Drag {
     if (!this.parameter) return false;
     const [x, y, angle] = this.pose;
     const stride = (event.shiftKey ? 20 : 5) * this.parameter.step;
-    const turn = { "[": -1, "]": 1 }[event.key];
-    if (turn && this.parameter.turns) this.#move(x, y, angle + 2 * turn * this.parameter.turn);
-    else if (KEYS[event.key]) {
+    const turn = TURNS[event.key.toLowerCase()];
+    if (turn && this.parameter.turns) {
+      this.#move(x, y, angle + 2 * turn * this.stage.paper.turn * this.parameter.turn);
+    } else if (KEYS[event.key]) {
       const [right, down] = KEYS[event.key];
       this.#move(x + stride * right, y + stride * down * this.stage.paper.turn, angle);
     } else return false;
