@@ -1,18 +1,31 @@
 // The exercise page: draft, editor, submission without leaving the page, columns that can be resized.
 
 import { inherited } from "./drafts.js";
-import { followToVerdict, showWaiting } from "./follow.js";
+import { announce, followToVerdict, showWaiting } from "./follow.js";
 import { post } from "./send.js";
 import { setUpSplitter } from "./splitter.js";
-import { keep, recall } from "./storage.js";
+import { Draft } from "./versions.js";
 
 const form = document.getElementById("essai");
 const area = document.getElementById("code");
 const message = document.getElementById("essai-message");
 const starter = document.getElementById("squelette").textContent.replace(/^\n/, "");
-const keyOf = (account) => `balise-brouillon:${account}:${form.dataset.exercise}`;
-let draftKey = keyOf(form.dataset.account);
+const versions = document.getElementById("deux-versions");
 let editor = plainEditor();
+const draft = new Draft(keyOf(form.dataset.account), {
+  get: () => editor.get(),
+  set: (text) => editor.set(text),
+  divided: tellVersions,
+});
+
+function keyOf(account) {
+  return `balise-brouillon:${account}:${form.dataset.exercise}`;
+}
+
+function tellVersions(divided) {
+  if (divided && versions.hidden) announce(versions.querySelector("p").textContent);
+  versions.hidden = !divided;
+}
 
 // What any editor offers; this one is the text area itself.
 function plainEditor() {
@@ -30,14 +43,13 @@ function plainEditor() {
 }
 
 function saveDraft() {
-  const kept = keep(draftKey, editor.get());
-  document.getElementById("brouillon").textContent = kept ? "Brouillon enregistré" : "";
+  document.getElementById("brouillon").textContent = draft.save() ? "Brouillon enregistré" : "";
 }
 
 async function setUpEditor() {
   const taken = form.dataset.taken === "true" ? area.value : null;
   const before = inherited(form.dataset.account, keyOf);
-  const text = recall(draftKey) ?? area.value;
+  const text = draft.kept ?? area.value;
   area.value = text;
   try {
     const { createEditor } = await import("./editor.js");
@@ -56,6 +68,7 @@ async function setUpEditor() {
     saveDraft();
     history.replaceState(null, "", location.pathname);
   }
+  if (draft.hasAnother) tellVersions(true);
 }
 
 function showMessage(text) {
@@ -96,11 +109,8 @@ async function send() {
 
 // A visitor becomes a guest at the first submission: the draft follows.
 function moveDraft(account) {
-  if (String(account) === form.dataset.account) return;
-  keep(draftKey, null);
   form.dataset.account = account;
-  draftKey = keyOf(account);
-  saveDraft();
+  draft.move(keyOf(account));
 }
 
 document.getElementById("recommencer").addEventListener("click", () => {
@@ -110,7 +120,22 @@ document.getElementById("recommencer").addEventListener("click", () => {
   editor.focus();
 });
 
+versions.querySelector("[data-take]").addEventListener("click", () => {
+  draft.takeOther();
+  editor.focus();
+});
+versions.querySelector("[data-keep]").addEventListener("click", () => {
+  draft.keepThis();
+  editor.focus();
+});
+
 form.addEventListener("submit", submit);
+for (const link of document.querySelectorAll(".skip[href='#code']")) {
+  link.addEventListener("click", (event) => {
+    event.preventDefault();
+    editor.focus();
+  });
+}
 for (const label of area.labels) label.addEventListener("click", () => editor.focus());
 setUpEditor();
 setUpSplitter(document.getElementById("cloison"));
