@@ -42,9 +42,21 @@ function showLocalTimes() {
   }
 }
 
+function markAwaitedPictures() {
+  for (const image of document.querySelectorAll(":is(.drawing, .figure, .session-figure) img")) {
+    if (!image.complete) image.dataset.awaited = "";
+  }
+}
+
+// Neither event bubbles.
+for (const end of ["load", "error"]) {
+  document.addEventListener(end, ({ target }) => target.removeAttribute?.("data-awaited"), true);
+}
+
 function dress() {
   showTheme();
   showLocalTimes();
+  markAwaitedPictures();
 }
 
 document.addEventListener("balise:refreshed", dress);
