@@ -35,6 +35,10 @@ Wait = Annotated[
     float | None,
     Query(ge=0, allow_inf_nan=False, description="Seconds to wait for the verdict, 30 at most.", examples=[10]),
 ]
+Reuse = Annotated[
+    bool,
+    Query(description="With code that this account has sent already, answers with that attempt: no new one is made."),
+]
 STREAM = events("Its data is as in `GET /submissions/{id}`; ends when done.", "status")
 
 
@@ -57,10 +61,13 @@ async def create(
     hub: EventsOf,
     course: CourseOf,
     wait: Wait = None,
+    reuse: Reuse = False,
 ) -> Response:
     """Stores a file, or answers, and queues it. With `wait`, answers as soon as the verdict is there."""
-    _require_its_kind(find(course, body.exercise), body)
-    current = await run_in_threadpool(_store, database, store, account, body, client_address(request))
+    exercise = find(course, body.exercise)
+    _require_its_kind(exercise, body)
+    reused, address = exercise.version if reuse else None, client_address(request)
+    current = await run_in_threadpool(_store, database, store, account, body, reused, address)
     if wait:
         current = await _wait(hub, reader(database, store, account, current.id), current, min(wait, LONGEST_WAIT))
     return _json(current, 200 if current.done else 202)
@@ -76,9 +83,17 @@ def _require_its_kind(exercise: Exercise, body: NewSubmission) -> None:
         raise RequestValidationError([{"type": fault, "loc": ("body", name), "msg": ""} for name, fault in faults])
 
 
-def _store(database: Database, store: Submissions, account: Account, body: NewSubmission, address: str) -> Resource:
+def _store(
+    database: Database, store: Submissions, account: Account, body: NewSubmission, reused: str | None, address: str
+) -> Resource:
+    """`reused` is the version of the exercise at which an attempt with the same code will do."""
     with database.write() as db:
-        if "answers" in body.model_fields_set:
+        answered = "answers" in body.model_fields_set
+        if reused and not answered:
+            before = gradebook.sent_before(db, account, body.exercise, body.code, reused)
+            if before is not None:
+                return resource(db, store, gradebook.find(db, account, before.id))
+        if answered:
             submission = store.submit_answers(db, account, body.exercise, body.answers, address=address)
         else:
             submission = store.submit(db, account, body.exercise, body.code, address=address)

@@ -5,11 +5,11 @@ from datetime import datetime
 from typing import Any
 from uuid import UUID, uuid4
 
-from sqlalchemy import ColumnElement, Row, and_, bindparam, delete, func, insert, select, tuple_, update
+from sqlalchemy import ColumnElement, Row, and_, bindparam, delete, func, insert, or_, select, tuple_, update
 from sqlalchemy.orm import Session, undefer
 
 from graders.core.contract.bounds import bounded
-from graders.core.contract.outcomes import Blame, blamed_on
+from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.database import table_of
 from server.gradebook.models import Grading, SolutionOpening
 from server.gradebook.schemas import Graded
@@ -26,6 +26,8 @@ LOCK = (
 ADD = insert(table_of(Grading))
 POINT = update(_submissions).where(_submissions.c.id == bindparam("pointing")).values(grading_id=bindparam("grading"))
 FAILURES = blamed_on(Blame.STUDENT)
+#: Which the same file gets again whenever it is graded; whether a limit is met may depend on what else the machine does.
+LASTING = tuple(one for one in Outcome if one.counts and one not in {Outcome.TIMEOUT, Outcome.MEMORY_LIMIT})
 
 
 def attempt(db: Session, submission_id: UUID) -> Row[Submission, Grading | None] | None:
@@ -65,6 +67,21 @@ def count_until(db: Session, submission: Submission) -> int:
     until = order <= tuple_(submission.created_at, submission.id)
     mine = _of(submission.account_id, submission.exercise)
     return db.execute(select(func.count()).select_from(Submission).where(mine, until)).scalar_one()
+
+
+def sent_before(
+    db: Session, account_id: UUID, exercise: str, *, digest: str, source: bytes, version: str
+) -> Submission | None:
+    """The last attempt with this very file that waits for its verdict, or has a lasting one of this version."""
+    graded = and_(Grading.exercise_version == version, Grading.outcome.in_(LASTING))
+    query = (
+        select(Submission)
+        .outerjoin(Grading, Grading.id == Submission.grading_id)
+        .where(_of(account_id, exercise), Submission.digest == digest, Submission.source == source)
+        .where(or_(Submission.grading_id.is_(None), graded))
+        .order_by(Submission.created_at.desc(), Submission.id.desc())
+    )
+    return db.execute(query.limit(1)).scalar_one_or_none()
 
 
 def _of(account_id: UUID, exercise: str) -> ColumnElement[bool]:

@@ -100,6 +100,15 @@ def attempts(db: Session, account: Account | None, exercise_id: str, most: int, 
     return Attempts(tuple(lines), rows[0][0] if rows else 0)
 
 
+def sent_before(db: Session, account: Account, exercise_id: str, code: str, version: str) -> Submission | None:
+    """One's attempt with this very code, where sending it again to this version of the exercise would tell nothing new.
+
+    None too for an attempt that ended at a limit of time or of memory: it may be tried again.
+    """
+    source = code.encode(errors="surrogatepass")
+    return repository.sent_before(db, account.id, exercise_id, digest=digest(code), source=source, version=version)
+
+
 def number_of(db: Session, submission: Submission) -> int:
     """1 for its author's first attempt at the exercise."""
     return repository.count_until(db, submission)

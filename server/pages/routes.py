@@ -110,14 +110,17 @@ FormFields = Annotated[FormData, Depends(_fields)]
 
 def _sent(
     store: Submissions, db: Db, account: Account, exercise: Exercise, fields: FormData, *, address: str
-) -> Submission:
+) -> tuple[Submission, bool]:
+    """The attempt, and whether this very code had been sent already: it is no new attempt then."""
     if exercise.answers is not None:
         given = answers.read_form(exercise, fields)
-        return store.submit_answers(db, account, exercise.id, given, address=address)
+        return store.submit_answers(db, account, exercise.id, given, address=address), False
     code = fields.get("code", "")
     if not isinstance(code, str):
         raise Invalid("Le code est attendu comme un texte, pas comme un fichier joint.")
-    return store.submit(db, account, exercise.id, code.replace("\r\n", "\n"), address=address)
+    code = code.replace("\r\n", "\n")
+    before = gradebook.sent_before(db, account, exercise.id, code, exercise.version)
+    return (before, True) if before else (store.submit(db, account, exercise.id, code, address=address), False)
 
 
 @router.post("/{module:module}/exercices/{slug}/soumissions")
@@ -133,17 +136,17 @@ def submit(
 ) -> Response:
     """A browser without script goes on to the attempt's page; a script gets the addresses to follow."""
     exercise = find_exercise(course, module, slug)
-    submission = _sent(store, db, account, exercise, fields, address=client_address(request))
-    href = f"/soumissions/{submission.id}"
+    submission, again = _sent(store, db, account, exercise, fields, address=client_address(request))
+    href, query = f"/soumissions/{submission.id}", "?deja=true" if again else ""
     if "application/json" not in request.headers.get("accept", ""):
-        return RedirectResponse(href, MOVES_ON)
+        return RedirectResponse(href + query, MOVES_ON)
     answer = {
         "id": str(submission.id),
         "account": str(account.id),
         "text": service.waiting_text(store.place(db, submission)),
-        "page": href,
+        "page": href + query,
         "events": f"{href}/evenements",
-        "verdict": f"{href}/verdict",
+        "verdict": f"{href}/verdict{query}",
     }
     return JSONResponse(answer, 202)
 
@@ -161,19 +164,20 @@ def open_or_close_solution(
 
 
 @router.get("/soumissions/{submission_id}")
-def attempt(request: Request, submission_id: str, reader: Reading) -> HTMLResponse:
+def attempt(request: Request, submission_id: str, reader: Reading, deja: bool = False) -> HTMLResponse:
+    """`deja`: it was sent again, and is told to have been sent already."""
     attempt = gradebook.find(reader.db, reader.account, submission_id)
     exercise = find_exercise(reader.course, *attempt.submission.exercise.split("/"))
     answered = None if exercise.answers is None else answers.told(exercise, attempt.submission)
-    view = service.attempt_page(reader, exercise, attempt, answered)
+    view = service.attempt_page(reader, exercise, attempt, answered, again=deja)
     return page(request, "attempt.html", reader.account, page=view, results=view.results)
 
 
 @router.get("/soumissions/{submission_id}/verdict")
-def verdict(submission_id: str, reader: Reading) -> HTMLResponse:
+def verdict(submission_id: str, reader: Reading, deja: bool = False) -> HTMLResponse:
     attempt = gradebook.find(reader.db, reader.account, submission_id)
     exercise = find_exercise(reader.course, *attempt.submission.exercise.split("/"))
-    results = service.attempt_page(reader, exercise, attempt).results
+    results = service.attempt_page(reader, exercise, attempt, again=deja).results
     return fragment("fragment.html", reader.account, back=exercise_href(exercise), results=results)
 
 

@@ -35,7 +35,7 @@ class MarkView:
 
 @dataclass(frozen=True)
 class WorkView:
-    """The latest state of one submission: waiting (`waiting` says where) or judged.
+    """The latest state of one submission: waiting (`waiting` says where) or judged; `again`: it is sent anew.
 
     `marks` are those of the questions, in an exercise answered without code.
     """
@@ -48,6 +48,7 @@ class WorkView:
     page: str
     events: str
     fragment: str
+    again: bool
     marks: tuple[MarkView, ...]
 
     def mark(self, question: str) -> MarkView | None:

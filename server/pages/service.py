@@ -109,13 +109,18 @@ def _neighbours(module: Module, exercise: Exercise) -> tuple[tuple[str, str] | N
 
 
 def attempt_page(
-    reader: Reader, exercise: Exercise, attempt: Attempt, answered: Sequence[ToldView] | None = None
+    reader: Reader,
+    exercise: Exercise,
+    attempt: Attempt,
+    answered: Sequence[ToldView] | None = None,
+    *,
+    again: bool = False,
 ) -> AttemptPage:
-    """`answered` is what was answered, where that is not code."""
+    """`answered` is what was answered, where that is not code; `again` as in `WorkView`."""
     submission = attempt.submission
     number = gradebook.number_of(reader.db, submission)
     href = exercise_href(exercise)
-    work = _work(reader, exercise, attempt, number, submission.seed)
+    work = _work(reader, exercise, attempt, number, submission.seed, again=again)
     return AttemptPage(
         module=module_link(reader.course.modules[exercise.module]),
         exercise_title=exercise.title,
@@ -186,7 +191,13 @@ def results(
 
 
 def _work(
-    reader: Reader, exercise: Exercise, attempt: Attempt | None, number: int, seed: int | None
+    reader: Reader,
+    exercise: Exercise,
+    attempt: Attempt | None,
+    number: int,
+    seed: int | None,
+    *,
+    again: bool = False,
 ) -> WorkView | None:
     """`seed` is that of the deal that the page shows, in an exercise answered without code."""
     if attempt is None:
@@ -204,7 +215,8 @@ def _work(
         verdict=verdicts.view(verdict, f"{href}/figures", texts) if verdict else None,
         page=href,
         events=f"{href}/evenements",
-        fragment=f"{href}/verdict",
+        fragment=f"{href}/verdict{'?deja=true' if again else ''}",
+        again=again,
         marks=marks.of(exercise, submission, verdict, seed),
     )
 

@@ -46,7 +46,7 @@ class Session:
         self.functions: frozenset[str] = frozenset()
 
     def load(self, source: bytes, filename: str, kit: Kit | None, *, shows_last: bool = False) -> None:
-        """Runs the file's top level; `shows_last` as in `Sandbox.open`. Raises TemplateFault when the child was not sound to begin with."""
+        """Runs the file's top level. Raises TemplateFault when the child was not sound to begin with."""
         self._expect(0, frames.READY)
         self._configure(kit)
         self._filename, self._lines = filename, re.split("\r\n|\r|\n", source.decode("utf-8-sig", "replace"))

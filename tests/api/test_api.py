@@ -106,6 +106,21 @@ def test_waiting_gives_the_verdict_or_says_that_it_is_not_there(site: Site) -> N
     assert (answer.status_code, answer.json()["verdict"]["outcome"]) == (200, "ok")
 
 
+def test_the_same_code_makes_a_new_attempt_unless_the_first_will_do(site: Site) -> None:
+    headers = site.token()
+    first = site.submit(headers)["id"]
+    assert site.submit(headers)["id"] != first
+    content = {"exercise": EXERCISE, "code": "y = 2\n"}
+
+    def reused(who: dict[str, str]) -> str:
+        answer = site.client.post("/api/v1/submissions?reuse=true", json=content, headers=who)
+        assert answer.status_code == 202
+        return str(answer.json()["id"])
+
+    once = reused(headers)
+    assert once == reused(headers) != reused(site.token())
+
+
 def test_a_name_that_is_no_text_is_an_unknown_exercise(site: Site) -> None:
     body = b'{"exercise": "\\ud800", "code": "x"}'
     headers = {**site.token(), "Content-Type": "application/json"}

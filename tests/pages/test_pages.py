@@ -129,6 +129,33 @@ def test_the_same_code_again_opens_nothing(small_site: SmallSite) -> None:
     assert "La formule" not in page
 
 
+def test_the_same_file_again_is_no_new_attempt(small_site: SmallSite) -> None:
+    now = {"exercise_version": small_site.version}
+    first = small_site.attempt("x = 1", verdict(**now))
+    small_site.attempt("x = 2", verdict(**now))
+    assert small_site.submit("x = 1\r\n").split("?")[0] != first, "another file, be it by an empty line"
+    small_site.grade(verdict(**now))
+    assert small_site.submit("x = 1") == f"{first}?deja=true"
+    told = "Ce code a déjà été envoyé"
+    assert told in small_site.get(f"{first}/verdict?deja=true")
+    assert told not in small_site.get(f"{first}/verdict")
+    answer = small_site.client.post(f"{PAGE}/soumissions", data={"code": "x = 1"})
+    assert (str(answer.url.path), told in answer.text) == (first, True)
+    assert "en 3 essais" in small_site.get(PAGE)
+    assert small_site.another().submit("x = 1").split("?")[0] != first
+
+
+@pytest.mark.parametrize(
+    ("outcome", "version"),
+    [("timeout", None), ("memory_limit", None), ("internal_error", None), ("wrong_answer", "an older one")],
+)
+def test_what_may_end_otherwise_is_graded_again(small_site: SmallSite, outcome: str, version: str | None) -> None:
+    first = small_site.attempt("x = 1", verdict(outcome, exercise_version=version or small_site.version))
+    second = small_site.submit("x = 1")
+    assert second != first
+    assert small_site.submit("x = 1") == f"{second}?deja=true", "it waits for its verdict"
+
+
 def test_the_solution_opens_after_success(small_site: SmallSite) -> None:
     assert "Corrigé" not in small_site.get(PAGE)
     small_site.attempt("x = 1", verdict("ok", 20.0))
@@ -172,8 +199,8 @@ def test_somebody_elses_attempt_does_not_exist(small_site: SmallSite) -> None:
 
 
 def test_refusals_say_why(small_site: SmallSite) -> None:
-    for _ in range(8):
-        small_site.submit()
+    for number in range(8):
+        small_site.submit(f"x = {number}")
     answer = small_site.client.post(f"{PAGE}/soumissions", data={"code": "x"}, headers={"Accept": "application/json"})
     assert answer.status_code == 429
     assert "en peu de temps" in answer.text

@@ -72,6 +72,12 @@ class SmallSite:
         self.grade(result)
         return page
 
+    @property
+    def version(self) -> str:
+        """The version of the exercise that is served."""
+        app: Any = self.client.app
+        return provided_to(app, Course).exercises["m9/a"].version
+
     def another(self) -> SmallSite:
         """Somebody else's browser."""
         return SmallSite(TestClient(self.client.app), self.database)
