@@ -61,12 +61,16 @@ class CourseFault(Exception):
 
 @dataclass(frozen=True)
 class FunctionSpec:
-    """A function (or class) that the student writes. `signature` is shown as it stands."""
+    """A function (or class) that the student writes. `signature` is shown as it stands.
+
+    `parts` are the names of the values of the tuple that it returns, if that is what it does.
+    """
 
     name: str
     signature: str
     returns: str
     doc: str
+    parts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -50,6 +50,7 @@ class FunctionEntry(Strict):
     signature: Text
     returns: str = ""
     doc: str = ""
+    parts: list[Text] = []
 
 
 class Overrides(Strict):

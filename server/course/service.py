@@ -177,7 +177,7 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
         stars=card.stars,
         origin=card.origin,
         functions=tuple(
-            FunctionSpec(function.name, function.signature, function.returns, function.doc)
+            FunctionSpec(function.name, function.signature, function.returns, function.doc, tuple(function.parts))
             for function in card.functions
         ),
         **graded,

@@ -26,7 +26,7 @@ LOCK = (
 ADD = insert(table_of(Grading))
 POINT = update(_submissions).where(_submissions.c.id == bindparam("pointing")).values(grading_id=bindparam("grading"))
 FAILURES = blamed_on(Blame.STUDENT)
-#: Which the same file gets again whenever it is graded; whether a limit is met may depend on what else the machine does.
+#: Which the same file gets whenever it is graded; whether a limit is met may depend on what else the machine does.
 LASTING = tuple(one for one in Outcome if one.counts and one not in {Outcome.TIMEOUT, Outcome.MEMORY_LIMIT})
 
 

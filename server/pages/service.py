@@ -32,8 +32,9 @@ from server.submissions.models import State
 from server.submissions.service import UNATTENDED, Place
 from server.web import verdicts
 from server.web.rendering import python
+from server.web.schemas import VerdictView
 from server.web.views import Reader, exercise_href, in_order, lesson_href, module_link, own_state
-from server.web.words import moment, moment_text, plural, points
+from server.web.words import mark, moment, moment_text, plural
 
 HINT_OPENS_AFTER = (1, 2, 4)  # changed attempts without success
 RECENT_ATTEMPTS = 8
@@ -204,7 +205,6 @@ def _work(
         return None
     submission, grading = attempt.submission, attempt.grading
     href = f"/soumissions/{submission.id}"
-    texts = None if exercise.answers is None else exercise
     place = reader.submissions.place(reader.db, submission)
     verdict = Verdict.from_json(grading.verdict) if grading else None
     return WorkView(
@@ -212,13 +212,18 @@ def _work(
         number=number,
         status=place.state.value,
         waiting=waiting_text(place),
-        verdict=verdicts.view(verdict, f"{href}/figures", texts) if verdict else None,
+        verdict=_verdict_view(exercise, verdict, href) if verdict else None,
         page=href,
         events=f"{href}/evenements",
         fragment=f"{href}/verdict{'?deja=true' if again else ''}",
         again=again,
         marks=marks.of(exercise, submission, verdict, seed),
     )
+
+
+def _verdict_view(exercise: Exercise, verdict: Verdict, href: str) -> VerdictView:
+    texts = None if exercise.answers is None else exercise
+    return verdicts.view(verdict, f"{href}/figures", texts, exercise.functions)
 
 
 def waiting_text(place: Place) -> str:
@@ -276,6 +281,6 @@ def _row(exercise: Exercise, line: AttemptLine) -> AttemptRow:
         href=f"/soumissions/{line.id}",
         when=moment(line.sent_at),
         when_text=moment_text(line.sent_at),
-        points="" if line.score is None else points(20 * line.score),
+        points="" if line.score is None else mark(20 * line.score),
         outcome=verdicts.title_of(line.outcome, exercise.kind),
     )

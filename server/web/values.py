@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -43,6 +43,14 @@ def view(value: Any, expected: Any = None) -> ValueView:
     if isinstance(value, list) and value:
         return _sequence(value, expected)
     return ValueView("text", scalar(value))
+
+
+def named(laid_out: ValueView, parts: Sequence[str]) -> ValueView:
+    """A list of as many values as `parts` has names, each under its own: « R = … », « t = … »."""
+    items = laid_out.items
+    if laid_out.kind != "list" or len(items) != len(parts) or laid_out.note:
+        return laid_out
+    return ValueView("fields", items=tuple((name, item) for name, (_, item) in zip(parts, items, strict=True)))
 
 
 def scalar(value: Any) -> str:

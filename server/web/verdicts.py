@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 
 from graders.core.contract.outcomes import Blame, Kind, Outcome
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Verdict
+from server.course import FunctionSpec
 from server.web import values
 from server.web.schemas import CheckView, CounterexampleView, DiagnosisView, FigureView, Texts, Tone, VerdictView
-from server.web.words import points
+from server.web.words import mark, points
 
+NAME = re.compile(r"[^\W\d]\w*")
 TIMINGS = {
     "load_ms": "chargement de votre fichier",
     "checks_ms": "vérifications",
@@ -18,10 +21,13 @@ TIMINGS = {
 }
 
 
-def view(verdict: Verdict, figures: str, texts: Texts | None = None) -> VerdictView:
+def view(
+    verdict: Verdict, figures: str, texts: Texts | None = None, functions: Sequence[FunctionSpec] = ()
+) -> VerdictView:
     """Lay out a verdict. `figures` is the address under which its figures are drawn.
 
-    `texts` is the exercise, where it is answered without code: the verdict's texts are then its Markdown.
+    `texts` is the exercise, where it is answered without code: the verdict's texts are then its Markdown. `functions`
+    are those that it asks for: they name the parts of what they return.
     """
     marked = texts is not None
     wording = verdict.outcome.wording("answers" if marked else "code")
@@ -29,9 +35,9 @@ def view(verdict: Verdict, figures: str, texts: Texts | None = None) -> VerdictV
         title=wording.title,
         sentence=wording.sentence,
         tone=_tone(verdict),
-        points=points(verdict.points) if verdict.outcome.counts else "",
+        points=mark(verdict.points) if verdict.outcome.counts else "",
         common=common_message(verdict.checks),
-        checks=tuple(_check(check, figures, marked) for check in verdict.checks),
+        checks=tuple(_check(check, figures, marked, functions) for check in verdict.checks),
         diagnosis=_diagnosis(verdict.diagnosis) if verdict.diagnosis else None,
         stdout=verdict.stdout,
         timings=tuple(_timing(name, value) for name, value in verdict.timings.items()),
@@ -58,31 +64,40 @@ def common_message(checks: Sequence[CheckResult]) -> str:
     return messages.pop() if len(messages) == 1 and len(checks) > 1 else ""
 
 
-def _check(check: CheckResult, figures: str, marked: bool) -> CheckView:
+def _check(check: CheckResult, figures: str, marked: bool, functions: Sequence[FunctionSpec]) -> CheckView:
     counterexample = check.counterexample
     return CheckView(
         id=check.id,
         title=check.title,
         passed=check.passed,
-        points=points(check.points),
+        points=mark(check.points, check.max_points),
         max_points=points(check.max_points),
         message=check.message,
         hint=check.hint or "",
-        counterexample=_counterexample(counterexample, shows_inputs=not marked) if counterexample else None,
+        counterexample=_counterexample(counterexample, functions, shows_inputs=not marked) if counterexample else None,
         figure=_figure(check, figures) if check.figure else None,
     )
 
 
-def _counterexample(counterexample: Counterexample, *, shows_inputs: bool) -> CounterexampleView:
+def _counterexample(
+    counterexample: Counterexample, functions: Sequence[FunctionSpec], *, shows_inputs: bool
+) -> CounterexampleView:
     """Without code the data stand in the statement: they are not told again with each answer."""
     given = counterexample.inputs if shows_inputs else {}
     judged = counterexample.expected is not None or counterexample.got is not None
+    parts = _parts(given, functions)
     return CounterexampleView(
         inputs=tuple((name, values.view(value)) for name, value in given.items()),
-        expected=values.view(counterexample.expected) if judged else None,
-        got=values.view(counterexample.got, expected=counterexample.expected) if judged else None,
+        expected=values.named(values.view(counterexample.expected), parts) if judged else None,
+        got=values.named(values.view(counterexample.got, expected=counterexample.expected), parts) if judged else None,
         code=values.as_code(given),
     )
+
+
+def _parts(given: Mapping[str, object], functions: Sequence[FunctionSpec]) -> tuple[str, ...]:
+    """The names of what is returned by the one function that takes the inputs of those names; none if in doubt."""
+    takers = [one for one in functions if given and given.keys() <= set(NAME.findall(one.signature))]
+    return takers[0].parts if len(takers) == 1 else ()
 
 
 def _figure(check: CheckResult, figures: str) -> FigureView:

@@ -13,7 +13,7 @@ from server.gradebook.schemas import NOTHING_YET, Progress
 from server.identity.models import Account
 from server.submissions.service import Submissions
 from server.web.schemas import ExerciseRow, ModuleLink, OwnState
-from server.web.words import points
+from server.web.words import mark
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def exercise_row(exercise: Exercise, progress: Progress) -> ExerciseRow:
 
 
 def own_state(progress: Progress) -> OwnState:
-    best = "" if progress.best is None else points(20 * progress.best)
+    best = "" if progress.best is None else mark(20 * progress.best)
     return OwnState(progress.attempts, best, progress.succeeded)
 
 

@@ -2,14 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from datetime import UTC, datetime
 
 from graders.core.compare.words import number
+
+WHOLE = 1e-9  # points that rounding may take from a full mark
 
 
 def points(value: float) -> str:
     """A mark in French, at most two decimals: 12,5."""
     return number(round(float(value), 2), 4)
+
+
+def mark(value: float, most: float = 20.0) -> str:
+    """What was obtained of `most` points, to the nearest quarter: 2,75. Less than all of them is never shown as all.
+
+    Marks are kept and summed exactly: only what is read is rounded, here and nowhere else.
+    """
+    if value >= most - WHOLE:
+        return points(most)
+    nearest, below = math.floor(4 * value + 0.5), math.ceil(4 * most - WHOLE) - 1
+    return points(min(nearest, below) / 4)
 
 
 def plural(count: int, singular: str, many: str | None = None) -> str:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from server.text.plain import visible
 from server.web.rendering import environment, ticks
 from server.web.values import MAX_ROWS, ValueView, as_code, view
-from server.web.words import plural, points
+from server.web.words import mark, plural, points
 
 SHOW = '{% from "values.html" import show %}{{ show(value) }}'
 numbers = (
@@ -132,3 +132,22 @@ def test_ticks_mark_code() -> None:
 def test_numbers_in_words() -> None:
     assert [plural(count, "essai") for count in (0, 1, 2)] == ["0 essai", "1 essai", "2 essais"]
     assert [points(value) for value in (20, 12.5, 0, 6.6667)] == ["20", "12,5", "0", "6,67"]
+
+
+@pytest.mark.parametrize(
+    ("value", "most", "shown"),
+    [
+        (20.0, 20.0, "20"),
+        (20 * 0.1 * 10, 20.0, "20"),
+        (19.99, 20.0, "19,75"),
+        (17 / 6, 20.0, "2,75"),
+        (2.875, 20.0, "3"),
+        (0.0, 20.0, "0"),
+        (20 / 22, 20 / 22, "0,91"),
+        (0.9, 20 / 22, "0,75"),
+    ],
+)
+def test_marks_are_shown_to_the_quarter_and_never_as_full_when_they_are_not(
+    value: float, most: float, shown: str
+) -> None:
+    assert mark(value, most) == shown

@@ -8,12 +8,38 @@ import pytest
 
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.local import LOCAL
-from graders.core.contract.verdict import Verdict
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.verdict import CheckResult, Verdict
+from server.course import FunctionSpec
 from server.web import verdicts
 from server.web.rendering import environment
 from tests.graders.shipped import CODE
+from tests.support.small_site import CHECK
 
 SHOW = '{% from "verdict.html" import show_verdict %}{{ show_verdict(verdict, 1) }}'
+
+
+PAIR = [FunctionSpec("kabsch", "kabsch(P, Q)", "", "", ("R", "t")), FunctionSpec("f", "f(x)", "", "")]
+
+
+@pytest.mark.parametrize(
+    ("inputs", "expected", "names"),
+    [
+        ({"P": [[1.0, 2.0]], "Q": [[1.0, 2.0]]}, [[[1.0, 0.0], [0.0, 1.0]], [3.0, 4.0]], ["R", "t"]),
+        ({"P": [[1.0, 2.0]]}, [[1.0, 0.0], [0.0, 1.0]], []),
+        ({"x": 1}, [[[1.0, 0.0], [0.0, 1.0]], [3.0, 4.0]], ["", ""]),
+    ],
+    ids=["a pair", "a matrix of two rows", "another function"],
+)
+def test_what_is_returned_together_is_named(inputs: dict[str, object], expected: object, names: list[str]) -> None:
+    counterexample = {"inputs": inputs, "expected": expected, "got": expected}
+    check = CheckResult.from_json({**CHECK, "counterexample": counterexample})
+    view = verdicts.view(Verdict("m9/a", "abc", Outcome.WRONG_ANSWER, 1, [check]), "/figures", functions=PAIR)
+    example = view.checks[0].counterexample
+    assert example is not None
+    for value in (example.expected, example.got):
+        assert value is not None
+        assert [name for name, _ in value.items] == names
 
 
 @pytest.mark.parametrize("grader", CODE.values(), ids=CODE.keys())
