@@ -29,6 +29,8 @@ CELLS = [
     for one in module.lessons
     for cell in one.cells
 ]
+#: Characters of a line that the editor shows beside the statement in a window of 1280 pixels.
+EDITOR_COLUMNS = 66
 EMPTY = {"area", "base", "br", "col", "embed", "hr", "img", "input", "link", "meta", "source", "track", "wbr"}
 FOREIGN = {"line", "mspace", "path"}  # of SVG and MathML: these may close themselves
 
@@ -114,3 +116,8 @@ def test_every_cell_runs_and_shows_something(course_sandbox: Sandbox, module: st
     assert shown.stdout or shown.figures
     assert not shown.truncated
     assert len(cell.code.splitlines()) <= 35, "short enough to be read at a glance"
+
+
+def test_a_starter_fits_the_editor() -> None:
+    lines = [(one.id, line) for one in COURSE.exercises.values() for line in one.starter.splitlines()]
+    assert [(name, line) for name, line in lines if len(line) > EDITOR_COLUMNS] == []

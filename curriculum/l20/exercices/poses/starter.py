@@ -1,5 +1,7 @@
 def composer(a, b):
-    """La pose b, donnée dans le repère de a, exprimée dans le repère du monde."""
+    """La pose b, donnée dans le repère de a, exprimée dans le
+    repère du monde.
+    """
     x1, y1, t1 = a
     x2, y2, t2 = b
     # À vous de jouer.
