@@ -15,6 +15,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.middleware.gzip import GZipMiddleware
 
 from server.api.documentation import with_problem_schema
+from server.api.guide import router as guide_router
 from server.api.routes import router as api_router
 from server.base import middleware
 from server.base.helper import Helper
@@ -58,6 +59,16 @@ DAY = 86400
 GZIP_LEVEL = 4  # mathematics in HTML shrink twelvefold; higher levels gain little and cost time
 RECOVER_EVERY = 3.0  # seconds
 TIDY_EVERY = 3600.0
+ROUTERS = (
+    api_router,
+    guide_router,
+    accounts_router,
+    person_router,
+    pages_router,
+    reading_router,
+    cells_router,
+    replays_router,
+)
 
 
 @dataclass(frozen=True)
@@ -198,15 +209,7 @@ def create_app(
     )
     _share(app, services)
     _protect(app, settings)
-    for router in (
-        api_router,
-        accounts_router,
-        person_router,
-        pages_router,
-        reading_router,
-        cells_router,
-        replays_router,
-    ):
+    for router in ROUTERS:
         app.include_router(router)
     errors.install(app)
     _lesson(app)

@@ -8,6 +8,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from html import unescape
 from itertools import pairwise
 from typing import Any
 from uuid import uuid4
@@ -19,6 +20,8 @@ from fastapi import FastAPI
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
+from server.api.guide import Guide, shape
+from server.api.words import PARAMETERS, ROUTES, STATUSES
 from server.app import create_app
 from server.base.helper import UnansweredError
 from server.base.provided import provided_to
@@ -412,6 +415,31 @@ def test_openapi_documents_every_route_and_its_problems(site: Site) -> None:
             for status, answer in operation["responses"].items():
                 if int(status) >= 400:
                     assert "application/problem+json" in answer["content"]
+
+
+def test_the_page_for_people_says_all_that_the_document_says_in_french(site: Site) -> None:
+    text = unescape(site.client.get("/docs").text)
+    assert 'src="http' not in text
+    for path, operations in site.client.get("/api/v1/openapi.json").json()["paths"].items():
+        assert f"</span> {path}</code>" in text
+        for method, operation in operations.items():
+            assert (method, path) in ROUTES, "server/api/words.py says each route in French"
+            assert {one["name"] for one in operation.get("parameters", ())} <= PARAMETERS.keys()
+            assert operation["responses"].keys() <= STATUSES.keys()
+    assert '"status": "queued" | "running" | "done"' in text
+    assert "http://testserver/api/v1/submissions/$ID/figures/$FIGURE.svg" in text
+    assert "bearer" in text.lower()
+
+
+def test_the_shapes_of_answers_are_those_of_the_schemas() -> None:
+    inner = {"type": "object", "properties": {"n": {"type": "integer"}, "any": {}}}
+    schemas = {"Inner": inner, "Again": {"type": "object", "properties": {"more": {"$ref": "#/c/s/Again"}}}}
+    guide = Guide({"components": {"schemas": schemas}}, "l20/poses", "")
+    several = {"type": "array", "items": {"$ref": "#/c/s/Inner"}}
+    maybe = {"anyOf": [{"$ref": "#/c/s/Inner"}, {"type": "null"}]}
+    spelt = '{\n  "n": entier,\n  "any": valeur JSON\n}'
+    assert (shape(guide, several), shape(guide, maybe)) == (f"[{spelt}, …]", f"{spelt} | null")
+    assert shape(guide, {"$ref": "#/c/s/Again"}).count("more") == 4, "a schema that holds itself ends"
 
 
 @pytest.fixture

@@ -1,0 +1,176 @@
+"""The page that documents the HTTP interface, made from its OpenAPI document: it says what that says, in French."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse
+
+from server.api.words import ANYTHING, PARAMETERS, ROUTES, STATUSES, TYPES
+from server.course import Course
+from server.course.dependencies import CourseOf
+from server.identity.dependencies import OptionalAccount
+from server.web.rendering import page
+
+router = APIRouter(include_in_schema=False)
+
+Json = Mapping[str, Any]
+DEEPEST = 4  # objects inside objects of an answer that are spelt out
+INDENT = "  "
+SHOWN_EXERCISE = "l20/poses"  # in the examples, where the course has no exercise with code
+
+
+@dataclass(frozen=True)
+class ParameterView:
+    name: str
+    kind: str
+    optional: bool
+    words: str
+
+
+@dataclass(frozen=True)
+class AnswerView:
+    status: str
+    words: str
+
+
+@dataclass(frozen=True)
+class RouteView:
+    """One route: `command` is an example in a shell, `answer` the shape of what comes back where that is JSON."""
+
+    id: str
+    method: str
+    path: str
+    words: str
+    parameters: tuple[ParameterView, ...]
+    body: tuple[ParameterView, ...]
+    answers: tuple[AnswerView, ...]
+    command: str
+    answer: str
+
+
+@dataclass(frozen=True)
+class GuidePage:
+    address: str
+    exercise: str
+    routes: tuple[RouteView, ...]
+
+
+@router.get("/docs")
+def guide(request: Request, account: OptionalAccount, course: CourseOf) -> HTMLResponse:
+    address = str(request.base_url).rstrip("/")
+    return page(request, "docs.html", account, page=guide_page(request.app.openapi(), course, address))
+
+
+def guide_page(document: Json, course: Course, address: str) -> GuidePage:
+    shown = next((one.id for one in course.exercises.values() if one.answers is None), SHOWN_EXERCISE)
+    return GuidePage(address, shown, tuple(_routes(Guide(document, shown, address))))
+
+
+@dataclass(frozen=True)
+class Guide:
+    """An OpenAPI document, and what its examples speak of."""
+
+    document: Json
+    exercise: str
+    address: str
+
+    def resolved(self, schema: Json) -> Json:
+        while "$ref" in schema:
+            schema = self.document["components"]["schemas"][schema["$ref"].rpartition("/")[2]]
+        return schema
+
+
+def _routes(guide: Guide) -> Iterator[RouteView]:
+    for path, operations in guide.document["paths"].items():
+        for method, operation in operations.items():
+            yield _route(guide, path, method, operation)
+
+
+def _route(guide: Guide, path: str, method: str, operation: Json) -> RouteView:
+    body = operation.get("requestBody", {}).get("content", {}).get("application/json", {}).get("schema")
+    answers = operation["responses"]
+    return RouteView(
+        id=operation["operationId"],
+        method=method.upper(),
+        path=path,
+        words=ROUTES.get((method, path)) or str(operation.get("description", "")),
+        parameters=tuple(_parameter(guide, one) for one in operation.get("parameters", ())),
+        body=tuple(_fields(guide, guide.resolved(body))) if body else (),
+        answers=tuple(AnswerView(status, _said(status, answers[status])) for status in sorted(answers)),
+        command=_command(guide, path, method, guide.resolved(body) if body else None),
+        answer=_answer(guide, answers),
+    )
+
+
+def _said(status: str, answer: Json) -> str:
+    return STATUSES.get(status) or str(answer["description"])
+
+
+def _parameter(guide: Guide, parameter: Json) -> ParameterView:
+    name = parameter["name"]
+    return ParameterView(name, kind(guide, parameter["schema"]), not parameter.get("required"), _words(name, parameter))
+
+
+def _words(name: str, field: Json) -> str:
+    return PARAMETERS.get(name) or str(field.get("description", ""))
+
+
+def _fields(guide: Guide, schema: Json) -> Iterator[ParameterView]:
+    for name, field in schema["properties"].items():
+        yield ParameterView(name, kind(guide, field), name not in schema.get("required", ()), _words(name, field))
+
+
+def kind(guide: Guide, schema: Json) -> str:
+    """What a value is, in a few words."""
+    schema = guide.resolved(schema)
+    if "anyOf" in schema:
+        return " | ".join(dict.fromkeys(kind(guide, one) for one in schema["anyOf"]))
+    values = [schema["const"]] if "const" in schema else schema.get("enum")
+    if values:
+        return " | ".join(json.dumps(value, ensure_ascii=False) for value in values)
+    if schema.get("type") == "array":
+        return f"[{kind(guide, schema['items'])}, …]"
+    if schema.get("type") == "object":
+        return "{…}"
+    return TYPES.get(schema.get("format", ""), "") or TYPES.get(schema.get("type", ""), ANYTHING)
+
+
+def shape(guide: Guide, schema: Json, margin: str = "", depth: int = 0) -> str:
+    """A JSON value as it is written, with what each part of it is in the place of the part."""
+    schema = guide.resolved(schema)
+    deeper = margin + INDENT
+    choices = [one for one in schema.get("anyOf", ()) if one.get("type") != "null"]
+    if len(choices) == 1 and len(schema["anyOf"]) == 2:
+        return f"{shape(guide, choices[0], margin, depth)} | null"
+    if schema.get("type") == "array":
+        return f"[{shape(guide, schema['items'], margin, depth)}, …]"
+    properties = schema.get("properties")
+    if not properties or depth >= DEEPEST:
+        return kind(guide, schema)
+    lines = [f'{deeper}"{name}": {shape(guide, field, deeper, depth + 1)}' for name, field in properties.items()]
+    return "{\n" + ",\n".join(lines) + f"\n{margin}}}"
+
+
+def _answer(guide: Guide, answers: Json) -> str:
+    contents = [answers[status].get("content", {}) for status in sorted(answers) if status.startswith("2")]
+    schemas = [content["application/json"]["schema"] for content in contents if "application/json" in content]
+    return shape(guide, schemas[0]) if schemas else ""
+
+
+def _command(guide: Guide, path: str, method: str, body: Json | None) -> str:
+    module, _, slug = guide.exercise.partition("/")
+    for name, value in {"module": module, "slug": slug, "submission_id": "$ID", "name": "$FIGURE"}.items():
+        path = path.replace(f"{{{name}}}", value)
+    lines = ['curl -H "Authorization: Bearer $BALISE_TOKEN"']
+    if method not in {"get", "post"}:
+        lines.append(f"-X {method.upper()}")
+    if body is not None:
+        example = {**body.get("examples", [{}])[0]}
+        lines += ["-H 'Content-Type: application/json'", f"-d {shlex.quote(json.dumps(example, ensure_ascii=False))}"]
+    return " \\\n  ".join([*lines, f'"{guide.address}{path}"'])
