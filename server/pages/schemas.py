@@ -9,8 +9,30 @@ from server.web.schemas import ModuleLink, OwnState, VerdictView
 
 
 @dataclass(frozen=True)
+class NextStep:
+    """What to do next in a module: `verb` says how it is called, on a button."""
+
+    href: str
+    verb: str
+    title: str
+
+
+@dataclass(frozen=True)
+class ModuleCard:
+    """A module on the first page; `step` is None in a module without anything to read or to do, or all done."""
+
+    link: ModuleLink
+    begun: bool
+    step: NextStep | None
+
+
+@dataclass(frozen=True)
 class HomePage:
-    modules: tuple[ModuleLink, ...]
+    modules: tuple[ModuleCard, ...]
+
+    @property
+    def begun(self) -> bool:
+        return any(card.begun for card in self.modules)
 
 
 #: "none" where there is nothing to say.

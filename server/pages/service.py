@@ -22,6 +22,8 @@ from server.pages.schemas import (
     FunctionView,
     HintView,
     HomePage,
+    ModuleCard,
+    NextStep,
     Results,
     SolutionView,
     ToldView,
@@ -33,7 +35,17 @@ from server.submissions.service import UNATTENDED, Place
 from server.web import verdicts
 from server.web.rendering import python
 from server.web.schemas import VerdictView
-from server.web.views import Reader, exercise_href, in_order, lesson_href, module_link, own_state
+from server.web.views import (
+    Reader,
+    exercise_href,
+    exercise_row,
+    in_order,
+    lesson_href,
+    module_link,
+    on_the_way,
+    own_state,
+    resumed,
+)
 from server.web.words import mark, moment, moment_text, plural
 
 HINT_OPENS_AFTER = (1, 2, 4)  # changed attempts without success
@@ -51,7 +63,18 @@ def attempt_at(reader: Reader, exercise: Exercise, submission_id: str) -> Attemp
 
 def home_page(reader: Reader) -> HomePage:
     progress = gradebook.progress(reader.db, reader.account)
-    return HomePage(tuple(module_link(module, progress) for module in reader.course.modules.values()))
+    return HomePage(tuple(_card(module, progress) for module in reader.course.modules.values()))
+
+
+def _card(module: Module, progress: dict[str, Progress]) -> ModuleCard:
+    rows = [exercise_row(exercise, progress.get(exercise.id, NOTHING_YET)) for exercise in in_order(module)]
+    begun, row, way = any(row.own.attempts for row in rows), resumed(rows), on_the_way(module)
+    step = None
+    if row is not None:
+        step = NextStep(row.href, "Reprendre" if row.own.attempts else "Exercice suivant", row.title)
+    elif way and not begun:
+        step = NextStep(lesson_href(way[0]), "Commencer", way[0].label)
+    return ModuleCard(module_link(module, progress), begun, step)
 
 
 def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> ExercisePage:

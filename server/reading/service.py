@@ -30,7 +30,7 @@ from server.reading.schemas import (
     TermView,
 )
 from server.web.schemas import ExerciseRow, FigureView
-from server.web.views import Reader, exercise_row, in_order, lesson_href, module_link
+from server.web.views import Reader, exercise_row, in_order, lesson_href, module_link, on_the_way, resumed
 from server.web.words import plural
 
 DEEPEST = 3  # level of the smallest headings in a table of contents
@@ -45,11 +45,6 @@ def find_lesson(module: Module, slug: str) -> Lesson:
         if lesson.slug == slug:
             return lesson
     raise NotFound("Cette page n’existe pas.")
-
-
-def on_the_way(module: Module) -> tuple[Lesson, ...]:
-    """The lessons in the order in which one reads them: the séances, then what the module's page lists after them."""
-    return tuple(sorted(module.lessons, key=lambda lesson: KINDS.index(lesson.kind)))
 
 
 def course_home(reader: Reader, module: Module) -> CourseHome:
@@ -77,7 +72,7 @@ def course_home(reader: Reader, module: Module) -> CourseHome:
         objectives=module.objectives,
         references=module.references,
         start=_link(way[0]) if way else None,
-        resumed=_resumed(tuple(rows.values())),
+        resumed=resumed(tuple(rows.values())),
         sessions=sessions,
         shelves=tuple(_shelves(way)),
         exercises=tuple(row for row in left if not row.stars),
@@ -93,14 +88,6 @@ def _rows(reader: Reader, exercises: Sequence[Exercise]) -> dict[str, ExerciseRo
     """One row for each exercise, by its slug."""
     progress: Mapping[str, Progress] = gradebook.progress(reader.db, reader.account)
     return {exercise.slug: exercise_row(exercise, progress.get(exercise.id, NOTHING_YET)) for exercise in exercises}
-
-
-def _resumed(rows: Sequence[ExerciseRow]) -> ExerciseRow | None:
-    """Where one who has come back goes on: the first exercise tried in vain, or else the first to try."""
-    if not any(row.own.attempts for row in rows):
-        return None
-    waiting = [row for row in rows if not row.own.done]
-    return next((row for row in waiting if row.own.attempts), waiting[0] if waiting else None)
 
 
 def _following(module: Module, rows: Mapping[str, ExerciseRow], lesson: Lesson) -> tuple[ExerciseRow, ...]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
 from server.base.errors import NotFound
 from server.course import Course, Exercise, Module
+from server.course.kinds import KINDS
 from server.course.models import Lesson
 from server.gradebook.schemas import NOTHING_YET, Progress
 from server.identity.models import Account
@@ -68,3 +70,16 @@ def in_order(module: Module) -> list[Exercise]:
     """The exercises in the order in which one meets them: those of each lesson, then those that follow none."""
     places = {lesson.slug: place for place, lesson in enumerate(module.lessons)}
     return sorted(module.exercises, key=lambda exercise: places.get(exercise.seance, len(places)))
+
+
+def on_the_way(module: Module) -> tuple[Lesson, ...]:
+    """The lessons in the order in which one reads them: the séances, then what the module's page lists after them."""
+    return tuple(sorted(module.lessons, key=lambda lesson: KINDS.index(lesson.kind)))
+
+
+def resumed(rows: Sequence[ExerciseRow]) -> ExerciseRow | None:
+    """Where one who has come back goes on: the first exercise tried in vain, or else the first to try."""
+    if not any(row.own.attempts for row in rows):
+        return None
+    waiting = [row for row in rows if not row.own.done]
+    return next((row for row in waiting if row.own.attempts), waiting[0] if waiting else None)

@@ -26,6 +26,23 @@ def test_every_page_answers_to_a_visitor(small_site: SmallSite) -> None:
     assert small_site.get("/m9/kit/m9.py").startswith("def configurer")
 
 
+def test_the_first_page_says_what_one_may_do_next(small_site: SmallSite) -> None:
+    fresh = small_site.get("/")
+    assert "Comment cela se passe" in fresh
+    assert "Aucun compte n’est nécessaire" in fresh
+    small_site.attempt("x = 1", verdict())
+    begun = small_site.get("/")
+    assert f'href="{PAGE}">Reprendre : Doubler<' in begun
+    assert "0 sur 2 exercices réussis" in begun
+    small_site.attempt("x = 2", verdict("ok", 20.0))
+    begun = small_site.get("/")
+    assert "Exercice suivant" in begun
+    assert "1 sur 2 exercices réussis" in begun
+    assert "Pour enseigner" not in begun
+    small_site.become_teacher()
+    assert "Pour enseigner" in small_site.get("/")
+
+
 def test_a_visitor_leaves_no_trace(small_site: SmallSite) -> None:
     answer = small_site.client.get(PAGE)
     assert "set-cookie" not in answer.headers
