@@ -156,10 +156,10 @@ def test_everything_can_be_done_from_the_keyboard(visit: NewVisit) -> None:
     page.keyboard.press("Enter")
     expect(page.locator(".cm-content")).to_be_focused()
     page.keyboard.press("Control+a")
-    page.keyboard.type("def composer(a, b):\nreturn [1, 2, 3]\n")
+    page.keyboard.type("def composer(a, b):\nreturn [1 / 1, 2, 3]\n")
     page.keyboard.press("Tab")
     page.keyboard.type("x")
-    assert page.locator(".cm-line").all_inner_texts()[1:] == ["    return [1, 2, 3]", "        x"]
+    assert page.locator(".cm-line").all_inner_texts()[1:] == ["    return [1 / 1, 2, 3]", "        x"]
     for _ in range(9):
         page.keyboard.press("Backspace")
     page.keyboard.press("Escape")

@@ -101,9 +101,10 @@ class Cell {
 
   /** Whoever types on the code as it is read writes in it: what is typed while the editor is loaded comes with it. */
   async typed(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.key.length !== 1) return;
+    const written = event.key === "Enter" ? "\n" : event.key;
+    if (event.ctrlKey || event.metaKey || event.altKey || written.length !== 1) return;
     event.preventDefault();
-    this.waiting = (this.waiting ?? "") + event.key;
+    this.waiting = (this.waiting ?? "") + written;
     await this.edit({});
     this.editor.insert(this.waiting);
     this.waiting = "";
