@@ -5,12 +5,16 @@ import { followToVerdict, showWaiting } from "./follow.js";
 import { setUpOrder } from "./answers/order.js";
 import { post } from "./send.js";
 import { setUpSplitter } from "./splitter.js";
-import { keep, recall } from "./storage.js";
+import { draftOfPage } from "./versions.js";
 
 const form = document.getElementById("essai");
 const message = document.getElementById("essai-message");
 const orders = [...form.querySelectorAll("[data-order]")].map((question) => setUpOrder(question, saveDraft));
-let draftKey = keyOf(form.dataset.account);
+const draft = draftOfPage(keyOf(form.dataset.account), {
+  get: () => body().toString(),
+  set: fill,
+  again: () => form.querySelector("input, select, button")?.focus(),
+});
 
 // A draft belongs to one draw: under other letters it would say something else.
 function keyOf(account) {
@@ -22,21 +26,17 @@ function body() {
 }
 
 function saveDraft() {
-  const kept = keep(draftKey, body().toString());
-  document.getElementById("brouillon").textContent = kept ? "Brouillon enregistré" : "";
+  document.getElementById("brouillon").textContent = draft.save() ? "Brouillon enregistré" : "";
 }
 
-function recallDraft() {
-  const before = inherited(form.dataset.account, keyOf);
-  const draft = before ?? recall(draftKey);
-  if (draft === null) return;
-  const fields = new URLSearchParams(draft);
+function fill(text) {
+  const fields = new URLSearchParams(text);
   for (const field of form.elements) {
     if (!field.name) continue;
     if (field.type === "radio" || field.type === "checkbox") field.checked = fields.getAll(field.name).includes(field.value);
     else field.value = fields.get(field.name) ?? "";
   }
-  if (before !== null) saveDraft();
+  for (const order of orders) order.show();
 }
 
 async function submit(event) {
@@ -70,20 +70,20 @@ function busy(state) {
 
 // The session may have changed hands while the page was open: the draft follows.
 function moveDraft(account) {
-  if (String(account) === form.dataset.account) return;
-  keep(draftKey, null);
   form.dataset.account = account;
-  draftKey = keyOf(account);
-  saveDraft();
+  draft.move(keyOf(String(account)));
 }
 
 if (form.dataset.taken === "true") {
   saveDraft();
   history.replaceState(null, "", location.pathname);
 } else {
-  recallDraft();
+  const before = inherited(form.dataset.account, keyOf);
+  if ((before ?? draft.kept) !== null) fill(before ?? draft.kept);
+  if (before !== null) saveDraft();
 }
 for (const order of orders) order.show();
+draft.tellAnother();
 form.addEventListener("input", saveDraft);
 form.addEventListener("submit", submit);
 setUpSplitter(document.getElementById("cloison"));

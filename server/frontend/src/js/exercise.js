@@ -1,30 +1,24 @@
 // The exercise page: draft, editor, submission without leaving the page, columns that can be resized.
 
 import { inherited } from "./drafts.js";
-import { announce, followToVerdict, showWaiting } from "./follow.js";
+import { followToVerdict, showWaiting } from "./follow.js";
 import { post } from "./send.js";
 import { setUpSplitter } from "./splitter.js";
-import { Draft } from "./versions.js";
+import { draftOfPage } from "./versions.js";
 
 const form = document.getElementById("essai");
 const area = document.getElementById("code");
 const message = document.getElementById("essai-message");
 const starter = document.getElementById("squelette").textContent.replace(/^\n/, "");
-const versions = document.getElementById("deux-versions");
 let editor = plainEditor();
-const draft = new Draft(keyOf(form.dataset.account), {
+const draft = draftOfPage(keyOf(form.dataset.account), {
   get: () => editor.get(),
   set: (text) => editor.set(text),
-  divided: tellVersions,
+  again: () => editor.focus(),
 });
 
 function keyOf(account) {
   return `balise-brouillon:${account}:${form.dataset.exercise}`;
-}
-
-function tellVersions(divided) {
-  if (divided && versions.hidden) announce(versions.querySelector("p").textContent);
-  versions.hidden = !divided;
 }
 
 // What any editor offers; this one is the text area itself.
@@ -68,7 +62,7 @@ async function setUpEditor() {
     saveDraft();
     history.replaceState(null, "", location.pathname);
   }
-  if (draft.hasAnother) tellVersions(true);
+  draft.tellAnother();
 }
 
 function showMessage(text) {
@@ -117,15 +111,6 @@ document.getElementById("recommencer").addEventListener("click", () => {
   if (!window.confirm("Revenir au code de départ ? Votre code actuel sera remplacé (Ctrl+Z le rend).")) return;
   editor.set(starter);
   saveDraft();
-  editor.focus();
-});
-
-versions.querySelector("[data-take]").addEventListener("click", () => {
-  draft.takeOther();
-  editor.focus();
-});
-versions.querySelector("[data-keep]").addEventListener("click", () => {
-  draft.keepThis();
   editor.focus();
 });
 

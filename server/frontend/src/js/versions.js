@@ -1,11 +1,29 @@
 // A draft kept in the browser, under one key, by whatever tabs are open on the same exercise. A tab that finds there
 // what another one has written does not write over it: its own version goes aside, and the reader chooses.
 
+import { announce } from "./follow.js";
 import { keep, recall } from "./storage.js";
 
 const ASIDE = ":autre";
 
-export class Draft {
+/** A draft with the notice of its page, `#deux-versions`; `again` is called when the reader has chosen. */
+export function draftOfPage(key, { get, set, again }) {
+  const notice = document.getElementById("deux-versions");
+  const divided = (two) => {
+    if (two && notice.hidden) announce(notice.querySelector("p").textContent);
+    notice.hidden = !two;
+  };
+  const draft = new Draft(key, { get, set, divided });
+  for (const [name, choose] of [["take", () => draft.takeOther()], ["keep", () => draft.keepThis()]]) {
+    notice.querySelector(`[data-${name}]`).addEventListener("click", () => {
+      choose();
+      again();
+    });
+  }
+  return draft;
+}
+
+class Draft {
   /** `get` and `set` reach what is written; `divided(true)` is called when there are two versions, and again at the end. */
   constructor(key, { get, set, divided }) {
     this.get = get;
@@ -36,10 +54,10 @@ export class Draft {
     return this.#known;
   }
 
-  /** Whether a version has stayed aside since another visit. */
-  get hasAnother() {
+  /** Says so when a version has stayed aside since another visit. */
+  tellAnother() {
     const aside = recall(this.#key + ASIDE);
-    return aside !== null && aside !== this.#known;
+    if (aside !== null && aside !== this.#known) this.divided(true);
   }
 
   /** False where the browser keeps nothing. */

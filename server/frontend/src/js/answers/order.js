@@ -79,6 +79,7 @@ export function setUpOrder(question, onChange) {
     const chosen = pieces.filter((piece) => selectOf(piece).value);
     chosen.sort((one, other) => Number(selectOf(one).value) - Number(selectOf(other).value));
     proof.append(...chosen);
+    pool.append(...pieces.filter((piece) => !chosen.includes(piece)));
     number();
   }
   return { show };
