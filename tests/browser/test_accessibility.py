@@ -70,6 +70,7 @@ def test_plain_pages(visit: NewVisit) -> None:
         "/connexion",
         "/inscription",
         "/compte",
+        "/docs",
         "/donnees-personnelles",
         "/nulle-part",
     ):
