@@ -85,6 +85,12 @@ class Guide:
             schema = self.document["components"]["schemas"][schema["$ref"].rpartition("/")[2]]
         return schema
 
+    def given(self, schema: Json) -> Json:
+        """What stands in the place of a value that may be null, where it is not."""
+        schema = self.resolved(schema)
+        choices = [one for one in schema.get("anyOf", ()) if one.get("type") != "null"]
+        return self.resolved(choices[0]) if len(choices) == 1 else schema
+
 
 def _routes(guide: Guide) -> Iterator[RouteView]:
     for path, operations in guide.document["paths"].items():
@@ -93,7 +99,8 @@ def _routes(guide: Guide) -> Iterator[RouteView]:
 
 
 def _route(guide: Guide, path: str, method: str, operation: Json) -> RouteView:
-    body = operation.get("requestBody", {}).get("content", {}).get("application/json", {}).get("schema")
+    content = operation.get("requestBody", {}).get("content", {}).get("application/json")
+    body = guide.given(content["schema"]) if content else None
     answers = operation["responses"]
     return RouteView(
         id=operation["operationId"],
@@ -101,9 +108,9 @@ def _route(guide: Guide, path: str, method: str, operation: Json) -> RouteView:
         path=path,
         words=ROUTES.get((method, path)) or str(operation.get("description", "")),
         parameters=tuple(_parameter(guide, one) for one in operation.get("parameters", ())),
-        body=tuple(_fields(guide, guide.resolved(body))) if body else (),
+        body=tuple(_fields(guide, body)) if body else (),
         answers=tuple(AnswerView(status, _said(status, answers[status])) for status in sorted(answers)),
-        command=_command(guide, path, method, guide.resolved(body) if body else None),
+        command=_command(guide, path, method, body),
         answer=_answer(guide, answers),
     )
 
@@ -143,11 +150,10 @@ def kind(guide: Guide, schema: Json) -> str:
 
 def shape(guide: Guide, schema: Json, margin: str = "", depth: int = 0) -> str:
     """A JSON value as it is written, with what each part of it is in the place of the part."""
-    schema = guide.resolved(schema)
+    schema, value = guide.resolved(schema), guide.given(schema)
     deeper = margin + INDENT
-    choices = [one for one in schema.get("anyOf", ()) if one.get("type") != "null"]
-    if len(choices) == 1 and len(schema["anyOf"]) == 2:
-        return f"{shape(guide, choices[0], margin, depth)} | null"
+    if value is not schema:
+        return f"{shape(guide, value, margin, depth)} | null"
     if schema.get("type") == "array":
         return f"[{shape(guide, schema['items'], margin, depth)}, …]"
     properties = schema.get("properties")
@@ -171,6 +177,6 @@ def _command(guide: Guide, path: str, method: str, body: Json | None) -> str:
     if method not in {"get", "post"}:
         lines.append(f"-X {method.upper()}")
     if body is not None:
-        example = {**body.get("examples", [{}])[0]}
+        example = body.get("examples", [dict.fromkeys(body["properties"], "…")])[0]
         lines += ["-H 'Content-Type: application/json'", f"-d {shlex.quote(json.dumps(example, ensure_ascii=False))}"]
     return " \\\n  ".join([*lines, f'"{guide.address}{path}"'])

@@ -84,7 +84,7 @@ def test_two_tabs_keep_both_versions_until_one_is_chosen(visit: NewVisit) -> Non
     expect(theirs).to_contain_text("a = 1")
     theirs.press("Control+a")
     theirs.press_sequentially("b = 2")
-    told, told_there = page.locator("#deux-versions"), other.locator("#deux-versions")
+    told, told_there = page.locator("#versions"), other.locator("#versions")
     expect(told).to_contain_text("dans un autre onglet")
     expect(code).to_contain_text("a = 1")
 

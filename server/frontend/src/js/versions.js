@@ -6,9 +6,9 @@ import { keep, recall } from "./storage.js";
 
 const ASIDE = ":autre";
 
-/** A draft with the notice of its page, `#deux-versions`; `again` is called when the reader has chosen. */
+/** A draft with the notice of its page, `#versions`; `again` is called when the reader has chosen. */
 export function draftOfPage(key, { get, set, again }) {
-  const notice = document.getElementById("deux-versions");
+  const notice = document.getElementById("versions");
   const divided = (two) => {
     if (two && notice.hidden) announce(notice.querySelector("p").textContent);
     notice.hidden = !two;
