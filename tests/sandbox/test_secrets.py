@@ -27,7 +27,7 @@ from .limits import only
 
 TESTS = Path(__file__).resolve().parents[1]
 WALKER = (TESTS / "hostile" / "marcheur.py").read_bytes()
-POLICY = only(memory_bytes=2 << 30, frame_bytes=256 << 20)
+POLICY = only(memory_bytes=2 << 30, frame_bytes=256 << 20, session_bytes=256 << 20)
 #: Shorter lines say what anybody would write, and shorter functions are made of a few instructions that many have.
 LINE, CODE = 28, 48
 WORD = 8
