@@ -203,14 +203,20 @@ def ours(modules: Iterable[str]) -> set[str]:
 EXERCISES = pytest.mark.parametrize("exercise", the_course().exercises.values(), ids=lambda exercise: exercise.slug)
 
 
+@cache
+def imported_with(*needed: str) -> set[str]:
+    """The modules of ours that a new interpreter has once it has imported these."""
+    code = f"import sys, json, {', '.join(needed)}; print(json.dumps([*sys.modules]))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    return ours(json.loads(done.stdout))
+
+
 @EXERCISES
 def test_what_a_grader_really_imports_is_in_its_closure(exercise: Exercise) -> None:
     """Statically found, it would silently miss a module whose name is computed."""
     modules = {f"graders.{exercise.module}.{exercise.slug}.grader", type(exercise.grader).__module__}
     needed = sorted(name for name in modules if Path(ROOT, *name.split(".")).with_suffix(".py").is_file())
-    code = f"import sys, json, {', '.join(needed)}; print(json.dumps([*sys.modules]))"
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
-    imported = ours(json.loads(done.stdout))
+    imported = imported_with(*needed)
     assert imported >= set(needed)
     assert imported <= closure_of(exercise)
 
