@@ -86,6 +86,14 @@ def _grade(parser: argparse.ArgumentParser) -> None:
 
 def _check(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="exercices à vérifier (par défaut : tous)")
+    parser.add_argument(
+        "--fairness",
+        type=Path,
+        metavar="DIR",
+        help="corrige plutôt des programmes inconnus : DIR/EXERCICE/right/*.py et DIR/EXERCICE/wrong/*.py",
+    )
+    help_text = "avec --fairness, nombre de graines essayées pour chaque programme (par défaut : %(default)s)"
+    parser.add_argument("--seeds", type=_seeds, default=3, metavar="N", help=help_text)
 
 
 def _submit(parser: argparse.ArgumentParser) -> None:
@@ -113,6 +121,10 @@ def _port(text: str) -> int:
 
 def _seed(text: str) -> int:
     return _bounded(text, 2**53 - 1, "la graine")
+
+
+def _seeds(text: str) -> int:
+    return max(1, _bounded(text, 1000, "le nombre de graines"))
 
 
 def _bounded(text: str, most: int, what: str) -> int:

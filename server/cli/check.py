@@ -16,6 +16,7 @@ from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import Known
 from server.cells import faults as cells
+from server.cli import CannotRun, fairness
 from server.cli.local import find, local_grader, start_probing
 from server.course import Exercise, load
 from server.figures import lessons
@@ -50,6 +51,8 @@ class Examination:
 
 def run(arguments: Namespace) -> int:
     logging.basicConfig(level=logging.WARNING, stream=sys.stderr)
+    if arguments.fairness is not None:
+        return _fairness(arguments)
     probing, course = start_probing(slow=False), load()
     exercises = [find(course, name) for name in arguments.exercises] or list(course.exercises.values())
     problems = [*course.problems, *(() if arguments.exercises else lessons.faults(course))]
@@ -60,6 +63,15 @@ def run(arguments: Namespace) -> int:
         faults = sum(_told(examination) for exercise in exercises for examination in examinations(grader, exercise))
     print(_summary(len(exercises), faults + len(problems)))
     return 1 if faults or problems else 0
+
+
+def _fairness(arguments: Namespace) -> int:
+    if not arguments.fairness.is_dir():
+        raise CannotRun(f"« {arguments.fairness} » n’est pas un dossier.")
+    probing, course = start_probing(slow=False), load(render=False)
+    with local_grader(course, probing) as grader:
+        only = {find(course, name).id for name in arguments.exercises}
+        return fairness.run(course, grader, arguments.fairness, arguments.seeds, only)
 
 
 def _told(examination: Examination) -> bool:

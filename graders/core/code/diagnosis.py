@@ -7,6 +7,7 @@ the mistake.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -14,7 +15,7 @@ from functools import partial
 from graders.core.code.bench import Observation
 from graders.core.code.folder import Misconception
 from graders.core.code.reenacting import Reenactment
-from graders.core.compare.slips import SLIPS
+from graders.core.compare.slips import SLIPS, Slip
 from graders.core.contract.values import same_value
 from graders.core.contract.verdict import Diagnosis
 
@@ -94,17 +95,38 @@ def agree(observation: Observation, other: Observation) -> bool:
 
 
 def _diagnosis(misconception: Misconception) -> Diagnosis:
-    explanation = f"{misconception.explanation.strip()}\n\n{misconception.question.strip()}"
-    return Diagnosis(misconception.id, misconception.title, explanation)
+    return combined([misconception.id], [misconception])
 
 
-def slip_diagnosis(slips: Sequence[str | None]) -> Diagnosis | None:
-    """When no misconception of the exercise fits: the usual slip seen in most of the failed checks, if no other was.
+def combined(ids: Sequence[str], misconceptions: Sequence[Misconception]) -> Diagnosis:
+    """The diagnosis of these mistakes, of the exercise or usual slips: the first one's, which tells the others too."""
+    named: dict[str, Misconception | Slip] = {**SLIPS, **{one.id: one for one in misconceptions}}
+    first, *others = [named[one] for one in ids]
+    title = " — et aussi : ".join(one.title for one in (first, *others))
+    paragraphs = [first.explanation, first.question]
+    for other in others:
+        paragraphs += [f"Autre erreur : {lowered(other.title)}. {other.explanation}", other.question]
+    return Diagnosis(first.id, title, "\n\n".join(part.strip() for part in paragraphs))
 
-    `slips` holds one entry for each failed check, None where no slip explains it.
+
+def lowered(title: str) -> str:
+    """A title in the middle of a sentence: its first letter small, unless it is a symbol's or a name's."""
+    word = title.split(" ", 1)[0]
+    return title[:1].lower() + title[1:] if word[1:].islower() or word in ("L'angle", "L'inverse") else title
+
+
+def slip_diagnosis(slips: Sequence[tuple[Sequence[str], str | None]]) -> Diagnosis | None:
+    """When no misconception of the exercise fits: the usual slip seen in most of the failed checks.
+
+    `slips` holds the functions and the slip of each failed check, None where no slip explains it. A check of several
+    functions has no say beside those of one.
     """
-    named = [slip for slip in slips if slip is not None]
-    if len(set(named)) != 1 or 2 * len(named) <= len(slips):
+    alone = [slip for functions, slip in slips if len(functions) == 1]
+    asked = alone if any(alone) else [slip for _, slip in slips]
+    counted = Counter(slip for slip in asked if slip is not None)
+    if not counted:
         return None
-    slip = SLIPS[named[0]]
-    return Diagnosis(slip.id, slip.title, f"{slip.explanation}\n\n{slip.question}")
+    (name, times), *others = counted.most_common(2)
+    if 2 * times <= len(asked) or (others and others[0][1] == times):
+        return None
+    return combined([name], ())

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from graders.core.code.checks import Check
-from graders.core.code.folder import Misconception, read_misconceptions, read_solution, same_functions
+from graders.core.code.folder import Misconception, read_misconceptions, read_model, read_solution, same_functions
 from graders.core.code.grading import CodeGrader, KitMaker
+from graders.core.code.probes import Prober, Probes
 from graders.core.contract.definition import Definition
 from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.verdict import MAX_POINTS
@@ -22,6 +23,7 @@ class CodeDefinition(Definition):
     kit: KitMaker
     solution: str
     misconceptions: tuple[Misconception, ...] = ()
+    prober: Prober | None = None
 
     @property
     def judged(self) -> frozenset[str]:
@@ -38,12 +40,15 @@ class CodeDefinition(Definition):
             raise MalformedExerciseError(self.file, f"asked for or judged, but not both: {', '.join(odd)}")
         same_functions(self.folder, self.misconceptions, functions)
         return CodeGrader(
-            self.exercise, self.folder, tuple(functions), self.checks, self.kit, self.misconceptions, self.solution
-        )
+            self.exercise, self.folder, tuple(functions), self.checks, self.kit, self.misconceptions, self.solution,
+            prober=self.prober,
+        )  # fmt: skip
 
 
-def code(file: str, *, checks: Sequence[Check], kit: KitMaker) -> CodeDefinition:
+def code(file: str, *, checks: Sequence[Check], kit: KitMaker, probes: Sequence[Probes] = ()) -> CodeDefinition:
     """Describe an exercise from its grader's module: `code(__file__, checks=…, kit=…)`.
+
+    `probes` are asked of a submission whose checks failed, and their answers compared with the model's mutants.
 
     Raises MalformedExerciseError when the folder does not hold together.
     """
@@ -54,4 +59,7 @@ def code(file: str, *, checks: Sequence[Check], kit: KitMaker) -> CodeDefinition
     if len({check.id for check in checks}) != len(checks):
         raise MalformedExerciseError(Path(file), "two checks have the same id")
     solution = read_solution(folder)
-    return CodeDefinition(folder, tuple(checks), kit, solution, tuple(read_misconceptions(folder, solution)))
+    misconceptions = tuple(read_misconceptions(folder, solution))
+    model = read_model(folder)
+    prober = Prober(model, probes) if model is not None else None
+    return CodeDefinition(folder, tuple(checks), kit, solution, misconceptions, prober)

@@ -9,10 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from graders.core.code.mutations import Edit, Model
+from graders.core.compare.slips import SLIPS
 from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.outcomes import Outcome
 
 MISCONCEPTIONS = "misconceptions.toml"
+MODEL = "model.py"
 FIELDS = {"id", "functions", "title", "explanation", "question"}
 
 
@@ -47,17 +50,27 @@ def read_solution(folder: Path) -> str:
 
 
 def read_misconceptions(folder: Path, solution: str) -> Iterator[Misconception]:
-    """The catalogue, each misconception as the solution with a mistake. Raises MalformedExerciseError."""
+    """The catalogue, each misconception as a whole submission that makes it. Raises MalformedExerciseError."""
+    text, entries = _entries(folder)
+    for entry, line in zip(entries.get("misconception", ()), _lines(text, "misconception"), strict=False):
+        yield from _misconceptions(folder, entry, line, solution)
+
+
+def _entries(folder: Path) -> tuple[str, dict[str, Any]]:
     path = folder / MISCONCEPTIONS
     text = _read(path)
     try:
-        entries = tomllib.loads(text)["misconception"]
+        entries = tomllib.loads(text)
+        _ = entries["misconception"]
     except (tomllib.TOMLDecodeError, KeyError) as error:
         raise MalformedExerciseError(path, f"not a list of misconceptions: {error}") from error
-    headers = re.finditer(r"^[ \t]*\[\[[ \t]*misconception[ \t]*\]\]", text, re.MULTILINE)
-    lines = (text[: header.start()].count("\n") + 1 for header in headers)
-    for entry in entries:
-        yield from _misconceptions(folder, entry, next(lines, 1), solution)
+    return text, entries
+
+
+def _lines(text: str, table: str) -> Iterator[int]:
+    """The lines of the headers of one array of tables."""
+    for header in re.finditer(rf"^[ \t]*\[\[[ \t]*{table}[ \t]*\]\]", text, re.MULTILINE):
+        yield text[: header.start()].count("\n") + 1
 
 
 def _misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: str) -> Iterator[Misconception]:
@@ -66,16 +79,62 @@ def _misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: st
         message = f"misconception {entry.get('id', '?')} lacks {', '.join(sorted(missing))}"
         raise MalformedExerciseError(folder / MISCONCEPTIONS, message, line)
     home = folder / "misconceptions"
-    for file in (home / f"{entry['id']}.py", *sorted(home.glob(f"{entry['id']}__*.py"))):
+    file = home / f"{entry['id']}.py"
+    sources = [f"{solution}\n\n{_read(one)}" for one in sorted(home.glob(f"{entry['id']}__*.py"))]
+    if file.exists() or not entry.get("edits"):
+        sources.insert(0, f"{solution}\n\n{_read(file)}")
+    else:
+        sources.insert(0, _edited(folder, entry, line))
+    for source in sources:
         yield Misconception(
             id=entry["id"],
             functions=tuple(entry["functions"]),
             title=entry["title"],
             explanation=entry["explanation"],
             question=entry["question"],
-            source=f"{solution}\n\n{_read(file)}",
+            source=source,
             line=line,
         )
+
+
+def _edited(folder: Path, entry: dict[str, Any], line: int) -> str:
+    """The model with the first of a mistake's edits."""
+    edited = _edits(entry, folder, line)[0].apply(_read(folder / MODEL))
+    assert edited is not None, "an edit is tried when it is read"
+    return edited
+
+
+def read_model(folder: Path) -> Model | None:
+    """The model program and the mistakes that are edits of it; None where an exercise has none.
+
+    Mistakes stand in the catalogue under `misconception` or, for those whose words are a usual slip's, under `slip`;
+    under `style` stand other ways of being right. Raises MalformedExerciseError for an edit of what is not there.
+    """
+    path = folder / MODEL
+    if not path.exists():
+        return None
+    text, entries = _entries(folder)
+    found: dict[str, list[Edit]] = {}
+    for table in ("style", "misconception", "slip"):
+        found[table] = []
+        for entry, line in zip(entries.get(table, ()), _lines(text, table), strict=False):
+            if table == "slip" and entry.get("id") not in SLIPS:
+                raise MalformedExerciseError(folder / MISCONCEPTIONS, f"{entry.get('id')} is no slip", line)
+            found[table] += _edits(entry, folder, line)
+    return Model(_read(path), (*found["misconception"], *found["slip"]), found["style"])
+
+
+def _edits(entry: dict[str, Any], folder: Path, line: int) -> list[Edit]:
+    """The edits of one entry: each a list of texts, one to replace and what replaces it, and so on."""
+    model = _read(folder / MODEL) if entry.get("edits") else ""
+    made = []
+    for texts in entry.get("edits", ()):
+        edit = Edit(entry.get("id", ""), tuple(zip(texts[::2], texts[1::2], strict=True)))
+        if edit.apply(model) is None and not entry.get("after"):
+            message = f"an edit of {edit.id or 'a style'} does not find its text once in {MODEL}: {texts[::2]}"
+            raise MalformedExerciseError(folder / MISCONCEPTIONS, message, line)
+        made.append(edit)
+    return made
 
 
 def same_functions(folder: Path, misconceptions: Sequence[Misconception], functions: Sequence[str]) -> None:

@@ -10,10 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from graders.core.code.bench import DEFAULT_BUDGET, Bench, Observation, Runner
+from graders.core.code.bench import DEFAULT_BUDGET, Bench, Runner
 from graders.core.code.checks import Check, Rejection, fault_rejection
-from graders.core.code.diagnosis import diagnose, slip_diagnosis
+from graders.core.code.diagnosis import combined, diagnose, slip_diagnosis
 from graders.core.code.folder import Misconception, Specimen, read_specimens
+from graders.core.code.probes import Prober
 from graders.core.code.reenacting import Reenactor
 from graders.core.compare.shrinking import Budget
 from graders.core.compare.words import tidy, to_jsonable, whole_jsonable
@@ -27,6 +28,8 @@ from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis
 
 FIGURE_ITEMS = 20_000
 JUDGED = (Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT)
+#: What may have a misconception for its cause: a program that runs, though it raises on some inputs.
+DIAGNOSED = (*JUDGED, Outcome.RUNTIME_ERROR)
 KitMaker = Callable[[np.random.Generator], KitSettings]
 FRESH = Reenactor()
 
@@ -47,6 +50,7 @@ class CodeGrader:
     solution: str
     reenactor: Reenactor = FRESH
     budget: Budget = DEFAULT_BUDGET
+    prober: Prober | None = None
 
     def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Judgement:
         """The verdict of a file: every check is run on the program that `programs` starts of it.
@@ -58,10 +62,10 @@ class CodeGrader:
         runner = Runner(programs, source, kit, budget=self.budget)
         try:
             findings = _run(self.checks, runner, kit, seed)
+            checked = time.perf_counter()
+            diagnosis = self._diagnosis(findings, runner, kit, seed)
         finally:
             runner.close()
-        checked = time.perf_counter()
-        diagnosis = self._diagnosis(findings, runner.observations, kit, seed)
         ended = time.perf_counter()
         timings = {"checks_ms": (started, checked), "diagnosis_ms": (checked, ended), "total_ms": (started, ended)}
         verdict = verdict_of(
@@ -77,14 +81,23 @@ class CodeGrader:
         return Judgement(verdict, figures)
 
     def _diagnosis(
-        self, findings: Sequence[Finding], observations: Sequence[Observation], kit: KitSettings, seed: int
+        self, findings: Sequence[Finding], runner: Runner, kit: KitSettings, seed: int
     ) -> Diagnosis | None:
-        failed = [finding for finding in findings if not finding.passed]
-        if not failed:
+        """The name of what failed: by the probes, else by re-enacting what these do not judge, else a usual slip."""
+        pairs = [(check, finding) for check, finding in zip(self.checks, findings, strict=True) if not finding.passed]
+        if not pairs or all(finding.cause not in DIAGNOSED for _, finding in pairs):
             return None
+        blamed = _blamed([check for check, _ in pairs])
+        ids = self.prober.recognise(runner, [f for f in self.functions if f in blamed]) if self.prober else ()
+        if ids:
+            return combined(ids, self.misconceptions)
+        probed = self.prober.functions if self.prober else frozenset()
+        others = [m for m in self.misconceptions if not probed.issuperset(m.functions) and blamed & set(m.functions)]
         reenact = partial(self.reenactor.reenact, checks=self.checks, kit=kit, seed=seed)
-        named = diagnose(observations, self.misconceptions, reenact)
-        return named or slip_diagnosis([f.slip for f in failed if f.cause in JUDGED and f.result.counterexample])
+        named = diagnose(runner.observations, others, reenact)
+        return named or slip_diagnosis(
+            [(c.functions, f.slip) for c, f in pairs if f.cause in JUDGED and f.result.counterexample]
+        )
 
     def rehearse(self) -> None:
         """Grade the solution and a mistake in this process: what is imported and compiled at first use then is."""
@@ -108,6 +121,15 @@ class CodeGrader:
     def specimens(self) -> Iterator[Specimen]:
         """The submissions under `specimens/<outcome>/`. Raises MalformedExerciseError."""
         return read_specimens(self.folder)
+
+
+def _blamed(failed: Sequence[Check]) -> frozenset[str]:
+    """The functions that a failed check judges alone; where none does, all that a failed check judges.
+
+    A check of several functions does not say which is at fault when another check does.
+    """
+    alone = [check for check in failed if len(check.functions) == 1]
+    return frozenset(function for check in alone or failed for function in check.functions)
 
 
 def _always(source: bytes) -> Callable[[int], bytes]:
