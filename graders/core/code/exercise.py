@@ -9,6 +9,7 @@ from pathlib import Path
 from graders.core.code.checks import Check
 from graders.core.code.folder import Misconception, read_misconceptions, read_model, read_solution, same_functions
 from graders.core.code.grading import CodeGrader, KitMaker
+from graders.core.code.mutations import Edit, Mutant
 from graders.core.code.probes import Prober, Probes
 from graders.core.contract.definition import Definition
 from graders.core.contract.malformed import MalformedExerciseError
@@ -61,5 +62,6 @@ def code(file: str, *, checks: Sequence[Check], kit: KitMaker, probes: Sequence[
     solution = read_solution(folder)
     misconceptions = tuple(read_misconceptions(folder, solution))
     model = read_model(folder)
-    prober = Prober(model, probes) if model is not None else None
+    whole = [Mutant((m.id,), m.source, (Edit(m.id, (), frozenset(m.functions)),)) for m in misconceptions if m.whole]
+    prober = Prober(model, probes, whole) if model is not None else None
     return CodeDefinition(folder, tuple(checks), kit, solution, misconceptions, prober)

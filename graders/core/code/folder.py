@@ -24,7 +24,7 @@ class Misconception:
     """A named wrong implementation of `functions`; `source` is a whole submission that makes this mistake.
 
     Several may share an id: the same mistake leaves other outputs in code that, say, forgets to wrap angles besides.
-    `line` is its place in the catalogue.
+    `line` is its place in the catalogue; `whole` says that its source is no edit of the model.
     """
 
     id: str
@@ -34,6 +34,7 @@ class Misconception:
     question: str
     source: str
     line: int = 1
+    whole: bool = True
 
 
 @dataclass(frozen=True)
@@ -80,12 +81,11 @@ def _misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: st
         raise MalformedExerciseError(folder / MISCONCEPTIONS, message, line)
     home = folder / "misconceptions"
     file = home / f"{entry['id']}.py"
-    sources = [f"{solution}\n\n{_read(one)}" for one in sorted(home.glob(f"{entry['id']}__*.py"))]
-    if file.exists() or not entry.get("edits"):
-        sources.insert(0, f"{solution}\n\n{_read(file)}")
-    else:
-        sources.insert(0, _edited(folder, entry, line))
-    for source in sources:
+    files = [*([file] if file.exists() or not entry.get("edits") else ()), *sorted(home.glob(f"{entry['id']}__*.py"))]
+    sources = [(f"{solution}\n\n{_read(one)}", True) for one in files]
+    if not sources:
+        sources = [(_edited(folder, entry, line), False)]
+    for source, whole in sources:
         yield Misconception(
             id=entry["id"],
             functions=tuple(entry["functions"]),
@@ -94,6 +94,7 @@ def _misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: st
             question=entry["question"],
             source=source,
             line=line,
+            whole=whole,
         )
 
 
@@ -129,7 +130,8 @@ def _edits(entry: dict[str, Any], folder: Path, line: int) -> list[Edit]:
     model = _read(folder / MODEL) if entry.get("edits") else ""
     made = []
     for texts in entry.get("edits", ()):
-        edit = Edit(entry.get("id", ""), tuple(zip(texts[::2], texts[1::2], strict=True)))
+        changes = tuple(zip(texts[::2], texts[1::2], strict=True))
+        edit = Edit(entry.get("id", ""), changes, frozenset(entry.get("functions", ())))
         if edit.apply(model) is None and not entry.get("after"):
             message = f"an edit of {edit.id or 'a style'} does not find its text once in {MODEL}: {texts[::2]}"
             raise MalformedExerciseError(folder / MISCONCEPTIONS, message, line)

@@ -90,7 +90,8 @@ class CodeGrader:
         blamed = _blamed([check for check, _ in pairs])
         ids = self.prober.recognise(runner, [f for f in self.functions if f in blamed]) if self.prober else ()
         if ids:
-            return combined(ids, self.misconceptions)
+            touched = {finding.slip for check, finding in pairs if check.needs_another and finding.slip} - set(ids)
+            return combined((*ids, *touched), self.misconceptions)
         probed = self.prober.functions if self.prober else frozenset()
         others = [m for m in self.misconceptions if not probed.issuperset(m.functions) and blamed & set(m.functions)]
         reenact = partial(self.reenactor.reenact, checks=self.checks, kit=kit, seed=seed)

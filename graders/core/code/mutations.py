@@ -7,7 +7,7 @@ transpose », « the reflection is not mended ». Applied together, they are the
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 
@@ -15,11 +15,14 @@ from dataclasses import dataclass
 class Edit:
     """Texts to replace in the model, each there exactly once. `id` is a misconception's or a slip's; "" for a style.
 
+    `functions` are those that the mistake speaks of, none for a slip, which may be of any.
+
     A style is another way of being right: it makes no mistake, but other mistakes look otherwise beside it.
     """
 
     id: str
     changes: tuple[tuple[str, str], ...]
+    functions: frozenset[str] = frozenset()
 
     def apply(self, text: str) -> str | None:
         """The edited text; None where a text to replace is not there, as when another edit has replaced it."""
@@ -32,10 +35,18 @@ class Edit:
 
 @dataclass(frozen=True)
 class Mutant:
-    """The model with some edits; `ids` are the mistakes that it makes, in the order of the catalogue."""
+    """A program with some mistakes; `ids` are theirs, in the order of the catalogue.
+
+    A program that is no edit of the model has for its `edits` one without changes.
+    """
 
     ids: tuple[str, ...]
     text: str
+    edits: tuple[Edit, ...] = ()
+
+    def speaks_of(self, functions: Collection[str]) -> bool:
+        """Is every mistake one that these functions may have?"""
+        return all(not edit.functions or edit.functions.intersection(functions) for edit in self.edits)
 
 
 @dataclass(frozen=True)
@@ -46,18 +57,26 @@ class Model:
     edits: Sequence[Edit]
     styles: Sequence[Edit] = ()
 
-    def mutants(self, mistakes: int, among: frozenset[str] | None = None) -> Iterator[Mutant]:
-        """Every program with so many different mistakes (of the ids `among`), in each style."""
-        edits = [edit for edit in self.edits if among is None or edit.id in among]
-        texts = [self.text, *(text for style in self.styles if (text := style.apply(self.text)) is not None)]
-        for chosen in itertools.combinations(edits, mistakes):
-            ids = tuple(edit.id for edit in chosen)
-            if len(set(ids)) < mistakes:
-                continue
-            for text in texts:
-                mutated = _together(text, chosen)
-                if mutated is not None:
-                    yield Mutant(ids, mutated)
+    def right(self) -> Iterator[Mutant]:
+        """The model in each of its styles."""
+        texts = (self.text, *(text for style in self.styles if (text := style.apply(self.text)) is not None))
+        yield from (Mutant((), text) for text in texts)
+
+    def mutants(self, edits: Sequence[Edit], mistakes: int) -> Iterator[Mutant]:
+        """Every program with so many different mistakes among these edits, in each style."""
+        for right in self.right():
+            for chosen in itertools.combinations(edits, mistakes):
+                ids = tuple(edit.id for edit in chosen)
+                text = _together(right.text, chosen) if len(set(ids)) == mistakes else None
+                if text is not None:
+                    yield Mutant(ids, text, chosen)
+
+    def extended(self, mutant: Mutant, edits: Sequence[Edit]) -> Iterator[Mutant]:
+        """A mutant with one of these mistakes more, in each way in which it can be made."""
+        for edit in edits:
+            text = edit.apply(mutant.text) if edit.id not in mutant.ids else None
+            if text is not None:
+                yield Mutant((*mutant.ids, edit.id), text, (*mutant.edits, edit))
 
 
 def _together(text: str, edits: Sequence[Edit]) -> str | None:

@@ -9,24 +9,34 @@ What no mutant reproduces is left to `rules`, which know a mistake by what sever
 
 from __future__ import annotations
 
+import copy
+import itertools
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
+import time
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from graders.core.code.bench import Runner
-from graders.core.code.mutations import Model, Mutant
-from graders.core.contract.local import LocalProgram
+from graders.core.code.mutations import Edit, Model, Mutant
+from graders.core.compare.slips import SLIPS
+from graders.core.contract.local import kit_names
 from graders.core.contract.program import Answer, KitSettings, Reply, StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, same_value
 
 TOLERANCE = 1e-7
-#: A fault that was raised so often has shown enough.
-MAX_FAULTS = 3
+#: How many mistakes are sought together; one more where a facet tells two of them already.
+DEEP = 2
+MOST_EXTENDED = 20
+#: The slip of a function that answers the same input otherwise the second time.
+MEMORY = "memoire"
+#: Seconds that the probes of one function may take a program: one that is slower is not named by them.
+LONGEST = 0.5
 
-Read = Callable[[Value], Value]
+#: From the arguments and the value that came back to what is compared.
+Read = Callable[[Arguments, Value], Value]
 
 
 @dataclass(frozen=True)
@@ -52,6 +62,8 @@ class Shown:
         return [k for k, (a, b) in enumerate(zip(self.got, self.right, strict=True)) if not same_seen(a, b)]
 
 
+#: From the arguments and what was shown to a part of it.
+Facet = Callable[[Arguments, Seen], Seen]
 #: Says which mistake (its id) the answers show, or None.
 Rule = Callable[[Shown], str | None]
 
@@ -60,18 +72,18 @@ Rule = Callable[[Shown], str | None]
 class Probes:
     """The inputs of one function: `calls`, made in turn by one program, on the map of `kit` (None: the grading's own).
 
-    `read` turns a value into what is compared. `deep` is how many mistakes are sought together. `among` are the
-    mistakes that may be told by this function, None for all.
+    `read` turns a value into what is compared; `facet` shows a part of it, on which some mistakes have no bearing.
+    `given` are names for the mutants alone. The first call is made once more after the others, to see whether the
+    function remembers.
     """
 
     function: str
     calls: tuple[Arguments, ...]
     kit: KitSettings | None = None
-    read: Read = field(default=lambda value: value)
+    read: Read = field(default=lambda args, value: value)
     rules: tuple[Rule, ...] = ()
-    deep: int = 2
-    among: frozenset[str] | None = None
-    tolerance: float = TOLERANCE
+    facet: Facet | None = None
+    given: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass
@@ -80,16 +92,20 @@ class _Row:
 
     mutant: Mutant
     answers: list[Seen] = field(default_factory=list)
-    program: LocalProgram | None = None
 
 
 class Prober:
-    """Recognises mistakes by probes; keeps what the mutants answer, which never changes."""
+    """Recognises mistakes by probes; keeps what the mutants answer, which never changes.
 
-    def __init__(self, model: Model, probes: Sequence[Probes]) -> None:
+    `whole` are programs that make one mistake in another way than by an edit of the model.
+    """
+
+    def __init__(self, model: Model, probes: Sequence[Probes], whole: Sequence[Mutant] = ()) -> None:
         self.model = model
+        self.whole = tuple(whole)
         self.probes = tuple(probes)
         self._rows: dict[tuple[int, int], list[_Row]] = {}
+        self._edits: dict[int, list[Edit]] = {}
         self._lock = threading.Lock()
 
     @property
@@ -102,93 +118,152 @@ class Prober:
         wanted = set(functions)
         for index, probes in enumerate(self.probes):
             if probes.function in wanted:
-                answers = list(self._asked(runner, probes))
-                if len(answers) == len(probes.calls):
+                answers = list(_asked(runner, probes))
+                if len(answers) > len(probes.calls):
                     with self._lock:
-                        found += [one for one in self._explained(index, answers, found) if one not in found]
+                        found += [one for one in self._explained(index, answers, found, wanted) if one not in found]
         return tuple(found)
 
-    def _asked(self, runner: Runner, probes: Probes) -> Iterator[Seen]:
-        """What the student's program answers; cut short by a fault that stops it."""
-        for answer in runner.probe(probes.function, probes.calls, probes.kit, faults=None):
-            if isinstance(answer, StudentFault) and answer.fatal:
-                return
-            yield seen(answer, probes.read)
-
-    def _explained(self, index: int, answers: Sequence[Seen], known: Sequence[str]) -> Sequence[str]:
+    def _explained(
+        self, index: int, answers: list[Seen], known: Sequence[str], blamed: Collection[str]
+    ) -> Sequence[str]:
+        again = answers.pop()
+        if not same_seen(again, answers[0]):
+            return [MEMORY]
         probes = self.probes[index]
         right = self._right(index, answers)
         if right is None:
             return ()
-        if known:  # a mistake found in another function may be all that there is to this one
-            for row in self._fitting(index, len(known), answers, frozenset(known)):
-                return row.mutant.ids
-        for mistakes in range(1, probes.deep + 1):
-            fits = [row.mutant.ids for row in self._fitting(index, mistakes, answers, probes.among)]
+        if known and any(self._fits(index, row, answers) for row in self._with(index, known)):
+            return ()  # a mistake found in another function is all that there is to this one
+        for mistakes in range(1, DEEP + 1):
+            possible = (row for row in self._all(index, mistakes) if row.mutant.speaks_of(blamed))
+            fits = [row for row in possible if self._fits(index, row, answers)]
             if fits:
-                common = set(fits[0]).intersection(*fits[1:])
-                return [one for one in fits[0] if one in common]
+                return _agreed(fits)
+        possible = (row for row in self._extended(index, answers) if row.mutant.speaks_of(blamed))
+        fits = [row for row in possible if self._fits(index, row, answers)]
+        if fits:
+            return _agreed(fits)
         shown = Shown(probes.calls, answers, right)
         return next(([name] for rule in probes.rules if (name := rule(shown)) is not None), ())
 
     def _right(self, index: int, answers: Sequence[Seen]) -> Sequence[Seen] | None:
         """What is right, in the nearest style; None when the answers are."""
-        rows = list(self._all(index, 0, None))
-        for row in rows:
-            for k in range(len(answers)):
-                self._answer(index, row, k)
-        agreeing = [sum(same_seen(a, b, self.probes[index].tolerance) for a, b in zip(row.answers, answers, strict=True)) for row in rows]
-        best = int(np.argmax(agreeing))
+        rows = self._all(index, 0)
+        agreeing = [
+            sum(same_seen(self._answer(index, row, k), one) for k, one in enumerate(answers)) for row in rows
+        ]
+        best = agreeing.index(max(agreeing))
         return None if agreeing[best] == len(answers) else rows[best].answers
 
-    def _fitting(self, index: int, mistakes: int, answers: Sequence[Seen], among: frozenset[str] | None) -> Iterator[_Row]:
-        """The mutants that answer every probe so."""
-        tolerance = self.probes[index].tolerance
-        for row in self._all(index, mistakes, among):
-            if all(same_seen(self._answer(index, row, k), one, tolerance) for k, one in enumerate(answers)):
-                yield row
+    def _fits(self, index: int, row: _Row, answers: Sequence[Seen], facet: Facet | None = None) -> bool:
+        """Does the mutant answer every probe so (in this facet alone)?"""
+        for k, answer in enumerate(answers):
+            one, other = self._answer(index, row, k), answer
+            if facet is not None:
+                one, other = facet(self.probes[index].calls[k], one), facet(self.probes[index].calls[k], other)
+            if not same_seen(one, other):
+                return False
+        return True
 
-    def _all(self, index: int, mistakes: int, among: frozenset[str] | None) -> Iterator[_Row]:
+    def _all(self, index: int, mistakes: int) -> list[_Row]:
         key = (index, mistakes)
         if key not in self._rows:
-            own = self.probes[index].among
-            self._rows[key] = [_Row(mutant) for mutant in self.model.mutants(mistakes, own)]
-        for row in self._rows[key]:
-            if among is None or among.issuperset(row.mutant.ids):
-                yield row
+            if mistakes == 0:
+                made = self.model.right()
+            elif mistakes == 1:
+                made = itertools.chain(self.model.mutants(self.model.edits, 1), self.whole)
+            else:
+                made = self.model.mutants(self._telling(index), mistakes)
+            self._rows[key] = [_Row(mutant) for mutant in made]
+        return self._rows[key]
+
+    def _telling(self, index: int) -> list[Edit]:
+        """The edits that change an answer to these probes."""
+        if index not in self._edits:
+            probes = range(len(self.probes[index].calls))
+            rights = [[self._answer(index, row, k) for k in probes] for row in self._all(index, 0)]
+            telling = {
+                row.mutant.edits
+                for row in self._all(index, 1)
+                if row.mutant.edits and not any(self._fits(index, row, right) for right in rights)
+            }
+            self._edits[index] = [edit for edit in self.model.edits if (edit,) in telling]
+        return self._edits[index]
+
+    def _with(self, index: int, ids: Sequence[str]) -> Iterator[_Row]:
+        """The mutants that make just these mistakes."""
+        edits = [edit for edit in self.model.edits if edit.id in ids]
+        yield from (_Row(mutant) for mutant in self.model.mutants(edits, len(ids)))
+
+    def _extended(self, index: int, answers: Sequence[Seen]) -> Iterator[_Row]:
+        """The mutants of a facet that fits, with one mistake more."""
+        facet = self.probes[index].facet
+        if facet is None:
+            return
+        begun = [row for row in self._all(index, DEEP) if self._fits(index, row, answers, facet)]
+        for row in begun[:MOST_EXTENDED]:
+            yield from (_Row(mutant) for mutant in self.model.extended(row.mutant, self._telling(index)))
 
     def _answer(self, index: int, row: _Row, k: int) -> Seen:
         """What a mutant answers to probe k, having answered those before."""
-        probes = self.probes[index]
-        while len(row.answers) <= k:
-            if row.program is None:
-                row.program = LocalProgram(compile(row.mutant.text, "<mutant>", "exec", dont_inherit=True), probes.kit or PLAIN)
-                for done in probes.calls[: len(row.answers)]:
-                    _called(row.program, probes, done)
-            row.answers.append(_called(row.program, probes, probes.calls[len(row.answers)]))
-        if len(row.answers) < len(probes.calls):
-            row.program = None if k == 0 else row.program
-        else:
-            row.program = None
+        if len(row.answers) <= k:
+            # All but the first probe are asked of the few mutants that answered it as the program did.
+            probes = self.probes[index]
+            calls = probes.calls[:1] if k == 0 else probes.calls
+            row.answers = list(_answers(row.mutant, probes, calls))
         return row.answers[k]
 
 
-PLAIN = KitSettings("l20", {"libres": None, "portee_max": 12.0, "seed": 0})
+def _agreed(fits: Sequence[_Row]) -> Sequence[str]:
+    """The mistakes that all of these make; a usual slip says less than a mistake of the exercise that looks the same."""
+    fits = [row for row in fits if not SLIPS.keys() & set(row.mutant.ids)] or fits
+    common = set(fits[0].mutant.ids).intersection(*(row.mutant.ids for row in fits[1:]))
+    return [one for one in fits[0].mutant.ids if one in common]
 
 
-def _called(program: LocalProgram, probes: Probes, args: Arguments) -> Seen:
-    try:
-        with np.errstate(all="ignore"):
-            answer: Answer = program.call(probes.function, *args)
-    except StudentFault as fault:
-        answer = fault
-    return seen(answer, probes.read)
+def _asked(runner: Runner, probes: Probes) -> Iterator[Seen]:
+    """What the student's program answers; cut short by a fault that stops it, or when it takes too long."""
+    deadline = time.monotonic() + LONGEST
+    calls = (*probes.calls, probes.calls[0])
+    answers = runner.probe(probes.function, calls, probes.kit)
+    for args, answer in zip(calls, answers, strict=False):
+        if time.monotonic() > deadline or (isinstance(answer, StudentFault) and answer.fatal):
+            return
+        yield seen(args, answer, probes.read)
 
 
-def seen(answer: Answer, read: Read) -> Seen:
+def _answers(mutant: Mutant, probes: Probes, calls: Sequence[Arguments]) -> Iterator[Seen]:
+    """What a mutant, which is our own code, answers; it shares the kit with the others."""
+    names = dict(_kit(probes))
+    exec(compile(mutant.text, "<mutant>", "exec", dont_inherit=True), names)
+    for args in calls:
+        given = copy.deepcopy(args)
+        try:
+            with np.errstate(all="ignore"):
+                value = names[probes.function](*given)
+        except Exception as error:
+            yield Fault(type(error).__name__)
+        else:
+            yield probes.read(args, value)
+
+
+_kits: dict[int, dict[str, Any]] = {}
+
+
+def _kit(probes: Probes) -> dict[str, Any]:
+    """The names that the mutants find, made once for all of them."""
+    if id(probes) not in _kits:
+        kit = probes.kit or KitSettings("l20", {"libres": None, "portee_max": 12.0, "seed": 0})
+        _kits[id(probes)] = {"__name__": "mutant", **kit_names(kit), **probes.given}
+    return _kits[id(probes)]
+
+
+def seen(args: Arguments, answer: Answer, read: Read) -> Seen:
     """What an answer shows."""
     if isinstance(answer, Reply):
-        return read(answer.value)
+        return read(args, answer.value)
     return Fault(answer.exception or answer.outcome.value)
 
 

@@ -83,6 +83,34 @@ SLIPS = {
             "Que contient particules[indices] ?",
         ),
         Slip(
+            "memoire",
+            "Un résultat qui dépend des appels précédents",
+            "Avec les mêmes arguments, votre fonction ne renvoie pas deux fois la même chose : elle garde quelque chose "
+            "d'un appel à l'autre, dans une variable globale, un tableau réutilisé ou un argument par défaut.",
+            "Quelle variable de votre code existe encore quand la fonction est finie ?",
+        ),
+        Slip(
+            "entiers",
+            "Des nombres tronqués à des entiers",
+            "Vos valeurs sont les bonnes, mais sans leur partie décimale : un tableau créé avec des entiers, comme "
+            "np.array([0, 0, 0]), ne garde que des entiers.",
+            "Quel est le dtype du tableau où vous rangez vos résultats ?",
+        ),
+        Slip(
+            "arrondi",
+            "Un résultat arrondi",
+            "Vos valeurs sont les bonnes à quelques décimales près : un arrondi (np.round, float32) leur fait perdre "
+            "leur précision.",
+            "Pourquoi arrondir avant d'avoir fini le calcul ?",
+        ),
+        Slip(
+            "sans_retour",
+            "La fonction ne renvoie rien",
+            "Une fonction sans « return », ou dont le « return » n'est pas atteint, renvoie None. Afficher un résultat "
+            "avec print n'est pas le renvoyer.",
+            "Que reçoit celui qui appelle votre fonction ?",
+        ),
+        Slip(
             "scalaire",
             "Un seul nombre au lieu d'un tableau",
             "Votre fonction réduit tout à un seul nombre là où il en faut plusieurs.",

@@ -35,11 +35,16 @@ def _kit(module: str) -> dict[str, Any]:
     return names
 
 
+def kit_names(kit: KitSettings) -> dict[str, Any]:
+    """What a program finds without importing anything."""
+    return dict(_kit(kit.module)["configurer"](**kit.parameters))
+
+
 class LocalProgram:
     """Run trusted code in this process, with the same kit and the same interface as a student's program."""
 
     def __init__(self, source: bytes | types.CodeType, kit: KitSettings) -> None:
-        self._names: dict[str, Any] = {"__name__": "solution", **_kit(kit.module)["configurer"](**kit.parameters)}
+        self._names: dict[str, Any] = {"__name__": "solution", **kit_names(kit)}
         before = set(self._names)
         exec(_compiled(source, "<trusted>") if isinstance(source, bytes) else source, self._names)
         self.functions = frozenset(n for n in self._names if n not in before and callable(self._names[n]))

@@ -16,6 +16,7 @@ from graders.core.contract.findings import FigureData
 from graders.core.contract.program import Answer, Reply
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20 import world
+from graders.l20.poses.probes import PROBES
 from graders.robotics.poses import SamePose, shrink_pose
 from reference.se2 import compose, inverse, relative
 
@@ -268,4 +269,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit)
+DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)

@@ -11,6 +11,7 @@ from graders.l20 import world
 from graders.l20.predire2d import cases
 from graders.l20.predire2d.beliefs import spread
 from graders.l20.predire2d.checks import NAMES, OnGrid
+from graders.l20.predire2d.probes import PROBES
 from graders.l20.predire2d.trials import localise
 
 PREDICT = ("predire2d",)
@@ -95,4 +96,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit)
+DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)

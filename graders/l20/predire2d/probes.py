@@ -1,0 +1,198 @@
+"""What both functions are asked by hand, on a small map that no wall surrounds: doors, corners, edges, a few doubts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from graders.core.code.probes import Fault, Probes, Rule, Seen, Shown, as_array
+from graders.core.contract.local import kit_names
+from graders.core.contract.program import KitSettings
+from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
+from graders.l20 import world
+from graders.l20.predire2d.beliefs import weighted
+from reference.localisation.grid_filter import Cell
+
+PLAN = (
+    ".....#..",
+    "........",
+    "...#....",
+    "#...#...",
+    "......#.",
+    ".#......",
+    "....#...",
+)
+FREE = np.array([[cell == "." for cell in row] for row in PLAN])
+SHAPE = FREE.shape
+KIT = KitSettings(world.MODULE, {"libres": FREE, "portee_max": world.RANGE, "seed": 0})
+NAMES = kit_names(KIT)
+
+
+@lru_cache(maxsize=4096)
+def _seen_from(x: float, y: float, theta: float, beams: int) -> Floats:
+    scan: Floats = NAMES["lidar"]((x, y, theta), beams)
+    return scan
+
+
+def lidar(pose: Sequence[float], n_rayons: int = 36) -> Floats:
+    """The kit's noiseless lidar on this map, kept: mutants ask for the same scans again and again."""
+    x, y, theta = (float(value) for value in pose)
+    return _seen_from(x, y, theta, n_rayons).copy()
+
+
+def belief(*cells: Cell) -> Floats:
+    """Unequal probabilities on a few cells, of sum 1."""
+    shares = np.arange(1.0, len(cells) + 1.0)
+    return weighted(SHAPE, dict(zip(cells, (shares / shares.sum()).tolist(), strict=True)))
+
+
+MANY = belief((1, 1), (0, 7), (3, 5), (5, 0), (6, 5), (2, 4), (4, 5))
+CLEAR = ((1, 1),)  # the only free cell of the first columns with eight free neighbours
+MOVES = ((1, 0), (-1, 0), (0, 1), (0, -1))
+WALLS = belief((2, 2), (3, 1), (3, 3), (4, 7), (5, 2))
+EDGES = {(1, 0): belief((1, 7), (4, 7)), (-1, 0): belief((1, 0), (4, 0)), (0, 1): belief((6, 0), (6, 2)),
+         (0, -1): belief((0, 0), (0, 3))}  # fmt: skip
+
+PREDICTED: tuple[Arguments, ...] = (
+    (MANY, 1, 0),
+    *((belief(*CLEAR), du, dv) for du, dv in MOVES),
+    *((edge, du, dv) for (du, dv), edge in EDGES.items()),
+    *((WALLS, du, dv) for du, dv in MOVES),
+    (MANY, 0, 0),
+    (MANY, 0, 1),
+    (np.where(FREE, 1.0 / FREE.sum(), 0.0), 0, -1),
+)
+OPEN, EDGE, WALL, STILL = range(1, 5), range(5, 9), range(9, 13), 13
+
+
+def _scan(cell: Cell, *errors: float) -> Floats:
+    y, x = cell
+    return lidar((x + 0.5, y + 0.5, 0.0), 4) + np.array(errors or (0.0,) * 4)
+
+
+DOUBT = belief((1, 1), (1, 2), (4, 2))
+CORRECTED: tuple[Arguments, ...] = (
+    (DOUBT, _scan((1, 2), 0.4, -0.3, 0.2, 0.1), 1.5),
+    (belief((5, 3), (5, 5), (4, 4), (6, 6)), _scan((4, 4), -0.2, 0.3, 0.4, -0.1), 2.0),
+    (belief((0, 1), (1, 3), (6, 2)), _scan((1, 3), 0.1, 0.5, -0.2, 0.3), 1.0),
+    (belief((1, 1), (1, 2)), _scan((1, 1), 0.3, -0.2, 0.1, 0.2), 0.7),
+    (belief((1, 1), (1, 2)), _scan((1, 1), 0.3, -0.2, 0.1, 0.2)),
+    (belief((4, 4), (4, 5), (3, 5)), _scan((4, 5), 0.2, 0.2, -0.3, 0.2)),
+    (np.where(FREE, 1.0 / FREE.sum(), 0.0), _scan((3, 5), 0.2, -0.3, 0.2, 0.1), 1.5),
+)
+GIVEN, DEFAULT = (0, 1, 2, 3, 6), (4, 5)
+
+
+def read(args: Arguments, value: Value) -> Value:
+    """The belief (H, W) in one row; in words what is none."""
+    try:
+        array = read_array(value)
+    except UnreadableError as error:
+        return str(error)
+    if array.shape != SHAPE:
+        return f"forme {array.shape}"
+    return array.ravel() if np.all(np.isfinite(array)) else "nan"
+
+
+def shares(args: Arguments, shown: Seen) -> Seen:
+    """A belief up to a factor."""
+    if not isinstance(shown, np.ndarray) or abs(shown.sum()) < 1e-12:
+        return shown
+    return shown / shown.sum()
+
+
+def _rows(shown: Shown) -> list[Floats | None]:
+    return [as_array(one, (FREE.size,)) for one in shown.got]
+
+
+def other_map(shown: Shown) -> str | None:
+    """On this map every call raises, or answers for a map of another size."""
+    odd = [isinstance(one, Fault) or (isinstance(one, str) and one.startswith("forme")) for one in shown.got]
+    return "carte_en_dur" if all(odd) else None
+
+
+def only(name: str, places: Sequence[int], *, unless: Callable[[Shown], bool] = lambda shown: False) -> Rule:
+    """All is right but some of these probes."""
+
+    def rule(shown: Shown) -> str | None:
+        wrong = set(shown.wrong())
+        return name if wrong and wrong <= set(places) and not unless(shown) else None
+
+    return rule
+
+
+def _sums(shown: Shown) -> list[float]:
+    return [float(row.sum()) for row in _rows(shown) if row is not None]
+
+
+def lost_mass(shown: Shown) -> str | None:
+    """Right in the open; elsewhere some probability vanishes wherever it is wrong, and none appears."""
+    rows, wrong = _rows(shown), shown.wrong()
+    if any(rows[k] is None for k in wrong) or {*OPEN, STILL} & set(wrong):
+        return None
+    fewer = [float(row.sum()) < 1.0 - 1e-9 and bool(np.all(row <= right + 1e-9))
+             for k in wrong if (row := rows[k]) is not None and (right := shown.right[k]) is not None]  # fmt: skip
+    return "masse_perdue" if fewer and all(fewer) else None
+
+
+def not_normalised(shown: Shown) -> str | None:
+    """Proportional to what is right, and of another sum."""
+    rows = _rows(shown)
+    scaled = [row is not None and row.sum() > 0 and np.allclose(row / row.sum(), right, atol=1e-9)
+              for row, right in zip(rows, shown.right, strict=True)]  # fmt: skip
+    return "non_normalisee" if all(scaled) else None
+
+
+def walls_get_some(shown: Shown) -> str | None:
+    """Walls receive a probability in most answers."""
+    rows = [row for row in _rows(shown) if row is not None]
+    walls = [float(np.abs(row.reshape(SHAPE)[~FREE]).max()) > 1e-9 for row in rows]
+    return "murs_possibles" if rows and sum(walls) > len(rows) / 2 else None
+
+
+def wrong_likelihood(shown: Shown) -> str | None:
+    """A belief of sum 1, on the cells that were possible, with other weights."""
+    rows = _rows(shown)
+    for row, args in zip(rows, shown.calls, strict=True):
+        if row is None or abs(row.sum() - 1.0) > 1e-9 or np.any(np.abs(row[args[0].ravel() == 0.0]) > 1e-12):
+            return None
+    return "vraisemblance_fausse" if len(shown.wrong()) >= len(rows) - 1 else None
+
+
+def _plain(shown: Shown) -> bool:
+    return bool(set(shown.wrong()) & {0, *OPEN})
+
+
+PROBES = (
+    Probes(
+        function="predire2d",
+        calls=PREDICTED,
+        kit=KIT,
+        read=read,
+        given={"lidar": lidar},
+        rules=(
+            other_map,
+            only("glisse_a_l_arret", [STILL]),
+            lost_mass,
+            only("bord_mal_traite", [0, *EDGE, *WALL, 14, 15], unless=lambda s: bool(set(s.wrong()) & {9, 11})),
+            only("choc_mal_traite", [0, *EDGE, *WALL, 14, 15]),
+        ),
+    ),
+    Probes(
+        function="corriger2d",
+        calls=CORRECTED,
+        kit=KIT,
+        read=read,
+        given={"lidar": lidar},
+        facet=shares,
+        rules=(
+            other_map,
+            only("sigma_par_defaut_faux", DEFAULT),
+            not_normalised,
+            walls_get_some,
+            wrong_likelihood,
+        ),
+    ),
+)
