@@ -39,3 +39,7 @@ def _largest_region(free: Grid) -> Grid:
 def free_cells(libres: Grid) -> NDArray[np.int64]:
     """The free cells as rows (y, x), shape (n, 2)."""
     return np.argwhere(libres)
+
+
+#: The module's own map, and always the same random numbers: where mistakes are recognised by hand-made inputs.
+STILL = KitSettings(MODULE, {"libres": None, "portee_max": RANGE, "seed": 0})

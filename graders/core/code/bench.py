@@ -124,17 +124,6 @@ class Runner:
         if self._program is not None and program in (None, self._program):
             self.close()
 
-    def probe(self, function: str, calls: Sequence[Arguments], kit: KitSettings | None) -> Iterator[Answer]:
-        """Calls made once the checks are done: of the main program or, with a kit, of the file launched with it."""
-        if kit is None:
-            yield from self.call_many(None, function, calls, faults=None)
-            return
-        try:
-            with self.other(kit) as program:
-                yield from self.call_many(program, function, calls, faults=None)
-        except StudentFault as fault:
-            yield fault
-
     @contextmanager
     def other(self, kit: KitSettings) -> Iterator[Program]:
         """The same file started on another map, for as long as the block lasts."""

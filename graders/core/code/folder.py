@@ -24,7 +24,8 @@ class Misconception:
     """A named wrong implementation of `functions`; `source` is a whole submission that makes this mistake.
 
     Several may share an id: the same mistake leaves other outputs in code that, say, forgets to wrap angles besides.
-    `line` is its place in the catalogue; `whole` says that its source is no edit of the model.
+    `line` is its place in the catalogue; `whole` says that its source is no edit of the model, `edited` that it
+    is made by edits too.
     """
 
     id: str
@@ -35,6 +36,7 @@ class Misconception:
     source: str
     line: int = 1
     whole: bool = True
+    edited: bool = False
 
 
 @dataclass(frozen=True)
@@ -95,6 +97,7 @@ def _misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: st
             source=source,
             line=line,
             whole=whole,
+            edited=bool(entry.get("edits")),
         )
 
 

@@ -92,8 +92,7 @@ class CodeGrader:
         if ids:
             touched = {finding.slip for check, finding in pairs if check.needs_another and finding.slip} - set(ids)
             return combined((*ids, *touched), self.misconceptions)
-        probed = self.prober.functions if self.prober else frozenset()
-        others = [m for m in self.misconceptions if not probed.issuperset(m.functions) and blamed & set(m.functions)]
+        others = [m for m in self.misconceptions if not m.edited and blamed & set(m.functions)]
         reenact = partial(self.reenactor.reenact, checks=self.checks, kit=kit, seed=seed)
         named = diagnose(runner.observations, others, reenact)
         return named or slip_diagnosis(

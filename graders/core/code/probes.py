@@ -23,7 +23,7 @@ from graders.core.code.bench import Runner
 from graders.core.code.mutations import Edit, Model, Mutant
 from graders.core.compare.slips import SLIPS
 from graders.core.contract.local import kit_names
-from graders.core.contract.program import Answer, KitSettings, Reply, StudentFault
+from graders.core.contract.program import KitSettings, Program, Reply, Answer, StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, same_value
 
 TOLERANCE = 1e-7
@@ -70,7 +70,7 @@ Rule = Callable[[Shown], str | None]
 
 @dataclass(frozen=True, kw_only=True)
 class Probes:
-    """The inputs of one function: `calls`, made in turn by one program, on the map of `kit` (None: the grading's own).
+    """The inputs of one function: `calls`, made in turn by one program, with `kit`.
 
     `read` turns a value into what is compared; `facet` shows a part of it, on which some mistakes have no bearing.
     `given` are names for the mutants alone. The first call is made once more after the others, to see whether the
@@ -79,7 +79,7 @@ class Probes:
 
     function: str
     calls: tuple[Arguments, ...]
-    kit: KitSettings | None = None
+    kit: KitSettings
     read: Read = field(default=lambda args, value: value)
     rules: tuple[Rule, ...] = ()
     facet: Facet | None = None
@@ -116,13 +116,22 @@ class Prober:
         """The ids of the mistakes that the program makes in these functions, the first one first; none when unsure."""
         found: list[str] = []
         wanted = set(functions)
-        for index, probes in enumerate(self.probes):
-            if probes.function in wanted:
-                answers = list(_asked(runner, probes))
-                if len(answers) > len(probes.calls):
-                    with self._lock:
-                        found += [one for one in self._explained(index, answers, found, wanted) if one not in found]
+        for index, answers in self._asked(runner, wanted):
+            with self._lock:
+                found += [one for one in self._explained(index, answers, found, wanted) if one not in found]
         return tuple(found)
+
+    def _asked(self, runner: Runner, functions: Collection[str]) -> Iterator[tuple[int, list[Seen]]]:
+        """What a program launched afresh, which remembers nothing of the checks, answers to the probes of functions."""
+        chosen = [(index, probes) for index, probes in enumerate(self.probes) if probes.function in functions]
+        for _, group in itertools.groupby(chosen, key=lambda pair: id(pair[1].kit)):
+            asked = list(group)
+            try:
+                with runner.other(asked[0][1].kit) as program:
+                    told = [(index, list(_answered(runner, program, probes))) for index, probes in asked]
+            except StudentFault:
+                continue
+            yield from ((index, answers) for index, answers in told if len(answers) > len(self.probes[index].calls))
 
     def _explained(
         self, index: int, answers: list[Seen], known: Sequence[str], blamed: Collection[str]
@@ -223,11 +232,11 @@ def _agreed(fits: Sequence[_Row]) -> Sequence[str]:
     return [one for one in fits[0].mutant.ids if one in common]
 
 
-def _asked(runner: Runner, probes: Probes) -> Iterator[Seen]:
+def _answered(runner: Runner, program: Program, probes: Probes) -> Iterator[Seen]:
     """What the student's program answers; cut short by a fault that stops it, or when it takes too long."""
     deadline = time.monotonic() + LONGEST
     calls = (*probes.calls, probes.calls[0])
-    answers = runner.probe(probes.function, calls, probes.kit)
+    answers = runner.call_many(program, probes.function, calls, faults=None)
     for args, answer in zip(calls, answers, strict=False):
         if time.monotonic() > deadline or (isinstance(answer, StudentFault) and answer.fatal):
             return
@@ -255,8 +264,7 @@ _kits: dict[int, dict[str, Any]] = {}
 def _kit(probes: Probes) -> dict[str, Any]:
     """The names that the mutants find, made once for all of them."""
     if id(probes) not in _kits:
-        kit = probes.kit or KitSettings("l20", {"libres": None, "portee_max": 12.0, "seed": 0})
-        _kits[id(probes)] = {"__name__": "mutant", **kit_names(kit), **probes.given}
+        _kits[id(probes)] = {"__name__": "mutant", **kit_names(probes.kit), **probes.given}
     return _kits[id(probes)]
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from graders.core.code.probes import Probes, Seen, Shown, as_array
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value
+from graders.l20 import world
 from graders.l20.kabsch.cases import AXES_IN_TURN, points
 from graders.l20.kabsch.judge import NotAPairError, judge, read_pair
 from reference.registration import kabsch
@@ -147,6 +148,7 @@ PROBES = (
     Probes(
         function="kabsch",
         calls=CALLS,
+        kit=world.STILL,
         read=read,
         rules=(only_t, never_turns, no_rotation, plane_only, mirrors_only, exact_only, poor_only),
         facet=rotation_part,

@@ -9,6 +9,7 @@ import numpy as np
 
 from graders.core.code.probes import Probes, Rule, Seen, Shown, as_array
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
+from graders.l20 import world
 
 A = np.array([1.3, -2.1, 0.6])
 B = np.array([2.7, 0.4, -1.1])
@@ -92,7 +93,7 @@ def only_position(name: str) -> Rule:
 
 def _probes(function: str, calls: tuple[Arguments, ...]) -> Probes:
     rules = (only_turns, only_angle(f"{function}_angle"), only_position(f"{function}_position"))
-    return Probes(function=function, calls=calls, read=read, rules=rules, facet=position)
+    return Probes(function=function, calls=calls, kit=world.STILL, read=read, rules=rules, facet=position)
 
 
 PROBES = (

@@ -10,6 +10,7 @@ from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.slam_graphe import graphs, residual
 from graders.l20.slam_graphe.optimum import Optimum
+from graders.l20.slam_graphe.probes import PROBES
 from graders.l20.slam_graphe.residual import errors
 
 GAUSS_NEWTON = ("gauss_newton",)
@@ -96,4 +97,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit)
+DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)

@@ -1,0 +1,181 @@
+"""What `erreur` and `gauss_newton` are asked by hand: any edges; then one step, and all of them, on small graphs."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from graders.core.code.probes import Fault, Probes, Rule, Shown, as_array
+from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
+from graders.l20 import world
+from graders.l20.poses.probes import only_angle, only_position, only_turns, position
+from graders.l20.poses.probes import read as read_three
+from graders.l20.slam_graphe.graphs import Edge, Graph, edge, rows
+from graders.l20.slam_graphe.optimum import COARSENESS, FAR, LOST, gaps
+from reference.se2 import relative, wrap_angle
+
+TRIPLES = (
+    ((1.3, -2.1, 0.6), (2.7, 0.4, -0.8), (1.2, 0.7, 0.4)),
+    ((-3.2, 1.4, -2.3), (1.1, 2.6, -1.2), (0.3, -1.9, 1.5)),
+    ((0.5, 0.7, 2.9), (-1.6, 2.2, -2.6), (2.1, 0.2, 0.9)),
+    ((4.1, -0.3, -2.8), (0.9, -1.7, 2.7), (-0.8, 0.5, -1.1)),
+    ((2.2, 3.1, -0.3), (-1.4, -0.6, 2.4), (1.0, 1.4, -2.1)),
+    ((-1.7, 0.8, 0.4), (2.3, 3.6, -2.2), (0.6, -2.2, 2.3)),
+    ((0.0, 0.0, 0.0), (3.0, 1.0, 0.0), (2.0, 0.0, 0.0)),
+)
+EDGES: tuple[Arguments, ...] = tuple(tuple(np.array(pose) for pose in triple) for triple in TRIPLES)
+
+TRUTH = rows((1.0, 2.0, 0.3), (3.1, 2.4, 0.9), (3.6, 4.5, -0.7), (1.2, 4.2, -1.1))
+START = TRUTH + rows((0, 0, 0), (0.3, -0.2, 0.1), (-0.2, 0.4, -0.15), (0.4, 0.1, 0.2))
+ROUND = rows((0.5, -1.0, 2.6), (-1.4, 0.1, -3.05), (-1.0, -1.9, -1.3), (0.9, -2.2, 1.2))
+NOISE = rows((0.1, -0.05, 0.06), (-0.08, 0.12, -0.05), (0.06, 0.07, 0.04), (-0.12, 0.05, -0.07), (0.07, -0.1, 0.05))
+
+
+def _edges(truth: Floats, ends: tuple[tuple[int, int], ...], weights: tuple[tuple[float, float], ...]) -> list[Edge]:
+    """Measurements of these pairs, each with its own error and its own weights."""
+    made = []
+    for k, ((i, j), (a, b)) in enumerate(zip(ends, weights, strict=True)):
+        z = relative(truth[i], truth[j]) + NOISE[k]
+        made.append(edge(i, j, (z[0], z[1], float(wrap_angle(z[2]))), a, b))
+    return made
+
+
+ENDS = ((0, 1), (1, 2), (2, 3), (3, 0), (2, 0))
+WEIGHTS = ((4.0, 10.0), (1.0, 2.0), (9.0, 30.0), (2.0, 5.0), (6.0, 3.0))
+LOOP = _edges(TRUTH, ENDS, WEIGHTS)
+TURNING = _edges(ROUND, ENDS, WEIGHTS)
+TWICE = [*LOOP[:4], edge(0, 1, relative(TRUTH[0], TRUTH[1]) - (0.2, -0.3, 0.1), 5.0, 7.0)]
+AROUND = ROUND + rows((0, 0, 0), (0.2, -0.1, -0.3), (-0.1, 0.2, 0.2), (0.1, 0.1, 0.1))
+AROUND[:, 2] = wrap_angle(AROUND[:, 2])
+CHAIN = [edge(0, 1, (2.0, 0.5, 0.4)), edge(1, 2, (1.0, -0.3, 0.7))]
+GRAPHS = (
+    Graph(START, tuple(LOOP), 1, judged=False),
+    Graph(AROUND, tuple(TURNING), 1, judged=False),
+    Graph(START, tuple(LOOP), 2, judged=False),
+    Graph(START, tuple(TWICE), 1, judged=False),
+    Graph(START, tuple(LOOP)),
+    Graph(AROUND, tuple(TURNING)),
+    Graph(START[:3], tuple(CHAIN)),
+    Graph(START, tuple(TWICE)),
+    Graph(START, tuple(LOOP), None),
+)
+STEPS, ENDED = range(4), range(4, 9)
+WRAPPING, ALONE, DOUBLED = 5, 6, 7
+
+
+def read(args: Arguments, value: Value) -> Value:
+    """The poses, coarse: a numeric Jacobian gives nearly the same ones; in words what is none, or is lost."""
+    try:
+        poses = read_array(value)
+    except UnreadableError as error:
+        return str(error)
+    if poses.shape != args[0].shape:
+        return f"forme {poses.shape}"
+    return poses / COARSENESS if np.all(np.abs(poses) < FAR) else LOST
+
+
+def _poses(shown: Shown, k: int) -> Floats | None:
+    found = as_array(shown.got[k])
+    return None if found is None else found * COARSENESS
+
+
+def _reached(poses: Floats | None, graph: Graph) -> bool:
+    return poses is not None and float(np.abs(gaps(graph.optimum, poses)).max()) < 1e-3
+
+
+def singular(shown: Shown) -> str | None:
+    """The system cannot be solved, or its solution is out of sight, on the first step already."""
+    faults = [isinstance(one, Fault) and one.name == "LinAlgError" for one in shown.got]
+    return "jauge_libre" if sum(faults) >= len(faults) - 1 else None
+
+
+def first_moves(shown: Shown) -> str | None:
+    """The first pose is not where it was given."""
+    found = [(_poses(shown, k), GRAPHS[k]) for k in range(len(GRAPHS))]
+    moved = [p is not None and float(np.abs(gaps(g.poses[:1], p[:1])).max()) > 1e-2 for p, g in found]
+    return "premiere_pose_bouge" if sum(moved) >= len(moved) - 2 else None
+
+
+def never_moves(shown: Shown) -> str | None:
+    found = [(_poses(shown, k), GRAPHS[k]) for k in range(len(GRAPHS))]
+    still = [p is not None and float(np.abs(gaps(g.poses, p)).max()) < 1e-6 for p, g in found]
+    return "poses_de_depart" if all(still) else None
+
+
+def turns_only(shown: Shown) -> str | None:
+    """The optimum, with headings out of the interval."""
+    found = [_poses(shown, k) for k in ENDED]
+    out = [p is not None and float(np.abs(p[:, 2]).max()) > math.pi + 1e-6 for p in found]
+    return "angles_jamais_ramenes" if any(out) and all(map(_reached, found, [GRAPHS[k] for k in ENDED])) else None
+
+
+def weights_ignored(shown: Shown) -> str | None:
+    """What is reached is the optimum of equal weights."""
+    equal = [Graph(g.poses, tuple((i, j, z, np.eye(3)) for i, j, z, _ in g.edges)) for g in (GRAPHS[4], GRAPHS[5])]
+    found = [_poses(shown, 4), _poses(shown, 5)]
+    return "omega_ignoree" if all(map(_reached, found, equal)) else None
+
+
+def one_step_only(shown: Shown) -> str | None:
+    """Ten iterations give what one gives."""
+    pairs = [(_poses(shown, k), _poses(shown, one)) for k, one in ((4, 0), (5, 1), (7, 3))]
+    same = [a is not None and b is not None and np.allclose(a, b, atol=1e-6) for a, b in pairs]
+    moved = first_moves(shown) is None and never_moves(shown) is None
+    return "une_seule_iteration" if all(same) and moved and not _reached(pairs[0][0], GRAPHS[4]) else None
+
+
+def _ends(name: str, wrong: frozenset[int]) -> Rule:
+    """Just these graphs, of those that are brought to their end, are not at their optimum."""
+
+    def rule(shown: Shown) -> str | None:
+        missed = {k for k in ENDED if not _reached(_poses(shown, k), GRAPHS[k])}
+        return name if missed == wrong else None
+
+    return rule
+
+
+def elsewhere(shown: Shown) -> str | None:
+    """It settles, though not at the optimum: what one step leaves, others do not mend."""
+    poses = [_poses(shown, k) for k in (4, 5)]
+    near = [p is not None and float(np.abs(gaps(GRAPHS[k].optimum, p)).max()) < 2.0 for p, k in zip(poses, (4, 5), strict=True)]
+    missed = not any(map(_reached, poses, (GRAPHS[4], GRAPHS[5])))
+    return "pas_le_minimum" if all(near) and missed else None
+
+
+def runs_away(shown: Shown) -> str | None:
+    """From a start near the optimum, it ends far from it."""
+    lost = [isinstance(shown.got[k], str) and shown.got[k] == LOST or
+            ((p := _poses(shown, k)) is not None and float(np.abs(gaps(GRAPHS[k].optimum, p)[:, :2]).max()) > 2.0)
+            for k in (4, 5, 7)]  # fmt: skip
+    return "diverge" if all(lost) else None
+
+
+PROBES = (
+    Probes(
+        function="erreur",
+        calls=EDGES,
+        kit=world.STILL,
+        read=read_three,
+        facet=position,
+        rules=(only_turns, only_angle("erreur_angle"), only_position("erreur_position")),
+    ),
+    Probes(
+        function="gauss_newton",
+        calls=tuple(tuple(graph.inputs.values()) for graph in GRAPHS),
+        kit=world.STILL,
+        read=read,
+        rules=(
+            never_moves,
+            singular,
+            first_moves,
+            turns_only,
+            weights_ignored,
+            one_step_only,
+            _ends("aretes_par_paire", frozenset({DOUBLED})),
+            _ends("erreur_non_ramenee_dans_gn", frozenset({WRAPPING})),
+            elsewhere,
+            runs_away,
+        ),
+    ),
+)
