@@ -80,9 +80,7 @@ class CodeGrader:
         figures = {f.result.id: f.figure for f in findings if f.figure is not None}
         return Judgement(verdict, figures)
 
-    def _diagnosis(
-        self, findings: Sequence[Finding], runner: Runner, kit: KitSettings, seed: int
-    ) -> Diagnosis | None:
+    def _diagnosis(self, findings: Sequence[Finding], runner: Runner, kit: KitSettings, seed: int) -> Diagnosis | None:
         """The name of what failed: by the probes, else by re-enacting what these do not judge, else a usual slip."""
         pairs = [(check, finding) for check, finding in zip(self.checks, findings, strict=True) if not finding.passed]
         if not pairs or all(finding.cause not in DIAGNOSED for _, finding in pairs):

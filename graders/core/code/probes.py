@@ -73,7 +73,8 @@ class Probes:
     """The inputs of one function: `calls`, made in turn by one program, with `kit`.
 
     `read` turns a value into what is compared; `facet` shows a part of it, on which some mistakes have no bearing.
-    `given` are names for the mutants alone. The first call is made once more after the others, to see whether the
+    Only the first `compared` ones are held against the mutants' (None: all), the others are for rules alone. `given`
+    are names for the mutants alone. The first call is made once more after the others, to see whether the
     function remembers.
     """
 
@@ -83,6 +84,7 @@ class Probes:
     read: Read = field(default=lambda args, value: value)
     rules: tuple[Rule, ...] = ()
     facet: Facet | None = None
+    compared: int | None = None
     given: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -145,30 +147,30 @@ class Prober:
             return ()
         if known and any(self._fits(index, row, answers) for row in self._with(index, known)):
             return ()  # a mistake found in another function is all that there is to this one
-        for mistakes in range(1, DEEP + 1):
+        shown = Shown(probes.calls, answers, right)
+        told = [k for k in shown.wrong() if probes.compared is None or k < probes.compared]
+        for mistakes in range(1, DEEP + 1) if told else ():
             possible = (row for row in self._all(index, mistakes) if row.mutant.speaks_of(blamed))
             fits = [row for row in possible if self._fits(index, row, answers)]
             if fits:
                 return _agreed(fits)
-        possible = (row for row in self._extended(index, answers) if row.mutant.speaks_of(blamed))
+        begun = self._extended(index, answers) if told else ()
+        possible = (row for row in begun if row.mutant.speaks_of(blamed))
         fits = [row for row in possible if self._fits(index, row, answers)]
         if fits:
             return _agreed(fits)
-        shown = Shown(probes.calls, answers, right)
         return next(([name] for rule in probes.rules if (name := rule(shown)) is not None), ())
 
     def _right(self, index: int, answers: Sequence[Seen]) -> Sequence[Seen] | None:
         """What is right, in the nearest style; None when the answers are."""
         rows = self._all(index, 0)
-        agreeing = [
-            sum(same_seen(self._answer(index, row, k), one) for k, one in enumerate(answers)) for row in rows
-        ]
+        agreeing = [sum(same_seen(self._answer(index, row, k), one) for k, one in enumerate(answers)) for row in rows]
         best = agreeing.index(max(agreeing))
         return None if agreeing[best] == len(answers) else rows[best].answers
 
     def _fits(self, index: int, row: _Row, answers: Sequence[Seen], facet: Facet | None = None) -> bool:
         """Does the mutant answer every probe so (in this facet alone)?"""
-        for k, answer in enumerate(answers):
+        for k, answer in enumerate(answers[: self.probes[index].compared]):
             one, other = self._answer(index, row, k), answer
             if facet is not None:
                 one, other = facet(self.probes[index].calls[k], one), facet(self.probes[index].calls[k], other)
@@ -191,8 +193,8 @@ class Prober:
     def _telling(self, index: int) -> list[Edit]:
         """The edits that change an answer to these probes."""
         if index not in self._edits:
-            probes = range(len(self.probes[index].calls))
-            rights = [[self._answer(index, row, k) for k in probes] for row in self._all(index, 0)]
+            calls = range(len(self.probes[index].calls))
+            rights = [[self._answer(index, row, k) for k in calls] for row in self._all(index, 0)]
             telling = {
                 row.mutant.edits
                 for row in self._all(index, 1)

@@ -30,6 +30,7 @@ class Outcome(StrEnum):
     NEVER = "jamais trouvé"
     ALWAYS = "toujours trouvé"
     REVERSED = "à l'envers"
+    REMEMBERS = "se souvient"
     UNREADABLE = "illisible"
 
 
@@ -62,11 +63,19 @@ def calibrate(bench: Bench, walk: Walk) -> Search:
     if most.missed is not None:
         return _lost(bench, most)
     search = _bisect(bench, walk)
+    if search.outcome is Outcome.FOUND:
+        return _again(bench, search)
     if search.outcome is not Outcome.MIXED:
         return search
     # A distance that other places always meet (zero, or negative) is another mistake than one too blunt.
     least = _try(bench, walk, 1.0 / HUGE)
     return search if least.wrong is None else replace(least, outcome=Outcome.ALWAYS, missed=None)
+
+
+def _again(bench: Bench, search: Search) -> Search:
+    """The same scans in another order separate at the same threshold, unless the function remembers other calls."""
+    again = _try(bench, search.walk.turned_over(), search.threshold)
+    return search if again.outcome is Outcome.FOUND else replace(again, outcome=Outcome.REMEMBERS)
 
 
 def _lost(bench: Bench, most: Search) -> Search:

@@ -34,6 +34,7 @@ def tell(search: Search, remark: str, figure: FigureData | None) -> Rejection:
         inputs=_inputs(search),
         expected=search.walk.same_place(search.query),
         got=list(search.found),
+        slip="memoire" if search.outcome is Outcome.REMEMBERS else None,
         figure=figure,
     )
 
@@ -44,6 +45,12 @@ def _sentence(search: Search) -> str:
         return (
             f"Depuis le scan {i}, le scan {missed}, pris au même endroit avec un autre cap, n'est pas trouvé, "
             "même avec un seuil immense."
+        )
+    if search.outcome is Outcome.REMEMBERS:
+        return (
+            f"Avec le seuil {render.number(search.threshold, 3)}, les bons scans étaient trouvés ; on a ensuite rangé "
+            "les mêmes scans dans un autre ordre, et ils ne le sont plus : votre fonction se souvient d'appels "
+            "précédents."
         )
     if search.outcome is Outcome.REVERSED:
         return (

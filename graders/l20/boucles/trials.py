@@ -37,6 +37,11 @@ CHANCES = 3
 # Two scans that can be written by hand: distinct distances, one longest and one shortest ray.
 RAMP = 1.0 + np.arange(BEAMS) / 4.0
 BOWL = 1.0 + np.arange(BEAMS) ** 2 / 150.0
+# Half a turn later all comes again but for one ray, neither long nor short, beside no extreme step: whatever ray or step
+# a signature starts from, longest, shortest, widest or narrowest, there are two of them.
+HALF = (2.0, 2.5, 4.5, 11.0, 3.0, 3.4, 5.0, 0.5, 6.0, 6.1, 7.7, 9.0, 8.0, 6.5, 5.2, 4.0, 2.8, 1.5)
+TIES = np.array([*HALF, *HALF[:13], 6.7, *HALF[14:]])
+TIED_SHIFTS = (9, 18, 31)
 
 
 def example(bench: Bench) -> None:
@@ -65,13 +70,33 @@ def example(bench: Bench) -> None:
 
 
 def rotation(bench: Bench) -> None:
-    """Three places of the map: any heading gives the same signature, another place gives another one."""
+    """Three places of the map: any heading gives the same signature, another place gives another one.
+
+    Last, by hand, two rays are the longest, two the shortest: which of them comes first depends on the heading.
+    """
     pool = _pool(bench)
     chosen = bench.rng.choice(len(pool.poses), 4, replace=False)
     rejections = [_turn(bench, pool, int(p), int(q)) for p, q in pairwise(chosen)]
     for rejection in rejections:
         if rejection is not None:
             raise rejection
+    here, elsewhere = signature(bench, TIES), signature(bench, BOWL)
+    for k in TIED_SHIFTS:
+        rotated = signature(bench, np.roll(TIES, k))
+        if apart(here, rotated) > tolerance(here, elsewhere):
+            bench.observe("signature", habits(bench, TIES, BOWL), ok=False)
+            raise _tied(k, here, rotated)
+
+
+def _tied(k: int, here: Floats, rotated: Floats) -> Rejection:
+    return Rejection(
+        f"Deux rayons sont à égalité, les plus longs du scan. Décalé de {k} rayons, il donne une autre signature : "
+        "le premier des deux n'est plus le même.",
+        inputs={"scan": TIES, "scan décalé": f"np.roll(scan, {k})"},
+        expected=here,
+        got=rotated,
+        figure=rotation_figure(TIES, np.roll(TIES, k), here, rotated),
+    )
 
 
 def _turn(bench: Bench, pool: Pool, place: int, other: int) -> Rejection | None:

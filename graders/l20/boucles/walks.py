@@ -44,6 +44,15 @@ class Walk:
         """The scans of the past, `GAP` or more before i, that were taken where scan i was."""
         return [j for j in range(i - GAP + 1) if self.places[j] == self.places[i]]
 
+    def turned_over(self) -> Walk:
+        """The same visits, those that every query looks back on in the opposite order; none comes to i - 10."""
+        past = min(self.queries) - GAP
+        order = np.concatenate([np.arange(past)[::-1], np.arange(past, len(self.scans))])
+        lookalike = None if self.lookalike is None else int(np.flatnonzero(order == self.lookalike)[0])
+        return replace(
+            self, poses=self.poses[order], scans=self.scans[order], places=self.places[order], lookalike=lookalike
+        )
+
 
 def turned(pose: Floats, steps: int) -> Floats:
     """The same position with the heading increased by `steps` beams, brought back to [-pi, pi]."""

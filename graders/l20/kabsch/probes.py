@@ -94,7 +94,7 @@ def no_rotation(shown: Shown) -> str | None:
     parts = [_parts(shown, k) for k in (*EXACT, *NOISY)]
     found = [p for p in parts if p is not None]
     odd = [p for p in found if float(np.max(np.abs(p[0].T @ p[0] - np.eye(len(p[0]))))) > 1e-4]
-    if len(odd) == len(found) and all(_stretches(R) for R, _ in odd):
+    if odd and len(odd) == len(found) and all(_stretches(R) for R, _ in odd):
         return "echelle"
     return "r_pas_rotation" if len(odd) >= 2 else None
 
@@ -152,5 +152,6 @@ PROBES = (
         read=read,
         rules=(only_t, never_turns, no_rotation, plane_only, mirrors_only, exact_only, poor_only),
         facet=rotation_part,
+        compared=TELLING,
     ),
 )

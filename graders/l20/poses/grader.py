@@ -35,10 +35,13 @@ def random_pose(rng: np.random.Generator, reach: float = 10.0) -> Floats:
 
 
 def simple_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
-    """Whole numbers and quarter turns whose sum stays within half a turn."""
+    """Whole numbers and quarter turns whose sum stays within half a turn.
+
+    The first call turns: a program that keeps its first rotation would otherwise look like one that forgets it.
+    """
+    yield pose(1, 2, QUARTER), pose(1, 0, 0)
     yield pose(0, 0, 0), pose(1, 2, QUARTER)
     yield pose(1, 2, 0), pose(3, 0, 0)
-    yield pose(1, 2, QUARTER), pose(1, 0, 0)
     yield pose(1, 2, QUARTER), pose(3, 1, -QUARTER)
     for _ in range(4):
         x1, y1, x2, y2 = rng.integers(-4, 5, 4)
@@ -65,10 +68,10 @@ def wrapping_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
 
 
 def single_poses(rng: np.random.Generator) -> Iterator[Arguments]:
+    yield (pose(1, 0, QUARTER),)
     yield (pose(0, 0, 0),)
     yield (pose(1, 2, 0),)
     yield (pose(0, 0, QUARTER),)
-    yield (pose(1, 0, QUARTER),)
     yield (pose(2, 1, -QUARTER),)
     yield (pose(1, 2, math.pi),)
     for _ in range(10):
@@ -76,9 +79,9 @@ def single_poses(rng: np.random.Generator) -> Iterator[Arguments]:
 
 
 def relative_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
+    yield pose(1, 2, QUARTER), pose(1, 3, QUARTER)
     yield pose(1, 2, 0), pose(1, 2, 0)
     yield pose(1, 2, 0), pose(3, 5, QUARTER)
-    yield pose(1, 2, QUARTER), pose(1, 3, QUARTER)
     yield pose(2, 1, -QUARTER), pose(0, 1, 0)
     for _ in range(10):
         yield random_pose(rng), random_pose(rng)

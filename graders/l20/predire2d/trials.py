@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -23,6 +24,12 @@ EPISODES = 2
 NEAR = 1
 MARGIN = 4.0
 MAX_DRAWS = 4000
+#: Commands as wrong programs take them: not at all, x for y, backwards. What they find must not depend on the draw.
+MISLED: tuple[Callable[[int, int], tuple[int, int]], ...] = (
+    lambda du, dv: (0, 0),
+    lambda du, dv: (dv, du),
+    lambda du, dv: (-du, -dv),
+)
 LOOP = "predire2d puis corriger2d"
 
 
@@ -42,7 +49,7 @@ class Episode:
 
 @lru_cache(maxsize=16)
 def episodes(seed: int) -> tuple[Episode, ...]:
-    """Walks that the reference follows and a filter that never predicts does not.
+    """Walks that the reference follows, and that a filter which takes the commands for others does not.
 
     An honest program cannot fail by bad luck: the reference's belief is, near the truth, MARGIN times greater than
     anywhere else, and an honest one differs from it by rounding alone. Less than half of the walks drawn are rejected,
@@ -76,10 +83,15 @@ def _is_telling(grid: GridWorld, episode: Episode) -> bool:
     close = np.maximum(np.abs(y - episode.end[0]), np.abs(x - episode.end[1])) <= NEAR
     if episode.belief[close].max() < MARGIN * episode.belief[~close].max():
         return False
-    motionless = grid.uniform()
-    for cell in episode.cells:
-        motionless = correct(grid, motionless, grid.scans[cell], SIGMA)
-    return gap(most_likely(motionless), episode.end) > NEAR
+    return all(gap(most_likely(_misled(grid, episode, mislead)), episode.end) > NEAR for mislead in MISLED)
+
+
+def _misled(grid: GridWorld, episode: Episode, mislead: Callable[[int, int], tuple[int, int]]) -> Belief:
+    """Where a filter ends that takes each command for another one."""
+    belief = grid.uniform()
+    for (du, dv), cell in zip(episode.commands, episode.cells, strict=True):
+        belief = correct(grid, predict(grid, belief, *mislead(du, dv)), grid.scans[cell], SIGMA)
+    return belief
 
 
 def gap(cell: Cell, other: Cell) -> int:

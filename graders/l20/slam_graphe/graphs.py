@@ -241,10 +241,17 @@ def loops_by_hand() -> Iterable[Graph]:
     yield Graph(rows((0, 0, 0), (0, 0, 0.5), (0, 0, 1)), turns)
 
 
+def measured_twice() -> Graph:
+    """One pair measured twice, and once more the other way: 2, 5 and 5 agree on 4."""
+    again = (edge(0, 1, (2, 0, 0)), edge(0, 1, (5, 0, 0)), edge(1, 0, (-5, 0, 0)))
+    return Graph(rows((0, 0, 0), (2, 0, 0)), again)
+
+
 @cached
 def loops(rng: np.random.Generator) -> Iterable[Graph]:
     """Every edge has the same weight, the same in length and in angle."""
     yield from loops_by_hand()
+    yield measured_twice()
     yield noisy(rng, facing_one_way(rng, 4), [(3, 0)])
     yield noisy(rng, facing_one_way(rng, 6), [(0, 5), (4, 1)], weights=lambda k: (25.0, 25.0))
 
@@ -255,7 +262,7 @@ def weighted(rng: np.random.Generator) -> Iterable[Graph]:
     line = (edge(0, 1, (1, 0, 0)), edge(1, 2, (1, 0, 0)), edge(0, 2, (7, 0, 0), 2.0))
     yield Graph(rows((0, 0, 0), (1, 0, 0), (2, 0, 0)), line)
     yield noisy(rng, facing_one_way(rng, 4), [(0, 3), (1, 3)], weights=various(rng))
-    yield noisy(rng, facing_one_way(rng, 6), [(5, 0), (4, 1)], weights=various(rng))
+    yield noisy(rng, facing_one_way(rng, 6), [(5, 0), (4, 1), (2, 3), (1, 0)], weights=various(rng))
 
 
 @cached

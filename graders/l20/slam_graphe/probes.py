@@ -138,7 +138,10 @@ def _ends(name: str, wrong: frozenset[int]) -> Rule:
 def elsewhere(shown: Shown) -> str | None:
     """It settles, though not at the optimum: what one step leaves, others do not mend."""
     poses = [_poses(shown, k) for k in (4, 5)]
-    near = [p is not None and float(np.abs(gaps(GRAPHS[k].optimum, p)).max()) < 2.0 for p, k in zip(poses, (4, 5), strict=True)]
+    near = [
+        p is not None and float(np.abs(gaps(GRAPHS[k].optimum, p)).max()) < 2.0
+        for p, k in zip(poses, (4, 5), strict=True)
+    ]
     missed = not any(map(_reached, poses, (GRAPHS[4], GRAPHS[5])))
     return "pas_le_minimum" if all(near) and missed else None
 

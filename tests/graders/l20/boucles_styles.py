@@ -49,7 +49,6 @@ DESCRIPTORS = {
     "steps": "np.sort(np.abs(scan - np.roll(scan, 1)))",
     "steps histogram and mean": "np.append(np.histogram(np.abs(np.diff(scan, append=scan[0])), bins=8,"
     " range=(0, PORTEE_MAX))[0], scan.mean())",
-    "longest first": "np.roll(scan, -np.argmax(scan))",
     "smallest rotation": "min(tuple(np.roll(scan, k)) for k in range(36))",
     "mixed": "np.concatenate([np.abs(np.fft.rfft(scan))[:6], np.sort(scan)[::6], [scan.std()]])",
     "huge": "1e9 * np.abs(np.fft.rfft(scan)) ** 2",
