@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from graders.core.code.bench import DEFAULT_BUDGET, Bench, Runner
+from graders.core.code.bench import DEFAULT_BUDGET, Bench, Observation, Runner
 from graders.core.code.checks import Check, Rejection, fault_rejection
 from graders.core.code.diagnosis import combined, diagnose, slip_diagnosis
 from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.probes import Prober
 from graders.core.code.reenacting import Reenactor
 from graders.core.compare.shrinking import Budget
+from graders.core.compare.slips import SLIPS
 from graders.core.compare.words import tidy, to_jsonable, whole_jsonable
 from graders.core.contract.findings import Finding, Judgement, verdict_of
 from graders.core.contract.local import LOCAL
@@ -86,16 +87,32 @@ class CodeGrader:
         if not pairs or all(finding.cause not in DIAGNOSED for _, finding in pairs):
             return None
         blamed = _blamed([check for check, _ in pairs])
-        ids = self.prober.recognise(runner, [f for f in self.functions if f in blamed]) if self.prober else ()
+        asked = [function for function in self.functions if function in blamed]
+        alone = {check.functions[0] for check, _ in pairs if len(check.functions) == 1}
+        ids, last = self.prober.recognise(runner, asked, alone) if self.prober else ((), ())
+        ids = (*ids, *self._reenacted(ids, blamed, runner.observations, kit, seed)) or last
         if ids:
             touched = {finding.slip for check, finding in pairs if check.needs_another and finding.slip} - set(ids)
             return combined((*ids, *touched), self.misconceptions)
-        others = [m for m in self.misconceptions if not m.edited and blamed & set(m.functions)]
-        reenact = partial(self.reenactor.reenact, checks=self.checks, kit=kit, seed=seed)
-        named = diagnose(runner.observations, others, reenact)
-        return named or slip_diagnosis(
+        return slip_diagnosis(
             [(c.functions, f.slip) for c, f in pairs if f.cause in JUDGED and f.result.counterexample]
         )
+
+    def _reenacted(
+        self,
+        found: Sequence[str],
+        blamed: Collection[str],
+        observations: Sequence[Observation],
+        kit: KitSettings,
+        seed: int,
+    ) -> Sequence[str]:
+        """What the observations say of the functions of which no mistake was found, by misconceptions that are no
+        edit."""
+        told = {function for m in self.misconceptions if m.id in found for function in m.functions}
+        left = set() if set(found) & SLIPS.keys() else set(blamed) - told
+        others = [m for m in self.misconceptions if not m.edited and left & set(m.functions)]
+        named = diagnose(observations, others, partial(self.reenactor.reenact, checks=self.checks, kit=kit, seed=seed))
+        return [named.id] if named else []
 
     def rehearse(self) -> None:
         """Grade the solution and a mistake in this process: what is imported and compiled at first use then is."""

@@ -13,7 +13,7 @@ import copy
 import itertools
 import threading
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -23,7 +23,7 @@ from graders.core.code.bench import Runner
 from graders.core.code.mutations import Edit, Model, Mutant
 from graders.core.compare.slips import SLIPS
 from graders.core.contract.local import kit_names
-from graders.core.contract.program import KitSettings, Program, Reply, Answer, StudentFault
+from graders.core.contract.program import Answer, KitSettings, Program, Reply, StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, same_value
 
 TOLERANCE = 1e-7
@@ -74,8 +74,9 @@ class Probes:
 
     `read` turns a value into what is compared; `facet` shows a part of it, on which some mistakes have no bearing.
     Only the first `compared` ones are held against the mutants' (None: all), the others are for rules alone. `given`
-    are names for the mutants alone. The first call is made once more after the others, to see whether the
-    function remembers.
+    are names for the mutants alone. `last_rules` have their say when nothing else has found a name. The first call is
+    made once more after the others, to see whether the function remembers; unless it is `random`, and then every
+    mutant draws the same numbers. Nothing is asked where a check of one of `unless`, and of it alone, failed.
     """
 
     function: str
@@ -83,6 +84,9 @@ class Probes:
     kit: KitSettings
     read: Read = field(default=lambda args, value: value)
     rules: tuple[Rule, ...] = ()
+    last_rules: tuple[Rule, ...] = ()
+    random: bool = False
+    unless: frozenset[str] = frozenset()
     facet: Facet | None = None
     compared: int | None = None
     given: Mapping[str, Any] = field(default_factory=dict)
@@ -114,18 +118,38 @@ class Prober:
     def functions(self) -> frozenset[str]:
         return frozenset(probes.function for probes in self.probes)
 
-    def recognise(self, runner: Runner, functions: Iterable[str]) -> tuple[str, ...]:
-        """The ids of the mistakes that the program makes in these functions, the first one first; none when unsure."""
-        found: list[str] = []
-        wanted = set(functions)
-        for index, answers in self._asked(runner, wanted):
-            with self._lock:
-                found += [one for one in self._explained(index, answers, found, wanted) if one not in found]
-        return tuple(found)
+    def recognise(
+        self, runner: Runner, functions: Collection[str], alone: Collection[str]
+    ) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """The ids of the mistakes that the program makes in these functions, the first one first; none when unsure.
 
-    def _asked(self, runner: Runner, functions: Collection[str]) -> Iterator[tuple[int, list[Seen]]]:
+        `alone` are the functions that failed a check of their own.
+        Then those of the last rules, for when nothing else finds a name.
+        """
+        found: list[str] = []
+        last: list[str] = []
+        for index, answers in self._asked(runner, functions, alone):
+            with self._lock:
+                names = self._explained(index, answers, found, functions)
+                found += [one for one in names if one not in found]
+                if not names:
+                    last += self._last(index, answers)
+        return tuple(found), tuple(last)
+
+    def _last(self, index: int, answers: Sequence[Seen]) -> Sequence[str]:
+        probes = self.probes[index]
+        right = self._right(index, answers)
+        return () if right is None else _ruled(probes.last_rules, Shown(probes.calls, answers, right))
+
+    def _asked(
+        self, runner: Runner, functions: Collection[str], alone: Collection[str]
+    ) -> Iterator[tuple[int, list[Seen]]]:
         """What a program launched afresh, which remembers nothing of the checks, answers to the probes of functions."""
-        chosen = [(index, probes) for index, probes in enumerate(self.probes) if probes.function in functions]
+        chosen = [
+            (index, probes)
+            for index, probes in enumerate(self.probes)
+            if probes.function in functions and not probes.unless.intersection(alone)
+        ]
         for _, group in itertools.groupby(chosen, key=lambda pair: id(pair[1].kit)):
             asked = list(group)
             try:
@@ -138,10 +162,10 @@ class Prober:
     def _explained(
         self, index: int, answers: list[Seen], known: Sequence[str], blamed: Collection[str]
     ) -> Sequence[str]:
-        again = answers.pop()
-        if not same_seen(again, answers[0]):
-            return [MEMORY]
         probes = self.probes[index]
+        again = answers.pop()
+        if not probes.random and not same_seen(again, answers[0]):
+            return [MEMORY]
         right = self._right(index, answers)
         if right is None:
             return ()
@@ -153,13 +177,13 @@ class Prober:
             possible = (row for row in self._all(index, mistakes) if row.mutant.speaks_of(blamed))
             fits = [row for row in possible if self._fits(index, row, answers)]
             if fits:
-                return _agreed(fits)
+                return _agreed(fits) or _ruled(probes.rules, shown)
         begun = self._extended(index, answers) if told else ()
         possible = (row for row in begun if row.mutant.speaks_of(blamed))
         fits = [row for row in possible if self._fits(index, row, answers)]
         if fits:
-            return _agreed(fits)
-        return next(([name] for rule in probes.rules if (name := rule(shown)) is not None), ())
+            return _agreed(fits) or _ruled(probes.rules, shown)
+        return _ruled(probes.rules, shown)
 
     def _right(self, index: int, answers: Sequence[Seen]) -> Sequence[Seen] | None:
         """What is right, in the nearest style; None when the answers are."""
@@ -227,8 +251,13 @@ class Prober:
         return row.answers[k]
 
 
+def _ruled(rules: Sequence[Rule], shown: Shown) -> Sequence[str]:
+    """What the first rule that knows says."""
+    return next(([name] for rule in rules if (name := rule(shown)) is not None), [])
+
+
 def _agreed(fits: Sequence[_Row]) -> Sequence[str]:
-    """The mistakes that all of these make; a usual slip says less than a mistake of the exercise that looks the same."""
+    """The mistakes that all of these make; a usual slip says less than a mistake of the exercise."""
     fits = [row for row in fits if not SLIPS.keys() & set(row.mutant.ids)] or fits
     common = set(fits[0].mutant.ids).intersection(*(row.mutant.ids for row in fits[1:]))
     return [one for one in fits[0].mutant.ids if one in common]
@@ -247,7 +276,7 @@ def _answered(runner: Runner, program: Program, probes: Probes) -> Iterator[Seen
 
 def _answers(mutant: Mutant, probes: Probes, calls: Sequence[Arguments]) -> Iterator[Seen]:
     """What a mutant, which is our own code, answers; it shares the kit with the others."""
-    names = dict(_kit(probes))
+    names = _kit(probes) if probes.random else dict(_kit(probes))
     exec(compile(mutant.text, "<mutant>", "exec", dont_inherit=True), names)
     for args in calls:
         given = copy.deepcopy(args)
@@ -264,8 +293,8 @@ _kits: dict[int, dict[str, Any]] = {}
 
 
 def _kit(probes: Probes) -> dict[str, Any]:
-    """The names that the mutants find, made once for all of them."""
-    if id(probes) not in _kits:
+    """The names that the mutants find, made once for all of them unless they draw at random."""
+    if probes.random or id(probes) not in _kits:
         _kits[id(probes)] = {"__name__": "mutant", **kit_names(probes.kit), **probes.given}
     return _kits[id(probes)]
 

@@ -85,8 +85,8 @@ SLIPS = {
         Slip(
             "memoire",
             "Un résultat qui dépend des appels précédents",
-            "Avec les mêmes arguments, votre fonction ne renvoie pas deux fois la même chose : elle garde quelque chose "
-            "d'un appel à l'autre, dans une variable globale, un tableau réutilisé ou un argument par défaut.",
+            "Avec les mêmes arguments, votre fonction ne renvoie pas deux fois la même chose : elle garde quelque "
+            "chose d'un appel à l'autre, dans une variable globale, un tableau réutilisé ou un argument par défaut.",
             "Quelle variable de votre code existe encore quand la fonction est finie ?",
         ),
         Slip(

@@ -36,6 +36,7 @@ from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.boucles import trials
 from graders.l20.boucles.places import BEAMS
+from graders.l20.boucles.probes import PROBES
 
 SIGNATURE = ("signature",)
 CANDIDATES = ("candidats_boucle",)
@@ -115,4 +116,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit)
+DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)

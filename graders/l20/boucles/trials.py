@@ -37,8 +37,8 @@ CHANCES = 3
 # Two scans that can be written by hand: distinct distances, one longest and one shortest ray.
 RAMP = 1.0 + np.arange(BEAMS) / 4.0
 BOWL = 1.0 + np.arange(BEAMS) ** 2 / 150.0
-# Half a turn later all comes again but for one ray, neither long nor short, beside no extreme step: whatever ray or step
-# a signature starts from, longest, shortest, widest or narrowest, there are two of them.
+# Half a turn later all comes again but for one ray, neither long nor short, beside no extreme step: whatever ray or
+# step a signature starts from, longest, shortest, widest or narrowest, there are two of them.
 HALF = (2.0, 2.5, 4.5, 11.0, 3.0, 3.4, 5.0, 0.5, 6.0, 6.1, 7.7, 9.0, 8.0, 6.5, 5.2, 4.0, 2.8, 1.5)
 TIES = np.array([*HALF, *HALF[:13], 6.7, *HALF[14:]])
 TIED_SHIFTS = (9, 18, 31)

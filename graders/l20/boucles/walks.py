@@ -45,9 +45,12 @@ class Walk:
         return [j for j in range(i - GAP + 1) if self.places[j] == self.places[i]]
 
     def turned_over(self) -> Walk:
-        """The same visits, those that every query looks back on in the opposite order; none comes to i - 10."""
+        """The same visits, those that every query looks back on come one later, the last of them first.
+
+        None comes to i - 10, and none stays in its place.
+        """
         past = min(self.queries) - GAP
-        order = np.concatenate([np.arange(past)[::-1], np.arange(past, len(self.scans))])
+        order = np.concatenate([np.roll(np.arange(past), 1), np.arange(past, len(self.scans))])
         lookalike = None if self.lookalike is None else int(np.flatnonzero(order == self.lookalike)[0])
         return replace(
             self, poses=self.poses[order], scans=self.scans[order], places=self.places[order], lookalike=lookalike

@@ -1,4 +1,4 @@
-"""What `kabsch` is asked by hand once a check has failed: exact clouds, then noisy ones, then mirrors, then poor ones."""
+"""What `kabsch` is asked by hand: exact clouds and noisy ones, then mirrors, then poor ones."""
 
 from __future__ import annotations
 

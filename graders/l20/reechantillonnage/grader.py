@@ -13,6 +13,7 @@ from graders.core.contract.values import Arguments, Value
 from graders.l20 import world
 from graders.l20.reechantillonnage import trials
 from graders.l20.reechantillonnage.harvest import FUNCTION
+from graders.l20.reechantillonnage.probes import PROBES
 from reference.filters.resampling import effective_sample_size
 
 
@@ -117,4 +118,4 @@ CHECKS = (
     ),
 )
 
-DEFINITION = code(__file__, checks=CHECKS, kit=world.kit)
+DEFINITION = code(__file__, checks=CHECKS, kit=world.kit, probes=PROBES)

@@ -148,10 +148,14 @@ def elsewhere(shown: Shown) -> str | None:
 
 def runs_away(shown: Shown) -> str | None:
     """From a start near the optimum, it ends far from it."""
-    lost = [isinstance(shown.got[k], str) and shown.got[k] == LOST or
-            ((p := _poses(shown, k)) is not None and float(np.abs(gaps(GRAPHS[k].optimum, p)[:, :2]).max()) > 2.0)
-            for k in (4, 5, 7)]  # fmt: skip
-    return "diverge" if all(lost) else None
+    return "diverge" if all(_is_lost(shown, k) for k in (4, 5, 7)) else None
+
+
+def _is_lost(shown: Shown, k: int) -> bool:
+    poses = _poses(shown, k)
+    if poses is None:
+        return isinstance(shown.got[k], str) and shown.got[k] == LOST
+    return float(np.abs(gaps(GRAPHS[k].optimum, poses)[:, :2]).max()) > 2.0
 
 
 PROBES = (

@@ -111,7 +111,7 @@ STYLES = {
         edited(VECTORS, "e[:, 2] = np.angle(np.exp(1j * e[:, 2]))", "pass"),
     ),
     "error not wrapped in the other convention": (
-        "erreur_non_ramenee_relatif",
+        "erreur_non_ramenee",
         edited(
             NUMERIC,
             "a[1] + s * b[0] + c * b[1], np.arctan2(np.sin(angle), np.cos(angle))",

@@ -1,0 +1,213 @@
+"""What both functions are asked by hand. A signature is free: it is judged by what it does with scans made on purpose.
+
+The walks of `candidats_boucle` hold the same few scans again and again: their distances are zero or far from it, in
+every norm and for every signature that tells places apart.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from graders.core.code.probes import Probes, Seen, Shown, as_array
+from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, read_indices
+from graders.l20 import world
+from graders.l20.boucles.calibration import HUGE
+from graders.l20.boucles.readings import Unsuitable, is_complex, is_mask, read_signature
+from graders.l20.boucles.trials import BOWL, RAMP, TIED_SHIFTS, TIES
+
+A, B, C = RAMP, BOWL, 12.5 - RAMP[::-1] ** 0.9
+TINY = 1e-7
+
+
+def _walk(pattern: str) -> Floats:
+    return np.array([{"A": A, "B": B, "C": C, "a": np.roll(A, 7)}[place] for place in pattern])
+
+
+LONG = "ABCABBCAABCBACBBACABCABA"
+LOOKED: tuple[Arguments, ...] = (
+    (_walk(LONG), 23, TINY),
+    (_walk(LONG), 23, HUGE),
+    (_walk(LONG), 15, TINY),
+    (_walk(LONG[:16]), 12, HUGE),
+    (_walk(LONG), 10, TINY),
+    (_walk("BACABBCAABCBB"), 11, TINY),
+    (_walk(LONG[:14]), 9, HUGE),
+    (_walk(LONG[:14]), 4, HUGE),
+    (_walk(LONG[:14]), 0, HUGE),
+    (_walk("C" + LONG[1:]), 23, TINY),
+)
+TURNED: tuple[Arguments, ...] = ((_walk("aBCaBBCAaBCBaCBBaCaBCAbA".replace("b", "B")), 23, TINY),)
+
+RAISED = RAMP.copy()
+RAISED[17] += 0.6
+SIGNED: tuple[Arguments, ...] = tuple(
+    (scan,)
+    for scan in (
+        RAMP, np.roll(RAMP, 1), np.roll(RAMP, 9), BOWL, TIES, *(np.roll(TIES, k) for k in TIED_SHIFTS), RAISED,
+        *(np.where(np.arange(36) == k, 20.0, RAMP) for k in (0, 17, 35)),
+    )
+)  # fmt: skip
+SAME, TIED, CHANGED = (0, 1, 2), (4, 5, 6, 7), (9, 10, 11)
+
+
+def read_found(args: Arguments, value: Value) -> Value:
+    """The indices; in words what are none."""
+    try:
+        indices = read_indices(value)
+    except UnreadableError:
+        try:
+            array = read_array(value)
+        except UnreadableError as error:
+            return str(error)
+        return "non entiers" if array.ndim == 1 else f"dimension {array.ndim}"
+    return ["masque", *indices] if is_mask(value) else np.array(indices, dtype=float)
+
+
+def read_signed(args: Arguments, value: Value) -> Value:
+    """The signature; the mistake in a word when it is none."""
+    reading = read_signature(value)
+    if isinstance(reading, Unsuitable):
+        return reading.word
+    return [is_complex(value), reading]
+
+
+def _signatures(shown: Shown) -> list[Floats] | None:
+    """All of the signatures, of one length, or None."""
+    found = [one[1] for one in shown.got if isinstance(one, list)]
+    return found if len(found) == len(shown.got) and len({one.shape for one in found}) == 1 else None
+
+
+def _equal(one: Floats, other: Floats) -> bool:
+    return bool(np.allclose(one, other, rtol=1e-7, atol=1e-7))
+
+
+def _invariant(signatures: list[Floats]) -> bool:
+    return all(_equal(signatures[0], signatures[k]) for k in SAME)
+
+
+def starts_at_an_extreme(shown: Shown) -> str | None:
+    """The same for all shifts of a scan without ties, not for those of a scan with."""
+    found = _signatures(shown)
+    if found is None or not _invariant(found):
+        return None
+    return None if all(_equal(found[TIED[0]], found[k]) for k in TIED) else "depart_sur_un_extreme"
+
+
+def single_number(shown: Shown) -> str | None:
+    """One number, the same for all shifts."""
+    found = _signatures(shown)
+    if found is None or found[0].size != 1 or not _invariant(found) or _equal(found[0], found[3]):
+        return None
+    values = np.array([one[0] for one in found])
+    means, longest = (np.array([f(args[0]) for args in shown.calls]) for f in (np.mean, np.max))
+    if _equal(values, means) or _equal(values, 36.0 * means):
+        return "moyenne_seule"
+    return "rayon_le_plus_long" if _equal(values, longest) else "un_seul_nombre"
+
+
+def one_ray_forgotten(shown: Shown) -> str | None:
+    """Not the same for all shifts; and one ray at an end of the scan does not count, when another one does."""
+    found = _signatures(shown)
+    if found is None or _invariant(found) or found[0].size < 2:
+        return None
+    blind = [_equal(found[0], found[k]) for k in CHANGED]
+    return "rayon_oublie" if (blind[0] or blind[2]) and not blind[1] else None
+
+
+def same_for_all(shown: Shown) -> str | None:
+    found = _signatures(shown)
+    return "signature_constante" if found is not None and all(_equal(found[0], one) for one in found) else None
+
+
+def follows_the_heading(shown: Shown) -> str | None:
+    """A shift changes it: what no better known mistake explains."""
+    found = _signatures(shown)
+    return None if found is None or _invariant(found) else "secteurs_fixes"
+
+
+def _indices(seen: Seen) -> list[int] | None:
+    found = as_array(seen)
+    return None if found is None or found.ndim != 1 else [int(one) for one in found]
+
+
+def unsorted(shown: Shown) -> str | None:
+    """The right indices, in another order."""
+    pairs = [(_indices(one), _indices(other)) for one, other in zip(shown.got, shown.right, strict=True)]
+    if any(one is None or other is None or sorted(one) != other for one, other in pairs):
+        return None
+    return "plus_proche_d_abord"
+
+
+def more_with_less(shown: Shown) -> str | None:
+    """A huge threshold finds nothing, a tiny one finds other places."""
+    tiny, huge = _indices(shown.got[0]), _indices(shown.got[1])
+    return "comparaison_a_l_envers" if tiny and huge == [] else None
+
+
+def threshold_unused(shown: Shown) -> str | None:
+    """What a tiny and a huge threshold find is the same, and something."""
+    tiny, huge = _indices(shown.got[0]), _indices(shown.got[1])
+    return "seuil_ignore" if tiny is not None and tiny == huge and 0 < len(tiny) < 14 else None
+
+
+def breaks_off(shown: Shown) -> str | None:
+    """Only the first ones of what is right, whenever something in between is not to be found."""
+    pairs = [(_indices(one), _indices(other)) for one, other in zip(shown.got, shown.right, strict=True)]
+    short = [one is not None and other is not None and one == other[: len(one)] for one, other in pairs]
+    missing = [one is not None and other is not None and len(one) < len(other) for one, other in pairs]
+    return (
+        "boucle_interrompue"
+        if all(short) and any(missing) and _indices(shown.got[1]) == _indices(shown.right[1])
+        else None
+    )
+
+
+def window_only(shown: Shown) -> str | None:
+    """What is found is increasing and of the right places where these are in the window: the window is wrong."""
+    for (scans, i, threshold), seen in zip(shown.calls, shown.got, strict=True):
+        found = _indices(seen)
+        if found is None or any(b <= a for a, b in pairwise(found)):
+            return None
+        if threshold == TINY and any(not 0 <= j < len(scans) or not np.array_equal(scans[j], scans[i]) for j in found):
+            return None
+    return "fenetre_fausse"
+
+
+def raw_scans(shown: Shown) -> str | None:
+    """Scans that were turned are not found, the others are."""
+    found, right = _indices(shown.got[0]), _indices(shown.right[0])
+    scans = shown.calls[0][0]
+    if found is None or right is None:
+        return None
+    return "scans_compares_bruts" if found == [j for j in right if np.array_equal(scans[j], A)] else None
+
+
+PROBES = (
+    Probes(
+        function="signature",
+        calls=SIGNED,
+        kit=world.STILL,
+        read=read_signed,
+        compared=0,
+        rules=(starts_at_an_extreme, single_number, same_for_all),
+        last_rules=(one_ray_forgotten, follows_the_heading),
+    ),
+    Probes(
+        function="candidats_boucle",
+        calls=LOOKED,
+        kit=world.STILL,
+        read=read_found,
+        rules=(unsorted, more_with_less, threshold_unused, breaks_off, window_only),
+    ),
+    Probes(
+        function="candidats_boucle",
+        calls=TURNED,
+        kit=world.STILL,
+        read=read_found,
+        compared=0,
+        unless=frozenset({"signature"}),
+        rules=(raw_scans,),
+    ),
+)

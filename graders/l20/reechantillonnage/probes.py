@@ -1,0 +1,140 @@
+"""What both functions are asked by hand: a few weights, again and again for the comb, which draws at random.
+
+A program that draws one number a call from the kit's generator draws the very numbers of the mutants; of another one
+the rules judge what no draw explains.
+"""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+
+import numpy as np
+
+from graders.core.code.probes import Fault, Probes, Seen, Shown, as_array
+from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
+from graders.l20 import world
+
+WEIGHTS = (
+    (0.1, 0.2, 0.3, 0.4),
+    (0.75, 0.25),
+    (0.5, 0.5, 0.0, 0.0),
+    (0.25, 0.25, 0.25, 0.25),
+    (0.0, 0.0, 1.0),
+    (0.05, 0.6, 0.05, 0.1, 0.2),
+    (1.0,),
+)
+CLOUD = np.array([[1.0, 2.0], [3.0, -1.0], [-4.0, 5.0], [6.0, 7.0], [-2.0, -8.0]])
+UNEVEN, EQUAL, ONE, FEW = (0.1, 0.2, 0.3, 0.4), (0.25,) * 4, (0.0, 0.0, 1.0, 0.0), (0.04, 0.03, 0.9, 0.03)
+TIMES = ((ONE, 3), (UNEVEN, 12), (EQUAL, 6), (FEW, 6), ((0.26, 0.0, 0.24, 0.3, 0.2), 6))
+COMBED: tuple[Arguments, ...] = tuple(
+    (CLOUD[: len(weights)].copy(), np.array(weights)) for weights, times in TIMES for _ in range(times)
+)
+STRANGE = "inconnue"
+AT = {"one": range(3), "uneven": range(3, 15), "equal": range(15, 21), "few": range(21, 27)}
+
+
+def read_number(args: Arguments, value: Value) -> Value:
+    try:
+        return read_array(value)
+    except UnreadableError as error:
+        return str(error)
+
+
+def read_copies(args: Arguments, value: Value) -> Value:
+    """How many copies there are of each particle; the rows themselves when some are no copies; in words what else."""
+    particles, weights = args
+    if isinstance(value, tuple | list) and len(value) == 2 and np.shape(value[1]) == weights.shape:
+        return "couple"
+    try:
+        rows = read_array(value)
+    except UnreadableError as error:
+        return str(error)
+    if rows.shape != particles.shape:
+        return f"forme {rows.shape}"
+    same = np.all(np.abs(rows[:, None] - particles[None]) < 1e-9, axis=2)
+    return same.sum(axis=0).astype(float) if np.all(same.any(axis=1)) else [STRANGE, rows]
+
+
+def _counts(shown: Shown, where: str) -> list[Floats] | None:
+    found = [as_array(shown.got[k]) for k in AT[where]]
+    counts = [one for one in found if one is not None]
+    return counts if len(counts) == len(found) else None
+
+
+def _words(shown: Shown) -> list[Seen]:
+    return [one for one in shown.got if isinstance(one, str)]
+
+
+def grows(shown: Shown) -> str | None:
+    """More rows at each call with the same weights."""
+    shapes = [re.match(r"forme \((\d+),", one) for one in _words(shown)]
+    rows = [int(shape[1]) for shape in shapes if shape]
+    return "memoire" if len(rows) > 8 and all(b > a for a, b in pairwise(rows)) else None
+
+
+def remembers(shown: Shown) -> str | None:
+    """Right at first; then always what was right at first."""
+    groups = [_counts(shown, where) for where in ("one", "uneven", "equal", "few")]
+    counts = [c for group in groups for c in (group or [])]
+    complete = all(group is not None for group in groups)
+    return "memoire" if complete and all(np.array_equal(c, (0.0, 0.0, 4.0, 0.0)) for c in counts) else None
+
+
+def changed_particles(shown: Shown) -> str | None:
+    """Rows of the right shape that are no copies, at most calls."""
+    strange = sum(isinstance(one, list) and one[0] == STRANGE for one in shown.got)
+    raised = any(isinstance(one, Fault) for one in shown.got)
+    return "particules_modifiees" if strange > len(shown.got) / 3 and not raised else None
+
+
+def left_alone(shown: Shown) -> str | None:
+    """One copy of each particle, whatever the weights, or wherever they are not too uneven."""
+    uneven, few, one = (_counts(shown, where) for where in ("uneven", "few", "one"))
+    if uneven is None or few is None or one is None or any(np.any(c != 1.0) for c in uneven):
+        return None
+    return "nuage_inchange" if all(np.all(c == 1.0) for c in (*few, *one)) else "seulement_si_necessaire"
+
+
+def not_rigid(shown: Shown) -> str | None:
+    """With equal weights, the copies change from one call to another: more than one number is drawn."""
+    equal, one = _counts(shown, "equal"), _counts(shown, "one")
+    if equal is None or one is None or any(c[2] != 4.0 for c in one):
+        return None
+    uneven = [c for c in equal if np.any(c != 1.0)]
+    different = {tuple(c) for c in equal}
+    return "plusieurs_tirages" if len(uneven) >= 2 and len(different) >= 3 else None
+
+
+def frozen(shown: Shown) -> str | None:
+    """The same copies at each of the twelve calls, though right in number."""
+    uneven, equal = _counts(shown, "uneven"), _counts(shown, "equal")
+    if uneven is None or equal is None or any(np.any(c != 1.0) for c in equal):
+        return None
+    bounded = all(np.all(np.abs(c - 4.0 * np.array(UNEVEN)) < 1.0) for c in uneven)
+    return "peigne_fige" if bounded and all(np.array_equal(c, uneven[0]) for c in uneven) else None
+
+
+def out_of_the_cloud(shown: Shown) -> str | None:
+    """An index beyond the last particle."""
+    faults = sum(isinstance(one, Fault) and one.name == "IndexError" for one in shown.got)
+    return "indice_hors_du_nuage" if faults >= 2 else None
+
+
+PROBES = (
+    Probes(
+        function="n_eff",
+        calls=tuple((np.array(weights),) for weights in WEIGHTS),
+        kit=world.STILL,
+        read=read_number,
+    ),
+    Probes(
+        function="reechantillonner_systematique",
+        calls=COMBED,
+        kit=world.STILL,
+        read=read_copies,
+        random=True,
+        rules=(grows, remembers, changed_particles, left_alone),
+        last_rules=(frozen, not_rigid, out_of_the_cloud),
+    ),
+)
