@@ -84,6 +84,21 @@ def sent_before(
     return db.execute(query.limit(1)).scalar_one_or_none()
 
 
+def before(db: Session, submission: Submission) -> dict[str, Any] | None:
+    """The verdict of its author's attempt at the same exercise just before this one, where that was graded."""
+    order = tuple_(Submission.created_at, Submission.id)
+    earlier = order < tuple_(submission.created_at, submission.id)
+    query = (
+        select(Grading.verdict)
+        .select_from(Submission)
+        .outerjoin(Grading, Grading.id == Submission.grading_id)
+        .where(_of(submission.account_id, submission.exercise), earlier)
+        .order_by(Submission.created_at.desc(), Submission.id.desc())
+        .limit(1)
+    )
+    return db.execute(query).scalar_one_or_none()
+
+
 def _of(account_id: UUID, exercise: str) -> ColumnElement[bool]:
     return and_(Submission.account_id == account_id, Submission.exercise == exercise)
 

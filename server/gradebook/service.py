@@ -5,6 +5,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from graders.core.contract.verdict import Verdict
 from server.base.errors import NotFound
 from server.database import Database
 from server.gradebook import repository, standings
@@ -107,6 +108,12 @@ def sent_before(db: Session, account: Account, exercise_id: str, code: str, vers
     """
     source = code.encode(errors="surrogatepass")
     return repository.sent_before(db, account.id, exercise_id, digest=digest(code), source=source, version=version)
+
+
+def verdict_before(db: Session, submission: Submission) -> Verdict | None:
+    """That of its author's attempt just before this one at the exercise."""
+    found = repository.before(db, submission)
+    return None if found is None else Verdict.from_json(found)
 
 
 def number_of(db: Session, submission: Submission) -> int:

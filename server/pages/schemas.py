@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from graders.core.contract.progress import Progress
 from server.web.schemas import ModuleLink, OwnState, VerdictView
 
 
@@ -59,7 +60,8 @@ class MarkView:
 class WorkView:
     """The latest state of one submission: waiting (`waiting` says where) or judged; `again`: it is sent anew.
 
-    `marks` are those of the questions, in an exercise answered without code.
+    `marks` are those of the questions, in an exercise answered without code; `progress` is what it mended since the
+    attempt before.
     """
 
     id: str
@@ -72,6 +74,7 @@ class WorkView:
     fragment: str
     again: bool
     marks: tuple[MarkView, ...]
+    progress: Progress | None = None
 
     def mark(self, question: str) -> MarkView | None:
         """The mark of a question, where there is something to say of it."""

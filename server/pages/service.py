@@ -7,6 +7,8 @@ from typing import Any
 
 from markupsafe import Markup
 
+from graders.core.contract.progress import Progress as Mended
+from graders.core.contract.progress import progress as progress_since
 from graders.core.contract.verdict import Verdict
 from server.base.errors import NotFound
 from server.course import Exercise, Module
@@ -30,7 +32,7 @@ from server.pages.schemas import (
     WorkView,
 )
 from server.submissions import deals
-from server.submissions.models import State
+from server.submissions.models import State, Submission
 from server.submissions.service import UNATTENDED, Place
 from server.web import verdicts
 from server.web.rendering import python
@@ -241,12 +243,21 @@ def _work(
         fragment=f"{href}/verdict{'?deja=true' if again else ''}",
         again=again,
         marks=marks.of(exercise, submission, verdict, seed),
+        progress=_progress(reader, exercise, submission, verdict),
     )
 
 
 def _verdict_view(exercise: Exercise, verdict: Verdict, href: str) -> VerdictView:
     texts = None if exercise.answers is None else exercise
     return verdicts.view(verdict, f"{href}/figures", texts, exercise.functions)
+
+
+def _progress(reader: Reader, exercise: Exercise, submission: Submission, verdict: Verdict | None) -> Mended | None:
+    """What code mended since the attempt before; answers without code are marked one by one in their places."""
+    before = None
+    if verdict is not None and exercise.answers is None:
+        before = gradebook.verdict_before(reader.db, submission)
+    return None if before is None or verdict is None else progress_since(before, verdict)
 
 
 def waiting_text(place: Place) -> str:

@@ -82,6 +82,20 @@ def test_from_submission_to_verdict(small_site: SmallSite) -> None:
     assert "x = np.array([2, 0.5])" in page
 
 
+def test_what_an_attempt_mended_is_told_though_the_mark_has_not_moved(small_site: SmallSite) -> None:
+    centre = "Le lidar est placé au coin de la case"
+    sum_ = "La croyance corrigée ne somme pas à 1"
+    first = {"id": "centre", "title": f"{centre} — et aussi : {sum_}", "explanation": "Un."}
+    page = small_site.get(small_site.attempt("x = 1", verdict(diagnosis=first)))
+    assert "Depuis l’essai" not in page
+    page = small_site.get(small_site.attempt("x = 2", verdict(diagnosis={**first, "title": sum_})))
+    told = re.sub(r"<[^>]*>|\s+", " ", page)
+    for text in ("Depuis l’essai n° 1", f"N’est plus en cause : « {centre} »", f"Il reste : « {sum_} »"):
+        assert re.sub(r"\s+", " ", text) in re.sub(r"\s+", " ", told)
+    page = small_site.get(small_site.attempt("x = 3", verdict(diagnosis={**first, "title": sum_})))
+    assert "Depuis l’essai" not in page
+
+
 def test_the_place_in_the_queue_is_told(small_site: SmallSite) -> None:
     small_site.submit("a")
     small_site.submit("b")

@@ -17,7 +17,7 @@ from graders.core.code.folder import Misconception
 from graders.core.code.reenacting import Reenactment
 from graders.core.compare.slips import SLIPS, Slip
 from graders.core.contract.values import same_value
-from graders.core.contract.verdict import Diagnosis
+from graders.core.contract.verdict import AND_ALSO, Diagnosis
 
 MIN_AGREEMENT = 0.9
 
@@ -102,7 +102,7 @@ def combined(ids: Sequence[str], misconceptions: Sequence[Misconception]) -> Dia
     """The diagnosis of these mistakes, of the exercise or usual slips: the first one's, which tells the others too."""
     named: dict[str, Misconception | Slip] = {**SLIPS, **{one.id: one for one in misconceptions}}
     first, *others = [named[one] for one in ids]
-    title = " — et aussi : ".join(one.title for one in (first, *others))
+    title = AND_ALSO.join(one.title for one in (first, *others))
     paragraphs = [first.explanation, first.question]
     for other in others:
         paragraphs += [f"Autre erreur : {lowered(other.title)}. {other.explanation}", other.question]

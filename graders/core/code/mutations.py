@@ -64,12 +64,18 @@ class Model:
 
     def mutants(self, edits: Sequence[Edit], mistakes: int) -> Iterator[Mutant]:
         """Every program with so many different mistakes among these edits, in each style."""
-        for right in self.right():
-            for chosen in itertools.combinations(edits, mistakes):
-                ids = tuple(edit.id for edit in chosen)
-                text = _together(right.text, chosen) if len(set(ids)) == mistakes else None
-                if text is not None:
-                    yield Mutant(ids, text, chosen)
+        for chosen in itertools.combinations(edits, mistakes):
+            yield from self.together(list(self.right()), chosen)
+
+    def together(self, styles: Sequence[Mutant], chosen: Sequence[Edit]) -> Iterator[Mutant]:
+        """The program that makes all these mistakes, in each style; none where two are of the same id."""
+        ids = tuple(edit.id for edit in chosen)
+        seen = set()
+        for right in styles if len(set(ids)) == len(ids) else ():
+            text = _together(right.text, chosen)
+            if text is not None and text not in seen:
+                seen.add(text)
+                yield Mutant(ids, text, tuple(chosen))
 
     def extended(self, mutant: Mutant, edits: Sequence[Edit]) -> Iterator[Mutant]:
         """A mutant with one of these mistakes more, in each way in which it can be made."""

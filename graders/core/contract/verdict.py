@@ -95,13 +95,22 @@ class CheckResult:
             raise MalformedVerdictError(place, str(error)) from error
 
 
+#: Between the titles of several mistakes, in the one title of a diagnosis.
+AND_ALSO = " — et aussi : "
+
+
 @dataclass(frozen=True)
 class Diagnosis:
-    """The misconception whose wrong answers the submission reproduces."""
+    """The misconception whose wrong answers the submission reproduces; of several together, the first one's id."""
 
     id: str
     title: str
     explanation: str
+
+    @property
+    def titles(self) -> tuple[str, ...]:
+        """The title of each mistake."""
+        return tuple(self.title.split(AND_ALSO))
 
     def to_json(self) -> dict[str, Any]:
         return {"id": self.id, "title": self.title, "explanation": self.explanation}

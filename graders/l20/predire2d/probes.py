@@ -39,7 +39,7 @@ def _seen_from(x: float, y: float, theta: float, beams: int) -> Floats:
 def lidar(pose: Sequence[float], n_rayons: int = 36) -> Floats:
     """The kit's noiseless lidar on this map, kept: mutants ask for the same scans again and again."""
     x, y, theta = (float(value) for value in pose)
-    return _seen_from(x, y, theta, n_rayons).copy()
+    return np.array(_seen_from(x, y, theta, n_rayons))
 
 
 def belief(*cells: Cell) -> Floats:
@@ -100,7 +100,7 @@ def shares(args: Arguments, shown: Seen) -> Seen:
     """A belief up to a factor."""
     if not isinstance(shown, np.ndarray) or abs(shown.sum()) < 1e-12:
         return shown
-    return shown / shown.sum()
+    return np.asarray(shown / shown.sum())
 
 
 def _rows(shown: Shown) -> list[Floats | None]:

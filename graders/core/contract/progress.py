@@ -1,0 +1,41 @@
+"""What an attempt mended since the one before, and what is left: by the mistakes that were named, and by the checks.
+
+A mistake that was named is mended when it is named no more, though something else is, or though fewer checks fail:
+that nothing is recognised any more is no proof.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.verdict import Verdict
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Titles in French. `mistakes` are named no more, `checks` pass now, `lost` did before; `left` names what is left,
+    mistakes where some are named, else checks (`left_checks`)."""
+
+    mistakes: tuple[str, ...]
+    checks: tuple[str, ...]
+    lost: tuple[str, ...]
+    left: tuple[str, ...]
+    left_checks: bool
+
+
+def progress(before: Verdict, now: Verdict) -> Progress | None:
+    """From one verdict to the next; None where nothing is to be told: an error of ours, full marks, nothing new."""
+    if not before.outcome.counts or not now.outcome.counts or now.outcome is Outcome.OK:
+        return None
+    passed = {check.id for check in before.checks if check.passed}
+    known = {check.id for check in before.checks}
+    checks = tuple(c.title for c in now.checks if c.passed and c.id in known - passed)
+    lost = tuple(c.title for c in now.checks if not c.passed and c.id in passed)
+    named = now.diagnosis.titles if now.diagnosis else ()
+    earlier = before.diagnosis.titles if before.diagnosis else ()
+    gone = tuple(title for title in earlier if title not in named) if named or (checks and not lost) else ()
+    if not gone and not checks and not lost:
+        return None
+    left = named or tuple(check.title for check in now.checks if not check.passed)
+    return Progress(gone, checks, lost, left, left_checks=not named)

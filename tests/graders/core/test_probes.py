@@ -1,0 +1,165 @@
+"""Mistakes recognised by mutants and probes, on a toy whose every mistake is known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+from graders.core.code.bench import Runner
+from graders.core.code.mutations import Edit, Model
+from graders.core.code.probes import Prober, Probes, Shown, same_seen
+from graders.core.contract.local import LOCAL
+from graders.l20 import world
+from tests.graders.shipped import CODE
+from tests.support.quick import some
+
+MODEL = """
+def aire(a, b):
+    cote = a + 1
+    autre = b - 2
+    return cote * autre
+
+
+def double(a, b):
+    return 2 * aire(a, b)
+"""
+
+
+def edit(name: str, *texts: str, functions: Sequence[str] = ("aire",)) -> Edit:
+    return Edit(name, tuple(zip(texts[::2], texts[1::2], strict=True)), frozenset(functions))
+
+
+EDITS = (
+    edit("plus_deux", "a + 1", "a + 2"),
+    edit("b_seul", "b - 2", "b"),
+    edit("somme", "cote * autre", "cote + autre"),
+    edit("triple", "2 * aire", "3 * aire", functions=["double"]),
+    edit("a_seul", "a + 1", "a"),
+    Edit("oppose", (("return cote", "return -cote"),)),
+)
+STYLE = edit("", "cote * autre", "float(cote * autre)")
+CALLS = tuple((float(a), float(b)) for a, b in ((1, 5), (2, 7), (4, 3), (0, 9)))
+
+
+def shifted(shown: Shown) -> str | None:
+    gaps = {float(a) - float(b) for a, b in zip(shown.got, shown.right, strict=True) if isinstance(a, float)}
+    return "decale" if len(gaps) == 1 else None
+
+
+def prober(**changes: Any) -> Prober:
+    common: dict[str, Any] = {"calls": CALLS, "kit": world.STILL, **changes}
+    probes = (Probes(function="aire", rules=(shifted,), **common), Probes(function="double", **common))
+    return Prober(Model(MODEL, EDITS, (STYLE,)), probes)
+
+
+PROBER = prober()
+
+
+def named(source: str, functions: Sequence[str] = ("aire", "double"), asked: Prober = PROBER) -> tuple[str, ...]:
+    runner = Runner(LOCAL, source.encode(), world.STILL)
+    try:
+        return asked.recognise(runner, functions, functions)[0]
+    finally:
+        runner.close()
+
+
+def written(cote: str, autre: str, both: str = "{} * {}", double: str = "2 * aire(x, y)") -> str:
+    return f"def aire(x, y):\n    return {both.format(cote, autre)}\n\ndef double(x, y):\n    return {double}\n"
+
+
+@pytest.mark.parametrize(
+    ("source", "mistakes"),
+    [
+        (written("(x + 1)", "(y - 2)"), ()),
+        (written("(x + 2)", "(y - 2)"), ("plus_deux",)),
+        (written("(x + 2)", "y"), ("plus_deux", "b_seul")),
+        (written("(x + 2)", "y", "{} + {}"), ()),  # three at once, and no facet tells two of them
+        (written("(x + 1)", "(y - 2)", "{} * {} + 7"), ("decale",)),
+        (written("(x + 1)", "(y - 2)", double="3 * aire(x, y)"), ("triple",)),
+        (written("(x + 2)", "(y - 2)", double="3 * aire(x, y)"), ("plus_deux", "triple")),
+        (written("x ** 3", "y ** 2"), ()),
+        (written("(x + 1)", "(y - 2)", "[{} * {}][1]"), ()),
+        (
+            "def aire(x, y):\n    return -(x + 1) * (y - 2)\n\ndef double(x, y):\n    return 2 * aire(x, y)\n",
+            ("oppose",),
+        ),
+    ],
+)
+def test_one_mistake_or_two_are_recognised_whatever_the_style(source: str, mistakes: tuple[str, ...]) -> None:
+    assert named(source) == mistakes
+
+
+def test_no_mistake_of_a_function_that_is_not_blamed_is_named() -> None:
+    source = "def aire(x, y):\n    return (x + 1) * (y - 2)\n\ndef double(x, y):\n    return 2 * (x + 2) * (y - 2)\n"
+    assert named(source, ["double"]) == ()
+    assert named(source, ["aire", "double"]) == ("plus_deux",)
+
+
+def test_a_facet_tells_three_mistakes_at_once() -> None:
+    model = Model("def f(x):\n    return [x + 1, x + 10, x * 5]\n", (
+        edit("un", "x + 1,", "x - 1,", functions=["f"]),
+        edit("dix", "x + 10", "x - 10", functions=["f"]),
+        edit("cinq", "x * 5", "x / 5", functions=["f"]),
+    ))  # fmt: skip
+    calls = tuple((float(x),) for x in (1, 2, 3))
+    source = "def f(x):\n    return (x - 1, x - 10, x / 5)\n"
+    whole = Probes(function="f", calls=calls, kit=world.STILL)
+    parts = Probes(function="f", calls=calls, kit=world.STILL, facet=lambda args, shown: shown[:2])
+    assert named(source, ["f"], Prober(model, [whole])) == ()
+    assert named(source, ["f"], Prober(model, [parts])) == ("un", "dix", "cinq")
+
+
+def test_mistakes_that_look_the_same_leave_what_they_share_or_nothing() -> None:
+    twin = (*EDITS, edit("jumeau", "a + 1", "a + 3 - 1"))
+    twins = Prober(Model(MODEL, twin, ()), PROBER.probes)
+    assert named(written("(x + 2)", "(y - 2)"), asked=twins) == ()
+    assert named(written("(x + 2)", "y"), asked=twins) == ("b_seul",)
+
+
+def test_a_function_that_remembers_is_told_so() -> None:
+    source = "seen = []\n" + written("(x + 1 + len(seen))", "(y - 2)").replace(
+        "return", "seen.append(1)\n    return", 1
+    )
+    assert named(source, ["aire"]) == ("memoire",)
+
+
+def test_a_program_that_is_slow_is_not_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("graders.core.code.probes.LONGEST", -1.0)
+    assert named(written("(x + 2)", "(y - 2)")) == ()
+
+
+ODD = ("None", "'texte'", "[]", "[[1, 2], [3]]", "np.nan", "np.full((3, 3), np.inf)", "10 ** 400", "{}", "(1, 2)",
+       "(np.zeros((2, 2)), np.zeros(2))", "np.zeros((2, 0))", "[None, 1]", "1j", "[1].pop(3)")  # fmt: skip
+
+
+@pytest.mark.parametrize("exercise", CODE)
+def test_no_answer_upsets_the_rules_of_an_exercise(exercise: str) -> None:
+    asked = CODE[exercise].prober
+    assert asked is not None
+    for probes in some(asked.probes):
+        for odd in ODD:
+            functions = sorted(asked.functions)
+            source = "\n".join(f"def {name}(*args):\n    return {odd}\n" for name in functions)
+            runner = Runner(LOCAL, source.encode(), world.STILL)
+            asked.recognise(runner, [probes.function], [])
+            runner.close()
+
+
+@pytest.mark.parametrize("exercise", CODE)
+def test_the_solution_answers_the_probes_as_the_model_does(exercise: str) -> None:
+    grader = CODE[exercise]
+    runner = Runner(LOCAL, grader.solution.encode(), world.STILL)
+    assert grader.prober is not None
+    with np.errstate(all="ignore"):
+        assert grader.prober.recognise(runner, grader.functions, []) == ((), ())
+    runner.close()
+
+
+def test_what_was_seen_is_the_same_as_itself_only() -> None:
+    values: list[Any] = ["a", ["a", np.zeros(2)], np.zeros(2), np.ones(2), None, 1.0, ["a", np.ones(2)]]
+    for one in values:
+        for other in values:
+            assert same_seen(one, other) == (one is other)
