@@ -163,7 +163,9 @@ def _run(checks: Sequence[Check], runner: Runner, kit: KitSettings, seed: int) -
 def _unless_alone(check: Check, finding: Finding, checks: Sequence[Check], findings: Sequence[Finding]) -> Finding:
     """Take back the points of a check that any do-nothing function passes, when nothing else was earned."""
     others = [
-        f for c, f in zip(checks, findings, strict=True) if c is not check and set(c.functions) & set(check.functions)
+        f
+        for c, f in zip(checks, findings, strict=True)
+        if not c.needs_another and set(c.functions) & set(check.functions)
     ]
     if not check.needs_another or not finding.passed or any(f.passed for f in others):
         return finding

@@ -61,7 +61,7 @@ def read_found(args: Arguments, value: Value) -> Value:
             array = read_array(value)
         except UnreadableError as error:
             return str(error)
-        return "non entiers" if array.ndim == 1 else f"dimension {array.ndim}"
+        return ["nombres", array] if array.ndim == 1 else f"dimension {array.ndim}"
     return ["masque", *indices] if is_mask(value) else np.array(indices, dtype=float)
 
 
@@ -117,8 +117,10 @@ def one_ray_forgotten(shown: Shown) -> str | None:
 
 
 def same_for_all(shown: Shown) -> str | None:
+    """Always the same numbers, which are not those of a file that nobody has begun to fill in."""
     found = _signatures(shown)
-    return "signature_constante" if found is not None and all(_equal(found[0], one) for one in found) else None
+    same = found is not None and all(_equal(found[0], one) for one in found)
+    return "signature_constante" if same and found is not None and np.any(found[0] != 0.0) else None
 
 
 def follows_the_heading(shown: Shown) -> str | None:
@@ -165,14 +167,22 @@ def breaks_off(shown: Shown) -> str | None:
 
 
 def window_only(shown: Shown) -> str | None:
-    """What is found is increasing and of the right places where these are in the window: the window is wrong."""
-    for (scans, i, threshold), seen in zip(shown.calls, shown.got, strict=True):
-        found = _indices(seen)
-        if found is None or any(b <= a for a, b in pairwise(found)):
-            return None
-        if threshold == TINY and any(not 0 <= j < len(scans) or not np.array_equal(scans[j], scans[i]) for j in found):
-            return None
-    return "fenetre_fausse"
+    """A huge threshold finds a wrong row of scans, and a tiny one those of them that are of the right place."""
+    (scans, i, _), tiny, huge = shown.calls[0], _indices(shown.got[0]), _indices(shown.got[1])
+    if tiny is None or not huge or huge == _indices(shown.right[1]) or any(b != a + 1 for a, b in pairwise(huge)):
+        return None
+    if not 0 <= huge[0] <= huge[-1] < len(scans):
+        return None
+    return "fenetre_fausse" if tiny == [j for j in huge if np.array_equal(scans[j], scans[i])] else None
+
+
+def distances_instead(shown: Shown) -> str | None:
+    """With a huge threshold, one number for each scan of the window: a zero for those of the same place."""
+    seen, same, window = shown.got[1], as_array(shown.right[0]), as_array(shown.right[1])
+    huge = as_array(seen[1]) if isinstance(seen, list) and seen[0] == "nombres" else None
+    if huge is None or same is None or window is None or huge.shape != window.shape:
+        return None
+    return "distances_renvoyees" if np.sum(np.abs(huge) <= TINY) == len(same) else None
 
 
 def raw_scans(shown: Shown) -> str | None:
@@ -199,7 +209,7 @@ PROBES = (
         calls=LOOKED,
         kit=world.STILL,
         read=read_found,
-        rules=(unsorted, more_with_less, threshold_unused, breaks_off, window_only),
+        rules=(distances_instead, unsorted, more_with_less, threshold_unused, breaks_off, window_only),
     ),
     Probes(
         function="candidats_boucle",

@@ -110,6 +110,16 @@ def noisy(rng: np.random.Generator) -> Iterator[Pairing]:
         yield random_pairing(rng, d, noise=0.3)
 
 
+def mirrored_2d(rng: np.random.Generator) -> Iterator[Pairing]:
+    """Those of `mirrored` in the plane, where V and its transpose may be taken for one another: a mend shows alone."""
+    return (pairing for pairing in mirrored(rng) if pairing.P.shape[1] == 2)
+
+
+def mirrored_3d(rng: np.random.Generator) -> Iterator[Pairing]:
+    """Those of `mirrored` in space."""
+    return (pairing for pairing in mirrored(rng) if pairing.P.shape[1] == 3)
+
+
 def mirrored(rng: np.random.Generator) -> Iterator[Pairing]:
     """Clouds whose best orthogonal matrix is a reflection, so that the best rotation is another one.
 

@@ -43,7 +43,7 @@ CHECKS = (
         points=3,
         functions=FUNCTIONS,
         pairings=cases.exact_3d,
-        hint="Y a-t-il un 2 écrit en dur, ou un angle unique, quelque part dans votre code ?",
+        hint="Que renvoie exactement np.linalg.svd ? Et votre code suppose-t-il quelque part que d vaut 2 ?",
     ),
     Alignments(
         id="bruit",
@@ -55,11 +55,19 @@ CHECKS = (
     ),
     Alignments(
         id="miroir",
-        title="Un nuage retourné comme dans un miroir : R reste une rotation",
-        points=3,
+        title="Dans le plan, un nuage retourné comme dans un miroir : R reste une rotation",
+        points=1.5,
         functions=FUNCTIONS,
-        pairings=cases.mirrored,
+        pairings=cases.mirrored_2d,
         hint="Que vaut det(V Uᵀ) ici ? Quelle direction est-il le moins coûteux de retourner ?",
+    ),
+    Alignments(
+        id="miroir_3d",
+        title="Dans l'espace, un nuage retourné comme dans un miroir",
+        points=1.5,
+        functions=FUNCTIONS,
+        pairings=cases.mirrored_3d,
+        hint="Parmi les colonnes de V, laquelle va avec la plus petite valeur singulière ?",
     ),
     Alignments(
         id="degeneres",

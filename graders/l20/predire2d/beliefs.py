@@ -53,6 +53,57 @@ class SameBelief:
         return Mismatch(f"L'écart le plus grand est en {at(worst)} : {values}.")
 
 
+@dataclass(frozen=True)
+class SameShares(SameBelief):
+    """The same belief up to a factor: that its sum is 1 is another check's business."""
+
+    def __call__(self, expected: Value, got: Value) -> Mismatch | None:
+        wanted = read_array(expected)
+        try:
+            belief = read_array(got)
+        except UnreadableError as error:
+            return unreadable(error)
+        if belief.shape != wanted.shape or not np.all(np.isfinite(belief)) or not belief.sum() > 0.0:
+            return super().__call__(expected, got)
+        return super().__call__(expected, belief / belief.sum())
+
+
+@dataclass(frozen=True)
+class SumsToOne(SameBelief):
+    """A belief (H, W) of sum 1, whatever its values."""
+
+    def __call__(self, expected: Value, got: Value) -> Mismatch | None:
+        mismatch = super().__call__(expected, got)
+        if mismatch is None or mismatch.slip == "non_normalise":
+            return mismatch
+        try:
+            total = float(read_array(got).sum())
+        except UnreadableError:
+            return mismatch
+        if np.shape(got) != np.shape(expected) or not abs(total - 1.0) <= TOLERANCE:
+            return mismatch
+        return None
+
+
+@dataclass(frozen=True)
+class SameLikeliest(SameBelief):
+    """The greatest value in the cell where it is expected."""
+
+    def __call__(self, expected: Value, got: Value) -> Mismatch | None:
+        wanted = read_array(expected)
+        try:
+            belief = read_array(got)
+        except UnreadableError as error:
+            return unreadable(error)
+        if belief.shape != wanted.shape or not np.all(np.isfinite(belief)):
+            return super().__call__(expected, got)
+        best = spot(int(np.argmax(wanted)), wanted.shape)
+        others = np.delete(belief.ravel(), int(np.argmax(wanted)))
+        if belief[best] > others.max():
+            return None
+        return Mismatch(f"La case la plus probable devrait être {at(best)}.")
+
+
 def instead(got: float, wanted: float) -> str:
     """« 0,9999991 au lieu de 1 »: with six significant digits, or as many more as it takes to tell them apart."""
     for digits in range(DIGITS, MOST_DIGITS):

@@ -124,6 +124,15 @@ def doubts(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
         yield grid.uniform(), grid.scans[pick(rng, grid.free)], sigma
 
 
+def plain_doubts(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
+    """Between two neighbours, equally likely before: the scan is exactly that of one of them."""
+    shape = grid.free.shape
+    yield one_hot(shape, (1, 1), (1, 2)), grid.scans[1, 1], 0.5
+    for sigma in (0.5, 1.0, 1.5):
+        cell = pick(rng, grid.free)
+        yield one_hot(shape, cell, neighbour(rng, grid, cell)), grid.scans[cell], sigma
+
+
 def noisy_scans(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
     """Between two neighbours, then any belief: a scan from the likeliest cell with some noise, several sigmas.
 

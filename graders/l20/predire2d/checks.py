@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from typing import ClassVar
 
 import numpy as np
 
@@ -98,6 +99,7 @@ class OnGrid(Check):
 
     cases: Callable[[np.random.Generator, GridWorld], Iterator[Arguments]]
     draw: Callable[[np.random.Generator], GridWorld] | None = None
+    judge: type[SameBelief] = SameBelief
 
     def run(self, bench: Bench) -> None:
         if self.draw is None:
@@ -123,7 +125,7 @@ class OnGrid(Check):
             names=NAMES[function][:2] if two else NAMES[function],
             cases=partial(_drawn, self.cases, grid),
             expected=partial(REFERENCES[function], grid),
-            compare=SameBelief(grid.free),
+            compare=self.judge(grid.free),
             shrinkers=SHRINKERS[function][:2] if two else SHRINKERS[function],
             valid=partial(tells_something, grid) if takes_scan else lambda args: True,
             figure=partial(beliefs_figure, grid),
@@ -134,6 +136,13 @@ def _drawn(
     cases: Callable[[np.random.Generator, GridWorld], Iterator[Arguments]], grid: GridWorld, rng: np.random.Generator
 ) -> Iterator[Arguments]:
     return cases(rng, grid)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OnGridBeside(OnGrid):
+    """One that a function which does nothing passes."""
+
+    needs_another: ClassVar[bool] = True
 
 
 def _not_loaded(grid: GridWorld, fault: StudentFault) -> Rejection:

@@ -9,8 +9,8 @@ from graders.core.code.exercise import code
 from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.predire2d import cases
-from graders.l20.predire2d.beliefs import spread
-from graders.l20.predire2d.checks import NAMES, OnGrid
+from graders.l20.predire2d.beliefs import SameLikeliest, SameShares, SumsToOne, spread
+from graders.l20.predire2d.checks import NAMES, OnGrid, OnGridBeside
 from graders.l20.predire2d.probes import PROBES
 from graders.l20.predire2d.trials import localise
 
@@ -52,22 +52,42 @@ CHECKS = (
         hint="Votre fonction se sert-elle de H, W et libres, y compris quand la grille n'est pas entourée de murs ? "
         "Que glisse un robot qui ne bouge pas ?",
     ),
-    OnGrid(
-        id="corriger_exemples",
-        title="Corriger : deux hypothèses voisines",
-        points=3,
+    OnGridBeside(
+        id="corriger_somme",
+        title="Corriger : la somme vaut 1",
+        points=1,
         functions=CORRECT,
         cases=cases.doubts,
+        judge=SumsToOne,
+        hint="Que devient la constante η de la formule de Bayes dans votre code ?",
+    ),
+    OnGrid(
+        id="corriger_maximum",
+        title="Corriger : la case qui explique le mieux le scan est la plus probable",
+        points=1,
+        functions=CORRECT,
+        cases=cases.plain_doubts,
+        judge=SameLikeliest,
         hint="Que lirait le lidar placé au centre de chacune des deux cases ? Laquelle ressemble le plus au scan ?",
     ),
     OnGrid(
+        id="corriger_exemples",
+        title="Corriger : deux hypothèses voisines, leurs probabilités à un facteur près",
+        points=2,
+        functions=CORRECT,
+        cases=cases.doubts,
+        judge=SameShares,
+        hint="Pour deux cases, combien vaut le rapport de leurs vraisemblances, à la main ? Et selon votre code ?",
+    ),
+    OnGrid(
         id="corriger_autre_carte",
-        title="Corriger : croyances et scans bruités sur une autre carte",
-        points=3,
+        title="Corriger : croyances et scans bruités sur une autre carte, à un facteur près",
+        points=2,
         functions=CORRECT,
         cases=cases.noisy_scans,
         draw=cases.open_world,
-        hint="Dans exp(−Σ(z − ẑ)² / (2σ²)), qu'est-ce qui est au carré, et sur quoi porte la somme ?",
+        judge=SameShares,
+        hint="Écrivez l'exposant pour un seul rayon d'écart 1, puis pour quatre : retrouvez-vous celui de l'énoncé ?",
     ),
     OnGrid(
         id="sigma_par_defaut",
@@ -75,6 +95,7 @@ CHECKS = (
         points=1,
         functions=CORRECT,
         cases=cases.without_sigma,
+        judge=SameShares,
         hint="Comment écrit-on, dans la ligne « def », la valeur que prend un paramètre absent ?",
     ),
     Trial(

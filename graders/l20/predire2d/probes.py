@@ -69,7 +69,7 @@ OPEN, EDGE, WALL, STILL = range(1, 5), range(5, 9), range(9, 13), 13
 
 def _scan(cell: Cell, *errors: float) -> Floats:
     y, x = cell
-    return lidar((x + 0.5, y + 0.5, 0.0), 4) + np.array(errors or (0.0,) * 4)
+    return np.asarray(lidar((x + 0.5, y + 0.5, 0.0), 4) + np.array(errors or (0.0,) * 4))
 
 
 DOUBT = belief((1, 1), (1, 2), (4, 2))

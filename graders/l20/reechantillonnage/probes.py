@@ -44,9 +44,9 @@ def read_number(args: Arguments, value: Value) -> Value:
 def read_copies(args: Arguments, value: Value) -> Value:
     """How many copies there are of each particle; the rows themselves when some are no copies; in words what else."""
     particles, weights = args
-    if isinstance(value, tuple | list) and len(value) == 2 and np.shape(value[1]) == weights.shape:
-        return "couple"
     try:
+        if isinstance(value, tuple | list) and len(value) == 2 and read_array(value[1]).shape == weights.shape:
+            return "couple"
         rows = read_array(value)
     except UnreadableError as error:
         return str(error)

@@ -49,7 +49,9 @@ TWICE = [*LOOP[:4], edge(0, 1, relative(TRUTH[0], TRUTH[1]) - (0.2, -0.3, 0.1), 
 AROUND = ROUND + rows((0, 0, 0), (0.2, -0.1, -0.3), (-0.1, 0.2, 0.2), (0.1, 0.1, 0.1))
 AROUND[:, 2] = wrap_angle(AROUND[:, 2])
 CHAIN = [edge(0, 1, (2.0, 0.5, 0.4)), edge(1, 2, (1.0, -0.3, 0.7))]
+TRIANGLE = [LOOP[0], LOOP[1], LOOP[4]]
 GRAPHS = (
+    Graph(START[:3], tuple(TRIANGLE), 1, judged=False),
     Graph(START, tuple(LOOP), 1, judged=False),
     Graph(AROUND, tuple(TURNING), 1, judged=False),
     Graph(START, tuple(LOOP), 2, judged=False),
@@ -60,8 +62,8 @@ GRAPHS = (
     Graph(START, tuple(TWICE)),
     Graph(START, tuple(LOOP), None),
 )
-STEPS, ENDED = range(4), range(4, 9)
-WRAPPING, ALONE, DOUBLED = 5, 6, 7
+STEPS, ENDED = range(5), range(5, 10)
+PLAIN, WRAPPING, DOUBLED = 5, 6, 8
 
 
 def read(args: Arguments, value: Value) -> Value:
@@ -85,15 +87,22 @@ def _reached(poses: Floats | None, graph: Graph) -> bool:
 
 
 def singular(shown: Shown) -> str | None:
-    """The system cannot be solved, or its solution is out of sight, on the first step already."""
+    """The system cannot be solved, or its solution is any, on the first step already: the first pose goes too."""
     faults = [isinstance(one, Fault) and one.name == "LinAlgError" for one in shown.got]
-    return "jauge_libre" if sum(faults) >= len(faults) - 1 else None
+    if sum(faults) >= len(faults) - 1:
+        return "jauge_libre"
+    astray = [faults[k] or _is_lost(shown, k) or _first_moved(shown, k) for k in range(len(GRAPHS))]
+    return "jauge_libre" if all(astray) and (any(faults) or any(_is_lost(shown, k) for k in STEPS)) else None
+
+
+def _first_moved(shown: Shown, k: int) -> bool:
+    poses = _poses(shown, k)
+    return poses is not None and float(np.abs(gaps(GRAPHS[k].poses[:1], poses[:1])).max()) > 1e-2
 
 
 def first_moves(shown: Shown) -> str | None:
     """The first pose is not where it was given."""
-    found = [(_poses(shown, k), GRAPHS[k]) for k in range(len(GRAPHS))]
-    moved = [p is not None and float(np.abs(gaps(g.poses[:1], p[:1])).max()) > 1e-2 for p, g in found]
+    moved = [_first_moved(shown, k) for k in range(len(GRAPHS))]
     return "premiere_pose_bouge" if sum(moved) >= len(moved) - 2 else None
 
 
@@ -112,17 +121,19 @@ def turns_only(shown: Shown) -> str | None:
 
 def weights_ignored(shown: Shown) -> str | None:
     """What is reached is the optimum of equal weights."""
-    equal = [Graph(g.poses, tuple((i, j, z, np.eye(3)) for i, j, z, _ in g.edges)) for g in (GRAPHS[4], GRAPHS[5])]
-    found = [_poses(shown, 4), _poses(shown, 5)]
+    equal = [
+        Graph(g.poses, tuple((i, j, z, np.eye(3)) for i, j, z, _ in g.edges)) for g in (GRAPHS[PLAIN], GRAPHS[WRAPPING])
+    ]
+    found = [_poses(shown, PLAIN), _poses(shown, WRAPPING)]
     return "omega_ignoree" if all(map(_reached, found, equal)) else None
 
 
 def one_step_only(shown: Shown) -> str | None:
     """Ten iterations give what one gives."""
-    pairs = [(_poses(shown, k), _poses(shown, one)) for k, one in ((4, 0), (5, 1), (7, 3))]
+    pairs = [(_poses(shown, k), _poses(shown, one)) for k, one in ((PLAIN, 1), (WRAPPING, 2), (DOUBLED, 4))]
     same = [a is not None and b is not None and np.allclose(a, b, atol=1e-6) for a, b in pairs]
     moved = first_moves(shown) is None and never_moves(shown) is None
-    return "une_seule_iteration" if all(same) and moved and not _reached(pairs[0][0], GRAPHS[4]) else None
+    return "une_seule_iteration" if all(same) and moved and not _reached(pairs[0][0], GRAPHS[PLAIN]) else None
 
 
 def _ends(name: str, wrong: frozenset[int]) -> Rule:
@@ -137,18 +148,18 @@ def _ends(name: str, wrong: frozenset[int]) -> Rule:
 
 def elsewhere(shown: Shown) -> str | None:
     """It settles, though not at the optimum: what one step leaves, others do not mend."""
-    poses = [_poses(shown, k) for k in (4, 5)]
+    poses = [_poses(shown, k) for k in (PLAIN, WRAPPING)]
     near = [
         p is not None and float(np.abs(gaps(GRAPHS[k].optimum, p)).max()) < 2.0
-        for p, k in zip(poses, (4, 5), strict=True)
+        for p, k in zip(poses, (PLAIN, WRAPPING), strict=True)
     ]
-    missed = not any(map(_reached, poses, (GRAPHS[4], GRAPHS[5])))
+    missed = not any(map(_reached, poses, (GRAPHS[PLAIN], GRAPHS[WRAPPING])))
     return "pas_le_minimum" if all(near) and missed else None
 
 
 def runs_away(shown: Shown) -> str | None:
     """From a start near the optimum, it ends far from it."""
-    return "diverge" if all(_is_lost(shown, k) for k in (4, 5, 7)) else None
+    return "diverge" if all(_is_lost(shown, k) for k in (PLAIN, WRAPPING, DOUBLED)) else None
 
 
 def _is_lost(shown: Shown, k: int) -> bool:

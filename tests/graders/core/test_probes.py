@@ -132,7 +132,8 @@ def test_a_program_that_is_slow_is_not_named(monkeypatch: pytest.MonkeyPatch) ->
 
 
 ODD = ("None", "'texte'", "[]", "[[1, 2], [3]]", "np.nan", "np.full((3, 3), np.inf)", "10 ** 400", "{}", "(1, 2)",
-       "(np.zeros((2, 2)), np.zeros(2))", "np.zeros((2, 0))", "[None, 1]", "1j", "[1].pop(3)")  # fmt: skip
+       "(np.zeros((2, 2)), np.zeros(2))", "([1.0], [[1, 2], [3]])", "np.zeros((2, 0))", "[None, 1]", "1j",
+       "[1].pop(3)")  # fmt: skip
 
 
 @pytest.mark.parametrize("exercise", CODE)

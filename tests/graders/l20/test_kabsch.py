@@ -170,7 +170,7 @@ def kabsch(P, Q):
         (SVD.replace(PRODUCT, "(P[:-1] - p).T @ (Q[:-1] - q)"), "bruit"),
         (SVD.replace(PRODUCT, "(P - p).T @ ((Q - q) * (1 + np.arange(len(P)))[:, None])"), "bruit"),
         (SVD.replace("np.linalg.det(V @ U.T)", "np.linalg.det(V)"), "miroir"),
-        (SVD.replace("np.linalg.det(V @ U.T) < 0", "len(H) == 2 and np.linalg.det(V @ U.T) < 0"), "miroir"),
+        (SVD.replace("np.linalg.det(V @ U.T) < 0", "len(H) == 2 and np.linalg.det(V @ U.T) < 0"), "miroir_3d"),
         (SVD.replace(FLIP, "V[:, -1] *= np.sign(np.linalg.det(H))"), "degeneres"),
         (SVD.replace("R = V @ U.T", "R = V @ U.T / (np.linalg.norm(H) / np.linalg.norm(H))"), "degeneres"),
         (SVD.replace("    H =", "    if len(P) < 3:\n        return np.eye(len(p)), q - p\n    H ="), "degeneres"),
