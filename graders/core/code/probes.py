@@ -37,10 +37,13 @@ MOST_TOGETHER = 1500
 #: In how many of its ways each mistake is tried beside another.
 USUAL_WAYS = 2
 MOST_EXTENDED = 20
+#: Numbers in one answer that is kept: no right one has as many.
+LARGEST = 2000
+TOO_LARGE = "trop grand"
 #: The slip of a function that answers the same input otherwise the second time.
 MEMORY = "memoire"
-#: Seconds that the probes of one function may take a program: one that is slower is not named by them.
-LONGEST = 0.5
+#: Seconds that all the probes may take a program: one that is slower is not named by them.
+LONGEST = 2.0
 
 #: From the arguments and the value that came back to what is compared.
 Read = Callable[[Arguments, Value], Value]
@@ -157,11 +160,12 @@ class Prober:
             for index, probes in enumerate(self.probes)
             if probes.function in functions and not probes.unless.intersection(alone)
         ]
+        deadline = time.monotonic() + LONGEST
         for _, group in itertools.groupby(chosen, key=lambda pair: id(pair[1].kit)):
             asked = list(group)
             try:
                 with runner.other(asked[0][1].kit) as program:
-                    told = [(index, list(_answered(runner, program, probes))) for index, probes in asked]
+                    told = [(index, list(_answered(runner, program, probes, deadline))) for index, probes in asked]
             except StudentFault:
                 continue
             yield from ((index, answers) for index, answers in told if len(answers) > len(self.probes[index].calls))
@@ -288,9 +292,8 @@ def _agreed(fits: Sequence[_Row]) -> Sequence[str]:
     return [one for one in fits[0].mutant.ids if one in common]
 
 
-def _answered(runner: Runner, program: Program, probes: Probes) -> Iterator[Seen]:
+def _answered(runner: Runner, program: Program, probes: Probes, deadline: float) -> Iterator[Seen]:
     """What the student's program answers; cut short by a fault that stops it, or when it takes too long."""
-    deadline = time.monotonic() + LONGEST
     calls = (*probes.calls, probes.calls[0])
     answers = runner.call_many(program, probes.function, calls, faults=None)
     for args, answer in zip(calls, answers, strict=False):
@@ -338,8 +341,13 @@ def _kit(probes: Probes) -> dict[str, Any]:
 def seen(args: Arguments, answer: Answer, read: Read) -> Seen:
     """What an answer shows."""
     if isinstance(answer, Reply):
-        return read(args, answer.value)
+        shown = read(args, answer.value)
+        return TOO_LARGE if any(isinstance(one, np.ndarray) and one.size > LARGEST for one in _items(shown)) else shown
     return Fault(answer.exception or answer.outcome.value)
+
+
+def _items(shown: Seen) -> Sequence[Seen]:
+    return shown if isinstance(shown, list) else (shown,)
 
 
 def same_seen(one: Seen, other: Seen, tolerance: float = TOLERANCE) -> bool:

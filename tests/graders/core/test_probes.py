@@ -10,8 +10,9 @@ import pytest
 
 from graders.core.code.bench import Runner
 from graders.core.code.mutations import Edit, Model
-from graders.core.code.probes import Prober, Probes, Shown, same_seen
+from graders.core.code.probes import LARGEST, TOO_LARGE, Prober, Probes, Shown, same_seen, seen
 from graders.core.contract.local import LOCAL
+from graders.core.contract.program import Reply
 from graders.l20 import world
 from tests.graders.shipped import CODE
 from tests.support.quick import some
@@ -164,3 +165,8 @@ def test_what_was_seen_is_the_same_as_itself_only() -> None:
     for one in values:
         for other in values:
             assert same_seen(one, other) == (one is other)
+
+
+def test_of_a_large_answer_nothing_is_kept() -> None:
+    for value in (np.zeros(LARGEST + 1), ["masque", np.zeros(LARGEST + 1)]):
+        assert seen((), Reply(value), lambda args, value: value) == TOO_LARGE

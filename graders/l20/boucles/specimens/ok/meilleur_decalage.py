@@ -1,8 +1,8 @@
-"""Candidates by the best of the 36 alignments; the signature starts from the longest ray."""
+"""Candidates by the best of the 36 alignments; the signature is the smallest of the 36 rotations."""
 
 
 def signature(scan):
-    return np.roll(scan, -int(np.argmax(scan)))
+    return np.array(min(tuple(np.roll(scan, k)) for k in range(len(scan))))
 
 
 def candidats_boucle(scans, i, seuil):
