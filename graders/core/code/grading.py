@@ -31,6 +31,8 @@ FIGURE_ITEMS = 20_000
 JUDGED = (Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT)
 #: What may have a misconception for its cause: a program that runs, though it raises on some inputs.
 DIAGNOSED = (*JUDGED, Outcome.RUNTIME_ERROR)
+#: The slip that is told beside any other mistake.
+TOUCHED = "argument_modifie"
 KitMaker = Callable[[np.random.Generator], KitSettings]
 FRESH = Reenactor()
 
@@ -92,7 +94,7 @@ class CodeGrader:
         ids, last = self.prober.recognise(runner, asked, alone) if self.prober else ((), ())
         ids = (*ids, *self._reenacted(ids, blamed, runner.observations, kit, seed)) or last
         if ids:
-            touched = {finding.slip for check, finding in pairs if check.needs_another and finding.slip} - set(ids)
+            touched = {TOUCHED} & {finding.slip for _, finding in pairs} - set(ids)
             return combined((*ids, *touched), self.misconceptions)
         return slip_diagnosis(
             [(c.functions, f.slip) for c, f in pairs if f.cause in JUDGED and f.result.counterexample]

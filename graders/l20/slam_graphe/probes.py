@@ -100,6 +100,13 @@ def _first_moved(shown: Shown, k: int) -> bool:
     return poses is not None and float(np.abs(gaps(GRAPHS[k].poses[:1], poses[:1])).max()) > 1e-2
 
 
+def at_the_origin(shown: Shown) -> str | None:
+    """The first pose ends at (0, 0, 0), wherever it was given."""
+    found = [_poses(shown, k) for k in range(len(GRAPHS))]
+    there = [poses is not None and bool(np.all(np.abs(poses[0]) < 1e-6)) for poses in found]
+    return "premiere_pose_a_l_origine" if sum(there) >= len(there) - 3 else None
+
+
 def first_moves(shown: Shown) -> str | None:
     """The first pose is not where it was given."""
     moved = [_first_moved(shown, k) for k in range(len(GRAPHS))]
@@ -185,6 +192,7 @@ PROBES = (
         read=read,
         rules=(
             never_moves,
+            at_the_origin,
             singular,
             first_moves,
             turns_only,

@@ -151,6 +151,17 @@ def test_no_answer_upsets_the_rules_of_an_exercise(exercise: str) -> None:
 
 
 @pytest.mark.parametrize("exercise", CODE)
+def test_every_mistake_that_is_an_edit_is_recognised(exercise: str) -> None:
+    grader = CODE[exercise]
+    assert grader.prober is not None
+    for mistake in some(one for one in grader.misconceptions if not one.whole):
+        runner = Runner(LOCAL, mistake.source.encode(), world.STILL)
+        found, last = grader.prober.recognise(runner, mistake.functions, [])
+        assert mistake.id in (found or last), mistake.id
+        runner.close()
+
+
+@pytest.mark.parametrize("exercise", CODE)
 def test_the_solution_answers_the_probes_as_the_model_does(exercise: str) -> None:
     grader = CODE[exercise]
     runner = Runner(LOCAL, grader.solution.encode(), world.STILL)
