@@ -10,7 +10,8 @@ from graders.core.code.checks import Check
 from graders.core.code.folder import Misconception, read_misconceptions, read_model, read_solution, same_functions
 from graders.core.code.grading import CodeGrader, KitMaker
 from graders.core.code.mutations import Edit, Mutant
-from graders.core.code.probes import Prober, Probes
+from graders.core.code.prober import Prober
+from graders.core.code.probes import Probes
 from graders.core.contract.definition import Definition
 from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.verdict import MAX_POINTS

@@ -14,7 +14,7 @@ from graders.core.code.bench import DEFAULT_BUDGET, Bench, Observation, Runner
 from graders.core.code.checks import Check, Rejection, fault_rejection
 from graders.core.code.diagnosis import combined, diagnose, slip_diagnosis
 from graders.core.code.folder import Misconception, Specimen, read_specimens
-from graders.core.code.probes import Prober
+from graders.core.code.prober import Prober
 from graders.core.code.reenacting import Reenactor
 from graders.core.compare.shrinking import Budget
 from graders.core.compare.slips import SLIPS

@@ -10,7 +10,8 @@ import pytest
 
 from graders.core.code.bench import Runner
 from graders.core.code.mutations import Edit, Model
-from graders.core.code.probes import LARGEST, TOO_LARGE, Prober, Probes, Shown, same_seen, seen
+from graders.core.code.prober import Prober
+from graders.core.code.probes import LARGEST, TOO_LARGE, Probes, Shown, same_seen, seen
 from graders.core.contract.local import LOCAL
 from graders.core.contract.program import Reply
 from graders.l20 import world
@@ -128,7 +129,7 @@ def test_a_function_that_remembers_is_told_so() -> None:
 
 
 def test_a_program_that_is_slow_is_not_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("graders.core.code.probes.LONGEST", -1.0)
+    monkeypatch.setattr("graders.core.code.prober.LONGEST", -1.0)
     assert named(written("(x + 2)", "(y - 2)")) == ()
 
 

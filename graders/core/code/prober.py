@@ -1,0 +1,279 @@
+"""Probes: small inputs made by hand, whose answers tell one mistake apart from the others.
+
+They are asked only once some check has failed, and are the same whatever the seed: so is the name. The answers are
+compared with those of the exercise's mutants (`mutations`), first with one mistake, then with two together, then three.
+A name is given with full confidence or not at all: every probe must be answered as the mutant answers it, at least one
+of them wrongly, and where mutants of several mistakes agree, only the mistakes that all of them make are named.
+What no mutant reproduces is left to `rules`, which know a mistake by what several answers have in common.
+"""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import threading
+import time
+from collections import Counter
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from types import CodeType
+from typing import Any
+
+import numpy as np
+
+from graders.core.code.bench import Runner
+from graders.core.code.mutations import Edit, Model, Mutant
+from graders.core.code.probes import Facet, Fault, Probes, Rule, Seen, Shown, same_seen, seen
+from graders.core.compare.slips import SLIPS
+from graders.core.contract.local import kit_names
+from graders.core.contract.program import Program, StudentFault
+from graders.core.contract.values import Arguments
+
+#: How many mistakes are sought together; one more where a facet tells two of them already.
+DEEP = 2
+#: Of how many programs with several mistakes, each of which is tried once in the life of a process (0.2 to 0.5 ms).
+MOST_TOGETHER = 1500
+#: In how many of its ways each mistake is tried beside another.
+USUAL_WAYS = 2
+MOST_EXTENDED = 20
+#: The slip of a function that answers the same input otherwise the second time.
+MEMORY = "memoire"
+#: Seconds that all the probes may take a program: one that is slower is not named by them.
+LONGEST = 2.0
+
+
+@dataclass
+class _Row:
+    """A mutant and its answers so far."""
+
+    mutant: Mutant
+    answers: list[Seen] = field(default_factory=list)
+
+
+class Prober:
+    """Recognises mistakes by probes; keeps what the mutants answer, which never changes.
+
+    `whole` are programs that make one mistake in another way than by an edit of the model.
+    """
+
+    def __init__(self, model: Model, probes: Sequence[Probes], whole: Sequence[Mutant] = ()) -> None:
+        self.model = model
+        self.whole = tuple(whole)
+        self.probes = tuple(probes)
+        self._rows: dict[tuple[int, int], list[_Row]] = {}
+        self._edits: dict[int, list[Edit]] = {}
+        self._lock = threading.Lock()
+
+    @property
+    def functions(self) -> frozenset[str]:
+        return frozenset(probes.function for probes in self.probes)
+
+    def recognise(
+        self, runner: Runner, functions: Collection[str], alone: Collection[str]
+    ) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """The ids of the mistakes that the program makes in these functions, the first one first; none when unsure.
+
+        `alone` are the functions that failed a check of their own.
+        Then those of the last rules, for when nothing else finds a name.
+        """
+        found: list[str] = []
+        last: list[str] = []
+        for index, answers in self._asked(runner, functions, alone):
+            with self._lock:
+                names = self._explained(index, answers, found, functions)
+                found += [one for one in names if one not in found]
+                if not names:
+                    last += self._last(index, answers)
+        return tuple(found), tuple(last)
+
+    def _last(self, index: int, answers: Sequence[Seen]) -> Sequence[str]:
+        probes = self.probes[index]
+        right = self._right(index, answers)
+        return () if right is None else _ruled(probes.last_rules, Shown(probes.calls, answers, right))
+
+    def _asked(
+        self, runner: Runner, functions: Collection[str], alone: Collection[str]
+    ) -> Iterator[tuple[int, list[Seen]]]:
+        """What a program launched afresh, which remembers nothing of the checks, answers to the probes of functions."""
+        chosen = [
+            (index, probes)
+            for index, probes in enumerate(self.probes)
+            if probes.function in functions and not probes.unless.intersection(alone)
+        ]
+        deadline = time.monotonic() + LONGEST
+        for _, group in itertools.groupby(chosen, key=lambda pair: id(pair[1].kit)):
+            asked = list(group)
+            try:
+                with runner.other(asked[0][1].kit) as program:
+                    told = [(index, list(_answered(runner, program, probes, deadline))) for index, probes in asked]
+            except StudentFault:
+                continue
+            yield from ((index, answers) for index, answers in told if len(answers) > len(self.probes[index].calls))
+
+    def _explained(
+        self, index: int, answers: list[Seen], known: Sequence[str], blamed: Collection[str]
+    ) -> Sequence[str]:
+        probes = self.probes[index]
+        again = answers.pop()
+        if not probes.random and not same_seen(again, answers[0]):
+            return [MEMORY]
+        right = self._right(index, answers)
+        if right is None:
+            return ()
+        if known and any(self._fits(index, row, answers) for row in self._with(index, known)):
+            return ()  # a mistake found in another function is all that there is to this one
+        shown = Shown(probes.calls, answers, right)
+        told = [k for k in shown.wrong() if probes.compared is None or k < probes.compared]
+        for mistakes in range(1, DEEP + 1) if told else ():
+            possible = (row for row in self._all(index, mistakes) if row.mutant.speaks_of(blamed))
+            fits = [row for row in possible if self._fits(index, row, answers)]
+            if fits:
+                return _agreed(fits) or _ruled(probes.rules, shown)
+        begun = self._extended(index, answers) if told else ()
+        possible = (row for row in begun if row.mutant.speaks_of(blamed))
+        fits = [row for row in possible if self._fits(index, row, answers)]
+        if fits:
+            return _agreed(fits) or _ruled(probes.rules, shown)
+        return _ruled(probes.rules, shown)
+
+    def _right(self, index: int, answers: Sequence[Seen]) -> Sequence[Seen] | None:
+        """What is right, in the nearest style; None when the answers are."""
+        rows = self._all(index, 0)
+        agreeing = [sum(same_seen(self._answer(index, row, k), one) for k, one in enumerate(answers)) for row in rows]
+        best = agreeing.index(max(agreeing))
+        return None if agreeing[best] == len(answers) else rows[best].answers
+
+    def _fits(self, index: int, row: _Row, answers: Sequence[Seen], facet: Facet | None = None) -> bool:
+        """Does the mutant answer every probe so (in this facet alone)?"""
+        for k, answer in enumerate(answers[: self.probes[index].compared]):
+            one, other = self._answer(index, row, k), answer
+            if facet is not None:
+                one, other = facet(self.probes[index].calls[k], one), facet(self.probes[index].calls[k], other)
+            if not same_seen(one, other):
+                return False
+        return True
+
+    def _all(self, index: int, mistakes: int) -> list[_Row]:
+        key = (index, mistakes)
+        if key not in self._rows:
+            if mistakes == 0:
+                made = self.model.right()
+            elif mistakes == 1:
+                made = itertools.chain(self.model.mutants(self.model.edits, 1), self.whole)
+            else:
+                made = itertools.islice(self._together(index, mistakes), MOST_TOGETHER)
+            self._rows[key] = [_Row(mutant) for mutant in made]
+        return self._rows[key]
+
+    def _together(self, index: int, mistakes: int) -> Iterator[Mutant]:
+        """Programs with several mistakes, each made in its most usual ways, those of the catalogue's head first."""
+        taken: Counter[str] = Counter()
+        usual = []
+        for edit in self._telling(index):
+            taken[edit.id] += 1
+            if taken[edit.id] <= USUAL_WAYS:
+                usual.append(edit)
+        styles = [row.mutant for row in self._all(index, 0)]
+        for _, chosen in sorted(
+            (
+                (sum(places), [usual[k] for k in places])
+                for places in itertools.combinations(range(len(usual)), mistakes)
+            ),
+            key=lambda pair: pair[0],
+        ):
+            yield from self.model.together(styles, chosen)
+
+    def _telling(self, index: int) -> list[Edit]:
+        """The edits that change an answer to these probes."""
+        if index not in self._edits:
+            calls = range(len(self.probes[index].calls))
+            rights = [[self._answer(index, row, k) for k in calls] for row in self._all(index, 0)]
+            telling = {
+                row.mutant.edits
+                for row in self._all(index, 1)
+                if row.mutant.edits and not any(self._fits(index, row, right) for right in rights)
+            }
+            self._edits[index] = [edit for edit in self.model.edits if (edit,) in telling]
+        return self._edits[index]
+
+    def _with(self, index: int, ids: Sequence[str]) -> Iterator[_Row]:
+        """The mutants that make just these mistakes."""
+        edits = [edit for edit in self.model.edits if edit.id in ids]
+        yield from (_Row(mutant) for mutant in self.model.mutants(edits, len(ids)))
+
+    def _extended(self, index: int, answers: Sequence[Seen]) -> Iterator[_Row]:
+        """The mutants of a facet that fits, with one mistake more."""
+        facet = self.probes[index].facet
+        if facet is None:
+            return
+        begun = [row for row in self._all(index, DEEP) if self._fits(index, row, answers, facet)]
+        for row in begun[:MOST_EXTENDED]:
+            yield from (_Row(mutant) for mutant in self.model.extended(row.mutant, self._telling(index)))
+
+    def _answer(self, index: int, row: _Row, k: int) -> Seen:
+        """What a mutant answers to probe k, having answered those before."""
+        if len(row.answers) <= k:
+            # All but the first probe are asked of the few mutants that answered it as the program did.
+            probes = self.probes[index]
+            calls = probes.calls[:1] if k == 0 else probes.calls
+            row.answers = list(_answers(row.mutant, probes, calls))
+        return row.answers[k]
+
+
+def _ruled(rules: Sequence[Rule], shown: Shown) -> Sequence[str]:
+    """What the first rule that knows says."""
+    return next(([name] for rule in rules if (name := rule(shown)) is not None), [])
+
+
+def _agreed(fits: Sequence[_Row]) -> Sequence[str]:
+    """The mistakes that all of these make; a usual slip says less than a mistake of the exercise."""
+    fits = [row for row in fits if not SLIPS.keys() & set(row.mutant.ids)] or fits
+    common = set(fits[0].mutant.ids).intersection(*(row.mutant.ids for row in fits[1:]))
+    return [one for one in fits[0].mutant.ids if one in common]
+
+
+def _answered(runner: Runner, program: Program, probes: Probes, deadline: float) -> Iterator[Seen]:
+    """What the student's program answers; cut short by a fault that stops it, or when it takes too long."""
+    calls = (*probes.calls, probes.calls[0])
+    answers = runner.call_many(program, probes.function, calls, faults=None)
+    for args, answer in zip(calls, answers, strict=False):
+        if time.monotonic() > deadline or (isinstance(answer, StudentFault) and answer.fatal):
+            return
+        yield seen(args, answer, probes.read)
+
+
+def _answers(mutant: Mutant, probes: Probes, calls: Sequence[Arguments]) -> Iterator[Seen]:
+    """What a mutant, which is our own code, answers; it shares the kit with the others."""
+    names = _kit(probes) if probes.random else dict(_kit(probes))
+    for piece in mutant.text.split(BETWEEN):
+        exec(_compiled(piece), names)
+    for args in calls:
+        given = copy.deepcopy(args)
+        try:
+            with np.errstate(all="ignore"):
+                value = names[probes.function](*given)
+        except Exception as error:
+            yield Fault(type(error).__name__)
+        else:
+            yield probes.read(args, value)
+
+
+#: Between the functions of a model.
+BETWEEN = "\n\n\n"
+
+
+@lru_cache(maxsize=4096)
+def _compiled(piece: str) -> CodeType:
+    """One function of a model, which most of its mutants share."""
+    return compile(piece, "<mutant>", "exec", dont_inherit=True)
+
+
+_kits: dict[int, dict[str, Any]] = {}
+
+
+def _kit(probes: Probes) -> dict[str, Any]:
+    """The names that the mutants find, made once for all of them unless they draw at random."""
+    if probes.random or id(probes) not in _kits:
+        _kits[id(probes)] = {"__name__": "mutant", **kit_names(probes.kit), **probes.given}
+    return _kits[id(probes)]
