@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from hashlib import sha256
 from string import ascii_lowercase
 from typing import Any
@@ -15,6 +15,8 @@ from typing import Any
 from graders.core.contract.streams import stream
 
 MOST = len(ascii_lowercase)
+#: A submission asks several times for the letters of each of its questions.
+KEPT = 1024
 
 
 @dataclass(frozen=True)
@@ -26,9 +28,7 @@ class Letters:
     @classmethod
     def dealt(cls, names: Sequence[str], seed: int, key: str) -> Letters:
         """The letters that `seed` gives to `names`, which are at most 26; `key` separates one question from another."""
-        shuffled = stream(seed, f"letters {key}").permutation(len(names))
-        placeless = sorted(names, key=lambda name: sha256(name.encode()).digest())
-        return cls(tuple(placeless[place] for place in shuffled))
+        return _dealt(tuple(names), seed, key)
 
     @cached_property
     def by_letter(self) -> dict[str, str]:
@@ -37,6 +37,13 @@ class Letters:
     @cached_property
     def by_name(self) -> dict[str, str]:
         return {name: letter for letter, name in self.by_letter.items()}
+
+
+@lru_cache(KEPT)
+def _dealt(names: tuple[str, ...], seed: int, key: str) -> Letters:
+    shuffled = stream(seed, f"letters {key}").permutation(len(names))
+    placeless = sorted(names, key=lambda name: sha256(name.encode()).digest())
+    return Letters(tuple(placeless[place] for place in shuffled))
 
 
 def renamed(value: Any, names: Mapping[str, str]) -> Any:
