@@ -23,20 +23,24 @@ from server.base.provided import check_provided, provide
 from server.base.settings import Settings
 from server.cells.routes import router as cells_router
 from server.cells.supervisor import Cells
+from server.classes.presence import Presence
+from server.classes.service import Classes
 from server.course import Course, load
 from server.database import Database, utc_now
 from server.figures.pictures import Pictures
 from server.figures.program import program
 from server.figures.service import Figures
 from server.figures.store import Store
-from server.gradebook import service as gradebook
 from server.grading.supervisor import WORKER_COMMAND, Supervisor
 from server.grading.task import give_ups
 from server.identity import service as accounts
 from server.identity.service import Accounts
 from server.pages.accounts import router as accounts_router
+from server.pages.class_desk import router as class_desk_router
+from server.pages.classes import router as classes_router
 from server.pages.person import router as person_router
 from server.pages.routes import router as pages_router
+from server.personal.joining import adopt
 from server.personal.service import Personal
 from server.queue.owner import Owner, owner_of
 from server.queue.port import Queue, Signals
@@ -64,6 +68,8 @@ ROUTERS = (
     guide_router,
     accounts_router,
     person_router,
+    classes_router,
+    class_desk_router,
     pages_router,
     reading_router,
     cells_router,
@@ -219,8 +225,8 @@ def create_app(
 def _share(app: FastAPI, services: Services) -> None:
     course = services.course
     provide(app, services.settings, course, services.database, services.events, services.cells)
-    provide(app, Accounts(services.database, services.settings, adopt=gradebook.adopt))
-    provide(app, services.personal)
+    provide(app, Accounts(services.database, services.settings, adopt=adopt))
+    provide(app, services.personal, Classes(services.database, services.settings), Presence(services.database))
     provide(app, Submissions(services.settings, services.queue, lambda: services.watch.unattended))
     provide(app, services.figures, services.supervisor, Downloads(course), Desk(Replays()))
     check_provided(app)

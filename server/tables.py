@@ -1,5 +1,6 @@
 """Every table, so that the metadata is whole for whoever needs it whole (comparing with the migrations, tests)."""
 
+from server.classes import models as classes
 from server.database.base import Base
 from server.gradebook import models as gradebook
 from server.identity import models as identity
@@ -14,11 +15,14 @@ TABLES = (
     identity.PasswordLink,
     identity.Invitation,
     limits.Allowance,
+    classes.SchoolClass,
+    classes.Membership,
     queue.Job,
     submissions.Submission,
     submissions.Deal,
     gradebook.Grading,
     gradebook.Standing,
     gradebook.SolutionOpening,
+    gradebook.ClassOpening,
 )
 metadata = Base.metadata

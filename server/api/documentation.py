@@ -8,10 +8,12 @@ PROBLEM_SCHEMA = "#/components/schemas/ProblemOut"
 MEANINGS = {
     400: "The request cannot be read.",
     401: "The bearer token is missing, unknown or revoked.",
+    403: "A right is missing; `detail` names it, in French.",
     404: "No such thing, or it is someone else's.",
+    409: "What is there does not allow it.",
     413: "The code, or the request, is too large.",
     422: "The data is refused; `errors` tells where.",
-    429: "Too many submissions; `Retry-After` tells when to come back.",
+    429: "Too many submissions, or tries; `Retry-After` tells when to come back.",
     503: "Too many people want the same thing; `Retry-After` says when to come back.",
 }
 Responses = dict[int | str, dict[str, Any]]

@@ -99,8 +99,10 @@ def _routes(guide: Guide) -> Iterator[RouteView]:
 
 
 def _route(guide: Guide, path: str, method: str, operation: Json) -> RouteView:
-    content = operation.get("requestBody", {}).get("content", {}).get("application/json")
+    contents = operation.get("requestBody", {}).get("content", {})
+    content = contents.get("application/json")
     body = guide.given(content["schema"]) if content else None
+    file = None if content else next(iter(contents), None)
     answers = operation["responses"]
     return RouteView(
         id=operation["operationId"],
@@ -110,7 +112,7 @@ def _route(guide: Guide, path: str, method: str, operation: Json) -> RouteView:
         parameters=tuple(_parameter(guide, one) for one in operation.get("parameters", ())),
         body=tuple(_fields(guide, body)) if body else (),
         answers=tuple(AnswerView(status, _said(status, answers[status])) for status in sorted(answers)),
-        command=_command(guide, path, method, body),
+        command=_command(guide, path, method, body, file),
         answer=_answer(guide, answers),
     )
 
@@ -169,9 +171,10 @@ def _answer(guide: Guide, answers: Json) -> str:
     return shape(guide, schemas[0]) if schemas else ""
 
 
-def _command(guide: Guide, path: str, method: str, body: Json | None) -> str:
+def _command(guide: Guide, path: str, method: str, body: Json | None, file: str | None) -> str:
     module, _, slug = guide.exercise.partition("/")
-    for name, value in {"module": module, "slug": slug, "submission_id": "$ID", "name": "$FIGURE"}.items():
+    values = {"module": module, "slug": slug, "submission_id": "$ID", "name": "$FIGURE", "class_id": "$CLASS"}
+    for name, value in values.items():
         path = path.replace(f"{{{name}}}", value)
     lines = ['curl -H "Authorization: Bearer $BALISE_TOKEN"']
     if method not in {"get", "post"}:
@@ -179,4 +182,6 @@ def _command(guide: Guide, path: str, method: str, body: Json | None) -> str:
     if body is not None:
         example = body.get("examples", [dict.fromkeys(body["properties"], "…")])[0]
         lines += ["-H 'Content-Type: application/json'", f"-d {shlex.quote(json.dumps(example, ensure_ascii=False))}"]
+    if file is not None:
+        lines += [f"-H 'Content-Type: {file}'", "--data-binary @liste.csv"]
     return " \\\n  ".join([*lines, f'"{guide.address}{path}"'])

@@ -1,6 +1,20 @@
 """The HTTP interface in French, for its page: its routes, their parameters, the statuses of their answers."""
 
 ROUTES: dict[tuple[str, str], str] = {
+    ("get", "/api/v1/classes"): (
+        "Vos classes : celles où vous enseignez, assistez, apprenez, demandez à entrer. Un administrateur les a toutes."
+    ),
+    ("post", "/api/v1/classes"): "Crée une classe, où vous enseignez. Il faut un compte d’enseignant.",
+    ("post", "/api/v1/classes/join"): (
+        "Entre dans la classe d’un code, ou le demande à ses enseignants. Un invité passe par la page « Rejoindre », "
+        "où il dit son nom."
+    ),
+    ("get", "/api/v1/classes/{class_id}"): "Une classe où vous êtes.",
+    ("post", "/api/v1/classes/{class_id}/roster"): (
+        "Fait des élèves de la classe ceux d’une liste (`nom,prenom,email,identifiant,groupe`) : CSV, XLSX ou ODS. "
+        "Personne n’est effacé : qui n’y est pas sort de la classe, son travail est gardé."
+    ),
+    ("get", "/api/v1/classes/{class_id}/students"): "Les élèves de la classe, dans l’ordre d’une liste de noms.",
     ("get", "/api/v1/exercises"): "Les exercices servis, dans l’ordre du cours.",
     ("get", "/api/v1/exercises/{module}/{slug}"): (
         "Un exercice : son énoncé (en HTML), le fichier de départ, les limites d’une exécution. "
@@ -21,11 +35,13 @@ ROUTES: dict[tuple[str, str], str] = {
 }
 PARAMETERS: dict[str, str] = {
     "module": "le module",
+    "class_id": "l’identifiant de la classe (`id`)",
+    "dry_run": "dire ce que la liste changerait, et ne rien écrire",
     "slug": "le nom court de l’exercice",
     "submission_id": "l’identifiant reçu à l’envoi (`id`)",
     "name": "le nom de la figure, tel que le verdict le donne (`figure`)",
     "exercise": "l’exercice : `module/nom`",
-    "code": "le fichier entier, 64 Kio au plus",
+    "code": "le fichier entier, 64 Kio au plus ; pour entrer dans une classe, le code de celle-ci",
     "answers": "par question : un nombre ou son texte, une lettre, une liste de lettres",
     "password": "le mot de passe du compte",
     "theme": "les couleurs de la figure",
@@ -34,15 +50,17 @@ PARAMETERS: dict[str, str] = {
 }
 STATUSES: dict[str, str] = {
     "200": "la réponse",
+    "201": "c’est créé",
     "204": "c’est fait",
     "202": "reçu : le verdict se lira à l’adresse `url`",
     "400": "la demande est illisible",
     "401": "le jeton manque, ou n’est plus valable",
-    "403": "cette action n’est pas permise à ce compte",
-    "404": "rien à cette adresse, ou l’envoi de quelqu’un d’autre",
+    "403": "il manque un droit à ce compte : `detail` le nomme",
+    "404": "rien à cette adresse, ou ce qui est à quelqu’un d’autre",
+    "409": "l’état de ce qui est là ne le permet pas",
     "413": "le code, ou la demande, est trop long",
     "422": "des données sont refusées : `errors` dit lesquelles",
-    "429": "trop d’envois : `Retry-After` dit dans combien de secondes revenir",
+    "429": "trop d’envois, ou d’essais : `Retry-After` dit dans combien de secondes revenir",
     "503": "trop de monde à la fois : `Retry-After` dit quand revenir",
 }
 #: Words for the types of JSON Schema.

@@ -92,6 +92,12 @@ class Settings(BaseSettings):
     api_tokens: Count = Field(default=10, description="API tokens that an account may have")
     api_token_days: Count = Field(default=365, description="how long an API token is good for")
     password_link_hours: Count = Field(default=48, description="how long a link to a new password is good for")
+    first_password_days: Count = Field(
+        default=14,
+        description="how long the link to a first password is good for, on the slip that a teacher hands over",
+    )
+    join_burst: Count = Field(default=10, description="codes of classes that an account tries, at once")
+    join_refill_seconds: Seconds = Field(default=30.0, ge=0, description="then one more after so long")
     export_burst: Count = Field(default=3, description="times that one takes one's own data away, at once")
     export_refill_seconds: Seconds = Field(default=1200.0, ge=0, description="then one more after so long")
     trusted_proxy: str = Field(
@@ -148,6 +154,10 @@ class Settings(BaseSettings):
     @property
     def export_bucket(self) -> Bucket:
         return Bucket(self.export_burst, self.export_refill_seconds)
+
+    @property
+    def join_bucket(self) -> Bucket:
+        return Bucket(self.join_burst, self.join_refill_seconds)
 
     @property
     def login_bucket(self) -> Bucket:

@@ -63,6 +63,11 @@ def _admin(parser: argparse.ArgumentParser) -> None:
     link.add_argument(
         "--server", metavar="URL", default="", help="adresse publique du service, à mettre devant le lien"
     )
+    help_text = "donne un rôle à un compte : student, teacher ou administrator"
+    role = actions.add_parser("role", help=help_text, description=f"{help_text.capitalize()}.")
+    role.add_argument("login", metavar="LOGIN", help="identifiant du compte")
+    role.add_argument("role", metavar="ROLE", choices=("student", "teacher", "administrator"), help="son nouveau rôle")
+    role.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
 
 
 def _serve(parser: argparse.ArgumentParser) -> None:

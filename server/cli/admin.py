@@ -9,13 +9,15 @@ from pathlib import Path
 from sqlalchemy import make_url
 from sqlalchemy.exc import SQLAlchemyError
 
-from server.base.errors import NotFound
+from server.base.errors import Conflict, NotFound
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
 from server.database import Database
 from server.gradebook import service as gradebook
 from server.identity import links
+from server.identity.models import Role
+from server.identity.service import change_role
 from server.web.words import plural
 
 
@@ -25,7 +27,7 @@ def run(arguments: Namespace) -> int:
     with closing(Database(settings.url)) as database:
         try:
             ACTIONS[arguments.action](database, settings, arguments)
-        except NotFound as refused:
+        except (Conflict, NotFound) as refused:
             raise CannotRun(refused.detail) from refused
         except SQLAlchemyError as error:
             raise CannotRun(f"la base de données ne convient pas : {error}") from error
@@ -55,5 +57,17 @@ def _reset_link(database: Database, settings: Settings, arguments: Namespace) ->
         print("À mettre derrière l’adresse du service (--server URL l’ajoute).", file=sys.stderr)
 
 
+def _role(database: Database, _settings: Settings, arguments: Namespace) -> None:
+    with database.write() as db:
+        account = links.by_login(db, arguments.login)
+        change_role(db, account, Role(arguments.role))
+    print(f"{account.name} ({account.login}) : {ROLES[account.role]}.")
+
+
+ROLES: Mapping[str, str] = {
+    Role.student: "étudiant",
+    Role.teacher: "enseignant, qui crée des classes",
+    Role.administrator: "administrateur, qui a toutes les classes",
+}
 Action = Callable[[Database, Settings, Namespace], None]
-ACTIONS: Mapping[str, Action] = {"standings": _standings, "reset-link": _reset_link}
+ACTIONS: Mapping[str, Action] = {"standings": _standings, "reset-link": _reset_link, "role": _role}

@@ -171,20 +171,20 @@ def _announce(settings: Settings, course: Course, address: str) -> None:
         print(f"À corriger dans le cours — {problem}")
     print(f"\nBalise est prête : {address}/")
     print("  Étudiants : ouvrez cette adresse ; on y travaille comme invité, sans rien créer.")
-    link = _teacher_link(settings)
+    link = _administrator_link(settings)
     if link:
-        print("  Enseignant : ce lien crée le premier compte d’enseignant et ne sert qu’une fois :")
+        print("  Enseignant : ce lien crée le compte de l’administrateur, qui enseigne aussi, et ne sert qu’une fois :")
         print(f"    {address}{link}")
     if not settings.workers:
         print("  Correction : aucun correcteur ici ; « balise worker », sur une autre machine, corrige ce qui attend.")
     print(f"  Données : {settings.data_dir}\n  Ctrl+C pour arrêter.\n", flush=True)
 
 
-def _teacher_link(settings: Settings) -> str | None:
+def _administrator_link(settings: Settings) -> str | None:
     database = Database(settings.url)
     try:
         with database.write() as db:
-            token = links.invite_first_teacher(db)
+            token = links.invite_administrator(db)
     finally:
         database.close()
     return None if token is None else f"/bienvenue/{token}"

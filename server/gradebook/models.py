@@ -54,10 +54,21 @@ class Standing(Base):
 
 
 class SolutionOpening(Base):
-    """A teacher's decision: everyone may read the solution of this exercise."""
+    """An administrator's decision: everyone may read the solution of this exercise."""
 
     __tablename__ = "solution_opening"
 
+    exercise: Mapped[str] = mapped_column(String(200), primary_key=True)
+    opened_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"))
+    opened_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+
+
+class ClassOpening(Base):
+    """A teacher's decision: the members of a class may read the solution of this exercise."""
+
+    __tablename__ = "class_opening"
+
+    class_id: Mapped[UUID] = mapped_column(ForeignKey("school_class.id", ondelete="CASCADE"), primary_key=True)
     exercise: Mapped[str] = mapped_column(String(200), primary_key=True)
     opened_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"))
     opened_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)

@@ -5,13 +5,14 @@ from datetime import datetime
 from typing import Any
 from uuid import UUID, uuid4
 
-from sqlalchemy import ColumnElement, Row, and_, bindparam, delete, func, insert, or_, select, tuple_, update
+from sqlalchemy import ColumnElement, Row, and_, bindparam, exists, func, insert, or_, select, tuple_, update
 from sqlalchemy.orm import Session, undefer
 
 from graders.core.contract.bounds import bounded
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
+from server.classes.models import Membership, Status
 from server.database import table_of
-from server.gradebook.models import Grading, SolutionOpening
+from server.gradebook.models import ClassOpening, Grading, SolutionOpening
 from server.gradebook.schemas import Graded
 from server.submissions.models import Submission
 
@@ -165,5 +166,23 @@ def opening(db: Session, exercise: str) -> SolutionOpening | None:
     return db.get(SolutionOpening, exercise)
 
 
-def delete_opening(db: Session, exercise: str) -> None:
-    db.execute(delete(SolutionOpening).where(SolutionOpening.exercise == exercise))
+def class_opening(db: Session, class_id: UUID, exercise: str) -> ClassOpening | None:
+    return db.get(ClassOpening, (class_id, exercise))
+
+
+def access(db: Session, account_id: UUID, exercise: str, teaching: ColumnElement[bool]) -> Row[bool, bool, bool]:
+    """Whether the solution is open to everyone; to a class that this account is in; and `teaching`."""
+    to_all = exists().where(SolutionOpening.exercise == exercise)
+    to_class = exists().where(
+        ClassOpening.exercise == exercise,
+        Membership.class_id == ClassOpening.class_id,
+        Membership.account_id == account_id,
+        Membership.status == Status.active,
+    )
+    return db.execute(select(to_all, to_class, teaching)).one()
+
+
+def classes_opened(db: Session, exercise: str, classes: Collection[UUID]) -> frozenset[UUID]:
+    """Those of these classes that have been given the solution."""
+    query = select(ClassOpening.class_id).where(ClassOpening.exercise == exercise, ClassOpening.class_id.in_(classes))
+    return frozenset(db.execute(query).scalars())

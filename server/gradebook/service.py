@@ -9,7 +9,6 @@ from graders.core.contract.verdict import Verdict
 from server.base.errors import NotFound
 from server.database import Database
 from server.gradebook import repository, standings
-from server.gradebook.models import SolutionOpening
 from server.gradebook.schemas import Attempt, AttemptLine, Attempts, Graded, Progress
 from server.gradebook.standings import Counted
 from server.identity.models import Account
@@ -76,9 +75,9 @@ def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
 
 
 def find(db: Session, account: Account | None, submission_id: UUID | str) -> Attempt:
-    """One's own attempt (any, for a teacher); raises NotFound for anything else, whatever exists."""
+    """An attempt that this account may see (`server.rights`); raises NotFound for any other, whatever exists."""
     row = repository.attempt(db, parse_id(submission_id))
-    if row is None or not may_see(account, row[0]):
+    if row is None or not may_see(db, account, row[0]):
         raise NotFound(UNKNOWN)
     return Attempt(*row)
 
@@ -140,22 +139,3 @@ def distinct_failed_attempts(
     if account is None:
         return 0
     return repository.failed_digests(db, account.id, exercise_id, [digest(code) for code in besides])
-
-
-def is_open_to_all(db: Session, exercise_id: str) -> bool:
-    """Has a teacher opened the solution?"""
-    return repository.opening(db, exercise_id) is not None
-
-
-def solution_open(account: Account | None, progress: Progress, *, to_all: bool) -> bool:
-    """May this account read the solution? After success, when a teacher has opened it, and always for a teacher."""
-    return to_all or progress.succeeded or (account is not None and account.is_teacher)
-
-
-def open_solution(db: Session, exercise_id: str, by: Account) -> None:
-    if not is_open_to_all(db, exercise_id):
-        db.add(SolutionOpening(exercise=exercise_id, opened_by=by.id))
-
-
-def close_solution(db: Session, exercise_id: str) -> None:
-    repository.delete_opening(db, exercise_id)

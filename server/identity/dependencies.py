@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import Depends, Request, Security
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 
-from server.base.errors import Forbidden, Unauthorised
+from server.base.errors import Unauthorised
 from server.base.provided import provided
 from server.base.request import COOKIE, client_address
 from server.database import Database
@@ -56,13 +56,13 @@ def account_or_guest(request: Request, account: OptionalAccount, accounts: Accou
 BrowserAccount = Annotated[Account, Depends(account_or_guest)]
 
 
-def _teacher(account: OptionalAccount) -> Account:
-    if account is None or not account.is_teacher:
-        raise Forbidden("Cette action est réservée aux enseignants.")
+def _signed_in(account: OptionalAccount) -> Account:
+    if account is None:
+        raise Unauthorised("Connectez-vous d’abord.")
     return account
 
 
-TeacherAccount = Annotated[Account, Depends(_teacher)]
+SignedIn = Annotated[Account, Depends(_signed_in)]
 
 
 def _api(

@@ -1,4 +1,4 @@
-"""One-time links: the one that makes the first teacher, those that lead to a new password.
+"""One-time links: the one that makes the administrator, those that lead to a new password.
 
 Functions work inside the caller's transaction.
 """
@@ -18,13 +18,13 @@ USED = "Ce lien a déjà servi, ou n’existe pas."
 ENDED = "Ce lien a déjà servi, ou n’est plus valable : demandez-en un autre à votre enseignant."
 
 
-def invite_first_teacher(db: Session) -> str | None:
-    """A fresh one-time token (older unused ones stop working), or None once a teacher exists."""
-    if repository.teacher_exists(db):
+def invite_administrator(db: Session) -> str | None:
+    """A fresh one-time token (older unused ones stop working), or None once there is an administrator."""
+    if repository.count_administrators(db):
         return None
-    repository.delete_unused_invitations(db, Role.teacher)
+    repository.delete_unused_invitations(db, Role.administrator)
     token = secrets.new_token()
-    db.add(Invitation(token_digest=secrets.digest(token), role=Role.teacher))
+    db.add(Invitation(token_digest=secrets.digest(token), role=Role.administrator))
     return token
 
 
@@ -46,13 +46,23 @@ def use_invitation(db: Session, token: str) -> Role:
 
 def to_new_password(db: Session, login: str, settings: Settings) -> tuple[Account, str]:
     """Whose link it is, and its token; an earlier one of this account stops working. Raises NotFound."""
+    account = by_login(db, login)
+    return account, link_of(db, account, timedelta(hours=settings.password_link_hours))
+
+
+def by_login(db: Session, login: str) -> Account:
+    """Raises NotFound."""
     account = repository.by_login(db, normalised_login(login))
     if account is None:
         raise NotFound(f"Aucun compte n’a l’identifiant « {login} ».")
+    return account
+
+
+def link_of(db: Session, account: Account, lasting: timedelta) -> str:
+    """The token by which this account chooses a password; an earlier one stops working."""
     token = secrets.new_token()
-    ends = utc_now() + timedelta(hours=settings.password_link_hours)
-    repository.keep_password_link(db, account.id, secrets.digest(token), ends)
-    return account, token
+    repository.keep_password_link(db, account.id, secrets.digest(token), utc_now() + lasting)
+    return token
 
 
 def owner(db: Session, token: str) -> Account:

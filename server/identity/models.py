@@ -13,9 +13,13 @@ DIGEST_LENGTH = 64
 
 
 class Role(StrEnum):
+    """What an account is on the whole server. A teacher makes classes; an administrator has every class, and every
+    account, besides."""
+
     guest = "guest"
     student = "student"
     teacher = "teacher"
+    administrator = "administrator"
 
 
 class Account(Base):
@@ -36,7 +40,11 @@ class Account(Base):
 
     @property
     def is_teacher(self) -> bool:
-        return self.role == Role.teacher
+        return self.role in {Role.teacher, Role.administrator}
+
+    @property
+    def is_administrator(self) -> bool:
+        return self.role == Role.administrator
 
 
 class BrowserSession(Base):

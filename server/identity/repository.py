@@ -48,8 +48,9 @@ def lock(db: Session, account_id: UUID) -> None:
     db.execute(select(Account.id).where(Account.id == account_id).with_for_update())
 
 
-def teacher_exists(db: Session) -> bool:
-    return db.execute(select(Account.id).where(Account.role == Role.teacher).limit(1)).first() is not None
+def count_administrators(db: Session) -> int:
+    query = select(func.count()).select_from(Account).where(Account.role == Role.administrator)
+    return db.execute(query).scalar_one()
 
 
 def delete_session(db: Session, token_digest: str) -> None:
@@ -72,6 +73,10 @@ def set_password(db: Session, account_id: UUID, password_hash: str) -> None:
     """Whoever holds a link to a new password no longer needs it."""
     db.execute(update(Account).where(Account.id == account_id).values(password_hash=password_hash))
     db.execute(delete(PasswordLink).where(PasswordLink.account_id == account_id))
+
+
+def rename(db: Session, account_id: UUID, name: str) -> None:
+    db.execute(update(Account).where(Account.id == account_id).values(name=name))
 
 
 def delete_account(db: Session, account_id: UUID) -> None:

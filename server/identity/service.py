@@ -13,7 +13,7 @@ from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
-from server.base.errors import NotFound
+from server.base.errors import Conflict, NotFound
 from server.base.settings import Settings
 from server.database import Database, utc_now
 from server.identity import links, repository, secrets
@@ -31,6 +31,7 @@ NO_PASSWORD = "Un invité n’a pas de mot de passe."
 TOO_MANY_ACCOUNTS = "Trop de comptes créés depuis cette adresse : réessayez dans {seconds} s."
 WRONG_LOGIN = "Identifiant ou mot de passe incorrect."
 TOO_MANY_LOGINS = "Trop d’essais de connexion : réessayez dans {seconds} s."
+LAST_ADMINISTRATOR = "Ce serveur garde au moins un administrateur : nommez-en un autre d’abord."
 TOO_MANY_GUESTS = "Trop de nouveaux visiteurs depuis cette adresse : réessayez dans {seconds} s."
 
 
@@ -193,6 +194,27 @@ def _account_to_name(db: Session, visitor: Account | None) -> Account:
     account = guest or Account(name=GUEST_NAME)
     db.add(account)
     return account
+
+
+def make_for_list(db: Session, login: str, name: str) -> Account:
+    """An account of whom a school's list names. It has no password until its owner chooses one (`links.link_of`)."""
+    account = Account(role=Role.student, name=name, login=login)
+    db.add(account)
+    db.flush()
+    return account
+
+
+def change_role(db: Session, account: Account, role: Role) -> None:
+    """Raises Conflict where nobody would be administrator any more."""
+    if account.is_administrator and role is not Role.administrator and repository.count_administrators(db) == 1:
+        raise Conflict(LAST_ADMINISTRATOR)
+    account.role = role
+
+
+def rename(db: Session, account: Account, name: str) -> None:
+    """What a guest is called from now on; an account with a login keeps the name that its owner has chosen."""
+    if account.is_guest:
+        repository.rename(db, account.id, name)
 
 
 def close_session(db: Session, token: str) -> None:

@@ -7,14 +7,13 @@ from fastapi import APIRouter, Depends, Request
 from fastapi.responses import HTMLResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
-from server.base.errors import Unauthorised
 from server.base.provided import provided
 from server.base.request import COOKIE, client_address
 from server.base.settings import Settings
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
 from server.identity import tokens
-from server.identity.dependencies import AccountsOf, OptionalAccount, forget
+from server.identity.dependencies import AccountsOf, OptionalAccount, SignedIn, forget
 from server.identity.models import Account
 from server.identity.schemas import RefusedForm
 from server.identity.service import ALLOWANCES_KEPT
@@ -25,15 +24,6 @@ from server.personal.service import headers_of_archive
 router = APIRouter(include_in_schema=False)
 
 SettingsOf = Annotated[Settings, Depends(provided(Settings))]
-
-
-def _signed_in(account: OptionalAccount) -> Account:
-    if account is None:
-        raise Unauthorised("Connectez-vous d’abord.")
-    return account
-
-
-Person = Annotated[Account, Depends(_signed_in)]
 
 
 @router.get("/donnees-personnelles")
@@ -75,7 +65,7 @@ def _account_page(
 
 
 @router.post("/compte/jetons")
-def create_token(request: Request, person: Person, db: Db, settings: SettingsOf, label: Field = "") -> Response:
+def create_token(request: Request, person: SignedIn, db: Db, settings: SettingsOf, label: Field = "") -> Response:
     try:
         _, secret = tokens.create(db, person, label, settings)
     except RefusedForm as refused:
@@ -84,7 +74,7 @@ def create_token(request: Request, person: Person, db: Db, settings: SettingsOf,
 
 
 @router.post("/compte/jetons/{token_id}/revoquer")
-def revoke_token(person: Person, db: Db, token_id: UUID) -> Response:
+def revoke_token(person: SignedIn, db: Db, token_id: UUID) -> Response:
     tokens.revoke(db, person, token_id)
     return go("/compte")
 
@@ -92,7 +82,7 @@ def revoke_token(person: Person, db: Db, token_id: UUID) -> Response:
 @router.post("/compte/mot-de-passe")
 async def change_password(
     request: Request,
-    person: Person,
+    person: SignedIn,
     accounts: AccountsOf,
     database: DatabaseOf,
     settings: SettingsOf,
@@ -109,7 +99,7 @@ async def change_password(
 
 
 @router.get("/compte/donnees")
-def take_away(person: Person, personal: PersonalOf) -> StreamingResponse:
+def take_away(person: SignedIn, personal: PersonalOf) -> StreamingResponse:
     return StreamingResponse(
         personal.export(person), headers=headers_of_archive(utc_now()), media_type="application/zip"
     )
@@ -126,7 +116,7 @@ def erase_form(request: Request, account: OptionalAccount) -> Response:
 
 @router.post("/compte/supprimer")
 async def erase(
-    request: Request, person: Person, accounts: AccountsOf, personal: PersonalOf, password: Field = ""
+    request: Request, person: SignedIn, accounts: AccountsOf, personal: PersonalOf, password: Field = ""
 ) -> Response:
     try:
         await accounts.prove(person, password, address=client_address(request))

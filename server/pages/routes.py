@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, replace
-from typing import Annotated
+from typing import Annotated, Literal
+from uuid import UUID
 
 from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, StreamingResponse
@@ -21,7 +22,8 @@ from server.figures.dependencies import FiguresOf
 from server.figures.orders import MEDIA_TYPES, Theme
 from server.figures.service import Wanted
 from server.gradebook import service as gradebook
-from server.identity.dependencies import AccountsOf, BrowserAccount, OptionalAccount, TeacherAccount, account_or_guest
+from server.gradebook import solutions
+from server.identity.dependencies import AccountsOf, BrowserAccount, OptionalAccount, SignedIn, account_or_guest
 from server.identity.models import Account
 from server.pages import answers, service
 from server.submissions import deals
@@ -153,13 +155,17 @@ def submit(
 
 @router.post("/{module:module}/exercices/{slug}/corrige")
 def open_or_close_solution(
-    module: str, slug: str, teacher: TeacherAccount, course: CourseOf, db: Db, ouvrir: Annotated[bool, Form()]
+    module: str,
+    slug: str,
+    account: SignedIn,
+    course: CourseOf,
+    db: Db,
+    ouvrir: Annotated[bool, Form()],
+    classe: Annotated[UUID | Literal[""], Form()] = "",
 ) -> RedirectResponse:
+    """To a class, or to everyone where none is named."""
     exercise = find_exercise(course, module, slug)
-    if ouvrir:
-        gradebook.open_solution(db, exercise.id, teacher)
-    else:
-        gradebook.close_solution(db, exercise.id)
+    solutions.open_or_close(db, account, exercise.id, classe or None, wanted=ouvrir)
     return RedirectResponse(f"{exercise_href(exercise)}#corrige", MOVES_ON)
 
 

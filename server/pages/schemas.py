@@ -91,12 +91,22 @@ class HintView:
 
 
 @dataclass(frozen=True)
+class DoorView:
+    """A button that opens a solution to a class, or to everyone (no class), or closes it."""
+
+    class_id: str
+    label: str
+    is_open: bool
+
+
+@dataclass(frozen=True)
 class SolutionView:
-    """The reference solution: highlighted HTML when one may read it. `for_all`: a teacher has opened it to everyone."""
+    """The reference solution: highlighted HTML when one may read it; why one may, and to whom one may open it."""
 
     html: str
-    for_all: bool
+    why: str
     action: str
+    doors: tuple[DoorView, ...]
 
 
 @dataclass(frozen=True)

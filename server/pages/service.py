@@ -13,13 +13,16 @@ from graders.core.contract.verdict import Verdict
 from server.base.errors import NotFound
 from server.course import Exercise, Module
 from server.gradebook import service as gradebook
+from server.gradebook import solutions
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts, Progress
+from server.gradebook.solutions import Access, Because, Door
 from server.pages import marks
 from server.pages.policy import policy_lines
 from server.pages.schemas import (
     AttemptPage,
     AttemptRow,
     AttemptsPage,
+    DoorView,
     ExercisePage,
     FunctionView,
     HintView,
@@ -206,10 +209,11 @@ def results(
     `seed` is that of the deal whose correction is shown, in an exercise answered without code.
     """
     progress = gradebook.progress(reader.db, reader.account, exercise.id).get(exercise.id, NOTHING_YET)
+    access = solutions.access(reader.db, reader.account, exercise.id)
     return Results(
         work=work,
-        hints=_hints(reader, exercise, progress),
-        solution=_solution(reader, exercise, progress, seed),
+        hints=_hints(reader, exercise, progress, access),
+        solution=_solution(reader, exercise, progress, access, seed),
         attempts=_rows(exercise, attempts),
         all_attempts=f"{exercise_href(exercise)}/essais" if attempts.total > RECENT_ATTEMPTS else "",
         own=own_state(progress),
@@ -276,8 +280,8 @@ def waiting_text(place: Place) -> str:
     )
 
 
-def _hints(reader: Reader, exercise: Exercise, progress: Progress) -> tuple[HintView, ...]:
-    everything = progress.succeeded or (reader.account is not None and reader.account.is_teacher)
+def _hints(reader: Reader, exercise: Exercise, progress: Progress, access: Access) -> tuple[HintView, ...]:
+    everything = progress.succeeded or access.teaches
     failed = gradebook.distinct_failed_attempts(reader.db, reader.account, exercise.id, besides=[exercise.starter])
     views = []
     for number, (html, needed) in enumerate(zip(exercise.hints, HINT_OPENS_AFTER, strict=True), 1):
@@ -292,17 +296,34 @@ def _opens(needed: int, left: int) -> str:
     return f"s’ouvre après {needed} essais différents non réussis (encore {left})."
 
 
-def _solution(reader: Reader, exercise: Exercise, progress: Progress, seed: int | None) -> SolutionView | None:
+def _solution(
+    reader: Reader, exercise: Exercise, progress: Progress, access: Access, seed: int | None
+) -> SolutionView | None:
     """Raises nothing: a solution that one may not read yet is simply absent."""
-    for_all = gradebook.is_open_to_all(reader.db, exercise.id)
-    if not gradebook.solution_open(reader.account, progress, to_all=for_all):
+    why = access.because(progress)
+    if why is None or (exercise.answers is not None and seed is None):
         return None
-    href = f"{exercise_href(exercise)}/corrige"
-    if exercise.answers is None:
-        return SolutionView(python(exercise.solution), for_all, href)
-    return (
-        None if seed is None else SolutionView(Markup(exercise.prose(exercise.answers.correction(seed))), for_all, href)
+    html = (
+        python(exercise.solution)
+        if exercise.answers is None or seed is None
+        else Markup(exercise.prose(exercise.answers.correction(seed)))
     )
+    doors = solutions.doors(reader.db, reader.account, exercise.id) if access.teaches else []
+    return SolutionView(html, WHY_OPEN[why], f"{exercise_href(exercise)}/corrige", tuple(map(_door, doors)))
+
+
+WHY_OPEN = {
+    Because.to_all: "Ouvert à tous par l’enseignant.",
+    Because.to_class: "Ouvert à votre classe par l’enseignant.",
+    Because.succeeded: "Ouvert parce que vous avez réussi.",
+    Because.teaches: "Ouvert à ceux qui enseignent.",
+}
+
+
+def _door(door: Door) -> DoorView:
+    to_whom = "à tous les élèves" if door.class_id is None else f"à la classe « {door.class_name} »"
+    verb = "Refermer" if door.is_open else "Ouvrir"
+    return DoorView(str(door.class_id or ""), f"{verb} le corrigé {to_whom}", door.is_open)
 
 
 def _rows(exercise: Exercise, attempts: Attempts) -> tuple[AttemptRow, ...]:

@@ -9,6 +9,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from server.classes import repository as classes
 from server.course import Course
 from server.database import Database
 from server.gradebook import repository as gradings
@@ -26,6 +27,7 @@ READ_ME = """Vos données sur Balise
 
 compte.json      qui vous êtes ici, vos sessions ouvertes et vos jetons
                  (ni mot de passe ni jeton : ils ne sont pas gardés, seule leur empreinte l’est)
+classes.json     vos classes, et ce qui y est noté de vous
 exercices.json   vos bilans, vos tirages et, pour un enseignant, les corrigés ouverts
 essais/          un dossier par envoi : votre réponse telle que vous l’avez envoyée,
                  et corrections.json, ce qui en a été dit à chaque correction
@@ -48,6 +50,7 @@ def files_of(database: Database, course: Course, account_id: UUID) -> Iterator[F
         if account is None:
             return
         yield "compte.json", _json(_account(db, account))
+        yield "classes.json", _json(_classes(db, account_id))
         yield "exercices.json", _json(_exercises(db, account_id))
     last: UUID | None = None
     while True:
@@ -121,7 +124,30 @@ def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
             {"exercise": one.exercise, "opened_at": _time(one.opened_at)}
             for one in repository.openings_by(db, account_id)
         ],
+        "solutions_opened_to_classes": [
+            {"exercise": opening.exercise, "class": name, "opened_at": _time(opening.opened_at)}
+            for opening, name in repository.class_openings_by(db, account_id)
+        ],
     }
+
+
+def _classes(db: Session, account_id: UUID) -> list[dict[str, Any]]:
+    return [
+        {
+            "class": one.school_class.name,
+            "module": one.school_class.module,
+            "role": one.membership.role,
+            "status": one.membership.status,
+            "family_name": one.membership.family_name,
+            "given_name": one.membership.given_name,
+            "email": one.membership.email,
+            "groups": one.membership.groups,
+            "joined_at": _time(one.membership.joined_at),
+            "left_at": _time(one.membership.left_at),
+            "last_seen_at": _time(one.membership.last_seen_at),
+        }
+        for one in classes.all_of_account(db, account_id)
+    ]
 
 
 def _plain(value: Any) -> Any:

@@ -7,7 +7,8 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, delete, exists, select
 from sqlalchemy.orm import Session
 
-from server.gradebook.models import SolutionOpening
+from server.classes.models import SchoolClass
+from server.gradebook.models import ClassOpening, SolutionOpening
 from server.identity.models import Account, ApiToken, BrowserSession, Role
 from server.submissions.models import Deal, Submission
 
@@ -19,6 +20,13 @@ def deals_of(db: Session, account_id: UUID) -> Sequence[Deal]:
 def openings_by(db: Session, account_id: UUID) -> Sequence[SolutionOpening]:
     query = select(SolutionOpening).where(SolutionOpening.opened_by == account_id)
     return db.execute(query.order_by(SolutionOpening.exercise)).scalars().all()
+
+
+def class_openings_by(db: Session, account_id: UUID) -> Sequence[tuple[ClassOpening, str]]:
+    """Each with the name of its class."""
+    query = select(ClassOpening, SchoolClass.name).join(SchoolClass, SchoolClass.id == ClassOpening.class_id)
+    query = query.where(ClassOpening.opened_by == account_id).order_by(ClassOpening.opened_at)
+    return [(opening, name) for opening, name in db.execute(query)]
 
 
 def submissions_of(db: Session, account_id: UUID, *, after: UUID | None, most: int) -> Sequence[UUID]:

@@ -13,9 +13,11 @@ from graders.core.answers import canonical
 from server.base.encoding import encoded
 from server.base.errors import Invalid, NotFound, TooMany
 from server.base.settings import Settings
+from server.classes import service as classes
 from server.identity.models import Account
 from server.limits import service as limits
 from server.queue.port import HeapError, Most, Queue
+from server.rights import service as rights
 from server.submissions import deals
 from server.submissions.deals import SEED_BITS
 from server.submissions.models import State, Submission
@@ -84,6 +86,7 @@ class Submissions:
         submission = Submission(account_id=account.id, exercise=exercise_id, source=source, digest=digest, seed=seed)
         db.add(submission)
         db.flush()
+        classes.note_seen(db, account.id)
         most = Most(self._settings.waiting_each, self._settings.waiting_from_address)
         try:
             self._queue.put(db, GRADE, key_of(submission.id), sender=sender_of(account, address), most=most)
@@ -123,6 +126,5 @@ def parse_id(text: UUID | str) -> UUID:
         raise NotFound(UNKNOWN) from error
 
 
-def may_see(account: Account | None, submission: Submission) -> bool:
-    """One's own submissions; any, for a teacher."""
-    return account is not None and (account.is_teacher or submission.account_id == account.id)
+def may_see(db: Session, account: Account | None, submission: Submission) -> bool:
+    return rights.may_read_work(db, account, submission.account_id, submission.exercise, submission.created_at)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import Depends
+from fastapi import Depends, Request
 from starlette.convertors import Convertor, register_url_convertor
 
+from server.base.request import SAFE_METHODS
+from server.classes.dependencies import PresenceOf
 from server.course.dependencies import CourseOf
 from server.database.dependencies import Db
 from server.identity.dependencies import OptionalAccount
@@ -29,7 +31,16 @@ class ModuleConvertor(Convertor[str]):
 register_url_convertor("module", ModuleConvertor())
 
 
-def _reader(db: Db, course: CourseOf, submissions: SubmissionsOf, account: OptionalAccount) -> Reader:
+def _reader(
+    request: Request,
+    db: Db,
+    course: CourseOf,
+    submissions: SubmissionsOf,
+    account: OptionalAccount,
+    presence: PresenceOf,
+) -> Reader:
+    if request.method in SAFE_METHODS:  # `db` only reads
+        presence.note(db, account)
     return Reader(db, course, submissions, account)
 
 

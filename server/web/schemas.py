@@ -14,13 +14,13 @@ Tone = Literal["good", "partial", "bad", "ours"]
 class AccountView:
     """Who is looking. `key` is stable for one account and safe to show; "visiteur" for nobody yet."""
 
-    role: Literal["visitor", "guest", "student", "teacher"]
+    role: Literal["visitor", "guest", "student", "teacher", "administrator"]
     name: str
     key: str
 
     @property
     def is_teacher(self) -> bool:
-        return self.role == "teacher"
+        return self.role in {"teacher", "administrator"}
 
 
 @dataclass(frozen=True)

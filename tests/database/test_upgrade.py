@@ -20,10 +20,11 @@ from server.course import Course
 from server.database import Database, utc_now
 from server.database.migrate import upgrade
 from server.gradebook import service as gradebook
-from server.gradebook import standings
+from server.gradebook import solutions, standings
 from server.gradebook.models import Grading, SolutionOpening
-from server.gradebook.schemas import Progress
-from server.identity.models import Account, ApiToken
+from server.gradebook.schemas import NOTHING_YET, Progress
+from server.gradebook.solutions import Because
+from server.identity.models import Account, ApiToken, Role
 from server.queue.models import Job
 from server.queue.port import Lease
 from server.submissions.models import Deal, Submission
@@ -121,6 +122,18 @@ def test_tokens_that_had_no_end_get_one(upgraded: Upgraded) -> None:
         ends = list(db.execute(select(ApiToken.expires_at)).scalars())
     assert len(ends) == 4
     assert all(timedelta(days=364) < end - utc_now() < timedelta(days=366) for end in ends)
+
+
+def test_what_was_open_stays_open_to_all_and_the_first_teacher_is_the_administrator(upgraded: Upgraded) -> None:
+    landed = upgraded.landed
+    with upgraded.database.read() as db:
+        teacher = db.get_one(Account, landed.teacher)
+        assert teacher.role == Role.administrator
+        assert gradebook.find(db, teacher, landed.sent["wrong"]).submission.account_id == landed.ada
+        for account in (None, db.get_one(Account, landed.busy)):
+            assert solutions.access(db, account, POSES).because(NOTHING_YET) is Because.to_all
+        roles = set(db.execute(select(Account.role).where(Account.id != landed.teacher)).scalars())
+    assert roles == {"student", "guest"}
 
 
 def test_standings_are_those_of_the_history(upgraded: Upgraded) -> None:

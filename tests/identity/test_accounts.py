@@ -123,26 +123,26 @@ def test_an_unknown_login_reads_like_a_wrong_password(site: Site) -> None:
 
 def test_the_one_time_link_makes_one_teacher(site: Site) -> None:
     with site.database.write() as db:
-        first = links.invite_first_teacher(db)
+        first = links.invite_administrator(db)
     with site.database.write() as db:
-        token = links.invite_first_teacher(db)
+        token = links.invite_administrator(db)
     assert site.client.get(f"/bienvenue/{first}").status_code == 404, "a newer link replaces it"
     assert site.client.get(f"/bienvenue/{token}").status_code == 200
     assert site.client.post(f"/bienvenue/{token}", data={**FORM, "password": "court"}).status_code == 422
     assert site.client.post(f"/bienvenue/{token}", data=FORM).status_code == 303
     (teacher,) = accounts(site)
-    assert teacher.role == Role.teacher
+    assert teacher.role == Role.administrator
     site.client.cookies.clear()
     assert site.client.get(f"/bienvenue/{token}").status_code == 404
     assert site.client.post(f"/bienvenue/{token}", data={**FORM, "login": "bob"}).status_code == 404
     assert len(accounts(site)) == 1
     with site.database.write() as db:
-        assert links.invite_first_teacher(db) is None
+        assert links.invite_administrator(db) is None
 
 
 def test_a_refused_form_does_not_use_the_link(site: Site) -> None:
     with site.database.write() as db:
-        token = links.invite_first_teacher(db)
+        token = links.invite_administrator(db)
         db.add(Account(name="Bob", login="bob"))
     wanted = new_account("Ada", "bob", FORM["password"])
     with pytest.raises(RefusedForm):

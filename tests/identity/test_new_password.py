@@ -155,3 +155,20 @@ def test_the_administrator_gets_the_link(ada: Site, capsys: pytest.CaptureFixtur
 
 def test_the_page_of_log_in_says_what_to_do(site: Site) -> None:
     assert "Mot de passe oublié" in site.client.get("/connexion").text
+
+
+def test_roles_are_given_on_the_command_line_and_one_administrator_stays(
+    ada: Site, capsys: pytest.CaptureFixture[str]
+) -> None:
+    data = ["--data", str(ada.settings.data_dir)]
+
+    def give(role: str) -> int:
+        return main(["admin", "role", "Ada", role, *data])
+
+    assert give("teacher") == 0
+    assert "enseignant" in capsys.readouterr().out
+    assert "Créer une classe" in ada.client.get("/classes").text
+    assert give("administrator") == 0
+    assert give("student") == 2
+    assert "au moins un administrateur" in capsys.readouterr().err
+    assert main(["admin", "role", "personne", "teacher", *data]) == 2

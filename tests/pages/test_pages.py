@@ -198,6 +198,8 @@ def test_the_solution_opens_after_success(small_site: SmallSite) -> None:
 
 def test_a_teacher_opens_and_closes_the_solution_for_all(small_site: SmallSite) -> None:
     pupil = small_site.another()
+    assert pupil.client.post(f"{PAGE}/corrige", data={"ouvrir": "true"}).status_code == 401
+    pupil.submit()
     assert pupil.client.post(f"{PAGE}/corrige", data={"ouvrir": "true"}).status_code == 403
     small_site.become_teacher()
     assert "Ouvrir le corrigé" in small_site.get(PAGE)

@@ -92,6 +92,7 @@ def ada(site: Site) -> Ada:
         _, secret = tokens.create(db, account, "essai", site.settings)
     headers = {"Authorization": f"Bearer {secret}"}
     site.client.get("/api/v1/exercises", headers=headers)  # the first use of a token is noted
+    site.client.get("/")  # and a first visit
     return Ada(site, account, headers)
 
 

@@ -15,7 +15,8 @@ from sqlalchemy import func, select, text, update
 from starlette.testclient import TestClient
 
 from server.app import Services
-from server.base.provided import provide
+from server.base.provided import provide, provided_to
+from server.classes.models import Membership, SchoolClass
 from server.course import Course
 from server.database import Database, utc_now
 from server.gradebook.models import Grading, SolutionOpening, Standing
@@ -26,6 +27,7 @@ from server.personal.zipping import PIECE, zipped
 from server.queue.models import Job
 from server.submissions.models import Deal, Submission
 from server.submissions.service import Submissions
+from tests.support.classes import new_class, seat
 from tests.support.service import EXERCISE, QUIET, Site, new_account, worker_of
 
 FORM = {"name": "Ada L.", "login": "ada", "password": "notes sur la machine"}
@@ -224,3 +226,19 @@ def test_the_page_tells_how_long_each_thing_is_kept(site: Site) -> None:
     for told in ("123 jours", "45 jours", "6 heures", "8 jours", "balise_session", "CNIL"):
         assert told in page
     assert 'href="/donnees-personnelles"' in site.client.get("/").text
+
+
+def test_classes_are_taken_away_and_left_with_the_account(ada: Site) -> None:
+    teacher = new_account(ada.database, Role.teacher, "Mme Martin")
+    made = new_class(ada.database, teacher)
+    with ada.database.read() as db:
+        account = db.execute(select(Account).where(Account.login == "ada")).scalar_one()
+    seat(ada.database, made, account, family_name="Lovelace", groups=["TP1"])
+    (one,) = read(archive(ada.client.get("/compte/donnees")), "classes.json")
+    assert (one["class"], one["role"], one["status"]) == ("MPSI 2", "student", "active")
+    assert (one["family_name"], one["groups"]) == ("Lovelace", ["TP1"])
+    provided_to(ada.app, Personal).erase(account.id)
+    provided_to(ada.app, Personal).erase(teacher.id)
+    with ada.database.read() as db:
+        assert db.execute(select(Membership)).first() is None
+        assert db.execute(select(SchoolClass.created_by)).scalar_one() is None

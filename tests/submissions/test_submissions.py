@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from dataclasses import dataclass
-from uuid import uuid4
+from uuid import UUID, uuid4
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from sqlalchemy.orm import Session
 
-from server.base.errors import Invalid, NotFound, TooLarge, TooMany
+from server.base.errors import Forbidden, Invalid, NotFound, TooLarge, TooMany
 from server.base.settings import Settings
+from server.classes.models import Status
 from server.database import Database
 from server.gradebook import service as gradebook
+from server.gradebook import solutions
 from server.gradebook.schemas import NOTHING_YET, Progress
 from server.identity.models import Account, Role
 from server.limits import service as limits
@@ -23,6 +25,7 @@ from server.submissions import service
 from server.submissions.events import as_sse
 from server.submissions.models import State, Submission
 from server.submissions.service import Place, Submissions
+from tests.support.classes import new_class, seat
 from tests.support.quick import in_a_loop
 from tests.support.service import ADDRESS, EXERCISE, QUIET, new_account, worker_of
 
@@ -98,12 +101,22 @@ def test_our_error_gives_the_allowance_back(desk: Desk, ada: Account) -> None:
         desk.submit(ada)
 
 
-def test_a_submission_is_seen_by_its_author_and_by_teachers(desk: Desk, ada: Account) -> None:
+def test_a_submission_is_seen_by_its_author_their_teacher_and_the_administrator(desk: Desk, ada: Account) -> None:
     row = desk.submit(ada)
-    teacher, other = new_account(desk.database, Role.teacher), new_account(desk.database)
+    teacher, stranger = new_account(desk.database, Role.teacher), new_account(desk.database, Role.teacher)
+    seat(desk.database, new_class(desk.database, teacher), ada)
+    new_class(desk.database, stranger)
+    other, administrator = new_account(desk.database), new_account(desk.database, Role.administrator)
     with desk.database.read() as db:
-        assert gradebook.find(db, teacher, row.id).submission.id == row.id
-        for account, wanted in [(other, row.id), (None, row.id), (ada, uuid4()), (ada, "not-an-id")]:
+        for account in (ada, teacher, administrator):
+            assert gradebook.find(db, account, row.id).submission.id == row.id
+        for account, wanted in [
+            (other, row.id),
+            (stranger, row.id),
+            (None, row.id),
+            (ada, uuid4()),
+            (ada, "not-an-id"),
+        ]:
             with pytest.raises(NotFound):
                 gradebook.find(db, account, wanted)
 
@@ -136,30 +149,42 @@ def test_only_changed_failed_attempts_open_hints(desk: Desk, ada: Account) -> No
 
 
 def test_the_solution_opens_after_success_or_by_a_teacher(desk: Desk, ada: Account) -> None:
-    bob, teacher = new_account(desk.database), new_account(desk.database, Role.teacher)
+    bob, eve = new_account(desk.database), new_account(desk.database)
+    teacher, administrator = new_account(desk.database, Role.teacher), new_account(desk.database, Role.administrator)
+    made = new_class(desk.database, teacher)
+    seat(desk.database, made, bob)
+    seat(desk.database, made, eve, status=Status.pending)
     desk.submit(ada, "right")
     desk.submit(bob, "# outcome: wrong_answer")
     desk.grade_all()
 
     def open_to() -> list[bool]:
         with desk.database.read() as db:
-            to_all = gradebook.is_open_to_all(db, EXERCISE)
             return [
-                gradebook.solution_open(account, progress_of(db, account), to_all=to_all)
-                for account in (ada, bob, teacher, None)
+                solutions.access(db, account, EXERCISE).because(progress_of(db, account)) is not None
+                for account in (ada, bob, eve, teacher, None)
             ]
 
     def progress_of(db: Session, account: Account | None) -> Progress:
         return gradebook.progress(db, account, EXERCISE).get(EXERCISE, NOTHING_YET)
 
-    assert open_to() == [True, False, True, False]
-    for _ in range(2):
-        with desk.database.write() as db:
-            gradebook.open_solution(db, EXERCISE, teacher)
-    assert open_to() == [True, True, True, True]
-    with desk.database.write() as db:
-        gradebook.close_solution(db, EXERCISE)
-    assert open_to() == [True, False, True, False]
+    def turn(by: Account, class_id: UUID | None, wanted: bool) -> None:
+        for _ in range(2):
+            with desk.database.write() as db:
+                solutions.open_or_close(db, by, EXERCISE, class_id, wanted=wanted)
+
+    closed = [True, False, False, True, False]
+    assert open_to() == closed
+    turn(teacher, made.id, True)
+    assert open_to() == [True, True, False, True, False], "who asks to join is not in the class yet"
+    turn(teacher, made.id, False)
+    assert open_to() == closed
+    with pytest.raises(Forbidden, match="ouvrir les corrigés à tous"):
+        turn(teacher, None, True)
+    turn(administrator, None, True)
+    assert open_to() == [True] * 5
+    turn(administrator, None, False)
+    assert open_to() == closed
 
 
 def test_attempts_come_newest_first(desk: Desk, ada: Account) -> None:

@@ -23,6 +23,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 from server.base.provided import provide, provided_to
 from server.base.settings import Settings
+from server.classes.service import Classes
 from server.course import Course
 from server.database import Database
 from server.grading.task import Grade, GradingTask, SentFile
@@ -195,6 +196,7 @@ class Site:
         """Other settings from now on."""
         settings = self.settings.model_copy(update=limits)
         store = provided_to(self.app, Submissions)
+        provide(self.app, Classes(self.database, settings))
         provide(self.app, settings, replace(self.accounts, settings=settings), Submissions(settings, store._queue))
 
     @cached_property

@@ -63,6 +63,8 @@ document.addEventListener("balise:refreshed", dress);
 dress();
 setUpSearchKey();
 
+document.querySelector("[data-print-page]")?.addEventListener("click", () => window.print());
+
 document.addEventListener("submit", (event) => {
   const question = event.target.dataset?.confirm;
   if (question && !window.confirm(question)) event.preventDefault();

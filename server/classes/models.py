@@ -1,0 +1,76 @@
+"""Classes and their members. Nobody is ever removed from a class: who goes has left, and their work is kept."""
+
+from datetime import datetime
+from enum import StrEnum
+from uuid import UUID, uuid4
+
+from sqlalchemy import JSON, ForeignKey, String
+from sqlalchemy.orm import Mapped, mapped_column
+
+from server.database.base import Base, UtcDateTime, utc_now
+
+NAME_LENGTH = 100
+EMAIL_LENGTH = 254
+CODE_LENGTH = 8
+
+
+class Seat(StrEnum):
+    """What a member is in a class."""
+
+    student = "student"
+    assistant = "assistant"
+    teacher = "teacher"
+
+
+class Status(StrEnum):
+    """`pending`: has asked to join, and waits for a teacher's approval."""
+
+    active = "active"
+    pending = "pending"
+    left = "left"
+
+
+class SchoolClass(Base):
+    """Those who learn a module together. Without a join code, or past its end, nobody joins by themselves."""
+
+    __tablename__ = "school_class"
+
+    id: Mapped[UUID] = mapped_column(primary_key=True, default=uuid4)
+    name: Mapped[str] = mapped_column(String(NAME_LENGTH))
+    module: Mapped[str] = mapped_column(String(100))
+    created_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"))
+    created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+    archived_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    join_code: Mapped[str | None] = mapped_column(String(CODE_LENGTH), unique=True)
+    join_code_until: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    approval: Mapped[bool] = mapped_column(default=False)
+
+
+class Membership(Base):
+    """What an account is in a class.
+
+    The names and the e-mail are those of the school's list, or what a guest has said; empty where the account's own
+    name is enough. `left_at` is None for who has left without ever having been admitted. `made_here`: the account was
+    made by this class's list, so that its teachers may hand over its password. `went`: left of their own accord, and
+    comes back by the code alone. `groups` are labels, in order.
+    """
+
+    __tablename__ = "membership"
+
+    class_id: Mapped[UUID] = mapped_column(ForeignKey("school_class.id", ondelete="CASCADE"), primary_key=True)
+    account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), primary_key=True, index=True)
+    role: Mapped[str] = mapped_column(String(16), default=Seat.student)
+    status: Mapped[str] = mapped_column(String(16), default=Status.active)
+    family_name: Mapped[str] = mapped_column(String(NAME_LENGTH), default="")
+    given_name: Mapped[str] = mapped_column(String(NAME_LENGTH), default="")
+    email: Mapped[str] = mapped_column(String(EMAIL_LENGTH), default="")
+    groups: Mapped[list[str]] = mapped_column(JSON, default=list)
+    made_here: Mapped[bool] = mapped_column(default=False)
+    went: Mapped[bool] = mapped_column(default=False)
+    joined_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+    left_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    last_seen_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+
+    @property
+    def is_staff(self) -> bool:
+        return self.role in {Seat.assistant, Seat.teacher}

@@ -1,0 +1,173 @@
+"""Queries on classes and their members."""
+
+from collections.abc import Collection, Mapping, Sequence
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import Select, delete, func, select, update
+from sqlalchemy.orm import Session
+
+from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.classes.schemas import Joined, Member
+from server.identity.models import Account
+
+STAFF = (Seat.assistant, Seat.teacher)
+
+
+def by_id(db: Session, class_id: UUID) -> SchoolClass | None:
+    return db.get(SchoolClass, class_id)
+
+
+def lock(db: Session, class_id: UUID) -> None:
+    """Until the commit, nobody else changes the class or its list who locks it first."""
+    db.execute(select(SchoolClass.id).where(SchoolClass.id == class_id).with_for_update())
+
+
+def by_code(db: Session, code: str, now: datetime) -> SchoolClass | None:
+    """The class that one joins by this code, where it is still good."""
+    query = select(SchoolClass).where(
+        SchoolClass.join_code == code, SchoolClass.join_code_until > now, SchoolClass.archived_at.is_(None)
+    )
+    return db.execute(query).scalar_one_or_none()
+
+
+def code_is_taken(db: Session, code: str) -> bool:
+    return db.execute(select(SchoolClass.id).where(SchoolClass.join_code == code)).first() is not None
+
+
+def of_account(db: Session, account_id: UUID) -> Sequence[Joined]:
+    """The classes that an account is in, or asks to be in, with what it is there."""
+    query = (
+        select(SchoolClass, Membership)
+        .join(Membership, Membership.class_id == SchoolClass.id)
+        .where(Membership.account_id == account_id, Membership.status != Status.left)
+        .order_by(SchoolClass.name, SchoolClass.id)
+    )
+    return [Joined(*row) for row in db.execute(query)]
+
+
+def classes_of(db: Session, account: Account) -> Sequence[tuple[SchoolClass, Membership | None]]:
+    """The same; for an administrator every other class too, where they are nothing."""
+    mine = [(one.school_class, one.membership) for one in of_account(db, account.id)]
+    if not account.is_administrator:
+        return mine
+    known = {school_class.id for school_class, _ in mine}
+    every = db.execute(select(SchoolClass).order_by(SchoolClass.name, SchoolClass.id)).scalars()
+    return [*mine, *((one, None) for one in every if one.id not in known)]
+
+
+def all_of_account(db: Session, account_id: UUID) -> Sequence[Joined]:
+    """Those that it has left too."""
+    query = select(SchoolClass, Membership).join(Membership, Membership.class_id == SchoolClass.id)
+    query = query.where(Membership.account_id == account_id).order_by(Membership.joined_at)
+    return [Joined(*row) for row in db.execute(query)]
+
+
+def membership(db: Session, class_id: UUID, account_id: UUID) -> Membership | None:
+    return db.get(Membership, (class_id, account_id))
+
+
+def members(db: Session, class_id: UUID) -> Sequence[Member]:
+    """All that ever were, in the order of a list of names."""
+    query = select(Membership, Account).join(Account, Account.id == Membership.account_id)
+    found = [Member(*row) for row in db.execute(query.where(Membership.class_id == class_id))]
+    return sorted(found, key=lambda member: (*member.sorted_by, str(member.id)))
+
+
+def counts(db: Session, classes: Collection[UUID]) -> Mapping[UUID, tuple[int, int]]:
+    """How many students each class has, and how many ask to join it."""
+    query = (
+        select(Membership.class_id, Membership.status, func.count())
+        .where(
+            Membership.class_id.in_(classes),
+            Membership.role == Seat.student,
+            Membership.status.in_((Status.active, Status.pending)),
+        )
+        .group_by(Membership.class_id, Membership.status)
+    )
+    found = {(class_id, status): count for class_id, status, count in db.execute(query)}
+    return {one: (found.get((one, Status.active), 0), found.get((one, Status.pending), 0)) for one in classes}
+
+
+def other_teachers(db: Session, class_id: UUID, account_id: UUID) -> int:
+    query = select(func.count()).select_from(Membership)
+    query = query.where(
+        Membership.class_id == class_id,
+        Membership.account_id != account_id,
+        Membership.role == Seat.teacher,
+        Membership.status == Status.active,
+    )
+    return db.execute(query).scalar_one()
+
+
+def staff_accounts(db: Session, accounts: Collection[UUID]) -> frozenset[UUID]:
+    """Those of these accounts that help or teach in some class."""
+    query = select(Membership.account_id).where(Membership.account_id.in_(accounts), Membership.role.in_(STAFF))
+    return frozenset(db.execute(query).scalars())
+
+
+def pupils_of(db: Session, teacher_id: UUID) -> frozenset[UUID]:
+    """The students whom a teacher or an assistant has in some class already."""
+    taught = select(Membership.class_id).where(
+        Membership.account_id == teacher_id, Membership.role == Seat.teacher, Membership.status == Status.active
+    )
+    query = select(Membership.account_id).where(
+        Membership.class_id.in_(taught), Membership.role == Seat.student, Membership.status == Status.active
+    )
+    return frozenset(db.execute(query).scalars())
+
+
+def accounts_by_login(db: Session, logins: Collection[str]) -> Mapping[str, Account]:
+    """The accounts that have these logins, some hundred at a time: databases bound how much one asks."""
+    found: dict[str, Account] = {}
+    wanted = list(logins)
+    for start in range(0, len(wanted), 500):
+        query = select(Account).where(Account.login.in_(wanted[start : start + 500]))
+        found.update({account.login: account for account in db.execute(query).scalars() if account.login})
+    return found
+
+
+def move(db: Session, old: UUID, new: UUID) -> None:
+    """Gives an account the memberships of a guest; where both have one, the account keeps its own, made good."""
+    mine = {one.class_id: one for one in db.execute(_of(new)).scalars()}
+    for one in db.execute(_of(old)).scalars().all():
+        own = mine.get(one.class_id)
+        if own is None:
+            db.execute(
+                update(Membership)
+                .where(Membership.class_id == one.class_id, Membership.account_id == old)
+                .values(account_id=new)
+                .execution_options(synchronize_session=False)
+            )
+        elif own.status != Status.active and one.status == Status.active:
+            own.status, own.left_at = Status.active, None
+    db.flush()
+    db.execute(delete(Membership).where(Membership.account_id == old).execution_options(synchronize_session=False))
+    db.expire_all()
+
+
+def _of(account_id: UUID) -> Select[Membership]:
+    return select(Membership).where(Membership.account_id == account_id)
+
+
+def note_seen(db: Session, account_id: UUID, now: datetime, unless_since: datetime) -> None:
+    """Notes that a member was there, where nothing was noted since `unless_since`."""
+    db.execute(
+        update(Membership)
+        .where(
+            Membership.account_id == account_id,
+            Membership.status == Status.active,
+            Membership.last_seen_at.is_(None) | (Membership.last_seen_at < unless_since),
+        )
+        .values(last_seen_at=now)
+        .execution_options(synchronize_session=False)
+    )
+
+
+def to_note(db: Session, account_id: UUID, unless_since: datetime) -> bool:
+    query = select(Membership.class_id).where(
+        Membership.account_id == account_id,
+        Membership.status == Status.active,
+        Membership.last_seen_at.is_(None) | (Membership.last_seen_at < unless_since),
+    )
+    return db.execute(query.limit(1)).first() is not None

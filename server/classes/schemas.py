@@ -1,0 +1,102 @@
+"""What goes into the room, and what comes out of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from uuid import UUID
+
+from server.base.errors import Invalid
+from server.classes.models import NAME_LENGTH, Membership, SchoolClass, Seat, Status
+from server.identity.models import Account
+
+#: For how long a join code may be asked for; the first is what a new class gets.
+CODE_LASTS: Mapping[str, timedelta] = {
+    "mois": timedelta(days=30),
+    "semaine": timedelta(days=7),
+    "jour": timedelta(days=1),
+    "seance": timedelta(hours=3),
+}
+DEFAULT_LASTING = "mois"
+
+
+@dataclass(frozen=True)
+class Member:
+    """A membership, with the account that it is of."""
+
+    membership: Membership
+    account: Account
+
+    @property
+    def id(self) -> UUID:
+        return self.account.id
+
+    @property
+    def name(self) -> str:
+        """As the school's list has it; else as the account does."""
+        listed = " ".join(filter(None, (self.membership.given_name, self.membership.family_name)))
+        return listed or self.account.name
+
+    @property
+    def sorted_by(self) -> tuple[str, str]:
+        """As a list of names is: by family name. An account's own name ends with it."""
+        family = self.membership.family_name or self.name.split()[-1]
+        return family.casefold(), self.name.casefold()
+
+    @property
+    def seat(self) -> Seat:
+        return Seat(self.membership.role)
+
+    @property
+    def status(self) -> Status:
+        return Status(self.membership.status)
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        return tuple(self.membership.groups)
+
+
+@dataclass(frozen=True)
+class Joined:
+    """A class, and what somebody is in it."""
+
+    school_class: SchoolClass
+    membership: Membership
+
+
+@dataclass(frozen=True)
+class OwnName:
+    """What a guest says of who they are, for the class's list."""
+
+    given: str
+    family: str
+
+
+def name_of_class(text: str) -> str:
+    """Raises Invalid."""
+    return _name(text, "Donnez à la classe un nom de 1 à 100 caractères.")
+
+
+def own_name(given: str, family: str) -> OwnName:
+    """Raises Invalid."""
+    wanted = OwnName(
+        _name(given, "Indiquez votre prénom (100 caractères au plus)."),
+        _name(family, "Indiquez votre nom (100 caractères au plus)."),
+    )
+    _name(f"{wanted.given} {wanted.family}", "Ce nom est trop long : 100 caractères au plus en tout.")
+    return wanted
+
+
+def _name(text: str, problem: str) -> str:
+    name = " ".join(text.split())
+    if not 0 < len(name) <= NAME_LENGTH or not name.isprintable():
+        raise Invalid(problem)
+    return name
+
+
+def code_until(lasting: str, now: datetime) -> datetime:
+    """Raises Invalid."""
+    if lasting not in CODE_LASTS:
+        raise Invalid("Cette durée n’est pas proposée.")
+    return now + CODE_LASTS[lasting]

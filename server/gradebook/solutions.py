@@ -1,0 +1,107 @@
+"""Who may read the solution of an exercise, and who opens it. Functions work inside the caller's transaction."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.base.errors import NotFound
+from server.classes.service import UNKNOWN
+from server.gradebook import repository
+from server.gradebook.models import ClassOpening, SolutionOpening
+from server.gradebook.schemas import Progress
+from server.identity.models import Account
+from server.rights import service as rights
+from server.rights.models import Right
+
+
+class Because(StrEnum):
+    """Why a solution is open to somebody: the first that holds."""
+
+    to_all = "to_all"
+    to_class = "to_class"
+    succeeded = "succeeded"
+    teaches = "teaches"
+
+
+@dataclass(frozen=True)
+class Door:
+    """Those to whom one may open a solution: the students of a class, or everyone (no class)."""
+
+    class_id: UUID | None
+    class_name: str
+    is_open: bool
+
+
+@dataclass(frozen=True)
+class Access:
+    """What opens an exercise's hints and solution to an account, whatever it has done."""
+
+    to_all: bool
+    to_class: bool
+    teaches: bool
+
+    def because(self, progress: Progress) -> Because | None:
+        """Why the account may read the solution, or None where it may not."""
+        reasons = {
+            Because.to_all: self.to_all,
+            Because.to_class: self.to_class,
+            Because.succeeded: progress.succeeded,
+            Because.teaches: self.teaches,
+        }
+        return next((why for why, holds in reasons.items() if holds), None)
+
+
+def access(db: Session, account: Account | None, exercise_id: str) -> Access:
+    """In one query."""
+    if account is None:
+        return Access(repository.opening(db, exercise_id) is not None, False, False)
+    teaching = rights.teaching(account.id, rights.module_of(exercise_id))
+    to_all, to_class, teaches = repository.access(db, account.id, exercise_id, teaching)
+    return Access(to_all, to_class, teaches or account.is_teacher)
+
+
+def doors(db: Session, account: Account | None, exercise_id: str) -> Sequence[Door]:
+    """What this account may open or close, its classes in the order of their names."""
+    if account is None:
+        return []
+    to_all = (
+        [Door(None, "", repository.opening(db, exercise_id) is not None)]
+        if Right.open_to_all in rights.on_server(account)
+        else []
+    )
+    classes = rights.classes_to_open(db, account, exercise_id)
+    already = repository.classes_opened(db, exercise_id, [one.id for one in classes])
+    return to_all + [Door(one.id, one.name, one.id in already) for one in classes]
+
+
+def open_or_close(db: Session, account: Account, exercise_id: str, class_id: UUID | None, *, wanted: bool) -> None:
+    """Opens the solution to a class, or to everyone, or closes it. Raises Forbidden or NotFound."""
+    if class_id is None:
+        rights.require_on_server(account, Right.open_to_all)
+    else:
+        place = rights.require(db, account, Right.open_solutions, class_id)
+        if place.school_class.module != rights.module_of(exercise_id):
+            raise NotFound(UNKNOWN)
+    opened = _opened(db, exercise_id, class_id)
+    if wanted and opened is None:
+        db.add(_opening(exercise_id, class_id, account.id))
+    elif not wanted and opened is not None:
+        db.delete(opened)
+
+
+Opening = SolutionOpening | ClassOpening
+
+
+def _opened(db: Session, exercise: str, class_id: UUID | None) -> Opening | None:
+    if class_id is None:
+        return repository.opening(db, exercise)
+    return repository.class_opening(db, class_id, exercise)
+
+
+def _opening(exercise: str, class_id: UUID | None, by: UUID) -> Opening:
+    if class_id is None:
+        return SolutionOpening(exercise=exercise, opened_by=by)
+    return ClassOpening(class_id=class_id, exercise=exercise, opened_by=by)

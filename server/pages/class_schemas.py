@@ -1,0 +1,185 @@
+"""What the templates of the classes' pages receive: every page's context is one of these types, and nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class ClassRow:
+    """A class in a list; `waiting` is how many ask to join it, for who may let them in."""
+
+    href: str
+    name: str
+    module: str
+    role: str
+    pending: bool
+    students: int
+    waiting: int
+
+
+@dataclass(frozen=True)
+class ClassesPage:
+    """`modules`: slug and title of those that one may make a class of."""
+
+    taught: tuple[ClassRow, ...]
+    attended: tuple[ClassRow, ...]
+    archived: tuple[ClassRow, ...]
+    may_create: bool
+    modules: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class ClassHead:
+    """What every page of a class begins with, and where one may go from it."""
+
+    id: str
+    name: str
+    href: str
+    module: str
+    module_href: str
+    archived: bool
+    may_keep_list: bool
+    may_set_up: bool
+    may_see_code: bool
+
+
+@dataclass(frozen=True)
+class CodeView:
+    """How one joins: the code as it is read aloud, the whole address, the same as a picture (SVG), and until when."""
+
+    code: str
+    address: str
+    svg: str
+    until: str
+    until_text: str
+
+
+@dataclass(frozen=True)
+class MemberRow:
+    """A date is empty where there is none; `guest`: bound to one browser; `handed`: their password may be remade."""
+
+    id: str
+    name: str
+    login: str
+    groups: tuple[str, ...]
+    joined: str
+    joined_text: str
+    seen: str
+    seen_text: str
+    guest: bool
+    without_password: bool
+
+
+@dataclass(frozen=True)
+class StaffRow:
+    id: str
+    name: str
+    login: str
+    role: str
+    removable: bool
+
+
+@dataclass(frozen=True)
+class OwnSeat:
+    """What somebody is in their class."""
+
+    role: str
+    pending: bool
+    groups: tuple[str, ...]
+    may_leave: bool
+
+
+@dataclass(frozen=True)
+class ClassPage:
+    """`students`, of the group `group` where one is chosen, and who has left are there for who may see them alone."""
+
+    head: ClassHead
+    seat: OwnSeat | None
+    staff: tuple[StaffRow, ...]
+    code: CodeView | None
+    may_see_students: bool
+    may_hand_passwords: bool
+    students: tuple[MemberRow, ...]
+    total: int
+    waiting: tuple[MemberRow, ...]
+    left: tuple[MemberRow, ...]
+    groups: tuple[tuple[str, int], ...]
+    group: str
+    without_password: int
+
+
+@dataclass(frozen=True)
+class SettingsPage:
+    head: ClassHead
+    approval: bool
+    staff: tuple[StaffRow, ...]
+    code: CodeView | None
+
+
+@dataclass(frozen=True)
+class ChangeRow:
+    """A person whom a list adds, changes or leaves out; `note` says what happens to them."""
+
+    line: str
+    name: str
+    login: str
+    note: str
+
+
+@dataclass(frozen=True)
+class ImportPage:
+    """A list before it is written. `text` is the list, `digest` says what it would change."""
+
+    head: ClassHead
+    added: tuple[ChangeRow, ...]
+    updated: tuple[ChangeRow, ...]
+    unchanged: int
+    left: tuple[ChangeRow, ...]
+    rejected: tuple[tuple[int, str, str], ...]
+    ignored: tuple[str, ...]
+    text: str
+    digest: str
+
+    @property
+    def changes(self) -> bool:
+        return bool(self.added or self.updated or self.left)
+
+
+@dataclass(frozen=True)
+class SlipView:
+    name: str
+    login: str
+    link: str
+    svg: str
+
+
+@dataclass(frozen=True)
+class SlipsPage:
+    head: ClassHead
+    slips: tuple[SlipView, ...]
+    refused: tuple[str, ...]
+    days: int
+    address: str
+
+
+@dataclass(frozen=True)
+class JoinPage:
+    """The class of a code. `asks_name`: of a visitor or a guest; `already`: where who is in it already goes on."""
+
+    code: str
+    name: str
+    module: str
+    teachers: tuple[str, ...]
+    approval: bool
+    asks_name: bool
+    already: str
+
+
+@dataclass(frozen=True)
+class JoinForm:
+    """What a visitor or a guest has written of their name, and why it is refused."""
+
+    given: str
+    family: str
+    problem: str

@@ -1,0 +1,237 @@
+"""From classes and their members to what the templates show."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from datetime import datetime
+
+import segno
+from markupsafe import Markup
+from sqlalchemy.orm import Session
+
+from server.classes import repository
+from server.classes.codes import shown_code
+from server.classes.importing import Plan
+from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.classes.schemas import Member
+from server.classes.service import Slip, good_code
+from server.course import Course
+from server.identity.models import Account
+from server.pages.class_schemas import (
+    ChangeRow,
+    ClassesPage,
+    ClassHead,
+    ClassPage,
+    ClassRow,
+    CodeView,
+    ImportPage,
+    JoinPage,
+    MemberRow,
+    OwnSeat,
+    SettingsPage,
+    SlipsPage,
+    SlipView,
+    StaffRow,
+)
+from server.rights import service as rights
+from server.rights.models import Right
+from server.rights.service import Place
+from server.web.words import moment, moment_text
+
+ROLES = {Seat.student: "élève", Seat.assistant: "assistant", Seat.teacher: "enseignant"}
+ADDED, JOINS = "compte à créer", "a déjà un compte ici"
+BACK = {Status.left: "revient dans la classe", Status.pending: "est admis", Status.active: "fiche complétée"}
+LEAVES = "n’est pas dans la liste : sort de la classe, son travail est gardé"
+
+
+def href_of(school_class: SchoolClass) -> str:
+    return f"/classes/{school_class.id}"
+
+
+def module_name(course: Course, slug: str) -> str:
+    """A class may outlive its module on this server."""
+    module = course.modules.get(slug)
+    return f"Module {module.number}" if module else slug
+
+
+def classes_page(db: Session, course: Course, account: Account | None) -> ClassesPage:
+    seats = [] if account is None else repository.classes_of(db, account)
+    counts = repository.counts(db, [school_class.id for school_class, _ in seats])
+    rows = [(one, seat, _row(course, one, seat, *counts[one.id])) for one, seat in seats]
+    return ClassesPage(
+        taught=tuple(row for one, seat, row in rows if one.archived_at is None and _is_staff(seat)),
+        attended=tuple(row for one, seat, row in rows if one.archived_at is None and not _is_staff(seat)),
+        archived=tuple(row for one, _, row in rows if one.archived_at is not None),
+        may_create=account is not None and Right.create in rights.on_server(account),
+        modules=tuple((module.slug, f"{module.number} — {module.title}") for module in course.modules.values()),
+    )
+
+
+def _is_staff(seat: Membership | None) -> bool:
+    """Without a seat it is an administrator who looks."""
+    return seat is None or seat.is_staff
+
+
+def _row(course: Course, school_class: SchoolClass, seat: Membership | None, students: int, waiting: int) -> ClassRow:
+    return ClassRow(
+        href=href_of(school_class),
+        name=school_class.name,
+        module=module_name(course, school_class.module),
+        role="administrateur" if seat is None else ROLES[Seat(seat.role)],
+        pending=seat is not None and seat.status == Status.pending,
+        students=students,
+        waiting=waiting if _is_staff(seat) else 0,
+    )
+
+
+def head(course: Course, place: Place) -> ClassHead:
+    school_class = place.school_class
+    return ClassHead(
+        id=str(school_class.id),
+        name=school_class.name,
+        href=href_of(school_class),
+        module=module_name(course, school_class.module),
+        module_href=f"/{school_class.module}" if school_class.module in course.modules else "",
+        archived=school_class.archived_at is not None,
+        may_keep_list=place.may(Right.keep_list) and school_class.archived_at is None,
+        may_set_up=place.may(Right.set_up),
+        may_see_code=place.may(Right.see_code),
+    )
+
+
+def code_view(school_class: SchoolClass, base: str) -> CodeView | None:
+    """`base` is the address of the service, without a slash at its end."""
+    code, until = good_code(school_class), school_class.join_code_until
+    if code is None or until is None:
+        return None
+    address = f"{base}/rejoindre/{code}"
+    return CodeView(shown_code(code), address, qr(address), moment(until), moment_text(until))
+
+
+def qr(address: str) -> str:
+    """The address as a QR code: dark on light in both themes, or phones do not read it."""
+    picture = segno.make(address, error="m", micro=False)
+    return Markup(picture.svg_inline(border=4, dark="#000", light="#fff", omitsize=True, svgclass="qr", lineclass=None))
+
+
+def class_page(db: Session, course: Course, place: Place, account: Account, base: str, group: str) -> ClassPage:
+    """`group`, where it is not empty, keeps the students of this group alone."""
+    school_class = place.school_class
+    everyone = repository.members(db, school_class.id)
+    sees = place.may(Right.see_students)
+    students = [one for one in everyone if one.seat is Seat.student] if sees else []
+    active = [one for one in students if one.status is Status.active]
+    labels = Counter(label for one in active for label in one.groups)
+    return ClassPage(
+        head=head(course, place),
+        seat=_seat(place),
+        staff=staff_rows(everyone, place, account),
+        code=code_view(school_class, base) if place.may(Right.see_code) else None,
+        may_see_students=sees,
+        may_hand_passwords=place.may(Right.hand_passwords) and school_class.archived_at is None,
+        students=member_rows(one for one in active if not group or group in one.groups),
+        total=len(active),
+        waiting=member_rows(one for one in students if one.status is Status.pending),
+        left=member_rows(one for one in students if one.status is Status.left),
+        groups=tuple(sorted(labels.items(), key=lambda one: one[0].casefold())),
+        group=group if group in labels else "",
+        without_password=sum(_without_password(one) for one in active),
+    )
+
+
+def _seat(place: Place) -> OwnSeat | None:
+    membership = place.membership
+    if membership is None:
+        return None
+    pending = membership.status == Status.pending
+    return OwnSeat(ROLES[Seat(membership.role)], pending, tuple(membership.groups), place.may(Right.leave_class))
+
+
+def staff_rows(everyone: Sequence[Member], place: Place, account: Account) -> tuple[StaffRow, ...]:
+    staff = [one for one in everyone if one.membership.is_staff and one.status is Status.active]
+    teachers = sum(one.seat is Seat.teacher for one in staff)
+    knows = place.may(Right.see_students)
+    return tuple(
+        StaffRow(
+            id=str(one.id),
+            name=one.name,
+            login=one.account.login or "" if knows else "",
+            role=ROLES[one.seat],
+            removable=place.may(Right.set_up) and (one.seat is not Seat.teacher or teachers > 1),
+        )
+        for one in staff
+    )
+
+
+def member_rows(members: Iterable[Member]) -> tuple[MemberRow, ...]:
+    return tuple(
+        MemberRow(
+            id=str(one.id),
+            name=one.name,
+            login=one.account.login or "",
+            groups=one.groups,
+            joined=moment(one.membership.joined_at),
+            joined_text=moment_text(one.membership.joined_at),
+            seen=_when(one.membership.last_seen_at, moment),
+            seen_text=_when(one.membership.last_seen_at, moment_text),
+            guest=one.account.is_guest,
+            without_password=_without_password(one),
+        )
+        for one in members
+    )
+
+
+def _when(when: datetime | None, written: Callable[[datetime], str]) -> str:
+    return "" if when is None else written(when)
+
+
+def _without_password(member: Member) -> bool:
+    return member.membership.made_here and member.account.password_hash is None
+
+
+def settings_page(db: Session, course: Course, place: Place, account: Account, base: str) -> SettingsPage:
+    school_class = place.school_class
+    staff = staff_rows(repository.members(db, school_class.id), place, account)
+    return SettingsPage(head(course, place), school_class.approval, staff, code_view(school_class, base))
+
+
+def import_page(course: Course, place: Place, plan: Plan, text: str) -> ImportPage:
+    added = [ChangeRow(str(line.line), line.name, line.login or line.email, ADDED) for line in plan.added]
+    added += [ChangeRow(str(line.line), line.name, account.login or "", JOINS) for line, account in plan.joining]
+    return ImportPage(
+        head=head(course, place),
+        added=tuple(sorted(added, key=lambda row: int(row.line))),
+        updated=tuple(
+            ChangeRow(str(line.line), line.name, member.account.login or "", BACK[member.status])
+            for line, member in plan.updated
+        ),
+        unchanged=len(plan.unchanged),
+        left=tuple(ChangeRow("", member.name, member.account.login or "", LEAVES) for member in plan.left),
+        rejected=tuple((one.line, one.name, one.reason) for one in plan.rejected),
+        ignored=plan.ignored,
+        text=text,
+        digest=plan.digest,
+    )
+
+
+def slips_page(
+    course: Course, place: Place, given: Sequence[Slip], refused: Sequence[str], days: int, base: str
+) -> SlipsPage:
+    links = [(slip, f"{base}/nouveau-mot-de-passe/{slip.token}") for slip in given]
+    slips = tuple(SlipView(slip.name, slip.login, link, qr(link)) for slip, link in links)
+    return SlipsPage(head(course, place), slips, tuple(refused), days, base)
+
+
+def join_page(db: Session, course: Course, school_class: SchoolClass, account: Account | None) -> JoinPage:
+    everyone = repository.members(db, school_class.id)
+    mine = next((one for one in everyone if account is not None and one.id == account.id), None)
+    return JoinPage(
+        code=school_class.join_code or "",
+        name=school_class.name,
+        module=module_name(course, school_class.module),
+        teachers=tuple(one.name for one in everyone if one.seat is Seat.teacher and one.status is Status.active),
+        approval=school_class.approval,
+        asks_name=account is None or account.is_guest,
+        already=href_of(school_class) if mine is not None and mine.status is not Status.left else "",
+    )

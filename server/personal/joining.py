@@ -1,0 +1,14 @@
+"""What follows a guest into the account that the same person has opened."""
+
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.classes import service as classes
+from server.gradebook import service as gradebook
+
+
+def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
+    """Attempts, deals and classes. Works inside the caller's transaction."""
+    gradebook.adopt(db, guest_id, account_id)
+    classes.adopt(db, guest_id, account_id)

@@ -1,0 +1,41 @@
+"""Rights, and who has them: the one table of it."""
+
+from collections.abc import Mapping
+from enum import StrEnum
+
+from server.classes.models import Seat
+
+STUDENT, ASSISTANT, TEACHER = Seat.student, Seat.assistant, Seat.teacher
+
+
+class Right(StrEnum):
+    """What may be done in a class, as it is named to who may not."""
+
+    see_class = "voir la classe"
+    leave_class = "quitter la classe"
+    see_students = "voir les élèves de la classe"
+    read_work = "lire les essais des élèves de la classe"
+    see_code = "voir le code de la classe"
+    keep_list = "tenir la liste de la classe"
+    hand_passwords = "remettre les mots de passe de la classe"
+    open_solutions = "ouvrir les corrigés à la classe"
+    set_up = "régler la classe"
+    create = "créer une classe"
+    open_to_all = "ouvrir les corrigés à tous"
+
+
+#: Of the active members of a class; an administrator has each of them in every class.
+OF_MEMBERS: Mapping[Right, frozenset[Seat]] = {
+    Right.see_class: frozenset({STUDENT, ASSISTANT, TEACHER}),
+    Right.leave_class: frozenset({STUDENT, ASSISTANT, TEACHER}),
+    Right.see_students: frozenset({ASSISTANT, TEACHER}),
+    Right.read_work: frozenset({ASSISTANT, TEACHER}),
+    Right.see_code: frozenset({ASSISTANT, TEACHER}),
+    Right.keep_list: frozenset({TEACHER}),
+    Right.hand_passwords: frozenset({TEACHER}),
+    Right.open_solutions: frozenset({TEACHER}),
+    Right.set_up: frozenset({TEACHER}),
+}
+
+#: Who only asks to join knows that the class is there, and may think better of it.
+OF_PENDING = frozenset({Right.see_class, Right.leave_class})

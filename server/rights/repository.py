@@ -1,0 +1,74 @@
+"""Queries on who shares a class with whom."""
+
+from collections.abc import Sequence
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import ColumnElement, Select, and_, or_, select
+from sqlalchemy.orm import Session, aliased
+
+from server.classes.models import Membership, SchoolClass, Seat, Status
+
+STAFF = (Seat.assistant, Seat.teacher)
+
+
+def reads_work(
+    db: Session, reader: UUID, author: UUID, module: str, sent_at: datetime, seats: Sequence[Seat] = STAFF
+) -> bool:
+    """Has the reader one of these seats in a class of this module in which the author is, or was at that time?"""
+    staff, student = aliased(Membership), aliased(Membership)
+    query = (
+        select(SchoolClass.id)
+        .join(staff, staff.class_id == SchoolClass.id)
+        .join(student, student.class_id == SchoolClass.id)
+        .where(
+            SchoolClass.module == module,
+            or_(SchoolClass.archived_at.is_(None), SchoolClass.archived_at >= sent_at),
+            staff.account_id == reader,
+            staff.role.in_(seats),
+            staff.status == Status.active,
+            student.account_id == author,
+            student.role == Seat.student,
+            or_(
+                student.status == Status.active,
+                and_(
+                    student.status == Status.left,
+                    student.left_at >= sent_at,
+                ),
+            ),
+        )
+    )
+    return db.execute(query.limit(1)).first() is not None
+
+
+def teaching(account_id: UUID, module: str) -> ColumnElement[bool]:
+    """Whether one teaches or helps in a class of this module, to be asked with something else."""
+    return _seats(account_id, module, STAFF).exists()
+
+
+def classes_of_teacher(db: Session, account_id: UUID, module: str) -> Sequence[SchoolClass]:
+    """The classes of this module in which one teaches, by their names, but those archived."""
+    query = select(SchoolClass).where(_is_open(module), SchoolClass.id.in_(_seats(account_id, module, (Seat.teacher,))))
+    return db.execute(query.order_by(SchoolClass.name, SchoolClass.id)).scalars().all()
+
+
+def classes_of_module(db: Session, module: str) -> Sequence[SchoolClass]:
+    query = select(SchoolClass).where(_is_open(module))
+    return db.execute(query.order_by(SchoolClass.name, SchoolClass.id)).scalars().all()
+
+
+def _is_open(module: str) -> ColumnElement[bool]:
+    return and_(SchoolClass.module == module, SchoolClass.archived_at.is_(None))
+
+
+def _seats(account_id: UUID, module: str, seats: Sequence[Seat]) -> Select[UUID]:
+    return (
+        select(Membership.class_id)
+        .join(SchoolClass, SchoolClass.id == Membership.class_id)
+        .where(
+            SchoolClass.module == module,
+            Membership.account_id == account_id,
+            Membership.status == Status.active,
+            Membership.role.in_(seats),
+        )
+    )

@@ -1,0 +1,144 @@
+"""May this account see that, do that? Every function works inside the caller's transaction.
+
+What does not concern somebody does not exist for them (NotFound); who is concerned and may not is told which right is
+missing (Forbidden).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import ColumnElement
+from sqlalchemy.orm import Session
+
+from server.base.errors import Forbidden, NotFound
+from server.classes import repository as classes
+from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.classes.service import UNKNOWN
+from server.identity.models import Account
+from server.rights import repository
+from server.rights.models import OF_MEMBERS, OF_PENDING, Right
+
+MISSING = "Il vous manque le droit de {right}."
+ONLY = {
+    Right.create: " Les enseignants l’ont : l’administrateur de ce serveur peut vous le donner.",
+    Right.open_to_all: " L’administrateur de ce serveur l’a ; un enseignant ouvre les corrigés à ses classes.",
+}
+OF_CLASS = " Dans la classe « {name} », {who}."
+WHO = {
+    frozenset({Seat.teacher}): "les enseignants l’ont",
+    frozenset({Seat.assistant, Seat.teacher}): "les enseignants et les assistants l’ont",
+    frozenset(Seat): "ses membres l’ont, une fois admis",
+}
+
+
+@dataclass(frozen=True)
+class Place:
+    """A class, as it stands to the account that asks: what it may do there."""
+
+    school_class: SchoolClass
+    membership: Membership | None
+    rights: frozenset[Right]
+
+    def may(self, right: Right) -> bool:
+        return right in self.rights
+
+
+def place_of(db: Session, account: Account, class_id: UUID | str) -> Place:
+    """Raises NotFound for a class that does not concern this account, or is none."""
+    identity = _parsed(class_id)
+    school_class = classes.by_id(db, identity)
+    if school_class is None:
+        raise NotFound(UNKNOWN)
+    membership = classes.membership(db, identity, account.id)
+    if membership is not None and membership.status == Status.left:
+        membership = None
+    if membership is None and not account.is_administrator:
+        raise NotFound(UNKNOWN)
+    return place(account, school_class, membership)
+
+
+def place(account: Account, school_class: SchoolClass, membership: Membership | None) -> Place:
+    """The same of what is known already: only an administrator has no membership."""
+    return Place(school_class, membership, _rights(account, membership))
+
+
+def require(db: Session, account: Account, right: Right, class_id: UUID | str) -> Place:
+    """Raises NotFound, or Forbidden, which names the right."""
+    place = place_of(db, account, class_id)
+    if not place.may(right):
+        raise Forbidden(_missing(right, place.school_class))
+    return place
+
+
+def may(db: Session, account: Account, right: Right, class_id: UUID | str) -> bool:
+    try:
+        return place_of(db, account, class_id).may(right)
+    except NotFound:
+        return False
+
+
+def require_on_server(account: Account, right: Right) -> None:
+    """For what is of no class. Raises Forbidden."""
+    if right not in on_server(account):
+        raise Forbidden(_missing(right))
+
+
+def on_server(account: Account) -> frozenset[Right]:
+    teacher = frozenset({Right.create}) if account.is_teacher else frozenset()
+    return teacher | (frozenset({Right.open_to_all}) if account.is_administrator else frozenset())
+
+
+def may_read_work(db: Session, account: Account | None, author: UUID, exercise: str, sent_at: datetime) -> bool:
+    """What one has sent oneself; what was sent by a student of a class where one teaches or helps, in its module,
+    before they left it or it was archived; for an administrator, everything."""
+    if account is None:
+        return False
+    if account.id == author or account.is_administrator:
+        return True
+    return repository.reads_work(db, account.id, author, module_of(exercise), sent_at)
+
+
+def teaching(account_id: UUID, module: str) -> ColumnElement[bool]:
+    """A condition: that one teaches or helps in a class of this module, which opens hints and solutions."""
+    return repository.teaching(account_id, module)
+
+
+def classes_to_open(db: Session, account: Account | None, exercise: str) -> Sequence[SchoolClass]:
+    """The classes to which this account may open the solution of an exercise."""
+    if account is None:
+        return []
+    if account.is_administrator:
+        return repository.classes_of_module(db, module_of(exercise))
+    return repository.classes_of_teacher(db, account.id, module_of(exercise))
+
+
+def module_of(exercise: str) -> str:
+    return exercise.partition("/")[0]
+
+
+def _rights(account: Account, membership: Membership | None) -> frozenset[Right]:
+    if account.is_administrator:
+        everything = frozenset(OF_MEMBERS)
+        return everything if membership is not None else everything - {Right.leave_class}
+    assert membership is not None
+    if membership.status == Status.pending:
+        return OF_PENDING
+    return frozenset(right for right, seats in OF_MEMBERS.items() if membership.role in seats)
+
+
+def _missing(right: Right, school_class: SchoolClass | None = None) -> str:
+    sentence = MISSING.format(right=right.value)
+    if school_class is None:
+        return sentence + ONLY[right]
+    return sentence + OF_CLASS.format(name=school_class.name, who=WHO[OF_MEMBERS[right]])
+
+
+def _parsed(class_id: UUID | str) -> UUID:
+    try:
+        return class_id if isinstance(class_id, UUID) else UUID(class_id)
+    except ValueError as error:
+        raise NotFound(UNKNOWN) from error

@@ -1,0 +1,194 @@
+"""Lists as schools give them: whatever writes them, they are read as the same people, at the same lines."""
+
+from __future__ import annotations
+
+import csv
+import io
+import zipfile
+from contextlib import suppress
+from xml.sax.saxutils import escape
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from server.base.errors import Invalid
+from server.classes import sheets
+from server.classes.codes import LETTERS, new_code, read_code, shown_code
+from server.classes.roster import COLUMNS, Line, read_roster
+from server.classes.sheets import Row, as_csv, read_rows
+
+LATIN = st.characters(codec="cp1252", categories=["Lu", "Ll", "Nd"], include_characters="-' ,;\"é")
+NAMES = st.text(LATIN, min_size=1, max_size=12).map(lambda text: " ".join(text.split())).filter(bool)
+PEOPLE = st.lists(st.tuples(NAMES, NAMES, st.sampled_from(["", "TP1", "TP1|SLAM"])), min_size=1, max_size=6)
+ENCODINGS = st.sampled_from(["utf-8", "utf-8-sig", "cp1252", "utf-16"])
+
+
+def written(people: list[tuple[str, str, str]], separator: str, end: str) -> str:
+    out = io.StringIO(newline="")
+    writer = csv.writer(out, delimiter=separator, lineterminator=end)
+    writer.writerow(["Nom", "Prénom", "Identifiant", "Groupe"])
+    writer.writerows(
+        (family, given_name, f"id-{place}", group) for place, (family, given_name, group) in enumerate(people)
+    )
+    return out.getvalue()
+
+
+@given(PEOPLE, ENCODINGS, st.sampled_from(";,\t"), st.sampled_from(["\n", "\r\n"]))
+def test_a_list_is_read_whatever_wrote_it(
+    people: list[tuple[str, str, str]], encoding: str, sep: str, end: str
+) -> None:
+    roster = read_roster(written(people, sep, end).encode(encoding))
+    assert roster.rejected == ()
+    assert roster.lines == tuple(
+        Line(place + 2, family, given_name, "", f"id-{place}", tuple(filter(None, group.split("|"))))
+        for place, (family, given_name, group) in enumerate(people)
+    )
+
+
+CELLS = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\x00"), max_size=8)
+ROWS = st.lists(st.lists(CELLS, min_size=1, max_size=4).map(tuple), max_size=5)
+
+
+@given(ROWS)
+def test_rows_carried_as_text_come_back_at_the_same_lines(cells: list[tuple[str, ...]]) -> None:
+    """From the preview to what is written."""
+    line, rows = 1, []
+    for one in cells:
+        line += 2  # blank lines between
+        if not Row(line, one).is_blank:
+            rows.append(Row(line, one))
+            line += sum(len(sheets.LINE_END.findall(cell)) for cell in one)
+    assert read_rows(as_csv(rows).encode()) == rows
+
+
+@given(st.binary(max_size=60))
+@settings(max_examples=60)
+def test_bytes_are_read_or_refused_in_a_sentence(content: bytes) -> None:
+    with suppress(Invalid):
+        roster = read_roster(b"nom;prenom\n" + content)
+        assert all(one.line >= 2 for one in (*roster.lines, *roster.rejected))
+
+
+@pytest.mark.parametrize(
+    ("row", "reason"),
+    [
+        (";;;;", None),
+        (";;a@example.org;;", "ni nom ni prénom"),
+        (f"{'x' * 101};;;;", "dépasse 100"),
+        ("A;B;pas une adresse;;", "adresse électronique"),
+        ("A;B;;avec espace;", "sans espace"),
+        (f"A;B;;;{'|'.join('abcdefghi')}", "8 groupes au plus"),
+        ("A;B;;;;de trop", "plus de cases"),
+        ("Premier;Un;;premier;", "même identifiant « premier » qu’à la ligne 2"),
+    ],
+)
+def test_what_is_wrong_with_a_line_is_told_with_it(row: str, reason: str | None) -> None:
+    roster = read_roster(f"{';'.join(COLUMNS)}\nPremier;Un;;premier;\n{row}\nDernier;Un;;;\n".encode())
+    assert [(one.line, reason in one.reason) for one in roster.rejected if reason] == ([(3, True)] if reason else [])
+    assert [line.family_name for line in roster.lines] == ["Premier", "Dernier"]
+
+
+@pytest.mark.parametrize("first", ["Lovelace;Ada", "email;identifiant", "nom;nom", "nom de famille;Last name"])
+def test_a_first_line_that_names_no_columns_is_refused(first: str) -> None:
+    with pytest.raises(Invalid):
+        read_roster(f"{first}\nA;B\n".encode())
+
+
+def xlsx(rows: list[list[str | int]]) -> bytes:
+    def cell(value: str | int) -> str:
+        inline = f'<c t="inlineStr"><is><t>{escape(str(value))}</t></is></c>'
+        return f"<c><v>{value}</v></c>" if isinstance(value, int) else inline
+
+    body = "".join(f'<row r="{place}">{"".join(map(cell, row))}</row>' for place, row in enumerate(rows, 1))
+    return workbook(f"<sheetData>{body}</sheetData>")
+
+
+def workbook(sheet: str) -> bytes:
+    main = 'xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"'
+    rels = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
+    packages = "http://schemas.openxmlformats.org/package/2006/relationships"
+    return zipped(
+        {
+            "_rels/.rels": f'<Relationships xmlns="{packages}"><Relationship Id="a" Type="{rels}/officeDocument" '
+            'Target="xl/workbook.xml"/></Relationships>',
+            "xl/workbook.xml": f'<workbook {main} xmlns:r="{rels}"><sheets><sheet name="A" sheetId="1" r:id="b"/>'
+            "</sheets></workbook>",
+            "xl/_rels/workbook.xml.rels": f'<Relationships xmlns="{packages}"><Relationship Id="b" '
+            f'Type="{rels}/worksheet" Target="worksheets/sheet1.xml"/></Relationships>',
+            "xl/worksheets/sheet1.xml": f"<worksheet {main}>{sheet}</worksheet>",
+        }
+    )
+
+
+def ods(rows: list[list[str | int]], repeated: int = 1) -> bytes:
+    office, table, words, manifest = (
+        f"urn:oasis:names:tc:opendocument:xmlns:{one}:1.0" for one in ("office", "table", "text", "manifest")
+    )
+    body = "".join(
+        "<table:table-row>"
+        + "".join(
+            f'<table:table-cell office:value-type="string"><text:p>{escape(str(value))}</text:p></table:table-cell>'
+            for value in row
+        )
+        + "</table:table-row>"
+        for row in rows
+    )
+    body += (
+        f'<table:table-row table:number-rows-repeated="{repeated}"><table:table-cell office:value-type="string" '
+        'table:number-columns-repeated="16384"><text:p>x</text:p></table:table-cell></table:table-row>'
+        if repeated > 1
+        else ""
+    )
+    return zipped(
+        {
+            "mimetype": "application/vnd.oasis.opendocument.spreadsheet",
+            "META-INF/manifest.xml": f'<m:manifest xmlns:m="{manifest}"/>',
+            "content.xml": f'<office:document-content xmlns:office="{office}" xmlns:table="{table}" '
+            f'xmlns:text="{words}"><office:body><office:spreadsheet><table:table table:name="A">{body}</table:table>'
+            "</office:spreadsheet></office:body></office:document-content>",
+        }
+    )
+
+
+def zipped(files: dict[str, str]) -> bytes:
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in files.items():
+            archive.writestr(name, text, zipfile.ZIP_STORED if name == "mimetype" else None)
+    return out.getvalue()
+
+
+SHEET: list[list[str | int]] = [["nom", "prénom", "identifiant"], ["Lovelace", "Ada", 12345], ["Turing", "Alan", "at"]]
+
+
+@pytest.mark.parametrize("write", [xlsx, ods])
+def test_spreadsheets_are_read(write) -> None:  # type: ignore[no-untyped-def]
+    roster = read_roster(write(SHEET))
+    assert [(one.line, one.name, one.login) for one in roster.lines] == [
+        (2, "Ada Lovelace", "12345"),
+        (3, "Alan Turing", "at"),
+    ]
+
+
+def test_a_spreadsheet_that_would_fill_the_memory_is_refused() -> None:
+    """Some hundred bytes that stand for billions of cells."""
+    far = '<sheetData><row r="1"><c r="A1"><v>1</v></c></row><row r="1048576"><c r="XFD1048576"><v>1</v></c></row>'
+    long = xlsx([["nom"], ["x" * 1_100_000]])
+    for content in (workbook(f"{far}</sheetData>"), ods(SHEET, repeated=1_000_000), long):
+        assert len(content) < 4000
+        with pytest.raises(Invalid):
+            read_roster(content)
+
+
+@given(st.lists(st.sampled_from(" -\t\u00a0"), min_size=9, max_size=9))
+def test_a_code_is_read_however_it_is_typed(between: list[str]) -> None:
+    code = new_code()
+    typed = "".join(sign + letter for sign, letter in zip(between, code.lower(), strict=False))
+    assert read_code(typed) == read_code(shown_code(code)) == code
+
+
+@pytest.mark.parametrize("text", ["", "BCDFGHJ", "BCDFGHJKL", "ABCDFGHJ", "BCDFGHJ0", "BCDF GHJÉ", "B" * 1000])
+def test_what_can_be_no_code_is_none(text: str) -> None:
+    assert read_code(text) is None
+    assert len(set(LETTERS)) == 20

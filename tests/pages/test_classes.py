@@ -1,0 +1,208 @@
+"""Pages of classes: made, joined from a phone, filled from a list, set up; passwords on slips."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+from uuid import UUID
+
+import pytest
+from starlette.testclient import TestClient
+
+from server.classes.models import Membership, SchoolClass, Seat
+from server.identity.models import Account, Role
+from server.rights.models import Right
+from tests.support.classes import person
+from tests.support.counting import Counted
+from tests.support.service import Site
+
+LIST = "nom;prenom;identifiant;groupe\nLovelace;Ada;ada;TP1\nTuring;Alan;alan;TP2\n"
+
+
+@pytest.fixture
+def martin(site: Site) -> TestClient:
+    return person(site, Role.teacher, "Mme Martin").browser(site)
+
+
+@pytest.fixture
+def href(martin: TestClient) -> str:
+    made = martin.post("/classes", data={"name": "MPSI <2>", "module": "l20"})
+    assert made.status_code == 303
+    return str(made.headers["location"])
+
+
+def text_of(browser: TestClient, path: str, status: int = 200) -> str:
+    answer = browser.get(path)
+    assert answer.status_code == status, answer.text
+    return str(answer.text)
+
+
+def code_of(browser: TestClient, href: str) -> str:
+    found = re.search(r"/rejoindre/([A-Z]{8})<", text_of(browser, href))
+    assert found
+    return found[1]
+
+
+def stored(site: Site, table: Any) -> list[Any]:
+    with site.database.read() as db:
+        return list(db.query(table).all())
+
+
+def test_a_class_is_made_by_a_teacher_alone(site: Site, martin: TestClient, href: str) -> None:
+    page = text_of(martin, href)
+    assert "MPSI &lt;2&gt;" in page
+    assert '<svg class="qr"' in page or "<svg" in page
+    assert "MPSI &lt;2&gt;" in text_of(martin, "/classes")
+    assert text_of(martin, f"{href}/code").count("<svg") == 1
+    ada = person(site).browser(site)
+    assert "Créer une classe" not in text_of(ada, "/classes")
+    refused = ada.post("/classes", data={"name": "x", "module": "l20"})
+    assert refused.status_code == 403
+    assert Right.create.value in refused.text
+    assert "un nom de 1 à 100" in martin.post("/classes", data={"name": " ", "module": "l20"}).text
+
+
+def test_a_visitor_joins_under_a_name_and_the_work_follows(site: Site, martin: TestClient, href: str) -> None:
+    site.client.post("/l20/exercices/poses/soumissions", data={"code": "x = 1"})
+    (guest,) = [one for one in stored(site, Account) if one.role == Role.guest]
+    code = code_of(martin, href)
+    typed = site.client.get("/rejoindre", params={"code": f" {code[:4].lower()} {code[4:]}"})
+    assert typed.headers["location"] == f"/rejoindre/{code[:4].lower()}{code[4:]}"
+    page = text_of(site.client, str(typed.headers["location"]))
+    assert "MPSI &lt;2&gt;" in page
+    assert "Mme Martin" in page
+    assert "votre prénom" in site.client.post(f"/rejoindre/{code}", data={"given": "", "family": "L"}).text
+    answer = site.client.post(f"/rejoindre/{code}", data={"given": "Ada", "family": "Lovelace"})
+    assert (answer.status_code, answer.headers["location"]) == (303, href)
+    assert "Qui y enseigne voit vos essais" in text_of(site.client, href)
+    students = text_of(martin, href)
+    assert "Ada Lovelace" in students
+    (sent,) = re.findall(r"/soumissions/[0-9a-f-]{36}", text_of(site.client, "/l20/exercices/poses/essais"))
+    assert text_of(martin, sent)
+    site.client.post("/inscription", data={"name": "Ada L.", "login": "ada", "password": "notes sur la machine"})
+    assert "Aller aux exercices" in text_of(site.client, href)
+    assert [one.account_id for one in stored(site, Membership) if one.role == Seat.student] == [guest.id]
+    assert site.client.post(f"{href}/quitter").headers["location"] == "/classes"
+    text_of(site.client, href, 404)
+    assert "1 personne est sortie" in text_of(martin, href)
+
+
+def test_a_visitor_who_has_no_good_code_becomes_nobody(site: Site, martin: TestClient, href: str) -> None:
+    before = len(stored(site, Account))
+    for path in ("/rejoindre/BCDFGHJK", "/rejoindre/zut"):
+        assert site.client.get(path).status_code == 404
+        assert site.client.post(path, data={"given": "A", "family": "B"}).status_code == 404
+    assert len(stored(site, Account)) == before
+    assert site.client.get(href).headers["location"] == f"/connexion?suite={href}"
+
+
+def test_a_list_is_shown_then_written(site: Site, martin: TestClient, href: str) -> None:
+    refused = martin.post(f"{href}/liste", data={"texte": "rien"})
+    assert (refused.status_code, "nommer les colonnes" in refused.text) == (422, True)
+    shown = martin.post(f"{href}/liste", files={"fichier": ("a.csv", LIST.encode("cp1252"))}).text
+    assert "2 ajouts" in shown
+    assert len(stored(site, Membership)) == 1
+    fields = fields_of(shown)
+    back = martin.post(f"{href}/liste", data={**fields, "reprendre": "oui"})
+    assert "Lovelace" in back.text
+    assert len(stored(site, Membership)) == 1
+    assert martin.post(f"{href}/liste", data=fields).headers["location"] == href
+    assert len(stored(site, Membership)) == 3
+    again = martin.post(f"{href}/liste", data=fields)
+    assert "La classe a changé entre-temps" in again.text
+    assert "Il n’y a rien à écrire" in again.text
+    assert "Alan Turing" not in text_of(martin, f"{href}?groupe=TP1").split('<h2 id="eleves">')[1]
+
+
+def fields_of(page: str) -> dict[str, str]:
+    from html import unescape
+
+    text = re.search(r'<textarea name="texte" hidden>\n(.*?)</textarea>', page, re.S)
+    digest = re.search(r'name="attendu" value="(\w+)"', page)
+    assert text
+    assert digest
+    return {"texte": unescape(text[1]), "attendu": digest[1]}
+
+
+def test_slips_lead_to_a_first_password(site: Site, martin: TestClient, href: str) -> None:
+    shown = martin.post(f"{href}/liste", data={"texte": LIST}).text
+    martin.post(f"{href}/liste", data=fields_of(shown))
+    slips = martin.post(f"{href}/acces")
+    assert slips.headers["cache-control"] == "private, no-store"
+    links = re.findall(r">http://testserver(/nouveau-mot-de-passe/[\w-]+)<", slips.text)
+    assert len(links) == 2
+    ada = TestClient(site.app, follow_redirects=False)
+    assert "ada" in text_of(ada, links[0])
+    assert ada.post(links[0], data={"login": "ada", "new_password": "notes sur la machine"}).status_code == 303
+    assert "Aller aux exercices" in text_of(ada, href)
+    assert text_of(ada, links[0], 404)
+    assert "1 bande" in martin.post(f"{href}/acces").text, "who has chosen one needs none"
+    assert martin.post(f"{href}/acces", data={"choix": "coches"}).status_code == 422
+
+
+def test_settings_change_the_class(site: Site, martin: TestClient, href: str) -> None:
+    code = code_of(martin, href)
+    with site.database.write() as db:
+        db.add(Account(role=Role.student, name="Bob", login="bob"))
+    martin.post(f"{href}/reglages", data={"name": "PSI", "approbation": "oui"})
+    martin.post(f"{href}/code", data={"action": "renouveler", "duree": "jour"})
+    assert site.client.get(f"/rejoindre/{code}").status_code == 404
+    code = code_of(martin, href)
+    assert "accepter votre demande" in text_of(site.client, f"/rejoindre/{code}")
+    site.client.post(f"/rejoindre/{code}", data={"given": "Ada", "family": "Lovelace"})
+    assert "attend l’accord" in text_of(site.client, href)
+    waiting = text_of(martin, href)
+    assert "1 demande" in waiting
+    (asked,) = re.findall(r'name="eleve" value="([\w-]+)" checked', waiting)
+    martin.post(f"{href}/eleves", data={"action": "accepter", "eleve": asked})
+    assert "Aller aux exercices" in text_of(site.client, href)
+    martin.post(f"{href}/eleves", data={"action": "grouper", "eleve": asked, "groupe": "TP1"})
+    assert "TP1" in text_of(site.client, href)
+    assert martin.post(f"{href}/eleves", data={"action": "retirer"}).status_code == 422
+    assert martin.post(f"{href}/equipe", data={"login": "bob", "role": "assistant"}).status_code == 303
+    assert martin.post(f"{href}/equipe", data={"login": "nobody", "role": "assistant"}).status_code == 404
+    assert "Bob (assistant)" in text_of(site.client, href)
+    copied = martin.post(f"{href}/copier", data={"name": "PSI 2027"})
+    assert copied.status_code == 303
+    martin.post(f"{href}/archiver", data={"archiver": "true"})
+    assert "Classes archivées (1)" in text_of(martin, "/classes")
+    assert martin.get(f"{href}/liste").status_code == 409
+    martin.post(f"{href}/archiver", data={"archiver": "false"})
+    assert [one.archived_at for one in stored(site, SchoolClass)] == [None, None]
+
+
+def test_a_solution_is_opened_to_a_class(site: Site, martin: TestClient, href: str) -> None:
+    page = "/l20/exercices/poses"
+    code = code_of(martin, href)
+    other = TestClient(site.app, follow_redirects=False)
+    for browser in (site.client, other):
+        browser.post(f"{page}/soumissions", data={"code": "x = 1"})
+    site.client.post(f"/rejoindre/{code}", data={"given": "Ada", "family": "Lovelace"})
+    shown = text_of(martin, page)
+    assert "Ouvrir le corrigé à la classe « MPSI &lt;2&gt; »" in shown
+    assert "à tous les élèves" not in shown
+    class_id = href.rpartition("/")[2]
+    assert martin.post(f"{page}/corrige", data={"ouvrir": "true"}).status_code == 403
+    assert martin.post(f"{page}/corrige", data={"ouvrir": "true", "classe": class_id}).status_code == 303
+    assert "Ouvert à votre classe par l’enseignant." in text_of(site.client, page)
+    assert "Corrigé commenté" not in text_of(other, page)
+    martin.post(f"{page}/corrige", data={"ouvrir": "false", "classe": class_id})
+    assert "Corrigé commenté" not in text_of(site.client, page)
+
+
+def test_a_class_asks_no_more_for_more_students(site: Site, martin: TestClient, href: str) -> None:
+    def statements() -> int:
+        with Counted(site.database) as counted:
+            text_of(martin, href)
+        return len(counted.statements)
+
+    text_of(martin, href)
+    few = statements()
+    with site.database.write() as db:
+        for number in range(40):
+            account = Account(role=Role.student, name=f"Ada {number}")
+            db.add(account)
+            db.flush()
+            db.add(Membership(class_id=UUID(href.rpartition("/")[2]), account_id=account.id))
+    assert statements() == few <= 6
+    assert "40 élèves" in text_of(martin, href)

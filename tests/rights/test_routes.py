@@ -1,0 +1,177 @@
+"""The table in `server/rights/README.md` has every route of the application, and tells what each does."""
+
+from __future__ import annotations
+
+import re
+from datetime import timedelta
+from typing import Any
+from uuid import UUID, uuid4
+
+from fastapi import FastAPI
+from fastapi.routing import iter_route_contexts
+
+from graders.core.contract.findings import Judgement
+from server.base.paths import ROOT
+from server.base.provided import provided_to
+from server.base.request import COOKIE
+from server.classes.codes import new_code
+from server.classes.models import Membership, SchoolClass, Seat
+from server.database import utc_now
+from server.figures.service import Figures
+from server.gradebook import service as gradebook
+from server.gradebook.schemas import Graded
+from server.identity import links
+from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
+from server.identity.secrets import digest, new_token
+from server.submissions.models import Submission
+from tests.support.service import EXERCISE, Site, fake_verdict
+
+TABLE = (ROOT / "server" / "rights" / "README.md").read_text(encoding="utf-8").split("## Routes")[1]
+PEOPLE = ("visitor", "stranger", "student", "assistant", "teacher", "other teacher", "administrator")
+ROLES = {"teacher": Role.teacher, "other teacher": Role.teacher, "administrator": Role.administrator}
+SEATS = {"student": Seat.student, "assistant": Seat.assistant, "teacher": Seat.teacher}
+API = "/api/v1"
+LEADS_TO_LOG_IN = "log in"
+REFUSED = (401, 403, 404)
+
+#: What a route needs to be reached: else its form is refused before anybody's rights are asked.
+JSON: dict[str, Any] = {
+    "POST /api/v1/submissions": {"exercise": EXERCISE, "code": "x = 1\n"},
+    "POST /api/v1/classes": {"name": "PSI", "module": "l20"},
+    "POST /api/v1/classes/join": {"code": "{code}"},
+}
+FORMS: dict[str, dict[str, str]] = {
+    "POST /{module}/exercices/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
+    "POST /classes": {"name": "PSI", "module": "l20"},
+    "POST /classes/{class_id}/eleves": {"action": "retirer", "eleve": "{student}"},
+    "POST /classes/{class_id}/liste": {"texte": "nom\nLovelace"},
+    "POST /classes/{class_id}/reglages": {"name": "PSI"},
+    "POST /classes/{class_id}/equipe": {"login": "{stranger}", "role": "assistant"},
+    "POST /classes/{class_id}/copier": {"name": "PSI"},
+    "POST /classes/{class_id}/archiver": {"archiver": "true"},
+    "POST /rejoindre/{code}": {"given": "Ada", "family": "Lovelace"},
+}
+OTHER_VALUES = {
+    "GET /{module}/kit/{name}.py": {"name": "l20"},
+    "GET /static/{version}/{name:path}": {"version": "source", "name": "img/favicon.svg"},
+    "GET /{module}/lire/{slug}": {"slug": "localiser"},
+    "GET /{module}/figures/{name}.svg": {"name": "carto-sigmoide"},
+    "GET /{module}/rejeux/{name}": {"name": "lidar"},
+    "GET /bienvenue/{token}": {"token": "{invitation}"},
+    "POST /bienvenue/{token}": {"token": "{invitation}"},
+}
+
+
+def routes(app: FastAPI) -> set[str]:
+    """Method and path of each, as the table names them."""
+    found = [(route.path, route.methods or set()) for route in iter_route_contexts(app.routes)]
+    return {f"{method} {path}".replace(":module}", "}") for path, methods in found for method in methods - {"HEAD"}}
+
+
+def expected() -> dict[str, dict[str, str]]:
+    lines = [line for line in TABLE.splitlines() if line.startswith("| `")]
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    return {name.strip("`"): dict(zip(PEOPLE, outcomes, strict=True)) for name, *outcomes in cells}
+
+
+class Drawer:
+    """Draws nothing."""
+
+    async def ask(self, _question: bytes) -> bytes:
+        return b"<svg/>"
+
+    async def close(self) -> None: ...
+
+
+class Stage:
+    """A class with somebody of each kind, and what a student of it has sent."""
+
+    def __init__(self, site: Site) -> None:
+        self.site = site
+        tag = uuid4().hex[:8]
+        self.accounts = {
+            who: Account(role=ROLES.get(who, Role.student), name=who, login=f"{who}-{tag}".replace(" ", "-"))
+            for who in PEOPLE[1:]
+        }
+        self.tokens: dict[str, str] = {}
+        self.own_tokens: dict[str, str] = {}
+        self.cookies = {who: new_token() for who in self.accounts}
+        with site.database.write() as db:
+            db.add_all(self.accounts.values())
+            db.flush()
+            later = utc_now().replace(year=2100)
+            self.made = SchoolClass(name="MPSI", module="l20", join_code=new_code(), join_code_until=later)
+            db.add(self.made)
+            db.flush()
+            for who, account in self.accounts.items():
+                self.tokens[who], self.own_tokens[who] = new_token(), str(uuid4())
+                token = {"id": UUID(self.own_tokens[who]), "token_digest": digest(self.tokens[who])}
+                db.add(ApiToken(**token, account_id=account.id, label="essai", expires_at=later))
+                cookie = digest(self.cookies[who])
+                db.add(BrowserSession(token_digest=cookie, account_id=account.id, expires_at=later))
+                if who in SEATS:
+                    db.add(Membership(class_id=self.made.id, account_id=account.id, role=SEATS[who]))
+            self.sent = Submission(
+                account_id=self.accounts["student"].id, exercise=EXERCISE, source=b"x = 1\n", digest="d", seed=1
+            )
+            db.add(self.sent)
+            self.link = links.link_of(db, self.accounts["stranger"], timedelta(hours=1))
+            self.invitation = new_token()
+            db.add(Invitation(token_digest=digest(self.invitation), role=Role.teacher))
+            db.flush()
+            graded = Graded(Judgement(fake_verdict("x = 1", 1), {"b": {"kind": "fake"}}), utc_now())
+            gradebook.record(db, self.sent.id, graded)  # a stream of events ends
+
+    def values(self, who: str) -> dict[str, str]:
+        return {
+            "module": "l20",
+            "slug": "poses",
+            "name": "b",
+            "class_id": str(self.made.id),
+            "code": str(self.made.join_code),
+            "submission_id": str(self.sent.id),
+            "token": self.link,
+            "invitation": self.invitation,
+            "student": str(self.accounts["student"].id),
+            "stranger": str(self.accounts["stranger"].login),
+            "token_id": self.own_tokens.get(who, str(uuid4())),
+        }
+
+    def ask(self, name: str, who: str) -> str:
+        """What the route answers to this person, in the words of the table."""
+        method, path = name.split(" ", 1)
+        values = self.values(who)
+        values |= {key: text.format(**values) for key, text in OTHER_VALUES.get(name, {}).items()}
+        address = re.sub(r"\{(\w+)(?::\w+)?\}", lambda found: values[found[1]], path)
+        options: dict[str, Any] = {}
+        if name in JSON:
+            options["json"] = {key: text.format(**values) for key, text in JSON[name].items()}
+        if name in FORMS:
+            options["data"] = {key: text.format(**values) for key, text in FORMS[name].items()}
+        if name.endswith("/roster"):
+            options |= {"content": b"nom\nLovelace\n", "headers": {"Content-Type": "text/csv"}}
+        headers = options.pop("headers", {})
+        if who in self.accounts and path.startswith(API):
+            headers["Authorization"] = f"Bearer {self.tokens[who]}"
+        elif who in self.accounts:
+            headers["Cookie"] = f"{COOKIE}={self.cookies[who]}"
+        self.site.client.cookies.clear()
+        answer = self.site.client.request(method, address, headers=headers, **options)
+        assert answer.status_code < 500, (name, who, answer.text)
+        if answer.headers.get("location", "").startswith("/connexion?suite="):
+            return LEADS_TO_LOG_IN
+        return str(answer.status_code) if answer.status_code in REFUSED else "yes"
+
+
+def test_the_table_has_every_route_and_no_other(site: Site) -> None:
+    assert list(expected()) == sorted(routes(site.app), key=lambda one: one.split(" ")[::-1])
+
+
+def test_every_route_does_for_everybody_what_the_table_says(site: Site) -> None:
+    site.tighten(sign_up_burst=1000, guest_burst=10_000)
+    provided_to(site.app, Figures).pictures._drawer = Drawer()  # type: ignore[assignment]
+    found = {}
+    for name in expected():
+        stage = Stage(site)
+        found[name] = {who: stage.ask(name, who) for who in PEOPLE}
+    assert found == expected()

@@ -1,0 +1,58 @@
+"""A class on a site: who is in it, each with the headers of an API token."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+from uuid import UUID
+
+from starlette.testclient import TestClient
+
+from server.base.request import COOKIE
+from server.classes import service
+from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.database import Database
+from server.identity import tokens
+from server.identity.models import Account, BrowserSession, Role
+from server.identity.secrets import digest, new_token
+from tests.support.service import Site, new_account
+
+
+def new_class(database: Database, teacher: Account, name: str = "MPSI 2") -> SchoolClass:
+    with database.write() as db:
+        return service.create(db, teacher, name, "l20")
+
+
+def seat(database: Database, made: SchoolClass, account: Account, as_: Seat = Seat.student, **values: Any) -> Account:
+    """Has the account be in the class."""
+    with database.write() as db:
+        row = {"status": Status.active, "left_at": None, **values}
+        db.merge(Membership(class_id=made.id, account_id=account.id, role=as_, **row))
+    return account
+
+
+@dataclass(frozen=True)
+class Person:
+    """An account, with what it shows to the API and to the pages."""
+
+    account: Account
+    headers: dict[str, str]
+    cookies: dict[str, str]
+
+    @property
+    def id(self) -> UUID:
+        return self.account.id
+
+    def browser(self, site: Site) -> TestClient:
+        """This person's own, without following redirections."""
+        return TestClient(site.app, cookies=self.cookies, follow_redirects=False)
+
+
+def person(site: Site, role: Role = Role.student, name: str = "Ada", account: Account | None = None) -> Person:
+    account = account or new_account(site.database, role, name)
+    cookie = new_token()
+    with site.database.write() as db:
+        _, secret = tokens.create(db, account, "essai", site.settings)
+        ends = service.utc_now().replace(year=2100)
+        db.add(BrowserSession(token_digest=digest(cookie), account_id=account.id, expires_at=ends))
+    return Person(account, {"Authorization": f"Bearer {secret}"}, {COOKIE: cookie})
