@@ -34,6 +34,7 @@ EXERCISE = "/l20/exercices/poses"
 class Server:
     address: str
     teacher_link: str
+    data: str
 
 
 @pytest.fixture(scope="session")
@@ -52,7 +53,7 @@ def _serving(data: Path) -> Iterator[str]:
     process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=log, stderr=subprocess.STDOUT)
     try:
         server = _wait_for(process, data / "log.txt")
-        yield f"{server.address} {server.teacher_link}"
+        yield f"{server.address} {server.teacher_link} {server.data}"
     finally:
         process.terminate()
         process.wait(20)
@@ -66,7 +67,7 @@ def _wait_for(process: subprocess.Popen[bytes], log: Path) -> Server:
         address = re.search(r"http://[\w.\[\]:]+", text)
         link = re.search(r"http://\S+/bienvenue/\S+", text)
         if address and link and "Ctrl+C" in text:
-            return Server(address[0], link[0])
+            return Server(address[0], link[0], str(log.parent))
         time.sleep(0.05)
     pytest.fail(f"the server did not start:\n{log.read_text(encoding='utf-8')}")
 

@@ -1,0 +1,104 @@
+"""A class in its first five minutes: made, projected, joined from a phone, filled from a list, its slips printed."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from server.cli import main
+from tests.browser.conftest import NewVisit, Visit, sync_api
+from tests.browser.test_accessibility import check
+
+expect = sync_api.expect
+LIST = "nom;prenom;email;groupe\nLovelace;Ada;;TP1\nTuring;Alan;;TP2\nMauvais;Un;zut;\n"
+
+
+def fill(visitor: Visit, fields: dict[str, str], button: str) -> None:
+    for label, text in fields.items():
+        visitor.page.get_by_label(label, exact=True).fill(text)
+    visitor.page.locator("main").get_by_role("button", name=button).click()
+
+
+def teacher(visit: NewVisit, login: str) -> Visit:
+    """Somebody who has an account, made a teacher's on the command line."""
+    visitor = visit(expected="422")
+    visitor.page.goto(visitor.server.address + "/inscription")
+    secret = "une phrase assez longue"
+    fields = {"Nom affiché": "Mme Martin", "Identifiant ou adresse électronique": login, "Mot de passe": secret}
+    fill(visitor, fields, "Créer le compte")
+    assert main(["admin", "role", login, "teacher", "--data", visitor.server.data]) == 0
+    return visitor
+
+
+@pytest.mark.slow
+def test_a_class_in_five_minutes(visit: NewVisit) -> None:
+    martin = teacher(visit, "martin-classe")
+    page = martin.page
+    page.goto(martin.server.address + "/classes")
+    check(martin, "classes")
+    fill(martin, {"Nom de la classe": "MPSI 2"}, "Créer la classe")
+    expect(page.get_by_role("heading", level=1)).to_have_text("MPSI 2")
+    home, code = page.url, page.locator(".join-code").inner_text()
+    assert re.fullmatch(r"[A-Z]{4}-[A-Z]{4}", code)
+    check(martin, "an empty class")
+
+    page.get_by_role("link", name="Projeter le code").click()
+    expect(page.locator(".join-code")).to_have_text(code)
+    check(martin, "the wall")
+
+    ada = visit(width=390, height=844)
+    ada.page.goto(ada.server.address + "/classes")
+    fill(ada, {"Code de la classe": code.lower()}, "Continuer")
+    check(ada, "joining")
+    fill(ada, {"Prénom": "Ada", "Nom": "Lovelace"}, "Rejoindre la classe")
+    expect(ada.page.get_by_role("link", name="Aller aux exercices")).to_be_visible()
+    check(ada, "a member's class")
+
+    list_and_slips(martin, visit, home)
+    at_the_door(martin, visit, home, code)
+
+
+def list_and_slips(martin: Visit, visit: NewVisit, home: str) -> None:
+    page = martin.page
+    page.goto(f"{home}/liste")
+    check(martin, "the list's form")
+    page.get_by_label("Collez la liste").fill(LIST)
+    page.get_by_role("button", name="Voir ce qui changerait").click()
+    expect(page.locator(".lead")).to_contain_text("1 ajout, 1 changement, 0 sortie")
+    check(martin, "the preview")
+    page.get_by_role("button", name="Écrire ces changements").click()
+    expect(page.get_by_role("heading", name="2 élèves")).to_be_visible()
+    check(martin, "a class")
+    page.get_by_role("link", name="TP1").click()
+    expect(page.get_by_role("checkbox")).to_have_count(1)
+    page.get_by_role("checkbox", name="Choisir Ada Lovelace").check()
+    page.get_by_label("Groupe", exact=True).fill("SLAM")
+    page.get_by_role("button", name="Y mettre").click()
+    expect(page.get_by_role("link", name="SLAM (1)")).to_be_visible()
+
+    page.get_by_role("button", name="Préparer les bandes").click()
+    expect(page.locator(".slip")).to_have_count(1)
+    check(martin, "slips")
+    link = page.locator(".slip-link").inner_text()
+    alan = visit()
+    alan.page.goto(link)
+    fill(alan, {"Nouveau mot de passe": "encore une phrase longue"}, "")
+    alan.page.goto(home)
+    expect(alan.page.get_by_role("link", name="Aller aux exercices")).to_be_visible()
+
+
+def at_the_door(martin: Visit, visit: NewVisit, home: str, code: str) -> None:
+    page = martin.page
+    page.goto(f"{home}/reglages")
+    check(martin, "settings")
+    page.get_by_label("J’accepte chaque entrée").check()
+    page.get_by_role("button", name="Enregistrer").click()
+    bob = visit()
+    bob.page.goto(f"{bob.server.address}/rejoindre/{code}")
+    fill(bob, {"Prénom": "Bob", "Nom": "Noyce"}, "Demander à entrer")
+    expect(bob.page.locator(".notice")).to_contain_text("attend l’accord")
+    page.goto(home)
+    check(martin, "a class with somebody at its door")
+    page.get_by_role("button", name="Accepter").click()
+    expect(page.get_by_role("heading", name="3 élèves")).to_be_visible()
