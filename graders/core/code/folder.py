@@ -25,7 +25,7 @@ class Misconception:
 
     Several may share an id: the same mistake leaves other outputs in code that, say, forgets to wrap angles besides.
     `line` is its place in the catalogue; `whole` says that its source is no edit of the model, `edited` that it
-    is made by edits too.
+    is made by edits too, `ruled` that a rule of the probes alone knows it: its outputs in the checks say too little.
     """
 
     id: str
@@ -37,6 +37,7 @@ class Misconception:
     line: int = 1
     whole: bool = True
     edited: bool = False
+    ruled: bool = False
 
 
 @dataclass(frozen=True)
@@ -98,6 +99,7 @@ def _misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: st
             line=line,
             whole=whole,
             edited=bool(entry.get("edits")),
+            ruled=bool(entry.get("ruled")),
         )
 
 

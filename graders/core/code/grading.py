@@ -92,7 +92,7 @@ class CodeGrader:
         asked = [function for function in self.functions if function in blamed]
         alone = {check.functions[0] for check, _ in pairs if len(check.functions) == 1}
         ids, last = self.prober.recognise(runner, asked, alone) if self.prober else ((), ())
-        ids = (*ids, *self._reenacted(ids, blamed, runner.observations, kit, seed)) or last
+        ids = (*ids, *self._reenacted(ids, alone if ids else blamed, runner.observations, kit, seed)) or last
         if ids:
             touched = {TOUCHED} & {finding.slip for _, finding in pairs} - set(ids)
             return combined((*ids, *touched), self.misconceptions)
@@ -112,7 +112,7 @@ class CodeGrader:
         edit."""
         told = {function for m in self.misconceptions if m.id in found for function in m.functions}
         left = set() if set(found) & SLIPS.keys() else set(blamed) - told
-        others = [m for m in self.misconceptions if not m.edited and left & set(m.functions)]
+        others = [m for m in self.misconceptions if not (m.edited or m.ruled) and left & set(m.functions)]
         named = diagnose(observations, others, partial(self.reenactor.reenact, checks=self.checks, kit=kit, seed=seed))
         return [named.id] if named else []
 

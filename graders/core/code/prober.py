@@ -15,7 +15,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from types import CodeType
 from typing import Any
@@ -37,8 +37,9 @@ MOST_TOGETHER = 1500
 #: In how many of its ways each mistake is tried beside another.
 USUAL_WAYS = 2
 MOST_EXTENDED = 20
-#: The slip of a function that answers the same input otherwise the second time.
-MEMORY = "memoire"
+#: The slips of a function that answers the same input otherwise the second time: by what it keeps, or by chance.
+MEMORY, CHANCE = "memoire", "hasard"
+OTHER_SEED = 1
 #: Seconds that all the probes may take a program: one that is slower is not named by them.
 LONGEST = 2.0
 
@@ -80,12 +81,35 @@ class Prober:
         found: list[str] = []
         last: list[str] = []
         for index, answers in self._asked(runner, functions, alone):
+            unlike = self._unlike(runner, index, answers)
+            if unlike is not None:
+                found += [one for one in (unlike,) if one not in found]
+                continue
             with self._lock:
                 names = self._explained(index, answers, found, functions)
                 found += [one for one in names if one not in found]
                 if not names:
                     last += self._last(index, answers)
         return tuple(found), tuple(last)
+
+    def _unlike(self, runner: Runner, index: int, answers: list[Seen]) -> str | None:
+        """Why the last answer, to the first call made once more, is not the first one; None when it is.
+
+        The program is launched once more, with another seed: what it keeps is then the same, what it draws is not.
+        """
+        probes, again = self.probes[index], answers.pop()
+        if probes.random or same_seen(again, answers[0]):
+            return None
+        kit = replace(probes.kit, parameters={**probes.kit.parameters, "seed": OTHER_SEED})
+        try:
+            with runner.other(kit) as program:
+                others = list(_answered(runner, program, probes, time.monotonic() + LONGEST))
+        except StudentFault:
+            return None
+        if len(others) <= len(answers):
+            return None
+        same = all(same_seen(one, other) for one, other in zip((*answers, again), others, strict=True))
+        return MEMORY if same else CHANCE
 
     def _last(self, index: int, answers: Sequence[Seen]) -> Sequence[str]:
         probes = self.probes[index]
@@ -115,9 +139,6 @@ class Prober:
         self, index: int, answers: list[Seen], known: Sequence[str], blamed: Collection[str]
     ) -> Sequence[str]:
         probes = self.probes[index]
-        again = answers.pop()
-        if not probes.random and not same_seen(again, answers[0]):
-            return [MEMORY]
         right = self._right(index, answers)
         if right is None:
             return ()

@@ -90,6 +90,14 @@ SLIPS = {
             "Quelle variable de votre code existe encore quand la fonction est finie ?",
         ),
         Slip(
+            "hasard",
+            "Un résultat tiré au hasard",
+            "Avec les mêmes arguments, votre fonction ne renvoie pas deux fois la même chose, et le même fichier "
+            "relancé donne encore autre chose : il y entre un nombre aléatoire. Ici le résultat ne dépend que des "
+            "arguments.",
+            "Quelle ligne de votre code tire un nombre au hasard, ou ajoute un bruit ?",
+        ),
+        Slip(
             "entiers",
             "Des nombres tronqués à des entiers",
             "Vos valeurs sont les bonnes, mais sans leur partie décimale : un tableau créé avec des entiers, comme "

@@ -37,19 +37,33 @@ LOOKED: tuple[Arguments, ...] = (
     (_walk(LONG[:14]), 4, HUGE),
     (_walk(LONG[:14]), 0, HUGE),
     (_walk("C" + LONG[1:]), 23, TINY),
+    (_walk("C" + LONG[1:]), 23, HUGE),
 )
 TURNED: tuple[Arguments, ...] = ((_walk("aBCaBBCAaBCBaCBBaCaBCAbA".replace("b", "B")), 23, TINY),)
 
 RAISED = RAMP.copy()
 RAISED[17] += 0.6
+
+
+def _with(ray: int, distance: float) -> Floats:
+    """The ramp, one ray of which is another one."""
+    return np.where(np.arange(36) == ray, distance, RAMP)
+
+
+ENDS: dict[int, tuple[Floats, ...]] = {
+    0: (_with(0, 0.5), _with(0, 5.3), _with(0, 20.0), np.concatenate([RAMP[:1], np.roll(RAMP[1:], 9)])),
+    35: (_with(35, 0.5), _with(35, 5.3), _with(35, 20.0), np.concatenate([np.roll(RAMP[:-1], 9), RAMP[-1:]])),
+}
+"""By the ray at an end of the scan: scans that are the same to a signature that overlooks it, and forgets the order."""
 SIGNED: tuple[Arguments, ...] = tuple(
     (scan,)
     for scan in (
         RAMP, np.roll(RAMP, 1), np.roll(RAMP, 9), BOWL, TIES, *(np.roll(TIES, k) for k in TIED_SHIFTS), RAISED,
-        *(np.where(np.arange(36) == k, 20.0, RAMP) for k in (0, 17, 35)),
+        _with(17, 20.0), *ENDS[0], *ENDS[35],
     )
 )  # fmt: skip
-SAME, TIED, CHANGED = (0, 1, 2), (4, 5, 6, 7), (9, 10, 11)
+SAME, TIED, MIDDLE = (0, 1, 2), (4, 5, 6, 7), 9
+AT_END = {0: range(10, 14), 35: range(14, 18)}
 
 
 def read_found(args: Arguments, value: Value) -> Value:
@@ -108,12 +122,60 @@ def single_number(shown: Shown) -> str | None:
 
 
 def one_ray_forgotten(shown: Shown) -> str | None:
-    """Not the same for all shifts; and one ray at an end of the scan does not count, when another one does."""
+    """The ray at an end of the scan never counts, whatever it measures; the 35 others do, wherever they start from."""
     found = _signatures(shown)
-    if found is None or _invariant(found) or found[0].size < 2:
+    if found is None or _invariant(found) or found[0].size < 2 or _equal(found[0], found[MIDDLE]):
         return None
-    blind = [_equal(found[0], found[k]) for k in CHANGED]
-    return "rayon_oublie" if (blind[0] or blind[2]) and not blind[1] else None
+    blind = [all(_equal(found[0], found[k]) for k in places) for places in AT_END.values()]
+    return "rayon_oublie" if blind.count(True) == 1 else None
+
+
+def single_ray(shown: Shown) -> str | None:
+    """One number: what one ray measures, always the same ray."""
+    found = _signatures(shown)
+    if found is None or found[0].size != 1:
+        return None
+    scans = np.array([args[0] for args in shown.calls])
+    same = np.all(np.abs(scans - np.array(found)) < 1e-9, axis=0)
+    return "premier_rayon" if np.any(same) else None
+
+
+def keeps_the_order(shown: Shown) -> str | None:
+    """Thirty-six numbers, which a shift of the scan shifts as much."""
+    found = _signatures(shown)
+    if found is None or _invariant(found) or found[0].size != len(RAMP):
+        return None
+    return "scan_brut" if all(_equal(np.roll(found[0], k), found[n]) for n, k in ((1, 1), (2, 9))) else None
+
+
+def fourier_without_modulus(shown: Shown) -> str | None:
+    """The coefficients of Fourier themselves, their real parts or their arguments: all, or some that follow."""
+    found = _signatures(shown)
+    if found is None or _invariant(found):
+        return None
+    got, spectra = np.array(found), np.fft.fft(np.array([args[0] for args in shown.calls]), axis=1)
+    complex_ = any(one[0] for one in shown.got)
+    size = got.shape[1] // 2 if complex_ else got.shape[1]
+    for first in range(3 if 2 <= size <= len(RAMP) else 0):
+        part = spectra[:, first : first + size]
+        if complex_:
+            if _proportional(got, np.hstack([part.real, part.imag])):
+                return "fft_sans_module"
+        elif part.shape != got.shape:
+            continue
+        elif _proportional(got, part.real) or _proportional(got, np.abs(part.real)):
+            return "partie_reelle"
+        elif np.allclose(np.exp(1j * got), np.exp(1j * np.angle(part)), atol=1e-6):
+            return "phase_de_fourier"
+    return None
+
+
+def _proportional(got: Floats, known: Floats) -> bool:
+    """Is it always the same number of times the other?"""
+    if got.shape != known.shape:
+        return False
+    times = float(np.sum(got * known) / np.sum(known**2))
+    return times != 0.0 and bool(np.allclose(got, times * known, atol=1e-7 * float(np.max(np.abs(got)))))
 
 
 def same_for_all(shown: Shown) -> str | None:
@@ -143,27 +205,31 @@ def unsorted(shown: Shown) -> str | None:
 
 
 def more_with_less(shown: Shown) -> str | None:
-    """A huge threshold finds nothing, a tiny one finds other places."""
-    tiny, huge = _indices(shown.got[0]), _indices(shown.got[1])
-    return "comparaison_a_l_envers" if tiny and huge == [] else None
+    """A huge threshold finds nothing, a tiny one other places and no other thing."""
+    tiny, huge, same = _indices(shown.got[0]), _indices(shown.got[1]), _indices(shown.right[0])
+    return "comparaison_a_l_envers" if tiny and huge == [] and not set(tiny) & set(same or ()) else None
 
 
 def threshold_unused(shown: Shown) -> str | None:
-    """What a tiny and a huge threshold find is the same, and something."""
+    """What a tiny and a huge threshold find is the same: some scans, and more than one."""
     tiny, huge = _indices(shown.got[0]), _indices(shown.got[1])
-    return "seuil_ignore" if tiny is not None and tiny == huge and 0 < len(tiny) < 14 else None
+    return "seuil_ignore" if tiny is not None and tiny == huge and 1 < len(tiny) < 14 else None
 
 
 def breaks_off(shown: Shown) -> str | None:
-    """Only the first ones of what is right, whenever something in between is not to be found."""
+    """What is right until the first scan that is not to be found, or the first after one that is; no more."""
     pairs = [(_indices(one), _indices(other)) for one, other in zip(shown.got, shown.right, strict=True)]
-    short = [one is not None and other is not None and one == other[: len(one)] for one, other in pairs]
-    missing = [one is not None and other is not None and len(one) < len(other) for one, other in pairs]
-    return (
-        "boucle_interrompue"
-        if all(short) and any(missing) and _indices(shown.got[1]) == _indices(shown.right[1])
-        else None
-    )
+    known = [(one, other) for one, other in pairs if one is not None and other is not None]
+    if len(known) < len(pairs) or all(one == other for one, other in known):
+        return None
+    before = all(one == _run(other, 0) for one, other in known)
+    after = all(one == _run(other, other[0] if other else 0) for one, other in known)
+    return "boucle_interrompue" if before or after else None
+
+
+def _run(indices: list[int], start: int) -> list[int]:
+    """Those that follow one another from `start` on."""
+    return [j for k, j in enumerate(indices) if j == start + k]
 
 
 def window_only(shown: Shown) -> str | None:
@@ -201,7 +267,7 @@ PROBES = (
         kit=world.STILL,
         read=read_signed,
         compared=0,
-        rules=(starts_at_an_extreme, single_number, same_for_all),
+        rules=(starts_at_an_extreme, single_number, same_for_all, single_ray, keeps_the_order, fourier_without_modulus),
         last_rules=(one_ray_forgotten, follows_the_heading),
     ),
     Probes(

@@ -33,6 +33,8 @@ OTHER_MIRRORS = (
     (FLAT - 2.0 * SHAKE, (FLAT * (-1.0, 1.0)) @ rotation(-1.0).T + (5.0, 1.0)),
     (SOLID + FAR, -SOLID @ TURN.T),
 )
+BEYOND_FLAT = (FLAT, FLAT @ rotation(2.4).T + (1.0, 2.0))
+BEYOND_NOISY = (FLAT, FLAT @ rotation(-2.0).T + SHAKE - (2.0, 0.5))
 POOR: tuple[tuple[Floats, Floats], ...] = (
     (points((2, 1)), points((4, -3))),
     (points((1, 2), (1, 2), (1, 2)), points((3, 1), (3, 1), (3, 1))),
@@ -42,10 +44,12 @@ POOR: tuple[tuple[Floats, Floats], ...] = (
 )
 
 CALLS: tuple[Arguments, ...] = (
-    NOISY_SOLID, EXACT_FLAT, NOISY_FLAT, EXACT_SOLID, MIRROR_FLAT, MIRROR_SOLID, *OTHER_MIRRORS, *POOR,
+    NOISY_SOLID, EXACT_FLAT, NOISY_FLAT, EXACT_SOLID, MIRROR_FLAT, MIRROR_SOLID,
+    *OTHER_MIRRORS, BEYOND_FLAT, BEYOND_NOISY, *POOR,
 )  # fmt: skip
-TELLING = 10
+TELLING = 12
 EXACT, NOISY, MIRRORS = (1, 3), (0, 2), (4, 5, 6, 7, 8, 9)
+PLANE, SPACE = (1, 2, 4, 6, 8, 10, 11), (0, 3, 5, 7, 9)
 
 
 def read(args: Arguments, value: Value) -> Value:
@@ -116,7 +120,26 @@ def mirrors_only(shown: Shown) -> str | None:
         return None
     if all(sign < 0 for sign in signs):
         return "sans_correction" if wrong == set(MIRRORS) else "symetrie_manquee"
-    return "correction_fausse"
+    return "correction_fausse" if all(_turns_a_direction(shown, k) for k in wrong) else None
+
+
+def _turns_a_direction(shown: Shown, k: int) -> bool:
+    """Is R the best orthogonal matrix but for the signs of its singular directions?"""
+    parts = _parts(shown, k)
+    P, Q = shown.calls[k]
+    U, _, Vt = np.linalg.svd((P - P.mean(axis=0)).T @ (Q - Q.mean(axis=0)))
+    signs = Vt @ parts[0] @ U if parts is not None else np.zeros_like(U)
+    return bool(np.allclose(np.abs(signs), np.eye(len(U)), atol=1e-6))
+
+
+def half_a_turn(shown: Shown) -> str | None:
+    """In the plane, right up to a quarter of a turn, and beyond it half a turn away."""
+    for k in PLANE:
+        parts, right = _parts(shown, k), np.asarray(shown.right[k][:4]).reshape(2, 2)
+        side = 1.0 if right[0, 0] > 0.0 else -1.0
+        if parts is None or not np.allclose(parts[0], side * right, atol=1e-6):
+            return None
+    return "angle_modulo_pi"
 
 
 def exact_only(shown: Shown) -> str | None:
@@ -129,7 +152,7 @@ def exact_only(shown: Shown) -> str | None:
 def plane_only(shown: Shown) -> str | None:
     """Right in the plane, mirror included, and never in space."""
     wrong = set(shown.wrong())
-    return "plan_seulement" if not wrong & {1, 2, 4, 6, 8} and {0, 3, 5, 7, 9} <= wrong else None
+    return "plan_seulement" if not wrong & set(PLANE) and set(SPACE) <= wrong else None
 
 
 def poor_only(shown: Shown) -> str | None:
@@ -150,7 +173,7 @@ PROBES = (
         calls=CALLS,
         kit=world.STILL,
         read=read,
-        rules=(only_t, never_turns, no_rotation, plane_only, mirrors_only, exact_only, poor_only),
+        rules=(half_a_turn, only_t, never_turns, no_rotation, plane_only, mirrors_only, exact_only, poor_only),
         facet=rotation_part,
         compared=TELLING,
     ),

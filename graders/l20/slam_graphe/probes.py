@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from graders.core.code.probes import Fault, Probes, Rule, Shown, as_array
+from graders.core.code.probes import Fault, Probes, Shown, as_array
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 from graders.l20.poses.probes import only_angle, only_position, only_turns, position
@@ -143,18 +143,26 @@ def one_step_only(shown: Shown) -> str | None:
     return "une_seule_iteration" if all(same) and moved and not _reached(pairs[0][0], GRAPHS[PLAIN]) else None
 
 
-def _ends(name: str, wrong: frozenset[int]) -> Rule:
-    """Just these graphs, of those that are brought to their end, are not at their optimum."""
+def _missed(shown: Shown) -> set[int]:
+    """The graphs that are not at their optimum in the end."""
+    return {k for k in ENDED if not _reached(_poses(shown, k), GRAPHS[k])}
 
-    def rule(shown: Shown) -> str | None:
-        missed = {k for k in ENDED if not _reached(_poses(shown, k), GRAPHS[k])}
-        return name if missed == wrong else None
 
-    return rule
+def one_of_a_pair(shown: Shown) -> str | None:
+    """Where a pair is measured twice, what is reached is the optimum with one of the two measurements."""
+    single = [Graph(START, tuple(edge for edge in TWICE if edge is not left)) for left in (TWICE[0], TWICE[-1])]
+    reached = any(_reached(_poses(shown, DOUBLED), graph) for graph in single)
+    return "aretes_par_paire" if reached and _missed(shown) == {DOUBLED} else None
+
+
+def wraps_badly(shown: Shown) -> str | None:
+    """Where headings pass the half turn, and only there, neither the first step nor the end is right."""
+    first = [k for k in shown.wrong() if k in STEPS]
+    return "erreur_non_ramenee_dans_gn" if first == [2] and _missed(shown) == {WRAPPING} else None
 
 
 def elsewhere(shown: Shown) -> str | None:
-    """It settles, though not at the optimum: what one step leaves, others do not mend."""
+    """It ends near the optimum, though not there."""
     poses = [_poses(shown, k) for k in (PLAIN, WRAPPING)]
     near = [
         p is not None and float(np.abs(gaps(GRAPHS[k].optimum, p)).max()) < 2.0
@@ -198,8 +206,8 @@ PROBES = (
             turns_only,
             weights_ignored,
             one_step_only,
-            _ends("aretes_par_paire", frozenset({DOUBLED})),
-            _ends("erreur_non_ramenee_dans_gn", frozenset({WRAPPING})),
+            one_of_a_pair,
+            wraps_badly,
             elsewhere,
             runs_away,
         ),

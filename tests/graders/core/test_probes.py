@@ -128,6 +128,12 @@ def test_a_function_that_remembers_is_told_so() -> None:
     assert named(source, ["aire"]) == ("memoire",)
 
 
+@pytest.mark.parametrize("draw", ["rng.normal()", "np.random.default_rng().normal()"])
+def test_a_function_that_draws_is_told_apart_from_one_that_remembers(draw: str) -> None:
+    assert named(written(f"(x + 1 + {draw})", "(y - 2)"), ["aire"]) == ("hasard",)
+    assert named("np.random.seed(3)\n" + written("(x + 1 + np.random.normal())", "(y - 2)"), ["aire"]) == ("memoire",)
+
+
 def test_a_program_that_is_slow_is_not_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("graders.core.code.prober.LONGEST", -1.0)
     assert named(written("(x + 2)", "(y - 2)")) == ()

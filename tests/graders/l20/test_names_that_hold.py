@@ -1,0 +1,96 @@
+"""Names that a rule gives: to the mistake that it speaks of, and to none that merely resembles it."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.graders.l20.boucles_styles import LIST, submission
+from tests.graders.shipped import CODE
+from tests.support.verdicts import named, verdict_of
+
+BOUCLES, KABSCH, PREDIRE, COMB, SLAM = (
+    f"l20/{slug}" for slug in ("boucles", "kabsch", "predire2d", "reechantillonnage", "slam_graphe")
+)
+
+
+def model(exercise: str, *changes: str) -> str:
+    """The model program, some texts of which are replaced."""
+    prober = CODE[exercise].prober
+    assert prober is not None
+    text = prober.model.text
+    for old, new in zip(changes[::2], changes[1::2], strict=True):
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    return text
+
+
+SVD = "U, S, Vt = np.linalg.svd(H)"
+IDENTITY_FOR_A_MIRROR = "    t = q - R @ p", "    R = np.eye(d) if sens < 0 else R\n    t = q - R @ p"
+ARCTAN = f"""def kabsch(P, Q):
+    n, d = P.shape
+    p, q = P.mean(axis=0), Q.mean(axis=0)
+    H = (P - p).T @ (Q - q)
+    if d == 2:
+        a = np.arctan((H[0, 1] - H[1, 0]) / (H[0, 0] + H[1, 1]))
+        R = np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
+    else:
+        {SVD}
+        sens = np.sign(np.linalg.det(Vt.T @ U.T))
+        R = Vt.T @ np.diag([1.0, 1.0, sens]) @ U.T
+    return R, q - R @ p
+"""
+ROUNDED = """
+def n_eff(poids):
+    return 1 / np.sum(poids ** 2)
+
+def reechantillonner_systematique(particules, poids):
+    N = len(particules)
+    lignes = [particules[i] for i in range(N) for _ in range(int(round(N * poids[i])))]
+    lignes += [particules[np.argmax(poids)]] * N
+    return np.array(lignes[:N])
+"""
+NEAREST = """
+    r = [j for j in range(i - 9) if {distance_} <= seuil]
+    return sorted(r, key=lambda j: {distance_})[:1]
+""".replace("{distance_}", "np.linalg.norm(signature(scans[j]) - signature(scans[i]))")
+BIASED = LIST.replace("{distance} <= seuil", "{distance} + 1e-3 <= seuil")
+
+
+@pytest.mark.parametrize(
+    ("exercise", "source", "name"),
+    [
+        (BOUCLES, submission("np.argsort(scan)"), "secteurs_fixes"),
+        (BOUCLES, submission("np.sort(scan[:18])"), "secteurs_fixes"),
+        (BOUCLES, submission("np.sort(scan[1:])"), "rayon_oublie"),
+        (BOUCLES, submission("np.abs(np.fft.rfft(scan[:-1]))"), "rayon_oublie"),
+        (BOUCLES, submission("[np.dot(scan, np.arange(36))]"), "secteurs_fixes"),
+        (BOUCLES, submission("[scan.mean(), scan[0]]"), "secteurs_fixes"),
+        (BOUCLES, submission("[1.0, *(scan / scan.mean())]"), "secteurs_fixes"),
+        (BOUCLES, submission("scan + np.roll(scan, 1)"), "scan_brut"),
+        (BOUCLES, submission("np.sort(scan)", body=NEAREST), "plus_proche_seul"),
+        (BOUCLES, submission("np.sort(scan)", body=BIASED), None),
+        (BOUCLES, submission("np.sort(scan) + rng.normal(0, 1, 36)"), "hasard"),
+        (KABSCH, ARCTAN, "angle_modulo_pi"),
+        (KABSCH, model(KABSCH, *IDENTITY_FOR_A_MIRROR), "symetrie_abandonnee"),
+        (PREDIRE, model(PREDIRE, "0.8, du, dv", "rng.choice([0.8, 0.7]), du, dv"), "hasard"),
+        (COMB, ROUNDED, "peigne_fige"),
+        pytest.param(SLAM, model(SLAM, "range(n_iter)", "range(min(n_iter, 2))"), None, marks=pytest.mark.slow),
+    ],
+)
+def test_a_rule_names_what_it_speaks_of(exercise: str, source: str, name: str | None) -> None:
+    assert named(verdict_of(exercise, source, 3)) == name
+
+
+def test_what_is_found_in_one_function_accuses_no_other() -> None:
+    """Raw scans compared: the signature is right, whatever the walks confuse."""
+    source = model(BOUCLES, "signature(scans[j]) - reference", "scans[j] - scans[i]")
+    for seed in range(2026, 2030):
+        found = verdict_of(BOUCLES, source, seed).diagnosis
+        assert found is not None
+        assert found.title == "Les scans sont comparés sans passer par la signature"
+
+
+def test_the_words_of_frozen_copies_hold_without_a_comb() -> None:
+    found = verdict_of(COMB, ROUNDED, 3).diagnosis
+    assert found is not None
+    assert found.title == "Les mêmes copies à chaque appel"

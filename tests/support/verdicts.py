@@ -1,0 +1,22 @@
+"""What the tests of graders ask of a program and read in its verdict."""
+
+from __future__ import annotations
+
+from graders.core.contract.local import LOCAL
+from graders.core.contract.verdict import Verdict
+from tests.graders.shipped import CODE
+
+
+def verdict_of(exercise: str, source: str, seed: int) -> Verdict:
+    """The verdict of a program of ours, run in this process."""
+    return CODE[exercise].grade(source.encode(), LOCAL, seed=seed, version="v").verdict
+
+
+def failed(found: Verdict) -> set[str]:
+    """The ids of the checks that failed."""
+    return {check.id for check in found.checks if not check.passed}
+
+
+def named(found: Verdict) -> str | None:
+    """The name given to the mistake, if any."""
+    return found.diagnosis.id if found.diagnosis else None
