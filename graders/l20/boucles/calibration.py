@@ -31,6 +31,7 @@ class Outcome(StrEnum):
     ALWAYS = "toujours trouvé"
     REVERSED = "à l'envers"
     REMEMBERS = "se souvient"
+    ORDER = "selon l'ordre"
     UNREADABLE = "illisible"
 
 
@@ -73,9 +74,17 @@ def calibrate(bench: Bench, walk: Walk) -> Search:
 
 
 def _again(bench: Bench, search: Search) -> Search:
-    """The same scans in another order separate at the same threshold, unless the function remembers other calls."""
-    again = _try(bench, search.walk.turned_over(), search.threshold)
-    return search if again.outcome is Outcome.FOUND else replace(again, outcome=Outcome.REMEMBERS)
+    """The same scans in another order separate at the same threshold, unless the function remembers other calls.
+
+    Or unless it looks at the order: the program is then launched afresh, to tell.
+    """
+    turned = search.walk.turned_over()
+    again = _try(bench, turned, search.threshold)
+    if again.outcome is Outcome.FOUND:
+        return search
+    with bench.on(bench.kit) as fresh:
+        remembers = _try(fresh, turned, search.threshold).outcome is Outcome.FOUND
+    return replace(again, outcome=Outcome.REMEMBERS if remembers else Outcome.ORDER)
 
 
 def _lost(bench: Bench, most: Search) -> Search:

@@ -157,4 +157,24 @@ def _chord(a: Floats, b: Floats) -> Floats:
     return _euclidean(*(x / np.linalg.norm(x, axis=1, keepdims=True) for x in (a, b)))
 
 
+NUMBERS: tuple[Callable[[Floats], Floats], ...] = (
+    mean, std, longest, shortest, median,
+    lambda scans: np.ptp(scans, axis=1),
+    lambda scans: (scans**2).sum(axis=1),
+    lambda scans: _spectrum(scans)[:, 1],
+)  # fmt: skip
+"""Single numbers that a student may take for a signature."""
+
+
+def _signed(descriptor: Descriptor, sign: float) -> Distance:
+    """The sum of the differences, in which they make up for one another."""
+    return lambda a, b: sign * (descriptor(b).sum(axis=1) - descriptor(a).sum(axis=1)[:, None])
+
+
 DISTANCES: dict[str, Distance] = {"L1": _manhattan, "L2": _euclidean, "max": _largest, "cosine": _chord}
+
+MISTAKEN: tuple[Distance, ...] = (
+    _manhattan, _euclidean, _largest,
+    *(_signed(descriptor, sign) for descriptor in (lambda scans: scans, _spectrum) for sign in (1.0, -1.0)),
+)  # fmt: skip
+"""Distances between scans (m, 36), (p, 36) that usual mistakes make: of bare scans, and of signatures without signs."""

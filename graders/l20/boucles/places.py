@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from graders.core.contract.local import kit_source
 from graders.core.contract.values import Floats
 from graders.l20 import world
-from graders.l20.boucles.family import DESCRIPTORS, DISTANCES
+from graders.l20.boucles.family import DESCRIPTORS, DISTANCES, NUMBERS
 from reference.world.raycast import cast_scans
 
 BEAMS = 36
@@ -58,6 +58,7 @@ class Pool:
     scans: Floats
     first: Signatures
     second: Signatures
+    known: dict[tuple[int, float], NDArray[np.bool_]] = field(default_factory=dict, compare=False, repr=False)
 
     @classmethod
     def of(cls, rng: Rng, free: world.Grid) -> Pool:
@@ -72,6 +73,32 @@ class Pool:
 
     def distinct_from(self, place: int, margin: float) -> NDArray[np.bool_]:
         """Which places every descriptor and distance sees `margin` times farther from `place` than its own noise."""
+        if (place, margin) not in self.known:
+            self.known[place, margin] = self._distinct_from(place, margin)
+        return self.known[place, margin]
+
+    def unlike(self, place: int, margin: float) -> NDArray[np.bool_]:
+        """Which places differ from `place` by each of the usual single numbers, `margin` times more than the noise."""
+        return np.asarray(np.all(np.abs(self.numbers - self.numbers[place]) > margin * self.shaken, axis=1))
+
+    @cached_property
+    def numbers(self) -> Floats:
+        """The usual single numbers of each place, (m, k)."""
+        return np.stack([number(self.scans) for number in NUMBERS], axis=1)
+
+    @cached_property
+    def shaken(self) -> Floats:
+        """How much two noisy readings of one place may differ by each number, (k,)."""
+        again = np.random.default_rng(0).normal(0.0, NOISE, (2, *self.scans.shape)) + self.scans
+        first, second = (np.stack([number(scans) for number in NUMBERS], axis=1) for scans in again)
+        return np.asarray(np.quantile(np.abs(first - second), 0.9, axis=0))
+
+    def either_side(self, place: int, other: int, among: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Which places sum to less than `place` where `other` sums to more, and the other way round, in both sums."""
+        sums = np.stack([self.scans.sum(axis=1), self.first["spectrum"].sum(axis=1)], axis=1)
+        return np.asarray(np.all((sums[among] - sums[place]) * (sums[other] - sums[place]) < 0.0, axis=1))
+
+    def _distinct_from(self, place: int, margin: float) -> NDArray[np.bool_]:
         clear = np.ones(len(self.poses), dtype=np.bool_)
         for name, first in self.first.items():
             for distance in DISTANCES.values():
@@ -79,6 +106,16 @@ class Pool:
                 clear &= away > margin * away[place]
         clear[place] = False
         return clear
+
+
+#: Two poses of the module's map, the first one the statement's.
+STILL = ((5.3, 3.2, 0.4), (11.3, 2.3, 1.1))
+
+
+@lru_cache(maxsize=1)
+def two_places() -> Floats:
+    """What is read there, (2, 36), without noise."""
+    return cast_scans(module_map(), np.array(STILL), BEAMS, world.RANGE)
 
 
 @lru_cache(maxsize=8)

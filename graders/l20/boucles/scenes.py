@@ -10,7 +10,7 @@ import numpy as np
 from graders.l20 import world
 from graders.l20.boucles import family
 from graders.l20.boucles.places import Pool, Rng, module_pool, other_map
-from graders.l20.boucles.walks import Statistic, Walk, draw_trap, draw_walk
+from graders.l20.boucles.walks import ORDERS, Statistic, Walk, draw_trap, draw_walk
 
 SPARE_POOLS = 8
 
@@ -30,7 +30,8 @@ def walk_at_home(seed: int, again: int, *, with_noise: bool) -> Walk:
 @lru_cache(maxsize=64)
 def trap(kit_seed: int, seed: int, name: str, again: int) -> Walk:
     """A trap on the module's map for the statistic of this name."""
-    return _drawn(kit_seed, seed + again, lambda rng, pool: draw_trap(rng, pool, TRAPS[name]))
+    order = ORDERS[list(TRAPS).index(name)]
+    return _drawn(kit_seed, seed + again, lambda rng, pool: draw_trap(rng, pool, TRAPS[name], order))
 
 
 def _drawn(kit_seed: int, seed: int, draw: Callable[[Rng, Pool], Walk]) -> Walk:

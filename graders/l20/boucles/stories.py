@@ -46,11 +46,16 @@ def _sentence(search: Search) -> str:
             f"Depuis le scan {i}, le scan {missed}, pris au même endroit avec un autre cap, n'est pas trouvé, "
             "même avec un seuil immense."
         )
-    if search.outcome is Outcome.REMEMBERS:
+    if search.outcome in (Outcome.REMEMBERS, Outcome.ORDER):
+        why = (
+            "alors que le même fichier relancé les y trouve : votre fonction se souvient d'appels précédents, ou tire "
+            "au hasard."
+            if search.outcome is Outcome.REMEMBERS
+            else "même en relançant votre fichier : votre résultat dépend du rang des scans, et pas d'eux seuls."
+        )
         return (
             f"Avec le seuil {render.number(search.threshold, 3)}, les bons scans étaient trouvés ; on a ensuite rangé "
-            "les mêmes scans dans un autre ordre, et ils ne le sont plus : votre fonction se souvient d'appels "
-            "précédents."
+            f"les mêmes scans dans un autre ordre, et ils ne le sont plus, {why}"
         )
     if search.outcome is Outcome.REVERSED:
         return (

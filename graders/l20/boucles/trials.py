@@ -18,7 +18,7 @@ from graders.core.contract.values import Floats, UnreadableError, Value, read_ar
 from graders.l20 import world
 from graders.l20.boucles import calibration
 from graders.l20.boucles.calibration import HUGE, Search, calibrate
-from graders.l20.boucles.places import BEAMS, Pool, Rng, module_pool
+from graders.l20.boucles.places import BEAMS, STILL, Pool, Rng, module_pool, two_places
 from graders.l20.boucles.readings import apart, habits, is_mask, signature, tolerance
 from graders.l20.boucles.scenes import TRAPS, map_elsewhere, trap, walk_at_home, walk_elsewhere
 from graders.l20.boucles.stories import confuses, places_figure, rotation_figure, tell
@@ -200,16 +200,19 @@ def _shape_in_words(got: Value) -> str:
 
 def places(bench: Bench) -> None:
     """On the module's map, without noise."""
+    _must_ignore_heading(bench)
     _separate(bench, lambda again: walk_at_home(_kit_seed(bench), again, with_noise=False))
 
 
 def noisy_places(bench: Bench) -> None:
     """On the module's map, each scan with its own noise."""
+    _must_ignore_heading(bench)
     _separate(bench, lambda again: walk_at_home(_kit_seed(bench), again, with_noise=True))
 
 
 def other_places(bench: Bench) -> None:
     """The same file launched on another map, with scans of that map."""
+    _must_ignore_heading(bench)
     seed = _draw_seed(bench.rng)
     with bench.on(world.kit(bench.rng, map_elsewhere(seed))) as other:
         remark = " Ces scans sont ceux d'une autre carte que celle du module."
@@ -230,13 +233,16 @@ def traps(bench: Bench) -> None:
 
 
 def _must_ignore_heading(bench: Bench) -> None:
-    """A signature that follows the heading may escape from a trap by luck: it is turned away before."""
-    pool = _pool(bench)
-    here, there = signature(bench, pool.scans[0]), signature(bench, pool.scans[1])
-    rotated = signature(bench, np.roll(pool.scans[0], -7))
+    """A signature that follows the heading may find a place, or escape from a trap, by luck: it is turned away before.
+
+    By two scans that never change, so that its mark does not either.
+    """
+    scan, elsewhere = two_places()
+    here, there = signature(bench, scan), signature(bench, elsewhere)
+    rotated = signature(bench, np.roll(scan, -7))
     if apart(here, rotated) > tolerance(here, there):
         bench.observe("signature", "suit le cap", ok=False)
-        raise _changed(pool.poses[0], pool.scans[0], 7, here, rotated)
+        raise _changed(np.array(STILL[0]), scan, 7, here, rotated)
 
 
 def _own_trap(bench: Bench, seed: int) -> Walk | None:

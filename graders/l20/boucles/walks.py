@@ -2,6 +2,8 @@
 
 A walk is drawn until every descriptor of the family, with every distance, separates by one threshold the scans to be
 found from the others, `MARGIN` times farther: what an honest student may have chosen has then its threshold too.
+And until no threshold serves the usual wrong distances: whether they are caught must not depend on the draw. Nor must
+what is caught of a search that stops or starts at the wrong index: scans to find stand where it shows.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graders.core.contract.values import Floats
-from graders.l20.boucles.family import DISTANCES
+from graders.l20.boucles.family import DISTANCES, MISTAKEN, NUMBERS
 from graders.l20.boucles.places import BEAMS, NOISE, Pool, Rng, noisy, signatures_of
 
 GAP = 10
@@ -24,6 +26,13 @@ MAX_DRAWS = 400
 READINGS = 40
 NEARER = 3.0
 Statistic = Callable[[Floats], Floats]
+
+#: Headings tried for one trap: those of the bare scans, too, must mislead.
+TURNS = 4
+#: Where the first place comes again, then where the second is: in any order, but never one just after the other.
+FAR_APART = [(k, m, n) for k in range(2, 8) for m in range(2, 8) for n in range(m + 2, 8) if k not in (m, n)]
+#: Where a trap has the place to recognise, the one like it and a third one. See `scenes.TRAPS`.
+ORDERS = ((0, 1, 2), (1, 0, 2), (1, 2, 0))
 
 
 @dataclass(frozen=True)
@@ -87,19 +96,46 @@ def _headings(rng: Rng, places: NDArray[np.int64]) -> NDArray[np.int64]:
     return steps
 
 
-def separable(walk: Walk, margin: float = MARGIN) -> bool:
-    """Does every descriptor, with every distance, have one threshold for all the queries of the walk?"""
+Mask = NDArray[np.bool_]
+
+
+def _sought(walk: Walk) -> tuple[Floats, Floats, Mask, Mask]:
+    """The scans of the queries (q, 36), those of the past (p, 36), and which (q, p) are to be found, which are not."""
     past = max(walk.queries) - GAP + 1
     rows = list(walk.queries)
     asked = np.arange(past) <= np.array(rows)[:, None] - GAP
     same = (walk.places[:past] == walk.places[rows][:, None]) & asked
-    others = asked & ~same
-    scans = np.concatenate([walk.scans[rows], walk.scans[:past]])
-    for signatures in signatures_of(scans).values():
+    return walk.scans[rows], walk.scans[:past], same, asked & ~same
+
+
+def separable(walk: Walk, margin: float = MARGIN) -> bool:
+    """Does every descriptor, with every distance, have one threshold for all the queries of the walk?"""
+    queries, past, same, others = _sought(walk)
+    for signatures in signatures_of(np.concatenate([queries, past])).values():
         for distance in DISTANCES.values():
-            away = distance(signatures[: len(rows)], signatures[len(rows) :])
+            away = distance(signatures[: len(queries)], signatures[len(queries) :])
             if not np.min(away[others]) > margin * np.max(away[same], initial=0.0) + 1e-6:
                 return False
+    return True
+
+
+def numbers_separate(walk: Walk, margin: float = MARGIN) -> bool:
+    """Has each of the usual single numbers one threshold too? Where it has, only the traps catch it."""
+    queries, past, same, others = _sought(walk)
+    for number in NUMBERS:
+        away = np.abs(number(queries)[:, None] - number(past))
+        if not np.min(away[others]) > margin * np.max(away[same], initial=0.0) + 1e-6:
+            return False
+    return True
+
+
+def mistakes_fail(walk: Walk) -> bool:
+    """Is there, for none of the usual wrong distances, a threshold above zero that serves all the queries?"""
+    queries, past, same, others = _sought(walk)
+    for mistaken in MISTAKEN:
+        away = mistaken(queries, past)
+        if np.min(away[others]) >= max(0.0, float(np.max(away[same]))):
+            return False
     return True
 
 
@@ -114,41 +150,59 @@ def draw_walk(rng: Rng, pool: Pool, *, with_noise: bool) -> Walk:
             continue
         places, queries = _itinerary(rng, chosen)
         trial = seen(rng, pool, places, queries, noise=NOISE)
-        if separable(trial):
-            return trial if with_noise else seen(rng, pool, places, queries, noise=0.0)
+        if not numbers_separate(trial) or not mistakes_fail(trial) or not separable(trial):
+            continue
+        walk = trial if with_noise else seen(rng, pool, places, queries, noise=0.0)
+        if with_noise or mistakes_fail(walk):
+            return walk
     raise LookupError("no walk with distinct places was found on this map")
 
 
 def _distinct_places(rng: Rng, pool: Pool) -> NDArray[np.int64] | None:
     """Two places to recognise and six others, all distinct from both."""
     first = int(rng.integers(len(pool.poses)))
-    clear = pool.distinct_from(first, PREFILTER)
+    clear = pool.distinct_from(first, PREFILTER) & pool.unlike(first, PREFILTER)
     if not np.any(clear):
         return None
     second = int(rng.choice(np.flatnonzero(clear)))
-    others = np.flatnonzero(clear & pool.distinct_from(second, PREFILTER))
+    others = np.flatnonzero(clear & pool.distinct_from(second, PREFILTER) & pool.unlike(second, PREFILTER))
     return np.array([first, second, *rng.choice(others, 6, replace=False)]) if len(others) >= 6 else None
 
 
 def _itinerary(rng: Rng, chosen: NDArray[np.int64]) -> tuple[NDArray[np.int64], tuple[int, ...]]:
-    """Past: each place to recognise twice, the six others once, in any order; then ten or more others; then queries."""
+    """Past: each place to recognise twice, the six others once; then ten or more others; then queries.
+
+    The first scan is to be found; no other is in the next place or in the last two, nor are two of one place together.
+    """
     a, b, *others = chosen
-    past = rng.permutation([a, a, b, b, *others])
+    again, *of_b = FAR_APART[int(rng.integers(len(FAR_APART)))]
+    past = np.empty(10, dtype=np.int64)
+    past[[0, again]], past[of_b] = a, b
+    past[[k for k in range(1, 10) if k not in (again, *of_b)]] = rng.permutation(others)
     recent = rng.choice(others, 10)
     return np.array([*past, *recent, a, b]), (20, 21)
 
 
-def draw_trap(rng: Rng, pool: Pool, statistic: Statistic, *, readings: int = READINGS, pairs: int = MAX_DRAWS) -> Walk:
+def draw_trap(
+    rng: Rng,
+    pool: Pool,
+    statistic: Statistic,
+    order: tuple[int, int, int] = ORDERS[1],
+    *,
+    readings: int = READINGS,
+    pairs: int = MAX_DRAWS,
+) -> Walk:
     """Fourteen scans; one of the first three is of the place of the last, another has the same `statistic` elsewhere.
 
-    By this number alone, and whatever the distance, the other place is nearer than the same place.
+    By this number alone, and whatever the distance, the other place is nearer than the same place. `order` says where
+    the same place is among the three, where the other one, and where the third.
     """
     for here, there in _lookalikes(pool, statistic)[:pairs]:
         if not pool.distinct_from(here, PREFILTER)[there]:
             continue
         for _ in range(3):
-            walk = _trap(rng, pool, (here, there), statistic, readings)
-            if walk is not None and separable(walk):
+            walk = _trap(rng, pool, (here, there), statistic, order, readings)
+            if walk is not None and mistakes_fail(walk) and separable(walk):
                 return walk
     raise LookupError("no two places share this statistic on this map")
 
@@ -163,16 +217,26 @@ def _lookalikes(pool: Pool, statistic: Statistic) -> list[tuple[int, int]]:
     return [(int(first[k]), int(second[k])) for k in nearest]
 
 
-def _trap(rng: Rng, pool: Pool, pair: tuple[int, int], statistic: Statistic, readings: int) -> Walk | None:
+def _trap(
+    rng: Rng, pool: Pool, pair: tuple[int, int], statistic: Statistic, order: tuple[int, int, int], readings: int
+) -> Walk | None:
     here, there = pair
     clear = np.flatnonzero(pool.distinct_from(here, PREFILTER))
     others = clear[clear != there]
     if len(others) < 3:
         return None
-    past = rng.permutation([here, there, int(rng.choice(others))])
-    places = np.array([*past, *rng.choice(others, 10), here])
-    walk = seen(rng, pool, places, (len(places) - 1,), noise=NOISE)
-    rows = (int(np.flatnonzero(past == here)[0]), int(np.flatnonzero(past == there)[0]), len(places) - 1)
+    third = int(rng.choice(others))
+    opposite = others[pool.either_side(here, third, others)]
+    if not len(opposite):
+        return None
+    past = np.empty(3, dtype=np.int64)
+    past[list(order)] = here, there, third
+    places = np.array([*past, rng.choice(opposite), *rng.choice(others, 9), here])
+    for _ in range(TURNS):
+        walk = seen(rng, pool, places, (len(places) - 1,), noise=NOISE)
+        if mistakes_fail(walk):
+            break
+    rows = (order[0], order[1], len(places) - 1)
     return _confused(rng, [_clean(pool, walk, k) for k in rows], walk, rows, statistic, readings)
 
 

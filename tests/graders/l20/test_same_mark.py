@@ -1,0 +1,46 @@
+"""Same code, same mark: what a program gets does not depend on the seed."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.graders.l20.boucles_styles import submission
+from tests.graders.l20.test_names_that_hold import BOUCLES, PREDIRE, SLAM, model
+from tests.graders.shipped import CODE
+from tests.support.verdicts import failed, verdict_of
+
+POSES = "l20/poses"
+SEEDS = range(2026, 2030)
+
+
+def mistake(exercise: str, name: str) -> str:
+    return next(m.source for m in CODE[exercise].misconceptions if m.id == name)
+
+
+RAW = model(BOUCLES, "signature(scans[j]) - reference", "scans[j] - scans[i]")
+HALF_A_TURN = "np.abs(np.exp(-1j * np.pi * np.outer(np.arange(36), np.arange(36)) / 36) @ scan)"
+PI = "import math\nPI = 3.14\n" + model(POSES, "np.pi - (np.pi - angle) % (2 * np.pi)", "PI - (PI - angle) % (2 * PI)")
+
+
+@pytest.mark.parametrize(
+    ("exercise", "source"),
+    [
+        (BOUCLES, submission("np.correlate(scan, scan, 'full')[35:]")),
+        (BOUCLES, submission(HALF_A_TURN)),
+        (BOUCLES, RAW),
+        (BOUCLES, mistake(BOUCLES, "premier_seulement")),
+        (BOUCLES, mistake(BOUCLES, "premier_indice_oublie")),
+        (BOUCLES, mistake(BOUCLES, "ecarts_signes")),
+        (BOUCLES, submission("np.array([np.median(scan)])")),
+        (POSES, PI),
+        (PREDIRE, mistake(PREDIRE, "croyance_oubliee")),
+        (PREDIRE, mistake(PREDIRE, "carre_oublie")),
+        (PREDIRE, mistake(PREDIRE, "ecrasement")),
+        pytest.param(SLAM, mistake(SLAM, "difference_non_ramenee"), marks=pytest.mark.slow),
+        pytest.param(SLAM, mistake(SLAM, "angles_jamais_ramenes"), marks=pytest.mark.slow),
+    ],
+)
+def test_the_same_checks_fail_whatever_the_seed(exercise: str, source: str) -> None:
+    first, *others = [failed(verdict_of(exercise, source, seed)) for seed in SEEDS]
+    assert first
+    assert all(found == first for found in others)
