@@ -111,8 +111,12 @@ def seen_from_a(args: Arguments, expected: Value, got: Floats | None) -> FigureD
 
 
 def identities(bench: Bench) -> None:
-    """The three identities of the statement, on the student's own functions."""
-    triples = [tuple(np.round(random_pose(bench.rng, 5.0), 0 if k < 2 else 6) for _ in range(3)) for k in range(5)]
+    """The three identities of the statement, on the student's own functions: first by hand, far round, then drawn."""
+    triples = [
+        (pose(1, 2, 3.0), pose(-2, 1, 2.5), pose(2, 0, -2.8)),
+        (pose(-3, 1, -2.7), pose(1, 4, -1.9), pose(0, 2, 3.1)),
+    ]
+    triples += [tuple(np.round(random_pose(bench.rng, 5.0), 0 if k < 2 else 6) for _ in range(3)) for k in range(5)]
     _ask_ahead(bench, triples)
     call = partial(_pose_or_reject, bench)
     for a, b, c in triples:

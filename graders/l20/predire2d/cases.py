@@ -16,6 +16,14 @@ from reference.localisation.grid_filter import BEAMS, COMMANDS, Cell, Grid, Grid
 
 MOVES = COMMANDS[1:]
 Rng = np.random.Generator
+#: Draws that are the same in every grading come first, so that what is caught does not depend on the seed. This one was
+#: chosen because the catalogued mistakes that some draws let through all fail on it.
+TELLING = 0
+
+
+def telling_then(rng: Rng) -> tuple[Rng, Rng]:
+    """The generator of what is always drawn, then this one."""
+    return np.random.default_rng(TELLING), rng
 
 
 @cache
@@ -53,13 +61,20 @@ def roomy(free: Grid) -> Grid:
     return np.asarray(np.logical_and.reduce(windows))
 
 
+def side_by_side(clear: Grid) -> dict[Cell, float]:
+    """Probabilities of two cells of the mask, one above the other: moved along x, their arrivals overlap."""
+    y, x = (int(k) for k in np.argwhere(clear[:-1] & clear[1:])[0])
+    return {(y, x): 0.75, (y + 1, x): 0.25}
+
+
 def open_moves(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
-    """Far from walls: the example of the statement, every command, then a doubt between two cells."""
+    """Far from walls: the example of the statement, every command, then doubts between two cells, which meet once."""
     clear = roomy(grid.free)
     shape = grid.free.shape
     yield one_hot(shape, (2, 3)), 1, 0
     for du, dv in MOVES:
         yield one_hot(shape, pick(rng, clear)), du, dv
+    yield weighted(shape, side_by_side(clear)), 1, 0
     for du, dv in MOVES:
         first, second = (int(i) for i in rng.choice(np.flatnonzero(clear), 2, replace=False))
         belief = np.zeros(shape)
@@ -128,9 +143,10 @@ def plain_doubts(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
     """Between two neighbours, equally likely before: the scan is exactly that of one of them."""
     shape = grid.free.shape
     yield one_hot(shape, (1, 1), (1, 2)), grid.scans[1, 1], 0.5
-    for sigma in (0.5, 1.0, 1.5):
-        cell = pick(rng, grid.free)
-        yield one_hot(shape, cell, neighbour(rng, grid, cell)), grid.scans[cell], sigma
+    for source in telling_then(rng):
+        for sigma in (0.5, 1.0, 1.5):
+            cell = pick(source, grid.free)
+            yield one_hot(shape, cell, neighbour(source, grid, cell)), grid.scans[cell], sigma
 
 
 def noisy_scans(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
@@ -158,6 +174,7 @@ def without_sigma(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
     """The same doubts, sigma being left out."""
     shape = grid.free.shape
     yield one_hot(shape, (1, 1), (1, 2)), grid.scans[1, 1]
-    for _ in range(3):
-        cell = pick(rng, grid.free)
-        yield one_hot(shape, cell, neighbour(rng, grid, cell)), grid.scans[cell]
+    for source in telling_then(rng):
+        for _ in range(3):
+            cell = pick(source, grid.free)
+            yield one_hot(shape, cell, neighbour(source, grid, cell)), grid.scans[cell]

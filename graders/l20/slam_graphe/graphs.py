@@ -23,6 +23,10 @@ QUARTER = math.pi / 2
 EIGHTH = math.pi / 4
 MAX_STEPS = 9
 
+# Graphs that are the same in every grading come before those that are drawn, so that what is caught does not depend on
+# the seed. These were chosen because the known wrong programs that some draws let through all fail on them.
+TELLING = {"chains": 2, "loops": 5, "turning": 4, "large": 9}
+
 # The slow graph: three iterations leave a pose this far, and chi2 this much above the least: ten times what passes.
 SLOW_STEPS = 11
 FEW = 3
@@ -208,8 +212,14 @@ def chains(rng: np.random.Generator) -> Iterable[Graph]:
     yield Graph(rows((0, 0, 0), (2, 0, 0), (4, 0, 0)), (edge(0, 1, (2, 0, 0)), edge(1, 2, (2, 0, 0))))
     yield Graph(rows((1, 2, 0), (1, 3, 0)), (edge(0, 1, (2, 1, QUARTER)),))
     yield Graph(rows((0, 0, QUARTER), (0, 1, 1), (1, 2, 0)), (edge(0, 1, (2, 0, 0)), edge(1, 2, (1, 0, -QUARTER))))
+    yield perturbed_chain(telling("chains"))
     yield perturbed_chain(rng)
     yield from steps(rng)
+
+
+def telling(graphs: str) -> np.random.Generator:
+    """The generator of those of the graphs that never change."""
+    return np.random.default_rng(TELLING[graphs])
 
 
 def perturbed_chain(rng: np.random.Generator) -> Graph:
@@ -253,7 +263,8 @@ def loops(rng: np.random.Generator) -> Iterable[Graph]:
     yield from loops_by_hand()
     yield measured_twice()
     yield noisy(rng, facing_one_way(rng, 4), [(3, 0)])
-    yield noisy(rng, facing_one_way(rng, 6), [(0, 5), (4, 1)], weights=lambda k: (25.0, 25.0))
+    for source in (telling("loops"), rng):
+        yield noisy(source, facing_one_way(source, 6), [(0, 5), (4, 1)], weights=lambda k: (25.0, 25.0))
 
 
 @cached
@@ -270,15 +281,17 @@ def turning(rng: np.random.Generator) -> Iterable[Graph]:
     """Headings that pass the half turn: in the result, in the error, on both ways."""
     yield Graph(rows((0, 0, 3 * EIGHTH), (-1, 1, math.pi)), (edge(0, 1, (1, 0, QUARTER)),))
     yield Graph(rows((0, 0, -3 * EIGHTH), (-1, -1, 3 * EIGHTH)), (edge(0, 1, (1, 0, -QUARTER)),))
-    yield noisy(rng, going_round(rng, 4), [(3, 0)])
-    yield noisy(rng, going_round(rng, 6), [(5, 0), (1, 4)], weights=various(rng))
+    for source in (telling("turning"), rng):
+        yield noisy(source, going_round(source, 4), [(3, 0)])
+        yield noisy(source, going_round(source, 6), [(5, 0), (1, 4)], weights=various(source))
 
 
 @cached
 def large(rng: np.random.Generator) -> Iterable[Graph]:
     """A loop of 8 poses that takes more than a few iterations, and one of 20 left to the default number of them."""
-    rough = going_round(rng, 8)
-    yield noisy(rng, rough, [(7, 0), (2, 6)], noise=(0.2, 0.25), weights=various(rng), n_iter=15, choose=draw_slow)
+    for source in (telling("large"), rng):
+        rough, weights = going_round(source, 8), various(source)
+        yield noisy(source, rough, [(7, 0), (2, 6)], noise=(0.2, 0.25), weights=weights, n_iter=15, choose=draw_slow)
     strong: Weights = lambda k: (100.0, 400.0) if k >= 19 else (25.0, 100.0)  # noqa: E731
     closures = [(19, 0), (0, 10), (15, 5), (18, 1)]
     yield noisy(rng, going_round(rng, 20), closures, noise=(0.15, 0.06), weights=strong, n_iter=None)
