@@ -2,8 +2,11 @@
 
 `DIR/<slug>/right/*.py` must get full marks, `DIR/<slug>/wrong/*.py` must not; the first line of each file says, as a
 comment, what it does or what its mistake is. Each is graded in the real sandbox on several seeds: points that change
-with the seed are a fault. Whether a name is the right one is judged by whoever reads the last table, and kept in the
-file's second line: `# nom: identifiant, …`, the names that would be right, or `# nom: aucun`, none would be.
+with the seed are a fault, unless the program draws by itself (the kit's generator has another seed in each grading, and
+one of its own has none): those are counted apart, known by their name, `hasard`.
+
+Whether a name is the right one is judged by whoever reads the last table, and kept in the file's second line:
+`# nom: identifiant, …`, the names that would be right, or `# nom: aucun`, none would be.
 """
 
 from __future__ import annotations
@@ -13,6 +16,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from graders.core.code.prober import CHANCE
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
 from server.cli import CannotRun
@@ -67,7 +71,13 @@ class Finding:
 
     @property
     def varies(self) -> bool:
-        return len(self.points) > 1
+        """Does the mark depend on the seed, though the program draws nothing itself?"""
+        return len(self.points) > 1 and not self.random
+
+    @property
+    def random(self) -> bool:
+        """Is it a program that draws at random, as its name tells on every seed?"""
+        return all(name == CHANCE for name in self.given)
 
     @property
     def given(self) -> list[str]:
@@ -181,6 +191,9 @@ def summary(findings: Iterable[Finding]) -> Iterator[str]:
     judged = [f for f in wrong if f.submission.names is not None]
     if judged:
         yield f"misnamed={sum(f.misnamed for f in judged)}/{len(judged)}"
+    drawing = [f for f in findings if f.random]
+    if drawing:
+        yield f"random={len(drawing)}/{len(findings)}"
     counts = {
         "refused": (sum(not f.accepted for f in right), len(right)),
         "accepted": (sum(f.accepted for f in wrong), len(wrong)),
