@@ -112,7 +112,7 @@ def seen_from_a(args: Arguments, expected: Value, got: Floats | None) -> FigureD
 
 def identities(bench: Bench) -> None:
     """The three identities of the statement, on the student's own functions: first by hand, far round, then drawn."""
-    triples = [
+    triples: list[tuple[Floats, ...]] = [
         (pose(1, 2, 3.0), pose(-2, 1, 2.5), pose(2, 0, -2.8)),
         (pose(-3, 1, -2.7), pose(1, 4, -1.9), pose(0, 2, 3.1)),
     ]

@@ -18,8 +18,11 @@ from reference.filters.resampling import effective_sample_size
 
 
 def simple_weights(rng: np.random.Generator) -> Iterator[Arguments]:
-    """Equal weights, a single one, half of the particles."""
-    for weights in ([0.5, 0.5], [1.0, 0.0], [0.25] * 4, [0.0, 0.0, 1.0], [0.5, 0.5, 0.0, 0.0], [1.0]):
+    """Equal weights, a single one, half of the particles.
+
+    Ten equal weights do not make ten but for rounding: a result cut to a whole number fails there, whatever is drawn.
+    """
+    for weights in ([0.5, 0.5], [1.0, 0.0], [0.25] * 4, [0.0, 0.0, 1.0], [0.5, 0.5, 0.0, 0.0], [1.0], [0.1] * 10):
         yield (np.array(weights),)
     for n in rng.integers(5, 40, 3):
         yield (np.full(n, 1.0 / n),)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.graders.l20.boucles_styles import submission
-from tests.graders.l20.test_names_that_hold import BOUCLES, PREDIRE, SLAM, model
+from tests.graders.l20.test_names_that_hold import BOUCLES, COMB, PREDIRE, SLAM, model
 from tests.graders.shipped import CODE
 from tests.support.verdicts import failed, verdict_of
 
@@ -32,6 +32,10 @@ PI = "import math\nPI = 3.14\n" + model(POSES, "np.pi - (np.pi - angle) % (2 * n
         (BOUCLES, mistake(BOUCLES, "premier_indice_oublie")),
         (BOUCLES, mistake(BOUCLES, "ecarts_signes")),
         (BOUCLES, submission("np.array([np.median(scan)])")),
+        (
+            COMB,
+            model(COMB, "def n_eff(poids):\n    return ", "def n_eff(poids):\n    return int(", "**2)\n", "**2))\n"),
+        ),
         (POSES, PI),
         (PREDIRE, mistake(PREDIRE, "croyance_oubliee")),
         (PREDIRE, mistake(PREDIRE, "carre_oublie")),
