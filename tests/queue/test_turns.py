@@ -14,13 +14,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sqlalchemy import delete, select, text
 
+from server.base.request import visitor_of
 from server.database import Database
 from server.identity.models import Account, Role
 from server.queue.models import Job
 from server.queue.owner import owner_of
 from server.queue.port import HeapError, Lease, Most, NoSignals, Sender
 from server.queue.service import TableQueue
-from server.submissions.senders import network_of, sender_of
+from server.submissions.senders import sender_of
 from tests.support.counting import Counted
 
 HERE, KIND = owner_of(os.getpid()), "bake"
@@ -272,11 +273,18 @@ def test_an_account_has_turns_of_its_own_and_guests_those_of_their_address() -> 
         ("2001:db8:1:2:3:4:5:6", "2001:db8:1:2::/64"),
         ("2001:db8:1:2:ffff::1", "2001:db8:1:2::/64"),
         ("::ffff:192.0.2.1", "192.0.2.1"),
-        ("testclient", "testclient"),
     ],
 )
 def test_who_may_choose_among_addresses_has_one(address: str, network: str) -> None:
-    assert network_of(address) == network
+    assert guest_at(visitor_of(address)).line == network
+
+
+def test_what_the_limits_call_a_visitor_is_taken_as_it_is() -> None:
+    assert guest_at("testclient").line == "testclient"
+
+
+def guest_at(address: str) -> Sender:
+    return sender_of(Account(id=uuid4(), role=Role.guest, name="…"), address)
 
 
 def test_jobs_are_read_back_with_their_sender(bakery: Bakery) -> None:

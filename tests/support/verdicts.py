@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from graders.core.contract.findings import Judgement
 from graders.core.contract.local import LOCAL
 from graders.core.contract.verdict import Verdict
 from tests.graders.shipped import CODE
 
 
+def judgement_of(exercise: str, source: str, seed: int) -> Judgement:
+    """What comes of a program of ours, run in this process: its verdict, and what its figures show."""
+    return CODE[exercise].grade(source.encode(), LOCAL, seed=seed, version="v")
+
+
 def verdict_of(exercise: str, source: str, seed: int) -> Verdict:
     """The verdict of a program of ours, run in this process."""
-    return CODE[exercise].grade(source.encode(), LOCAL, seed=seed, version="v").verdict
+    return judgement_of(exercise, source, seed).verdict
 
 
 def failed(found: Verdict) -> set[str]:

@@ -3,41 +3,27 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from graders.core.contract.findings import Judgement
-from graders.core.contract.local import LOCAL, PROJECT
+from graders.core.contract.local import PROJECT
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.verdict import Verdict
 from graders.l20.boucles.readings import Unsuitable, read_signature
 from graders.plotting import counterexample
 from tests.graders.l20.boucles_styles import ARRAY, DESCRIPTORS, DISTANCES, LIST, submission
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
+from tests.support.verdicts import failed, judgement_of, named, verdict_of
 
 GRADER = CODE["l20/boucles"]
+graded = partial(judgement_of, GRADER.exercise)
+verdict = partial(verdict_of, GRADER.exercise)
 
 SEEDS = range(12)
-
-
-def graded(source: str, seed: int) -> Judgement:
-    return GRADER.grade(source.encode(), LOCAL, seed=seed, version="v")
-
-
-def verdict(source: str, seed: int) -> Verdict:
-    return graded(source, seed).verdict
-
-
-def failed(found: Verdict) -> set[str]:
-    return {check.id for check in found.checks if not check.passed}
-
-
-def named(found: Verdict) -> str | None:
-    return found.diagnosis.id if found.diagnosis else None
 
 
 def mistake(name: str) -> Any:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from graders.core.contract.findings import Judgement
-from graders.core.contract.local import LOCAL, PROJECT
+from graders.core.contract.local import PROJECT
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.verdict import Verdict
 from graders.l20.kabsch import cases
 from graders.l20.kabsch.checks import Pairing, Question, simpler_pairings
 from graders.l20.kabsch.judge import judge
@@ -20,8 +19,11 @@ from graders.plotting import counterexample
 from reference.registration import kabsch
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
+from tests.support.verdicts import failed, judgement_of, named, verdict_of
 
 GRADER = CODE["l20/kabsch"]
+graded = partial(judgement_of, GRADER.exercise)
+verdict = partial(verdict_of, GRADER.exercise)
 
 SVD = """
 def kabsch(P, Q):
@@ -58,22 +60,6 @@ def kabsch(P, Q):
     first[:] = first or [right(P, Q)]
     return first[0]
 """
-
-
-def graded(source: str, seed: int) -> Judgement:
-    return GRADER.grade(source.encode(), LOCAL, seed=seed, version="v")
-
-
-def verdict(source: str, seed: int) -> Verdict:
-    return graded(source, seed).verdict
-
-
-def failed(found: Verdict) -> set[str]:
-    return {check.id for check in found.checks if not check.passed}
-
-
-def named(found: Verdict) -> str | None:
-    return found.diagnosis.id if found.diagnosis else None
 
 
 def mistake(name: str) -> Any:

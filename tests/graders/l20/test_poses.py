@@ -1,6 +1,7 @@
 """l20/poses: honest styles pass on every seed, every catalogued mistake is named, figures draw."""
 
 import json
+from functools import partial
 from typing import Any
 
 import pytest
@@ -9,14 +10,12 @@ from graders.core.contract.local import LOCAL, PROJECT
 from graders.plotting import counterexample
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES
+from tests.support.verdicts import verdict_of
 
 GRADER = CODE["l20/poses"]
+verdict = partial(verdict_of, GRADER.exercise)
 
 SEEDS = range(10)
-
-
-def verdict(source: str, seed: int) -> Any:
-    return GRADER.grade(source.encode(), LOCAL, seed=seed, version="v").verdict
 
 
 @pytest.mark.parametrize("seed", SEEDS)

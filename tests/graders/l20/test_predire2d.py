@@ -2,12 +2,13 @@
 
 import json
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 
-from graders.core.contract.local import LOCAL, PROJECT, LocalProgram
+from graders.core.contract.local import PROJECT, LocalProgram
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings, Program, StudentFault
 from graders.l20.predire2d import cases, trials
@@ -17,18 +18,13 @@ from graders.plotting import counterexample
 from reference.localisation.grid_filter import most_likely
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
+from tests.support.verdicts import judgement_of, verdict_of
 
 GRADER = CODE["l20/predire2d"]
+grading = partial(judgement_of, GRADER.exercise)
+verdict = partial(verdict_of, GRADER.exercise)
 
 SEEDS = range(5)
-
-
-def grading(source: str, seed: int) -> Any:
-    return GRADER.grade(source.encode(), LOCAL, seed=seed, version="v")
-
-
-def verdict(source: str, seed: int) -> Any:
-    return grading(source, seed).verdict
 
 
 def mistake(name: str) -> str:

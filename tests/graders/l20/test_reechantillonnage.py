@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 from textwrap import indent
 from typing import Any
@@ -16,7 +17,6 @@ from graders.core.code.grading import FRESH
 from graders.core.contract.local import LOCAL, PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.streams import stream
-from graders.core.contract.verdict import Verdict
 from graders.l20.reechantillonnage import trials
 from graders.l20.reechantillonnage.harvest import harvest
 from graders.l20.reechantillonnage.judge import TAIL, is_comb, plausible
@@ -24,8 +24,10 @@ from graders.plotting import counterexample
 from reference.filters.resampling import comb, systematic_resampling
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
+from tests.support.verdicts import verdict_of
 
 GRADER = CODE["l20/reechantillonnage"]
+verdict = partial(verdict_of, GRADER.exercise)
 
 # Whether a file loads at all is the sandbox's business.
 SPECIMENS = sorted(
@@ -254,10 +256,6 @@ return list(np.searchsorted(np.cumsum(poids), (np.arange(N) + rng.random()) / N)
 
 def submission(body: str) -> str:
     return N_EFF + "def reechantillonner_systematique(particules, poids):\n" + indent(f"N = len(poids)\n{body}", "    ")
-
-
-def verdict(source: str, seed: int) -> Verdict:
-    return GRADER.grade(source.encode(), LOCAL, seed=seed, version="v").verdict
 
 
 def specimen(path: Path) -> str:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 
 import pytest
 
-from graders.core.contract.findings import Judgement
-from graders.core.contract.local import LOCAL, PROJECT
+from graders.core.contract.local import PROJECT
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.verdict import Verdict
 from graders.plotting import counterexample
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES
+from tests.support.verdicts import failed, judgement_of, verdict_of
 
 GRADER = CODE["l20/slam_graphe"]
+graded = partial(judgement_of, GRADER.exercise)
+verdict = partial(verdict_of, GRADER.exercise)
 
 ERROR_CHECKS = {"erreur_exemples", "erreur_hasard", "erreur_tours"}
 GRAPH_CHECKS = {"chaine", "boucle", "poids", "demi_tour", "grande_boucle"}
@@ -22,18 +24,6 @@ GRAPH_CHECKS = {"chaine", "boucle", "poids", "demi_tour", "grande_boucle"}
 SPECIMENS = {path.stem: path.read_text(encoding="utf-8") for path in (GRADER.folder / "specimens").glob("*/*.py")}
 NUMERIC, VECTORS, COMPOSED = SPECIMENS["numerique_dense"], SPECIMENS["lots_numpy"], SPECIMENS["variete"]
 SPARSE = SPECIMENS["creux_scipy"]
-
-
-def graded(source: str, seed: int) -> Judgement:
-    return GRADER.grade(source.encode(), LOCAL, seed=seed, version="v")
-
-
-def verdict(source: str, seed: int) -> Verdict:
-    return graded(source, seed).verdict
-
-
-def failed(found: Verdict) -> set[str]:
-    return {check.id for check in found.checks if not check.passed}
 
 
 def edited(source: str, old: str, new: str) -> str:
