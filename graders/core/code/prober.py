@@ -14,7 +14,7 @@ import itertools
 import threading
 import time
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from types import CodeType
@@ -146,17 +146,17 @@ class Prober:
             return ()  # a mistake found in another function is all that there is to this one
         shown = Shown(probes.calls, answers, right)
         told = [k for k in shown.wrong() if probes.compared is None or k < probes.compared]
-        for mistakes in range(1, DEEP + 1) if told else ():
-            possible = (row for row in self._all(index, mistakes) if row.mutant.speaks_of(blamed))
-            fits = [row for row in possible if self._fits(index, row, answers)]
+        for rows in self._candidates(index, answers) if told else ():
+            fits = [row for row in rows if row.mutant.speaks_of(blamed) and self._fits(index, row, answers)]
             if fits:
                 return _agreed(fits) or _ruled(probes.rules, shown)
-        begun = self._extended(index, answers) if told else ()
-        possible = (row for row in begun if row.mutant.speaks_of(blamed))
-        fits = [row for row in possible if self._fits(index, row, answers)]
-        if fits:
-            return _agreed(fits) or _ruled(probes.rules, shown)
         return _ruled(probes.rules, shown)
+
+    def _candidates(self, index: int, answers: Sequence[Seen]) -> Iterator[Iterable[_Row]]:
+        """What may explain the answers, the fewest mistakes first; what costs more is made when nothing else does."""
+        for mistakes in range(1, DEEP + 1):
+            yield self._all(index, mistakes)
+        yield self._extended(index, answers)
 
     def _right(self, index: int, answers: Sequence[Seen]) -> Sequence[Seen] | None:
         """What is right, in the nearest style; None when the answers are."""
