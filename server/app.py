@@ -27,6 +27,8 @@ from server.classes.presence import Presence
 from server.classes.service import Classes
 from server.course import Course, load
 from server.database import Database, utc_now
+from server.desk.classes import router as classes_router
+from server.desk.keeping import router as keeping_router
 from server.figures.pictures import Pictures
 from server.figures.program import program
 from server.figures.service import Figures
@@ -36,8 +38,6 @@ from server.grading.task import give_ups
 from server.identity import service as accounts
 from server.identity.service import Accounts
 from server.pages.accounts import router as accounts_router
-from server.pages.class_desk import router as class_desk_router
-from server.pages.classes import router as classes_router
 from server.pages.person import router as person_router
 from server.pages.routes import router as pages_router
 from server.personal.joining import adopt
@@ -69,7 +69,7 @@ ROUTERS = (
     accounts_router,
     person_router,
     classes_router,
-    class_desk_router,
+    keeping_router,
     pages_router,
     reading_router,
     cells_router,

@@ -1,1 +1,1 @@
-"""The pages of exercises, attempts, accounts and classes."""
+"""The pages of exercises, attempts and accounts."""

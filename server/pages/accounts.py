@@ -11,7 +11,7 @@ from server.identity.dependencies import AccountsOf, OptionalAccount, forget, re
 from server.identity.models import Account
 from server.identity.schemas import RefusedForm, new_account
 from server.identity.service import Accounts, Opened
-from server.pages.forms import Field, form, go, local
+from server.web.forms import Field, form, go, local
 
 router = APIRouter(include_in_schema=False)
 

@@ -14,15 +14,15 @@ from server.classes.models import Seat
 from server.classes.schemas import CODE_LASTS, DEFAULT_LASTING, name_of_class
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
+from server.desk import views
+from server.desk.classes import base_of, log_in_first
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
-from server.pages import class_views as views
-from server.pages.classes import base_of, log_in_first
-from server.pages.forms import Field, go
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import Place
 from server.web.dependencies import Reading
+from server.web.forms import Field, go
 from server.web.rendering import page
 
 router = APIRouter(include_in_schema=False)
@@ -54,7 +54,7 @@ def settle(
     if not eleve:
         raise Invalid(NOBODY)
     service.settle(db, place.school_class, eleve, ACTIONS[action], groupe)
-    return go(views.href_of(place.school_class))
+    return go(f"{views.href_of(place.school_class)}/eleves")
 
 
 @router.get("/classes/{class_id}/liste")
@@ -69,7 +69,7 @@ def list_form(request: Request, class_id: str, reader: Reading) -> Response:
 def _list_form(
     request: Request, account: Account, course: CourseOf, place: Place, text: str = "", problem: str = ""
 ) -> HTMLResponse:
-    head, status = views.head(course, place), 422 if problem else 200
+    head, status = views.head(course, place, "/eleves"), 422 if problem else 200
     return page(request, "classes/list.html", account, status=status, head=head, text=text, problem=problem)
 
 
@@ -101,7 +101,7 @@ def import_list(
         if attendu:
             _, written = classes.import_list(place.school_class.id, account, content, expected=attendu)
             if written:
-                return go(views.href_of(place.school_class))
+                return go(f"{views.href_of(place.school_class)}/eleves")
         plan, text = classes.preview(place.school_class, account, content)
     except Invalid as refused:
         return _list_form(request, account, course, place, texte, refused.detail)

@@ -17,23 +17,25 @@ from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.classes.schemas import Member
 from server.classes.service import Slip, good_code
 from server.course import Course
-from server.identity.models import Account
-from server.pages.class_schemas import (
+from server.desk.schemas import (
     ChangeRow,
     ClassesPage,
     ClassHead,
-    ClassPage,
     ClassRow,
     CodeView,
     ImportPage,
     JoinPage,
     MemberRow,
+    OwnPage,
     OwnSeat,
+    PeoplePage,
     SettingsPage,
     SlipsPage,
     SlipView,
     StaffRow,
 )
+from server.desk.tabs import tabs
+from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import Place
@@ -85,7 +87,8 @@ def _row(course: Course, school_class: SchoolClass, seat: Membership | None, stu
     )
 
 
-def head(course: Course, place: Place) -> ClassHead:
+def head(course: Course, place: Place, here: str = "") -> ClassHead:
+    """`here` is the path, within the class, of the tab that the page belongs to."""
     school_class = place.school_class
     return ClassHead(
         id=str(school_class.id),
@@ -97,6 +100,7 @@ def head(course: Course, place: Place) -> ClassHead:
         may_keep_list=place.may(Right.keep_list) and school_class.archived_at is None,
         may_set_up=place.may(Right.set_up),
         may_see_code=place.may(Right.see_code),
+        tabs=tabs(href_of(school_class), place.may, here),
     )
 
 
@@ -115,20 +119,23 @@ def qr(address: str) -> str:
     return Markup(picture.svg_inline(border=4, dark="#000", light="#fff", omitsize=True, svgclass="qr", lineclass=None))
 
 
-def class_page(db: Session, course: Course, place: Place, account: Account, base: str, group: str) -> ClassPage:
+def own_page(db: Session, course: Course, place: Place, account: Account) -> OwnPage:
+    """Of a member who is none of the staff."""
+    everyone = repository.members(db, place.school_class.id)
+    return OwnPage(head(course, place), _seat(place), staff_rows(everyone, place, account))
+
+
+def people_page(db: Session, course: Course, place: Place, account: Account, base: str, group: str) -> PeoplePage:
     """`group`, where it is not empty, keeps the students of this group alone."""
     school_class = place.school_class
     everyone = repository.members(db, school_class.id)
-    sees = place.may(Right.see_students)
-    students = [one for one in everyone if one.seat is Seat.student] if sees else []
+    students = [one for one in everyone if one.seat is Seat.student]
     active = [one for one in students if one.status is Status.active]
     labels = Counter(label for one in active for label in one.groups)
-    return ClassPage(
-        head=head(course, place),
-        seat=_seat(place),
+    return PeoplePage(
+        head=head(course, place, "/eleves"),
         staff=staff_rows(everyone, place, account),
         code=code_view(school_class, base) if place.may(Right.see_code) else None,
-        may_see_students=sees,
         may_hand_passwords=place.may(Right.hand_passwords) and school_class.archived_at is None,
         students=member_rows(one for one in active if not group or group in one.groups),
         total=len(active),
@@ -140,10 +147,9 @@ def class_page(db: Session, course: Course, place: Place, account: Account, base
     )
 
 
-def _seat(place: Place) -> OwnSeat | None:
+def _seat(place: Place) -> OwnSeat:
     membership = place.membership
-    if membership is None:
-        return None
+    assert membership is not None  # who has no seat is an administrator, who sees the class as its staff do
     pending = membership.status == Status.pending
     return OwnSeat(ROLES[Seat(membership.role)], pending, tuple(membership.groups), place.may(Right.leave_class))
 
@@ -193,14 +199,14 @@ def _without_password(member: Member) -> bool:
 def settings_page(db: Session, course: Course, place: Place, account: Account, base: str) -> SettingsPage:
     school_class = place.school_class
     staff = staff_rows(repository.members(db, school_class.id), place, account)
-    return SettingsPage(head(course, place), school_class.approval, staff, code_view(school_class, base))
+    return SettingsPage(head(course, place, "/reglages"), school_class.approval, staff, code_view(school_class, base))
 
 
 def import_page(course: Course, place: Place, plan: Plan, text: str) -> ImportPage:
     added = [ChangeRow(str(line.line), line.name, line.login or line.email, ADDED) for line in plan.added]
     added += [ChangeRow(str(line.line), line.name, account.login or "", JOINS) for line, account in plan.joining]
     return ImportPage(
-        head=head(course, place),
+        head=head(course, place, "/eleves"),
         added=tuple(sorted(added, key=lambda row: int(row.line))),
         updated=tuple(
             ChangeRow(str(line.line), line.name, member.account.login or "", BACK[member.status])
@@ -220,7 +226,7 @@ def slips_page(
 ) -> SlipsPage:
     links = [(slip, f"{base}/nouveau-mot-de-passe/{slip.token}") for slip in given]
     slips = tuple(SlipView(slip.name, slip.login, link, qr(link)) for slip, link in links)
-    return SlipsPage(head(course, place), slips, tuple(refused), days, base)
+    return SlipsPage(head(course, place, "/eleves"), slips, tuple(refused), days, base)
 
 
 def join_page(db: Session, course: Course, school_class: SchoolClass, account: Account | None) -> JoinPage:

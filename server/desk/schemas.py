@@ -30,8 +30,17 @@ class ClassesPage:
 
 
 @dataclass(frozen=True)
+class Tab:
+    """A link to a page of the class; `here`: it is, or belongs to, the page that is shown."""
+
+    label: str
+    href: str
+    here: bool
+
+
+@dataclass(frozen=True)
 class ClassHead:
-    """What every page of a class begins with, and where one may go from it."""
+    """What every page of a class begins with, and where one may go from it. `tabs` are for its staff."""
 
     id: str
     name: str
@@ -42,6 +51,7 @@ class ClassHead:
     may_keep_list: bool
     may_set_up: bool
     may_see_code: bool
+    tabs: tuple[Tab, ...]
 
 
 @dataclass(frozen=True)
@@ -91,14 +101,21 @@ class OwnSeat:
 
 
 @dataclass(frozen=True)
-class ClassPage:
-    """`students`, of the group `group` where one is chosen, and who has left are there for who may see them alone."""
+class OwnPage:
+    """A class as who learns there sees it."""
 
     head: ClassHead
-    seat: OwnSeat | None
+    seat: OwnSeat
+    staff: tuple[StaffRow, ...]
+
+
+@dataclass(frozen=True)
+class PeoplePage:
+    """Who is in a class, as its staff see it; `students` are those of the group `group` where one is chosen."""
+
+    head: ClassHead
     staff: tuple[StaffRow, ...]
     code: CodeView | None
-    may_see_students: bool
     may_hand_passwords: bool
     students: tuple[MemberRow, ...]
     total: int

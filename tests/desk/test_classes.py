@@ -38,7 +38,7 @@ def text_of(browser: TestClient, path: str, status: int = 200) -> str:
 
 
 def code_of(browser: TestClient, href: str) -> str:
-    found = re.search(r"/rejoindre/([A-Z]{8})<", text_of(browser, href))
+    found = re.search(r"/rejoindre/([A-Z]{8})<", text_of(browser, f"{href}/eleves"))
     assert found
     return found[1]
 
@@ -49,7 +49,7 @@ def stored(site: Site, table: Any) -> list[Any]:
 
 
 def test_a_class_is_made_by_a_teacher_alone(site: Site, martin: TestClient, href: str) -> None:
-    page = text_of(martin, href)
+    page = text_of(martin, f"{href}/eleves")
     assert "MPSI &lt;2&gt;" in page
     assert '<svg class="qr"' in page or "<svg" in page
     assert "MPSI &lt;2&gt;" in text_of(martin, "/classes")
@@ -75,7 +75,7 @@ def test_a_visitor_joins_under_a_name_and_the_work_follows(site: Site, martin: T
     answer = site.client.post(f"/rejoindre/{code}", data={"given": "Ada", "family": "Lovelace"})
     assert (answer.status_code, answer.headers["location"]) == (303, href)
     assert "Qui y enseigne voit vos essais" in text_of(site.client, href)
-    students = text_of(martin, href)
+    students = text_of(martin, f"{href}/eleves")
     assert "Ada Lovelace" in students
     (sent,) = re.findall(r"/soumissions/[0-9a-f-]{36}", text_of(site.client, "/l20/exercices/poses/essais"))
     assert text_of(martin, sent)
@@ -84,7 +84,7 @@ def test_a_visitor_joins_under_a_name_and_the_work_follows(site: Site, martin: T
     assert [one.account_id for one in stored(site, Membership) if one.role == Seat.student] == [guest.id]
     assert site.client.post(f"{href}/quitter").headers["location"] == "/classes"
     text_of(site.client, href, 404)
-    assert "1 personne est sortie" in text_of(martin, href)
+    assert "1 personne est sortie" in text_of(martin, f"{href}/eleves")
 
 
 def test_a_visitor_who_has_no_good_code_becomes_nobody(site: Site, martin: TestClient, href: str) -> None:
@@ -106,12 +106,12 @@ def test_a_list_is_shown_then_written(site: Site, martin: TestClient, href: str)
     back = martin.post(f"{href}/liste", data={**fields, "reprendre": "oui"})
     assert "Lovelace" in back.text
     assert len(stored(site, Membership)) == 1
-    assert martin.post(f"{href}/liste", data=fields).headers["location"] == href
+    assert martin.post(f"{href}/liste", data=fields).headers["location"] == f"{href}/eleves"
     assert len(stored(site, Membership)) == 3
     again = martin.post(f"{href}/liste", data=fields)
     assert "La classe a changé entre-temps" in again.text
     assert "Il n’y a rien à écrire" in again.text
-    assert "Alan Turing" not in text_of(martin, f"{href}?groupe=TP1").split('<h2 id="eleves">')[1]
+    assert "Alan Turing" not in text_of(martin, f"{href}/eleves?groupe=TP1").split('<h2 id="eleves">')[1]
 
 
 def fields_of(page: str) -> dict[str, str]:
@@ -151,7 +151,7 @@ def test_settings_change_the_class(site: Site, martin: TestClient, href: str) ->
     assert "accepter votre demande" in text_of(site.client, f"/rejoindre/{code}")
     site.client.post(f"/rejoindre/{code}", data={"given": "Ada", "family": "Lovelace"})
     assert "attend l’accord" in text_of(site.client, href)
-    waiting = text_of(martin, href)
+    waiting = text_of(martin, f"{href}/eleves")
     assert "1 demande" in waiting
     (asked,) = re.findall(r'name="eleve" value="([\w-]+)" checked', waiting)
     martin.post(f"{href}/eleves", data={"action": "accepter", "eleve": asked})
@@ -193,10 +193,10 @@ def test_a_solution_is_opened_to_a_class(site: Site, martin: TestClient, href: s
 def test_a_class_asks_no_more_for_more_students(site: Site, martin: TestClient, href: str) -> None:
     def statements() -> int:
         with Counted(site.database) as counted:
-            text_of(martin, href)
+            text_of(martin, f"{href}/eleves")
         return len(counted.statements)
 
-    text_of(martin, href)
+    text_of(martin, f"{href}/eleves")
     few = statements()
     with site.database.write() as db:
         for number in range(40):
@@ -205,4 +205,4 @@ def test_a_class_asks_no_more_for_more_students(site: Site, martin: TestClient, 
             db.flush()
             db.add(Membership(class_id=UUID(href.rpartition("/")[2]), account_id=account.id))
     assert statements() == few <= 6
-    assert "40 élèves" in text_of(martin, href)
+    assert "40 élèves" in text_of(martin, f"{href}/eleves")

@@ -12,13 +12,13 @@ from server.classes.dependencies import ClassesOf
 from server.classes.schemas import own_name
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
+from server.desk import views
+from server.desk.schemas import JoinForm, JoinPage
 from server.identity.dependencies import AccountsOf, OptionalAccount, SignedIn, account_or_guest
-from server.pages import class_views as views
-from server.pages.class_schemas import JoinForm, JoinPage
-from server.pages.forms import Field, go
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import Reading
+from server.web.forms import Field, go
 from server.web.rendering import page
 from server.web.views import find_module
 
@@ -114,12 +114,23 @@ def join(
 
 
 @router.get("/classes/{class_id}")
-def one(request: Request, class_id: str, reader: Reading, groupe: Group = "") -> Response:
+def one(request: Request, class_id: str, reader: Reading) -> Response:
     if reader.account is None:
         return log_in_first(request)
     place = rights.require(reader.db, reader.account, Right.see_class, class_id)
-    view = views.class_page(reader.db, reader.course, place, reader.account, base_of(request), groupe)
-    return page(request, "classes/one.html", reader.account, page=view)
+    if place.may(Right.see_students):
+        return go(f"{views.href_of(place.school_class)}/eleves")
+    view = views.own_page(reader.db, reader.course, place, reader.account)
+    return page(request, "classes/own.html", reader.account, page=view)
+
+
+@router.get("/classes/{class_id}/eleves")
+def people(request: Request, class_id: str, reader: Reading, groupe: Group = "") -> Response:
+    if reader.account is None:
+        return log_in_first(request)
+    place = rights.require(reader.db, reader.account, Right.see_students, class_id)
+    view = views.people_page(reader.db, reader.course, place, reader.account, base_of(request), groupe)
+    return page(request, "classes/people.html", reader.account, page=view)
 
 
 @router.get("/classes/{class_id}/code")
