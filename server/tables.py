@@ -1,5 +1,7 @@
 """Every table, so that the metadata is whole for whoever needs it whole (comparing with the migrations, tests)."""
 
+from server.assignments import models as assignments
+from server.audit import models as audit
 from server.classes import models as classes
 from server.database.base import Base
 from server.gradebook import models as gradebook
@@ -17,6 +19,10 @@ TABLES = (
     limits.Allowance,
     classes.SchoolClass,
     classes.Membership,
+    audit.AuditEvent,
+    assignments.Assignment,
+    assignments.AssignedExercise,
+    assignments.Exemption,
     queue.Job,
     submissions.Submission,
     submissions.Deal,

@@ -1,0 +1,66 @@
+"""Which of a student's attempts at an exercise counts in an assignment: pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from uuid import UUID
+
+from server.assignments.models import Counts
+from server.assignments.rules import FULL, Rules
+
+
+@dataclass(frozen=True)
+class Sent:
+    """A graded attempt; `score` in [0, 1]."""
+
+    id: UUID
+    sent_at: datetime
+    score: float
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Points out of 20 of the attempt that counts, as lateness leaves them; what it was worth on time; days late."""
+
+    attempt: UUID
+    points: float
+    full_points: float
+    days_late: int
+
+
+@dataclass(frozen=True)
+class Result:
+    """What counts, and what was best before the due date; None where there is nothing. `attempts` within the dates."""
+
+    counted: Mark | None
+    before_due: Mark | None
+    attempts: int
+
+
+def result(rules: Rules, counts: Counts, attempts: Iterable[Sent]) -> Result:
+    """Of a student's attempts at one exercise, in any order, but errors of ours.
+
+    Of equals the earliest counts as best. An attempt outside the dates is as if it had not been sent.
+    """
+    marks = _marks(rules, sorted(attempts, key=lambda one: (one.sent_at, str(one.id))))
+    on_time = _best([mark for mark in marks if not mark.days_late])
+    if counts is Counts.last:
+        counted = marks[-1] if marks else None
+    else:
+        counted = on_time if counts is Counts.best_before_due else _best(marks)
+    return Result(counted, on_time, len(marks))
+
+
+def _marks(rules: Rules, attempts: Iterable[Sent]) -> Sequence[Mark]:
+    found = []
+    for one in attempts:
+        worth = rules.worth(one.sent_at, FULL * one.score)
+        if worth.points is not None:
+            found.append(Mark(one.id, worth.points, FULL * one.score, worth.days_late))
+    return found
+
+
+def _best(marks: Sequence[Mark]) -> Mark | None:
+    return max(marks, key=lambda mark: mark.points, default=None)

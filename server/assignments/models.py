@@ -1,0 +1,111 @@
+"""Assignments, and for whom their rules differ."""
+
+from datetime import datetime
+from enum import StrEnum
+from uuid import UUID, uuid4
+
+from sqlalchemy import CheckConstraint, ForeignKey, String, Text
+from sqlalchemy.orm import Mapped, mapped_column
+
+from server.database.base import Base, UtcDateTime, utc_now
+
+TITLE_LENGTH = 200
+GROUP_LENGTH = 40
+
+
+class Mode(StrEnum):
+    """`test`: what is found is told only once the teacher releases it."""
+
+    practice = "practice"
+    test = "test"
+
+
+class Late(StrEnum):
+    """What is sent after the due date: does not count; counts, and is marked late; loses points for each day begun."""
+
+    refuse = "refuse"
+    accept = "accept"
+    penalty = "penalty"
+
+
+class Counts(StrEnum):
+    """Which of a student's attempts at an exercise makes the mark."""
+
+    best = "best"
+    last = "last"
+    best_before_due = "best_before_due"
+
+
+class Shown(StrEnum):
+    """When something of the feedback is shown: `usual` is as outside of any assignment."""
+
+    usual = "usual"
+    after_due = "after_due"
+    after_close = "after_close"
+    never = "never"
+
+
+class Assignment(Base):
+    """Exercises that a class is to do. Without `due_at` nothing is late; without `closes_at` it stays open.
+
+    `late_per_day`: points out of 20 that each day begun costs, with `Late.penalty` alone. `duration_minutes`: of a
+    test, from when a student begins it. `released_at`: from when the feedback of a test is shown.
+    """
+
+    __tablename__ = "assignment"
+
+    id: Mapped[UUID] = mapped_column(primary_key=True, default=uuid4)
+    class_id: Mapped[UUID] = mapped_column(ForeignKey("school_class.id", ondelete="CASCADE"), index=True)
+    title: Mapped[str] = mapped_column(String(TITLE_LENGTH))
+    mode: Mapped[str] = mapped_column(String(16), default=Mode.practice)
+    opens_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    due_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    closes_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    late: Mapped[str] = mapped_column(String(16), default=Late.accept)
+    late_per_day: Mapped[float | None]
+    counts: Mapped[str] = mapped_column(String(16), default=Counts.best)
+    weight: Mapped[float] = mapped_column(default=1.0)
+    hints: Mapped[str] = mapped_column(String(16), default=Shown.usual)
+    diagnosis: Mapped[str] = mapped_column(String(16), default=Shown.usual)
+    solution: Mapped[str] = mapped_column(String(16), default=Shown.usual)
+    duration_minutes: Mapped[int | None]
+    released_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    created_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"))
+    created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+
+
+class AssignedExercise(Base):
+    """An exercise of an assignment, with its weight among the others."""
+
+    __tablename__ = "assigned_exercise"
+
+    assignment_id: Mapped[UUID] = mapped_column(ForeignKey("assignment.id", ondelete="CASCADE"), primary_key=True)
+    exercise: Mapped[str] = mapped_column(String(200), primary_key=True)
+    position: Mapped[int]
+    weight: Mapped[float] = mapped_column(default=1.0)
+
+
+class Exemption(Base):
+    """What differs from an assignment's rules for a student, or for all who have a label. None inherits.
+
+    `time_factor` multiplies the duration of a test. The reason is for the staff alone: the effect is kept, not the
+    cause. Revoked, it stays to be read.
+    """
+
+    __tablename__ = "exemption"
+
+    id: Mapped[UUID] = mapped_column(primary_key=True, default=uuid4)
+    assignment_id: Mapped[UUID] = mapped_column(ForeignKey("assignment.id", ondelete="CASCADE"), index=True)
+    account_id: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), index=True)
+    label: Mapped[str | None] = mapped_column(String(GROUP_LENGTH))
+    opens_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    due_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    closes_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    time_factor: Mapped[float | None]
+    excused: Mapped[bool | None]
+    reason: Mapped[str] = mapped_column(Text, default="")
+    created_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"))
+    created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+    revoked_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+
+    __table_args__ = (CheckConstraint("(account_id IS NULL) <> (label IS NULL)", name="one_of"),)

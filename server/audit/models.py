@@ -1,0 +1,61 @@
+"""One change of a mark, a date or a right in a class."""
+
+from collections.abc import Mapping
+from datetime import datetime
+from enum import StrEnum
+from typing import Any
+from uuid import UUID, uuid4
+
+from sqlalchemy import JSON, ForeignKey, Index, String, Text
+from sqlalchemy.orm import Mapped, mapped_column
+
+from server.database.base import Base, UtcDateTime, utc_now
+
+ABOUT_LENGTH = 300
+
+
+class What(StrEnum):
+    """Kinds of changes, as they are kept; `WORDS` are what the page and the exports say."""
+
+    assignment_made = "assignment_made"
+    assignment_changed = "assignment_changed"
+    assignment_deleted = "assignment_deleted"
+    exemption_made = "exemption_made"
+    exemption_revoked = "exemption_revoked"
+    staff_changed = "staff_changed"
+    student_removed = "student_removed"
+    student_admitted = "student_admitted"
+
+
+WORDS: Mapping[What, str] = {
+    What.assignment_made: "devoir créé",
+    What.assignment_changed: "devoir modifié",
+    What.assignment_deleted: "devoir supprimé",
+    What.exemption_made: "aménagement accordé",
+    What.exemption_revoked: "aménagement retiré",
+    What.staff_changed: "équipe modifiée",
+    What.student_removed: "élève sorti de la classe",
+    What.student_admitted: "élève admis dans la classe",
+}
+
+
+class AuditEvent(Base):
+    """A row is only ever added. It outlives the accounts that it names: their names go, what was done stays.
+
+    `about` says in words what was changed (an assignment, an exercise); `before` and `after` are plain values by name.
+    """
+
+    __tablename__ = "audit_event"
+
+    id: Mapped[UUID] = mapped_column(primary_key=True, default=uuid4)
+    class_id: Mapped[UUID] = mapped_column(ForeignKey("school_class.id", ondelete="CASCADE"))
+    at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+    by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"), index=True)
+    what: Mapped[str] = mapped_column(String(32))
+    student: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"), index=True)
+    about: Mapped[str] = mapped_column(String(ABOUT_LENGTH), default="")
+    before: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+    after: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
+    reason: Mapped[str] = mapped_column(Text, default="")
+
+    __table_args__ = (Index("ix_audit_event_class_id_at", "class_id", "at"),)

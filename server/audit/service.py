@@ -1,0 +1,44 @@
+"""Noting a change, in the transaction that makes it."""
+
+from collections.abc import Mapping
+from datetime import datetime
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.audit.models import ABOUT_LENGTH, AuditEvent, What
+
+Values = Mapping[str, Any]
+
+
+def note(
+    db: Session,
+    class_id: UUID,
+    by: UUID,
+    what: What,
+    *,
+    student: UUID | None = None,
+    about: str = "",
+    before: Values | None = None,
+    after: Values | None = None,
+    reason: str = "",
+) -> None:
+    """Adds an event; `before` and `after` keep only what differs between them. Dates are kept in ISO 8601."""
+    old, new = _plain(before or {}), _plain(after or {})
+    differing = [name for name in {**old, **new} if old.get(name) != new.get(name)]
+    event = AuditEvent(
+        class_id=class_id,
+        by=by,
+        what=what,
+        student=student,
+        about=about[:ABOUT_LENGTH],
+        before={name: old[name] for name in differing if name in old},
+        after={name: new[name] for name in differing if name in new},
+        reason=reason,
+    )
+    db.add(event)
+
+
+def _plain(values: Values) -> dict[str, Any]:
+    return {name: value.isoformat() if isinstance(value, datetime) else value for name, value in values.items()}
