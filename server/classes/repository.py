@@ -164,6 +164,17 @@ def note_seen(db: Session, account_id: UUID, now: datetime, unless_since: dateti
     )
 
 
+def is_member(db: Session, account_id: UUID) -> bool:
+    """Of some class that is not archived."""
+    query = select(Membership.class_id).join(SchoolClass, SchoolClass.id == Membership.class_id)
+    query = query.where(
+        Membership.account_id == account_id,
+        Membership.status == Status.active,
+        SchoolClass.archived_at.is_(None),
+    )
+    return db.execute(query.limit(1)).first() is not None
+
+
 def to_note(db: Session, account_id: UUID, unless_since: datetime) -> bool:
     query = select(Membership.class_id).where(
         Membership.account_id == account_id,

@@ -201,6 +201,11 @@ def note_seen(db: Session, account_id: UUID) -> None:
     repository.note_seen(db, account_id, now, now - SEEN_WITHIN)
 
 
+def is_member(db: Session, account_id: UUID) -> bool:
+    """Whether somebody has let this account into a class that goes on: its work comes first."""
+    return repository.is_member(db, account_id)
+
+
 @dataclass(frozen=True)
 class Slip:
     """What a student is handed over on paper."""

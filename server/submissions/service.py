@@ -36,7 +36,7 @@ FULL = {
     "address": "Beaucoup de propositions envoyées depuis votre adresse attendent encore leur correction : réessayez "
     "dans quelques instants.",
 }
-FULL_FOR_GUESTS = " Ceux qui ont un compte passent avant les invités."
+FULL_FOR_GUESTS = " Ceux qui ont un compte passent avant les invités, et les classes avant tous."
 FULL_SECONDS = 10
 UNATTENDED = (
     "En attente : plus rien n’est corrigé depuis un moment. Votre envoi est gardé, et sera corrigé dès que la "
@@ -88,8 +88,9 @@ class Submissions:
         db.flush()
         classes.note_seen(db, account.id)
         most = Most(self._settings.waiting_each, self._settings.waiting_from_address)
+        sender = sender_of(account, address, member=classes.is_member(db, account.id))
         try:
-            self._queue.put(db, GRADE, key_of(submission.id), sender=sender_of(account, address), most=most)
+            self._queue.put(db, GRADE, key_of(submission.id), sender=sender, most=most)
         except HeapError as error:
             raise TooMany(_full(error, account, most), retry_after=FULL_SECONDS) from error
         return submission

@@ -260,7 +260,10 @@ def test_an_account_has_turns_of_its_own_and_guests_those_of_their_address() -> 
     one, two = (Account(id=uuid4(), role=Role.guest, name="…") for _ in range(2))
     at = "192.0.2.1"
     senders = [sender_of(account, at) for account in (ada, bob, one, two)]
-    assert [sender.rank for sender in senders] == [0, 0, 1, 1]
+    assert [sender.rank for sender in senders] == [1, 1, 2, 2]
+    pupils = [sender_of(account, at, member=True) for account in (ada, one)]
+    assert [sender.rank for sender in pupils] == [0, 0], "a class comes first"
+    assert pupils[1].line not in {at, pupils[0].line}, "a line has one rank"
     assert len({sender.line for sender in senders}) == 3
     assert senders[2].line == senders[3].line == at
     assert len({sender.name for sender in senders}) == 4

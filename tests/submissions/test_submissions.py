@@ -13,6 +13,7 @@ from sqlalchemy.orm import Session
 
 from server.base.errors import Forbidden, Invalid, NotFound, TooLarge, TooMany
 from server.base.settings import Settings
+from server.classes import service as classes
 from server.classes.models import Status
 from server.database import Database
 from server.gradebook import service as gradebook
@@ -99,6 +100,22 @@ def test_our_error_gives_the_allowance_back(desk: Desk, ada: Account) -> None:
         desk.submit(ada)
     with pytest.raises(TooMany):
         desk.submit(ada)
+
+
+def test_a_class_is_graded_before_other_accounts(desk: Desk, ada: Account) -> None:
+    """Who only asks to join, has left, or is in a class of last year, is in none."""
+    teacher = new_account(desk.database, Role.teacher)
+    made, old = new_class(desk.database, teacher, "MPSI"), new_class(desk.database, teacher, "de l’an dernier")
+    asking, pupil, former = (new_account(desk.database) for _ in range(3))
+    seat(desk.database, made, pupil)
+    seat(desk.database, made, asking, status=Status.pending)
+    seat(desk.database, old, former)
+    with desk.database.write() as db:
+        classes.archive(db.merge(old))
+    for one in (ada, asking, former, pupil):
+        row = desk.submit(one)
+    with desk.database.read() as db:
+        assert desk.store.place(db, row) == Place(State.queued, 1)
 
 
 def test_a_submission_is_seen_by_its_author_their_teacher_and_the_administrator(desk: Desk, ada: Account) -> None:
