@@ -37,6 +37,8 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="balise", description="Plateforme de cours à correction automatique.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMANDE")
     _serve(commands.add_parser("serve", help="lance tout le service", description="Lance tout le service."))
+    help_text = "lance le service avec une classe fictive, dont une séance est en cours, pour visiter"
+    _demo(commands.add_parser("demo", help=help_text, description=f"{help_text.capitalize()}."))
     _grade(commands.add_parser("grade", help="corrige un fichier, sans serveur"))
     _check(commands.add_parser("check", help="vérifie les exercices eux-mêmes (références, erreurs cataloguées)"))
     commands.add_parser("doctor", help="dit quelles protections du bac à sable tiennent sur cette machine")
@@ -70,11 +72,23 @@ def _admin(parser: argparse.ArgumentParser) -> None:
     role.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
 
 
-def _serve(parser: argparse.ArgumentParser) -> None:
+def _demo(parser: argparse.ArgumentParser) -> None:
+    _address(parser)
+    help_text = "dossier des données, vide ; sans lui, un dossier temporaire, effacé à la fin"
+    parser.add_argument("--data", type=Path, metavar="DIR", help=help_text)
+    parser.add_argument("--students", type=_pupils, default=35, metavar="N", help="élèves (par défaut : %(default)s)")
+    parser.add_argument("--seed", type=_seed, default=20, metavar="N", help="graine de l’histoire (%(default)s)")
+
+
+def _address(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--host", default="127.0.0.1", help="adresse d’écoute (par défaut : %(default)s)")
     parser.add_argument(
         "--port", type=_port, default=8000, help="port, 0 pour un port libre (par défaut : %(default)s)"
     )
+
+
+def _serve(parser: argparse.ArgumentParser) -> None:
+    _address(parser)
     parser.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
     help_text = "adresses ou réseaux des serveurs mandataires que l’on croit sur l’adresse des visiteurs"
     parser.add_argument("--trusted-proxy", metavar="ADDRESS[,…]", help=help_text)
@@ -126,6 +140,10 @@ def _port(text: str) -> int:
 
 def _seed(text: str) -> int:
     return _bounded(text, 2**53 - 1, "la graine")
+
+
+def _pupils(text: str) -> int:
+    return max(1, _bounded(text, 800, "le nombre d’élèves"))
 
 
 def _seeds(text: str) -> int:

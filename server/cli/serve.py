@@ -21,7 +21,7 @@ from server.base.provided import provided_to
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
-from server.cli.local import require_safe_sandbox, start_probing
+from server.cli.local import Probing, require_safe_sandbox, start_probing
 from server.course import Course, load
 from server.database import Database
 from server.database.migrate import upgrade
@@ -35,21 +35,37 @@ BACKLOG = 2048
 LOG_FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 
 
+Prepare = Callable[[Settings, Course, Probing], None]
+Announce = Callable[[FastAPI, str], None]
+
+
 def run(arguments: Namespace) -> int:
     settings = read_settings(data_dir=arguments.data, trusted_proxy=arguments.trusted_proxy)
+
+    def announce(app: FastAPI, address: str) -> None:
+        _announce(settings, provided_to(app, Course), address)
+
+    return serve(settings, arguments.host, arguments.port, announce)
+
+
+def serve(settings: Settings, host: str, port: int, announce: Announce, prepare: Prepare | None = None) -> int:
+    """The service, until it is told to stop. `prepare` comes before it, on a migrated database; `announce` once it
+    answers, with its address."""
     logging.basicConfig(level=logging.WARNING, format=LOG_FORMAT)
-    with _listening(arguments.host, arguments.port) as listener, _alone(settings):
+    with _listening(host, port) as listener, _alone(settings):
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, _leave)
         probing = start_probing()
         _migrate(settings)
         course = load(render=False, check=True)
         require_safe_sandbox(probing)
+        if prepare is not None:
+            prepare(settings, course, probing)
         app = create_app(settings, course=course)
         gc.freeze()  # what is loaded stays: no collection, while someone waits for an answer, needs to look at it again
 
         def ready() -> None:
-            _announce(settings, course, _address(listener))
+            announce(app, _address(listener))
             if settings.warm_figures:
                 provided_to(app, Figures).pictures.warm()
 

@@ -48,6 +48,10 @@ def lock(db: Session, account_id: UUID) -> None:
     db.execute(select(Account.id).where(Account.id == account_id).with_for_update())
 
 
+def count_accounts(db: Session) -> int:
+    return db.execute(select(func.count()).select_from(Account)).scalar_one()
+
+
 def count_administrators(db: Session) -> int:
     query = select(func.count()).select_from(Account).where(Account.role == Role.administrator)
     return db.execute(query).scalar_one()

@@ -1,0 +1,87 @@
+"""`balise demo`: the whole service, with a class of nobody whose lesson goes on, for who visits."""
+
+import sys
+import tempfile
+from argparse import Namespace
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from fastapi import FastAPI
+
+from server.base.provided import provided_to
+from server.base.settings import Settings
+from server.cli import CannotRun
+from server.cli.configuration import read_settings
+from server.cli.local import Probing, local_grader
+from server.cli.serve import serve
+from server.course import Course
+from server.database import Database
+from server.demo.living import Lesson
+from server.demo.loading import Loaded, load
+from server.identity import repository as identity
+from server.submissions.service import Submissions
+
+
+def run(arguments: Namespace) -> int:
+    with _folder(arguments.data) as folder:
+        settings = read_settings(data_dir=folder)
+        loaded: list[Loaded] = []
+        lessons: list[Lesson] = []
+
+        def prepare(settings: Settings, course: Course, probing: Probing) -> None:
+            loaded.append(_loaded(settings, course, probing, arguments.seed, arguments.students))
+
+        def announce(app: FastAPI, address: str) -> None:
+            _announce(loaded[0], address)
+            lesson = Lesson(
+                provided_to(app, Database), provided_to(app, Course), provided_to(app, Submissions), loaded[0]
+            )
+            lesson.start()
+            lessons.append(lesson)
+
+        try:
+            return serve(settings, arguments.host, arguments.port, announce, prepare)
+        finally:
+            for lesson in lessons:
+                lesson.stop()
+
+
+@contextmanager
+def _folder(asked: Path | None) -> Iterator[Path]:
+    if asked is not None:
+        yield asked
+        return
+    with tempfile.TemporaryDirectory(prefix="balise-demo-") as folder:
+        yield Path(folder)
+
+
+def _loaded(settings: Settings, course: Course, probing: Probing, seed: int, students: int) -> Loaded:
+    if not course.modules:
+        raise CannotRun("ce cours n’a pas de module.")
+    database = Database(settings.url)
+    try:
+        with database.read() as db:
+            if identity.count_accounts(db):
+                raise CannotRun(
+                    "cette base de données sert déjà : la démonstration ne s’ajoute pas à de vrais comptes."
+                )
+        print("Une classe fictive s’écrit (quelques dizaines de secondes)…", file=sys.stderr, flush=True)
+        module = next(iter(course.modules.values()))
+        with local_grader(course, probing) as grader:
+            return load(database, course, module, grader.grade, seed=seed, students=students, told=_tell)
+    finally:
+        database.close()
+
+
+def _tell(done: int, total: int) -> None:
+    print(f"  {done} essais corrigés sur {total}", file=sys.stderr, flush=True)
+
+
+def _announce(loaded: Loaded, address: str) -> None:
+    (teacher, password), (student, other) = loaded.logins.items()
+    print(f"\nBalise est prête : {address}/classes/{loaded.class_id}")
+    print(f"  Enseignante : identifiant {teacher}, mot de passe {password}")
+    print(f"  Un élève    : identifiant {student}, mot de passe {other}")
+    print("  Une séance est en cours : le tableau de la classe bouge tout seul, pendant une heure environ.")
+    print("  Ctrl+C pour arrêter.\n", flush=True)

@@ -1,0 +1,184 @@
+"""Writes the class and its history: accounts, assignments, attempts graded in the sandbox as any other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from random import Random
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from graders.core.contract.findings import Judgement
+from server.assignments.models import AssignedExercise, Assignment, Exemption, Late, Mode
+from server.classes import repository as classes_stored
+from server.classes import service as classes
+from server.classes.models import Membership, SchoolClass, Seat
+from server.course import Course, Exercise, Module
+from server.database import Database, utc_now
+from server.demo.people import GROUPS, Pupil, pupils
+from server.demo.story import Step, lesson_starts, programme, story
+from server.gradebook import service as gradebook
+from server.gradebook.schemas import Graded
+from server.identity import secrets
+from server.identity.models import Account, Role
+from server.submissions.deals import seed_of
+from server.submissions.models import Submission
+from server.submissions.service import digest
+
+CLASS_NAME = "MPSI 2 (démonstration)"
+TEACHER = ("martin", "Claire Martin")
+ASSISTANT = ("nguyen", "Paul Nguyen")
+WEEK = timedelta(days=7)
+TAKES = timedelta(milliseconds=60)
+AT_ONCE = 100  # attempts written in one transaction
+
+Grade = Callable[[str, bytes, int], Judgement]
+Told = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """The class as it was written: passwords of who may enter, and what the lesson still brings."""
+
+    class_id: UUID
+    logins: Mapping[str, str]
+    to_come: Sequence[Step]
+    accounts: Sequence[UUID]
+    seeds: Mapping[str, int]
+
+
+def load(
+    database: Database, course: Course, module: Module, grade: Grade, *, seed: int, students: int, told: Told
+) -> Loaded:
+    """Into an empty database. `grade` says the judgement of a file; `told` hears how many attempts are written."""
+    random, now = Random(seed), utc_now()
+    everyone = pupils(random, students)
+    steps = story(module, everyone, random, now)
+    seeds = {exercise.id: random.getrandbits(50) for exercise in module.exercises}
+    with database.write() as db:
+        class_id, accounts, logins = _people(db, module, everyone, now)
+        _assignments(db, module, class_id, accounts, now)
+    past = [step for step in steps if step.sent_at <= now]
+    _history(database, course, past, accounts, seeds, grade, told)
+    return Loaded(class_id, logins, [step for step in steps if step.sent_at > now], accounts, seeds)
+
+
+def _people(
+    db: Session, module: Module, everyone: Sequence[Pupil], now: datetime
+) -> tuple[UUID, list[UUID], dict[str, str]]:
+    first = lesson_starts(now)[0]
+    logins = {login: secrets.new_token()[:12] for login in (TEACHER[0], everyone[0].login)}
+    teacher = _account(db, *TEACHER, Role.teacher, logins)
+    assistant = _account(db, *ASSISTANT, Role.teacher, logins)
+    made = classes.create(db, teacher, CLASS_NAME, module.slug)
+    made.created_at = first - WEEK
+    db.add(Membership(class_id=made.id, account_id=assistant.id, role=Seat.assistant))
+    accounts = [_student(db, made, pupil, first, logins) for pupil in everyone]
+    return made.id, accounts, logins
+
+
+def _account(db: Session, login: str, name: str, role: Role, passwords: Mapping[str, str]) -> Account:
+    hashed = secrets.hash_password(passwords[login]) if login in passwords else None
+    account = Account(login=login, name=name, role=role, password_hash=hashed)
+    db.add(account)
+    db.flush()
+    return account
+
+
+def _student(db: Session, made: SchoolClass, pupil: Pupil, since: datetime, passwords: Mapping[str, str]) -> UUID:
+    account = _account(db, pupil.login, pupil.name, Role.student, passwords)
+    row = Membership(
+        class_id=made.id,
+        account_id=account.id,
+        family_name=pupil.family,
+        given_name=pupil.given,
+        email=f"{pupil.login}@exemple.fr",
+        groups=[pupil.group],
+        joined_at=since,
+        made_here=True,
+    )
+    db.add(row)
+    return account.id
+
+
+def _assignments(db: Session, module: Module, class_id: UUID, accounts: Sequence[UUID], now: datetime) -> None:
+    """One for each lesson, due a week after; a test to come, with more time for one student."""
+    for number, (start, exercises) in enumerate(zip(lesson_starts(now), programme(module), strict=True), 1):
+        lateness = {"late": Late.penalty, "late_per_day": 2.0} if number % 2 else {"late": Late.accept}
+        due = start + WEEK
+        made = _assignment(
+            db, class_id, f"Séance {number}", exercises, opens_at=start, due_at=due, closes_at=due + WEEK, **lateness
+        )
+    db.add(Exemption(assignment_id=made, label=GROUPS[-1], due_at=due + timedelta(days=2), reason="sortie de classe"))
+    opens = (now + WEEK).replace(minute=0, second=0, microsecond=0)
+    test = _assignment(
+        db,
+        *(class_id, "Contrôle de fin de module", [programme(module)[0][-1], programme(module)[-1][-1]]),
+        opens_at=opens,
+        closes_at=opens + timedelta(hours=2),
+        mode=Mode.test,
+        duration_minutes=55,
+        late=Late.refuse,
+        weight=2.0,
+    )
+    db.add(Exemption(assignment_id=test, account_id=accounts[-1], time_factor=4 / 3))
+
+
+def _assignment(db: Session, class_id: UUID, title: str, exercises: Iterable[Exercise], **values: object) -> UUID:
+    made = Assignment(class_id=class_id, title=title, **values)
+    db.add(made)
+    db.flush()
+    db.add_all(
+        AssignedExercise(assignment_id=made.id, exercise=exercise.id, position=place)
+        for place, exercise in enumerate(exercises)
+    )
+    return made.id
+
+
+def source_of(step: Step, seed: int, *, code: bool) -> bytes:
+    """The file of an attempt. The same program again differs from itself, as what students send does."""
+    source = step.known.write(seed)
+    return source + f"\nessai = {step.again + 1}\n".encode() if code and step.again else source
+
+
+def _history(
+    database: Database,
+    course: Course,
+    steps: Sequence[Step],
+    accounts: Sequence[UUID],
+    seeds: Mapping[str, int],
+    grade: Grade,
+    told: Told,
+) -> None:
+    """The same file of code on the same seed is graded once; answers are to each student's own deal."""
+    judged: dict[tuple[str, bytes, int], Judgement] = {}
+    for start in range(0, len(steps), AT_ONCE):
+        with database.write() as db:
+            for step in steps[start : start + AT_ONCE]:
+                exercise, account = course.exercises[step.exercise], db.get_one(Account, accounts[step.pupil])
+                code = exercise.kind == "code"
+                seed = seeds[step.exercise] if code else seed_of(db, account, step.exercise)
+                source = source_of(step, seed, code=code)
+                key = (step.exercise, source, seed)
+                if key not in judged:
+                    judged[key] = grade(*key)
+                _sent(db, account, step, source, seed, judged[key])
+        told(min(start + AT_ONCE, len(steps)), len(steps))
+
+
+def _sent(db: Session, account: Account, step: Step, source: bytes, seed: int, judgement: Judgement) -> None:
+    text = source.decode("utf-8", errors="replace")
+    row = Submission(
+        account_id=account.id,
+        exercise=step.exercise,
+        source=source,
+        digest=digest(text),
+        seed=seed,
+        created_at=step.sent_at,
+    )
+    db.add(row)
+    db.flush()
+    gradebook.record(db, row.id, Graded(judgement, step.sent_at, step.sent_at + TAKES))
+    classes_stored.note_seen(db, account.id, step.sent_at, step.sent_at)

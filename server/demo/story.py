@@ -1,0 +1,124 @@
+"""What the students of the class send, when: drawn from a seed, with the programs that the course knows.
+
+In each of four lessons a student begins its exercises one after the other. Before the right program come wrong ones:
+mostly those of a few misconceptions that many share, each kept for an attempt or more before it is overcome.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from random import Random
+
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.protocol import Known
+from server.course import Exercise, Module
+from server.demo.people import Pupil
+
+LESSONS = 4
+BETWEEN_LESSONS = timedelta(days=7)
+LASTING = timedelta(minutes=90)
+SINCE = timedelta(minutes=35)  # how long the last lesson has gone on
+ABSENT = 0.06
+KEPT = 0.35  # a misconception is kept for one more attempt
+OTHER = 0.2  # a mistake that has no name: of syntax, of form, or an odd one
+POPULAR = 4  # misconceptions that most of the named mistakes of an exercise are
+UNNAMED = (Outcome.WRONG_ANSWER, Outcome.RUNTIME_ERROR, Outcome.SYNTAX_ERROR, Outcome.INVALID_OUTPUT)
+
+
+@dataclass(frozen=True)
+class Repertoire:
+    """What one may send to an exercise, by its place in what is known of it (`Exercise.grader.known`)."""
+
+    right: tuple[Known, ...]
+    named: tuple[tuple[Known, ...], ...]
+    unnamed: tuple[Known, ...]
+
+
+@dataclass(frozen=True)
+class Step:
+    """An attempt: who sends what, when. `again`: how often the same student had sent the same program before."""
+
+    pupil: int
+    exercise: str
+    known: Known
+    sent_at: datetime
+    again: int
+
+
+def lesson_starts(now: datetime) -> tuple[datetime, ...]:
+    """When the lessons began: the last is going on."""
+    return tuple(now - SINCE - BETWEEN_LESSONS * weeks for weeks in reversed(range(LESSONS)))
+
+
+def programme(module: Module) -> tuple[tuple[Exercise, ...], ...]:
+    """The module's exercises, shared among the lessons in the course's order."""
+    count = len(module.exercises)
+    cuts = [count * lesson // LESSONS for lesson in range(LESSONS + 1)]
+    return tuple(module.exercises[start:end] for start, end in itertools.pairwise(cuts))
+
+
+def repertoire(exercise: Exercise, random: Random) -> Repertoire:
+    """The misconceptions in an order of their own: the first are those that many have."""
+    known = list(exercise.grader.known())
+    named: dict[str, list[Known]] = {}
+    for one in known:
+        if one.diagnosis is not None:
+            named.setdefault(one.diagnosis, []).append(one)
+    order = sorted(named)
+    random.shuffle(order)
+    return Repertoire(
+        right=tuple(one for one in known if one.outcome is Outcome.OK),
+        named=tuple(tuple(named[name]) for name in order),
+        unnamed=tuple(one for one in known if one.diagnosis is None and one.outcome in UNNAMED),
+    )
+
+
+def story(module: Module, pupils: Sequence[Pupil], random: Random, now: datetime) -> list[Step]:
+    """Everything that is sent in the four lessons, in time; what the last still brings lies after `now`."""
+    repertoires = {exercise.id: repertoire(exercise, random) for exercise in module.exercises}
+    steps = [
+        step
+        for start, exercises in zip(lesson_starts(now), programme(module), strict=True)
+        for number, pupil in enumerate(pupils)
+        if random.random() >= ABSENT
+        for step in _lesson(number, pupil, exercises, repertoires, random, start)
+    ]
+    return sorted(steps, key=lambda step: step.sent_at)
+
+
+def _lesson(
+    number: int,
+    pupil: Pupil,
+    exercises: Sequence[Exercise],
+    repertoires: Mapping[str, Repertoire],
+    random: Random,
+    start: datetime,
+) -> Iterator[Step]:
+    at, end = start + timedelta(minutes=random.uniform(2, 9)), start + LASTING
+    for exercise in exercises:
+        sent: dict[int, int] = {}
+        for known in _attempts(repertoires[exercise.id], pupil.ease, random):
+            at += timedelta(minutes=pupil.pace * random.uniform(0.5, 1.8))
+            if at > end:
+                return
+            yield Step(number, exercise.id, known, at, sent.get(id(known), 0))
+            sent[id(known)] = sent.get(id(known), 0) + 1
+        at += timedelta(minutes=random.uniform(1, 4))  # reads the next
+
+
+def _attempts(of: Repertoire, ease: float, random: Random) -> Iterator[Known]:
+    """Wrong ones while the exercise is not understood, then the right one; who finds it hard may leave it."""
+    while random.random() > 0.25 + 0.7 * ease:
+        if of.unnamed and (not of.named or random.random() < OTHER):
+            yield random.choice(of.unnamed)
+        elif of.named:
+            popular = of.named[min(int(random.expovariate(1 / POPULAR)), len(of.named) - 1)]
+            yield random.choice(popular)
+            while random.random() < KEPT:
+                yield random.choice(popular)
+        if random.random() < 0.1 * (1 - ease):
+            return
+    yield random.choice(of.right)

@@ -1,0 +1,90 @@
+"""The class of nobody: the same from the same seed, graded as any other, and a lesson that goes on."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from random import Random
+
+from graders.core.contract.findings import Judgement
+from server.assignments import service as assignments
+from server.classes import repository as classes
+from server.classes.models import Seat
+from server.course import Course
+from server.database import Database, utc_now
+from server.demo.living import Lesson
+from server.demo.loading import load
+from server.demo.people import FAMILY, GIVEN, pupils
+from server.demo.story import LASTING, lesson_starts, programme, story
+from server.gradebook import standings
+from server.submissions.models import Submission
+from server.submissions.service import Submissions
+from tests.support.service import fake_verdict
+
+
+def test_nobody_has_the_login_of_another() -> None:
+    assert len(set(GIVEN)) == len(GIVEN)
+    assert len(set(FAMILY)) == len(FAMILY)
+    everyone = pupils(Random(1), 800)
+    assert len({one.login for one in everyone}) == 800
+    assert all(one.login.replace(".", "").isalpha() and one.login.isascii() for one in everyone)
+    assert Counter(one.group for one in everyone) == {"TP1": 400, "TP2": 400}
+
+
+def test_the_same_seed_tells_the_same_story(course: Course) -> None:
+    module, now = course.modules["l20"], utc_now()
+
+    def told(seed: int) -> list[tuple[int, str, str, object, int]]:
+        random = Random(seed)
+        steps = story(module, pupils(random, 35), random, now)
+        return [(step.pupil, step.exercise, step.known.subject, step.sent_at, step.again) for step in steps]
+
+    first = told(20)
+    assert first == told(20)
+    assert first != told(21)
+    starts = lesson_starts(now)
+    assert all(any(start <= step[3] <= start + LASTING for start in starts) for step in first)
+    assert [step[3] for step in first] == sorted(step[3] for step in first)
+    assert {step[1] for step in first} == {exercise.id for exercise in module.exercises}
+    assert any(step[3] > now for step in first), "the lesson goes on"
+    diagnoses = Counter(subject for _, name, subject, *_ in first if subject.startswith("erreur") and "predire" in name)
+    assert max(diagnoses.values()) >= 3, "a mistake that several share"
+
+
+def test_each_exercise_is_in_one_lesson(course: Course) -> None:
+    module = course.modules["l20"]
+    assert [one for lesson in programme(module) for one in lesson] == list(module.exercises)
+
+
+def test_what_is_written_is_a_class_whose_standings_are_right(
+    database: Database, course: Course, store: Submissions
+) -> None:
+    graded: list[tuple[str, bytes, int]] = []
+
+    def grade(exercise: str, source: bytes, seed: int) -> Judgement:
+        graded.append((exercise, source, seed))
+        return Judgement(fake_verdict("# outcome: wrong_answer" if b"essai" in source else "", seed))
+
+    module = course.modules["l20"]
+    loaded = load(database, course, module, grade, seed=3, students=4, told=lambda _done, _all: None)
+    with database.read() as db:
+        made = classes.by_id(db, loaded.class_id)
+        assert made is not None
+        seats = Counter(member.seat for member in classes.members(db, made.id))
+        assert seats == {Seat.teacher: 1, Seat.assistant: 1, Seat.student: 4}
+        opened = assignments.counting_exercises(db, course, made, utc_now())
+        assert list(opened) == [exercise.id for exercise in module.exercises]
+        sent = db.query(Submission).count()
+        latest = max(one.created_at for one in db.query(Submission))
+        assert latest <= utc_now()
+    codes = [one for one in graded if course.exercises[one[0]].kind == "code"]
+    assert len(codes) == len(set(codes)), "the same file is graded once"
+    with database.write() as db:
+        assert not any(standings.recount(db, account) for account in loaded.accounts)
+    soon = [replace(step, sent_at=utc_now()) for step in loaded.to_come[:2]]
+    lesson = Lesson(database, course, store, replace(loaded, to_come=soon))
+    lesson.start()
+    lesson.join()
+    with database.read() as db:
+        assert db.query(Submission).count() == sent + len(soon)
+    assert timedelta(0) < LASTING
