@@ -140,6 +140,9 @@ class Services:
         with self.database.write() as db:
             accounts.forget_stale(db)
         self.personal.forget_guests(utc_now())
+        erased = self.personal.purge(utc_now())
+        if erased:
+            log.warning("%d accounts were erased, as the settings keep them no longer", len(erased))
 
     def recover(self) -> None:
         """Leases that have run out, or whose holder died with another server; then whether anybody takes what waits."""

@@ -100,6 +100,17 @@ class Settings(BaseSettings):
     join_refill_seconds: Seconds = Field(default=30.0, ge=0, description="then one more after so long")
     export_burst: Count = Field(default=3, description="times that one takes one's own data away, at once")
     export_refill_seconds: Seconds = Field(default=1200.0, ge=0, description="then one more after so long")
+    left_days: int = Field(
+        default=0,
+        ge=0,
+        description="students whom a class's list has made an account are erased so long after their last class has "
+        "ended for them, where nothing was heard of them since; 0: when somebody asks for it",
+    )
+    silent_days: int = Field(
+        default=0,
+        ge=0,
+        description="students of whom nothing was heard for so long are erased; 0: when somebody asks for it",
+    )
     trusted_proxy: str = Field(
         default="",
         description="addresses or networks, separated by commas, of the reverse proxies whose `X-Forwarded-For` and "

@@ -70,6 +70,10 @@ def _admin(parser: argparse.ArgumentParser) -> None:
     role.add_argument("login", metavar="LOGIN", help="identifiant du compte")
     role.add_argument("role", metavar="ROLE", choices=("student", "teacher", "administrator"), help="son nouveau rôle")
     role.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
+    help_text = "dit quels comptes d’élèves dépassent la durée de conservation réglée, ou les efface"
+    purge = actions.add_parser("purge", help=help_text, description=f"{help_text.capitalize()}.")
+    purge.add_argument("--yes", action="store_true", help="les efface, pour de bon")
+    purge.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
 
 
 def _demo(parser: argparse.ArgumentParser) -> None:

@@ -13,11 +13,13 @@ from server.base.errors import Conflict, NotFound
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
-from server.database import Database
+from server.course import Course
+from server.database import Database, utc_now
 from server.gradebook import service as gradebook
 from server.identity import links
 from server.identity.models import Role
 from server.identity.service import change_role
+from server.personal.service import PURGED_AT_ONCE, Personal
 from server.web.words import plural
 
 
@@ -64,10 +66,31 @@ def _role(database: Database, _settings: Settings, arguments: Namespace) -> None
     print(f"{account.name} ({account.login}) : {ROLES[account.role]}.")
 
 
+def _purge(database: Database, settings: Settings, arguments: Namespace) -> None:
+    """Without `--yes`, only tells."""
+    if not (settings.left_days or settings.silent_days):
+        raise CannotRun("rien ne fixe de durée : voyez BALISE_LEFT_DAYS et BALISE_SILENT_DAYS dans le README.")
+    personal = Personal(database, settings, Course({}, ()))
+    found = personal.purge(utc_now()) if arguments.yes else personal.outdated(utc_now())
+    for account in found:
+        print(f"  {account.name} ({account.login or 'sans identifiant'})")
+    told = plural(len(found), "compte effacé", "comptes effacés") if arguments.yes else _to_erase(len(found))
+    print(f"{told}{' ; recommencez pour la suite' if len(found) == PURGED_AT_ONCE else ''}.")
+
+
+def _to_erase(count: int) -> str:
+    return f"{plural(count, 'compte à effacer', 'comptes à effacer')} : le service le fait de lui-même, --yes aussi"
+
+
 ROLES: Mapping[str, str] = {
     Role.student: "étudiant",
     Role.teacher: "enseignant, qui crée des classes",
     Role.administrator: "administrateur, qui a toutes les classes",
 }
 Action = Callable[[Database, Settings, Namespace], None]
-ACTIONS: Mapping[str, Action] = {"standings": _standings, "reset-link": _reset_link, "role": _role}
+ACTIONS: Mapping[str, Action] = {
+    "standings": _standings,
+    "reset-link": _reset_link,
+    "role": _role,
+    "purge": _purge,
+}

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, delete, exists, select
+from sqlalchemy import ColumnElement, and_, delete, exists, or_, select
 from sqlalchemy.orm import Session
 
-from server.classes.models import SchoolClass
+from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.gradebook.models import ClassOpening, SolutionOpening
 from server.identity.models import Account, ApiToken, BrowserSession, Role
 from server.submissions.models import Deal, Submission
@@ -55,3 +55,59 @@ def lost_guests(db: Session, before: datetime, most: int) -> Sequence[UUID]:
         ~exists().where(ApiToken.account_id == Account.id),
     )
     return db.execute(query.limit(most)).scalars().all()
+
+
+def silent_students(db: Session, before: datetime, most: int) -> Sequence[UUID]:
+    """Some of the students of whom nothing was heard since, whatever they are in."""
+    query = select(Account.id).where(Account.role == Role.student, _silent(before), ~_staff())
+    return db.execute(query.order_by(Account.created_at, Account.id).limit(most)).scalars().all()
+
+
+def gone_students(db: Session, before: datetime, most: int) -> Sequence[UUID]:
+    """Some of those whom a class's list has made an account, who had left every class by then, and were silent since.
+
+    A class ends for a student when they leave it, or when it is archived.
+    """
+    mine = Membership.account_id == Account.id
+    made_by_a_list = exists().where(mine, Membership.made_here)
+    goes_on = or_(
+        and_(
+            Membership.status != Status.left,
+            or_(SchoolClass.archived_at.is_(None), SchoolClass.archived_at >= before),
+        ),
+        and_(Membership.status == Status.left, Membership.left_at >= before),
+    )
+    in_a_class = exists().where(mine, SchoolClass.id == Membership.class_id, goes_on)
+    query = select(Account.id).where(
+        Account.role == Role.student, made_by_a_list, ~in_a_class, _silent(before), ~_staff()
+    )
+    return db.execute(query.order_by(Account.created_at, Account.id).limit(most)).scalars().all()
+
+
+def names(db: Session, accounts: Sequence[UUID]) -> Sequence[Account]:
+    """These accounts, by their names."""
+    query = select(Account).where(Account.id.in_(accounts)).order_by(Account.name, Account.id)
+    return db.execute(query).scalars().all()
+
+
+def _silent(before: datetime) -> ColumnElement[bool]:
+    """Nothing was sent, nobody logged in, no token was made or used, and no class was visited since."""
+    return and_(
+        Account.created_at < before,
+        ~exists().where(Submission.account_id == Account.id, Submission.created_at >= before),
+        ~exists().where(BrowserSession.account_id == Account.id, BrowserSession.created_at >= before),
+        ~exists().where(
+            ApiToken.account_id == Account.id,
+            or_(ApiToken.created_at >= before, ApiToken.last_used_at >= before),
+        ),
+        ~exists().where(Membership.account_id == Account.id, Membership.last_seen_at >= before),
+    )
+
+
+def _staff() -> ColumnElement[bool]:
+    """Who helps or teaches somewhere is kept, whatever their account is."""
+    return exists().where(
+        Membership.account_id == Account.id,
+        Membership.role.in_((Seat.assistant, Seat.teacher)),
+        Membership.status == Status.active,
+    )

@@ -1,6 +1,6 @@
 """A person takes their data away, or has them erased."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import datetime, timedelta
 from uuid import UUID
 
@@ -17,6 +17,7 @@ from server.personal.zipping import zipped
 ERASED_AT_ONCE = 100  # who waits for a verdict meanwhile waits for no more than these
 GUEST_GRACE = timedelta(days=1)
 GUESTS_AT_ONCE = 200  # the service starts only then
+PURGED_AT_ONCE = 200
 TOO_MANY_EXPORTS = "Vous venez de télécharger vos données : réessayez dans {seconds} s."
 
 
@@ -51,6 +52,23 @@ class Personal:
         for account_id in lost:
             self.erase(account_id)
         return len(lost)
+
+    def outdated(self, now: datetime) -> Sequence[Account]:
+        """Some of the students whom the establishment's settings keep no longer: those of left_days and silent_days."""
+        settings = self._settings
+        rules = ((settings.left_days, repository.gone_students), (settings.silent_days, repository.silent_students))
+        with self._database.read() as db:
+            found = [
+                one for days, find in rules if days for one in find(db, now - timedelta(days=days), PURGED_AT_ONCE)
+            ]
+            return repository.names(db, found[:PURGED_AT_ONCE])
+
+    def purge(self, now: datetime) -> Sequence[Account]:
+        """Erases them; who they were. Those that are left are for the next time."""
+        erased = self.outdated(now)
+        for account in erased:
+            self.erase(account.id)
+        return erased
 
 
 def headers_of_archive(now: datetime) -> dict[str, str]:

@@ -6,9 +6,11 @@ import io
 import json
 import zipfile
 from collections.abc import Iterator
+from dataclasses import dataclass
 from datetime import timedelta
 from random import Random
 from typing import Any
+from uuid import UUID
 
 import pytest
 from sqlalchemy import func, select, text, update
@@ -16,10 +18,13 @@ from starlette.testclient import TestClient
 
 from server.app import Services
 from server.base.provided import provide, provided_to
-from server.classes.models import Membership, SchoolClass
+from server.base.settings import Settings
+from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.cli import main
 from server.course import Course
 from server.database import Database, utc_now
 from server.gradebook.models import Grading, SolutionOpening, Standing
+from server.identity import tokens
 from server.identity.models import Account, ApiToken, BrowserSession, Role
 from server.personal import service
 from server.personal.service import Personal
@@ -223,9 +228,96 @@ def test_what_has_ended_is_removed_however_long_the_service_runs(site: Site, mon
 def test_the_page_tells_how_long_each_thing_is_kept(site: Site) -> None:
     site.tighten(session_days=123, api_token_days=45, password_link_hours=6)
     page = site.client.get("/donnees-personnelles").text
-    for told in ("123 jours", "45 jours", "6 heures", "8 jours", "balise_session", "CNIL"):
+    for told in ("123 jours", "45 jours", "6 heures", "8 jours", "balise_session", "CNIL", "n’a pas fixé de durée"):
         assert told in page
+    site.tighten(left_days=91, silent_days=730)
+    page = site.client.get("/donnees-personnelles").text
+    assert "91 jours après la fin de sa dernière classe" in " ".join(page.split())
+    assert "730 jours" in page
     assert 'href="/donnees-personnelles"' in site.client.get("/").text
+
+
+@dataclass(frozen=True)
+class Establishment:
+    """A class, with students of whom nothing was heard for 200 days but that they left it 100 days ago."""
+
+    database: Database
+    made: SchoolClass
+
+    def student(self, heard: int = 200, **membership: Any) -> UUID:
+        account = new_account(self.database)
+        left = utc_now() - timedelta(days=100)
+        values = {"made_here": True, "status": Status.left, "left_at": left, **membership}
+        seat(self.database, self.made, account, **values)
+        with self.database.write() as db:
+            row = db.get_one(Account, account.id)
+            row.created_at = utc_now() - timedelta(days=heard)
+        return account.id
+
+    def outdated(self, **settings: int) -> set[UUID]:
+        kept = Settings(**settings)  # type: ignore[arg-type]
+        personal = Personal(self.database, kept, None)  # type: ignore[arg-type]
+        return {account.id for account in personal.outdated(utc_now())}
+
+
+@pytest.fixture
+def school(database: Database) -> Establishment:
+    return Establishment(database, new_class(database, new_account(database, Role.teacher, "Mme Martin")))
+
+
+def test_who_left_long_ago_is_kept_as_long_as_the_establishment_says(school: Establishment) -> None:
+    gone = school.student()
+    active = school.student(status=Status.active, left_at=None)
+    lately = school.student(left_at=utc_now() - timedelta(days=10))
+    own_account = school.student(made_here=False)
+    heard_of = school.student(heard=5)
+    helps = school.student()
+    other = new_class(school.database, new_account(school.database, Role.teacher))
+    with school.database.write() as db:
+        db.add(Membership(class_id=other.id, account_id=helps, role=Seat.assistant))
+    assert school.outdated() == set(), "by default nobody is erased"
+    assert school.outdated(left_days=90) == {gone}
+    assert school.outdated(left_days=120) == set()
+    assert school.outdated(silent_days=150) == {gone, active, lately, own_account}
+    assert heard_of not in school.outdated(silent_days=6)
+    with school.database.write() as db:
+        db.get_one(SchoolClass, school.made.id).archived_at = utc_now() - timedelta(days=95)
+    assert school.outdated(left_days=90) == {gone, active}, "a class that is archived has ended"
+
+
+def test_what_is_heard_of_somebody_keeps_them(school: Establishment) -> None:
+    seen = school.student(last_seen_at=utc_now())
+    sends, logs_in, has_token = (school.student() for _ in range(3))
+    with school.database.write() as db:
+        db.add(Submission(account_id=sends, exercise=EXERCISE, source=b"", digest="", seed=0))
+        db.add(BrowserSession(token_digest="x", account_id=logs_in, expires_at=utc_now()))
+        tokens.create(db, db.get_one(Account, has_token), "portable", Settings())
+    assert school.outdated(left_days=90, silent_days=90).isdisjoint({seen, sends, logs_in, has_token})
+
+
+def test_who_is_kept_no_longer_is_erased_by_the_service(school: Establishment) -> None:
+    gone, kept = school.student(), school.student(status=Status.active, left_at=None)
+    Personal(school.database, Settings(left_days=90), None).purge(utc_now())  # type: ignore[arg-type]
+    with school.database.read() as db:
+        assert db.get(Account, gone) is None
+        assert db.get(Account, kept) is not None
+
+
+def test_the_command_line_tells_first_and_erases_when_told(
+    site: Site, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made = new_class(site.database, new_account(site.database, Role.teacher))
+    gone = Establishment(site.database, made).student()
+    purge = ["admin", "purge", "--data", str(site.settings.data_dir)]
+    assert main(purge) == 2
+    assert "BALISE_LEFT_DAYS" in capsys.readouterr().err
+    monkeypatch.setenv("BALISE_LEFT_DAYS", "90")
+    assert main(purge) == 0
+    assert "1 compte à effacer" in capsys.readouterr().out
+    assert main([*purge, "--yes"]) == 0
+    assert "1 compte effacé" in capsys.readouterr().out
+    with site.database.read() as db:
+        assert db.get(Account, gone) is None
 
 
 def test_classes_are_taken_away_and_left_with_the_account(ada: Site) -> None:
