@@ -29,6 +29,7 @@ from server.course import Course, load
 from server.database import Database, utc_now
 from server.desk.classes import router as classes_router
 from server.desk.keeping import router as keeping_router
+from server.desk.likeness import router as likeness_router
 from server.figures.pictures import Pictures
 from server.figures.program import program
 from server.figures.service import Figures
@@ -70,6 +71,7 @@ ROUTERS = (
     person_router,
     classes_router,
     keeping_router,
+    likeness_router,
     pages_router,
     reading_router,
     cells_router,

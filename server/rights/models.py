@@ -19,6 +19,7 @@ class Right(StrEnum):
     keep_list = "tenir la liste de la classe"
     hand_passwords = "remettre les mots de passe de la classe"
     open_solutions = "ouvrir les corrigés à la classe"
+    compare_codes = "comparer les copies de la classe"
     set_up = "régler la classe"
     create = "créer une classe"
     open_to_all = "ouvrir les corrigés à tous"
@@ -34,6 +35,7 @@ OF_MEMBERS: Mapping[Right, frozenset[Seat]] = {
     Right.keep_list: frozenset({TEACHER}),
     Right.hand_passwords: frozenset({TEACHER}),
     Right.open_solutions: frozenset({TEACHER}),
+    Right.compare_codes: frozenset({TEACHER}),
     Right.set_up: frozenset({TEACHER}),
 }
 

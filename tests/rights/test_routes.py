@@ -11,6 +11,7 @@ from fastapi import FastAPI
 from fastapi.routing import iter_route_contexts
 
 from graders.core.contract.findings import Judgement
+from server.assignments.models import Assignment
 from server.base.paths import ROOT
 from server.base.provided import provided_to
 from server.base.request import COOKIE
@@ -111,6 +112,8 @@ class Stage:
                 db.add(BrowserSession(token_digest=cookie, account_id=account.id, expires_at=later))
                 if who in SEATS:
                     db.add(Membership(class_id=self.made.id, account_id=account.id, role=SEATS[who]))
+            self.assignment = Assignment(class_id=self.made.id, title="Séance 1", opens_at=utc_now())
+            db.add(self.assignment)
             self.sent = Submission(
                 account_id=self.accounts["student"].id, exercise=EXERCISE, source=b"x = 1\n", digest="d", seed=1
             )
@@ -128,6 +131,7 @@ class Stage:
             "slug": "poses",
             "name": "b",
             "class_id": str(self.made.id),
+            "assignment_id": str(self.assignment.id),
             "code": str(self.made.join_code),
             "submission_id": str(self.sent.id),
             "token": self.link,

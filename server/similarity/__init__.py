@@ -1,0 +1,1 @@
+"""Which codes of an assignment look alike, found on this machine and told as a question."""

@@ -1,0 +1,111 @@
+"""Which codes of an assignment look alike."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from graders.core.contract.outcomes import Outcome
+from server.assignments.models import Assignment
+from server.base.children import bare_environment
+from server.base.errors import Crowded, Invalid
+from server.course import Course, Exercise
+from server.similarity import repository
+from server.similarity.compare import MOST_CODES, SECONDS
+
+BUSY = "Une autre comparaison est en cours : réessayez dans quelques secondes."
+TOO_MANY = f"Il y a trop de copies pour les comparer : {MOST_CODES} au plus."
+FAILED = "Ces copies n’ont pas pu être comparées : l’une d’elles est trop longue ou trop étrange."
+NO_CODE = "Cet exercice ne demande pas de code : il n’y a rien à comparer."
+_comparing = threading.Lock()
+
+
+@dataclass(frozen=True)
+class Copy:
+    """What a student sent."""
+
+    student: UUID
+    submission: UUID
+    code: str
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two copies, the part of each one's own code that is in the other, and the lines, from 1, where it stands."""
+
+    first: Copy
+    second: Copy
+    shares: tuple[float, float]
+    lines: tuple[tuple[int, ...], tuple[int, ...]]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Pairs that look alike, the most alike first; none where the exercise is `too_short` to tell."""
+
+    compared: int
+    too_short: bool
+    pairs: tuple[Pair, ...]
+
+
+def copies(db: Session, assignment: Assignment, exercise: Exercise) -> Sequence[Copy]:
+    """Each student's best attempt while the assignment was open. Raises Invalid where there are too many."""
+    if exercise.answers is not None:
+        raise Invalid(NO_CODE)
+    rows = repository.best_codes(
+        db,
+        assignment.class_id,
+        exercise.id,
+        assignment.opens_at,
+        assignment.closes_at,
+        most=MOST_CODES + 1,
+    )
+    if len(rows) > MOST_CODES:
+        raise Invalid(TOO_MANY)
+    return [Copy(student, name, source.decode("utf-8-sig", errors="replace")) for student, name, source in rows]
+
+
+def compare(course: Course, exercise: Exercise, sent: Sequence[Copy]) -> Comparison:
+    """In a process of its own, one at a time. Raises Crowded, or Invalid where it does not come to an end."""
+    module = course.modules[exercise.module]
+    known = [one.write(0).decode(errors="replace") for one in exercise.grader.known() if one.outcome is Outcome.OK]
+    question = {
+        "course": [exercise.starter, module.kit],
+        "model": exercise.solution,
+        "known": known,
+        "codes": [one.code for one in sent],
+    }
+    found = _asked(json.dumps(question))
+    pairs = tuple(
+        Pair(sent[first], sent[second], (one, other), (tuple(lines), tuple(others)))
+        for first, second, one, other, lines, others in found["pairs"]
+    )
+    return Comparison(len(sent), bool(found["too_short"]), pairs)
+
+
+def _asked(question: str) -> dict[str, list[tuple[int, int, float, float, list[int], list[int]]]]:
+    if not _comparing.acquire(blocking=False):
+        raise Crowded(BUSY, retry_after=5)
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "server.similarity.compare"],
+            input=question.encode(errors="replace"),
+            capture_output=True,
+            timeout=2 * SECONDS,
+            env=bare_environment(),
+            check=False,
+        )
+    except subprocess.TimeoutExpired as error:
+        raise Invalid(FAILED) from error
+    finally:
+        _comparing.release()
+    if done.returncode != 0:
+        raise Invalid(FAILED)
+    return dict(json.loads(done.stdout))
