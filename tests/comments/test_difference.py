@@ -1,0 +1,141 @@
+"""What became of lines from one attempt to the next: right where texts are small, bounded where they are hostile."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from difflib import SequenceMatcher
+from random import Random
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from server.comments import difference as module
+from server.comments.beside import LONGEST_LINE, MOST_ROWS, beside
+from server.comments.carrying import Carried, Fate, Place, carry
+from server.comments.difference import MOST_LINES, MOST_PAIRS, compare, lines_of
+
+TEXTS = st.lists(st.sampled_from(["", "a", "b", "c", "d", "e = 1"]), max_size=12)
+BEFORE = ["import numpy", "", "def f(x):", "    y = x + 1", "    return y", "", "def g(x):", "    return x"]
+
+#: What is done to BEFORE, the lines that are looked for, and what must become of them.
+CASES: list[tuple[str, Callable[[list[str]], list[str]], tuple[int, int], tuple[Fate, tuple[int, int] | None]]] = [
+    ("nothing", lambda a: a, (4, 5), (Fate.carried, (4, 5))),
+    ("lines above", lambda a: ["# mien", "", *a], (4, 5), (Fate.carried, (6, 7))),
+    ("lines below", lambda a: [*a, "", "print(f(1))"], (4, 4), (Fate.carried, (4, 4))),
+    ("lines above taken away", lambda a: a[2:], (3, 5), (Fate.carried, (1, 3))),
+    ("the line itself", lambda a: [*a[:3], "    y = x + 2", *a[4:]], (4, 4), (Fate.changed, (4, 4))),
+    ("one of them", lambda a: [*a[:3], "    y = x + 2", *a[4:]], (3, 5), (Fate.changed, (3, 5))),
+    ("a line between", lambda a: [*a[:4], "    y *= 2", *a[4:]], (4, 5), (Fate.changed, (4, 6))),
+    ("one line by two", lambda a: [*a[:3], "    z = x", "    y = z", *a[4:]], (4, 4), (Fate.changed, (4, 5))),
+    ("its end", lambda a: [*a[:4], *a[5:]], (4, 5), (Fate.changed, (4, 4))),
+    ("it is taken away", lambda a: [*a[:3], *a[5:]], (4, 5), (Fate.gone, None)),
+    ("all of it", lambda _: [], (1, 8), (Fate.gone, None)),
+]
+
+
+@pytest.mark.parametrize(("edit", "lines", "expected"), [case[1:] for case in CASES], ids=[case[0] for case in CASES])
+def test_lines_are_found_again(
+    edit: Any, lines: tuple[int, int], expected: tuple[Fate, tuple[int, int] | None]
+) -> None:
+    fate, place = expected
+    found = carry(compare(BEFORE, edit(BEFORE)), Place(*lines))
+    assert found == Carried(fate, Place(*place) if place else None)
+
+
+@settings(max_examples=150, deadline=None)
+@given(TEXTS, TEXTS)
+def test_a_difference_tells_the_whole_of_both(before: list[str], after: list[str]) -> None:
+    runs = compare(before, after).runs
+    assert [line for run in runs for line in run.before] == list(range(len(before)))
+    assert [line for run in runs for line in run.after] == list(range(len(after)))
+    for run in runs:
+        if run.kept:
+            assert [before[line] for line in run.before] == [after[line] for line in run.after]
+
+
+@settings(max_examples=150, deadline=None)
+@given(TEXTS, TEXTS, st.data())
+def test_what_is_carried_reads_the_same(before: list[str], after: list[str], data: st.DataObject) -> None:
+    if not before:
+        return
+    first = data.draw(st.integers(1, len(before)))
+    last = data.draw(st.integers(first, len(before)))
+    found = carry(compare(before, after), Place(first, last))
+    if found.place is None:
+        assert found.fate is Fate.gone
+        return
+    assert 1 <= found.place.first <= found.place.last <= len(after)
+    if found.fate is Fate.carried:
+        assert after[found.place.first - 1 : found.place.last] == before[first - 1 : last]
+
+
+@settings(max_examples=100, deadline=None)
+@given(TEXTS, TEXTS)
+def test_side_by_side_gives_both_back(before: list[str], after: list[str]) -> None:
+    """Against `difflib`'s own account of the same two texts, where nothing is folded."""
+    shown = beside("\n".join(before) + "\n", "\n".join(after) + "\n")
+    left, right = (lines_of("\n".join(text) + "\n") for text in (before, after))
+    numbers = iter(shown.rows)
+    at = [0, 0]
+    for row in numbers:
+        if row.kind == "folded":
+            assert left[at[0] : at[0] + row.hidden] == right[at[1] : at[1] + row.hidden]
+            at = [at[0] + row.hidden, at[1] + row.hidden]
+            continue
+        for side, lines, which in ((row.before, left, 0), (row.after, right, 1)):
+            if side is not None:
+                assert (side.number, side.text) == (at[which] + 1, lines[at[which]])
+                at[which] += 1
+        if row.kind == "same":
+            assert row.before is not None
+            assert row.after is not None
+            assert row.before.text == row.after.text
+    assert at == [len(left), len(right)]
+    assert shown.added - shown.removed == len(right) - len(left)
+
+
+def _hostile() -> dict[str, tuple[str, str]]:
+    """Texts of 256 KiB that would keep `difflib` at work for hours, and their neighbours."""
+    dice, most = Random(1), 256 * 1024
+    names = [f"{number:x}" for number in range(150)]  # each too rare to be set aside as frequent
+    few = "\n".join(dice.choices(names, k=most // 3))[:most]
+    other = "\n".join(dice.choices(names, k=most // 3))[:most]
+    return {
+        "empty lines": ("\n" * most, "x" + "\n" * (most - 2) + "y"),
+        "few lines again and again": (few, other),
+        "all different": ("\n".join(map(str, range(40_000))), "\n".join(map(str, range(40_000, 0, -1)))),
+        "one long line": ("x" * most, "x" * (most - 1) + "y"),
+        "nothing": (few, ""),
+    }
+
+
+@pytest.mark.parametrize("name", list(_hostile()))
+def test_hostile_texts_cost_what_small_ones_do(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[int, int, int]] = []
+
+    class Watched(SequenceMatcher[Any]):
+        def __init__(self, isjunk: None, a: Any, b: Any, *, autojunk: bool) -> None:
+            pairs = sum(b.count(line) for line in a) if len(a) <= MOST_LINES else -1
+            asked.append((len(a), len(b), pairs))
+            super().__init__(isjunk, a, b, autojunk=autojunk)
+
+    monkeypatch.setattr(module, "SequenceMatcher", Watched)
+    before, after = _hostile()[name]
+    shown = beside(before, after)
+    assert len(shown.rows) <= MOST_ROWS
+    assert all(len(side.text) <= LONGEST_LINE + 2 for row in shown.rows for side in (row.before, row.after) if side)
+    lines = lines_of(before)
+    carry(compare(lines, lines_of(after)), Place(1, len(lines)))
+    for left, right, pairs in asked:
+        assert not left or not right or (max(left, right) <= MOST_LINES and 0 <= pairs <= MOST_PAIRS)
+
+
+def test_what_was_not_compared_is_said_and_carries_nothing() -> None:
+    before, after = [str(n) for n in range(MOST_LINES + 1)], [str(-n) for n in range(1, MOST_LINES + 5)]
+    difference = compare(before, after)
+    assert not difference.exact
+    assert carry(difference, Place(3, 4)) == Carried(Fate.gone, None)
+    assert not beside("\n".join(before), "\n".join(after)).exact
+    assert carry(compare(["a", *before, "z"], ["a", *after, "z"]), Place(1, 1)) == Carried(Fate.carried, Place(1, 1))
