@@ -3,6 +3,7 @@
 from server.assignments import models as assignments
 from server.audit import models as audit
 from server.classes import models as classes
+from server.comments import models as comments
 from server.database.base import Base
 from server.gradebook import models as gradebook
 from server.identity import models as identity
@@ -30,5 +31,10 @@ TABLES = (
     gradebook.Standing,
     gradebook.SolutionOpening,
     gradebook.ClassOpening,
+    comments.Thread,
+    comments.Message,
+    comments.Phrase,
+    comments.Note,
+    comments.NoteReader,
 )
 metadata = Base.metadata

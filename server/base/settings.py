@@ -98,6 +98,10 @@ class Settings(BaseSettings):
     )
     join_burst: Count = Field(default=10, description="codes of classes that an account tries, at once")
     join_refill_seconds: Seconds = Field(default=30.0, ge=0, description="then one more after so long")
+    comment_burst: Count = Field(
+        default=20, description="messages of an account at once: comments, questions, words to several students"
+    )
+    comment_refill_seconds: Seconds = Field(default=6.0, ge=0, description="then one more after so long")
     export_burst: Count = Field(default=3, description="times that one takes one's own data away, at once")
     export_refill_seconds: Seconds = Field(default=1200.0, ge=0, description="then one more after so long")
     left_days: int = Field(
@@ -165,6 +169,10 @@ class Settings(BaseSettings):
     @property
     def export_bucket(self) -> Bucket:
         return Bucket(self.export_burst, self.export_refill_seconds)
+
+    @property
+    def comment_bucket(self) -> Bucket:
+        return Bucket(self.comment_burst, self.comment_refill_seconds)
 
     @property
     def join_bucket(self) -> Bucket:

@@ -41,6 +41,25 @@ def reads_work(
     return db.execute(query.limit(1)).first() is not None
 
 
+def has_readers(db: Session, author: UUID, module: str) -> bool:
+    """Is there somebody to read what is sent now: who teaches or helps in an open class in which the author learns?"""
+    staff = aliased(Membership)
+    query = (
+        select(SchoolClass.id)
+        .join(Membership, Membership.class_id == SchoolClass.id)
+        .join(staff, staff.class_id == SchoolClass.id)
+        .where(
+            _is_open(module),
+            Membership.account_id == author,
+            Membership.role == Seat.student,
+            Membership.status == Status.active,
+            staff.role.in_(STAFF),
+            staff.status == Status.active,
+        )
+    )
+    return db.execute(query.limit(1)).first() is not None
+
+
 def teaching(account_id: UUID, module: str) -> ColumnElement[bool]:
     """Whether one teaches or helps in a class of this module, to be asked with something else."""
     return _seats(account_id, module, STAFF).exists()

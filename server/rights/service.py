@@ -102,6 +102,11 @@ def may_read_work(db: Session, account: Account | None, author: UUID, exercise: 
     return repository.reads_work(db, account.id, author, module_of(exercise), sent_at)
 
 
+def has_readers(db: Session, author: UUID, module: str) -> bool:
+    """Does somebody who teaches or helps read what this account sends now to the exercises of a module?"""
+    return repository.has_readers(db, author, module)
+
+
 def teaching(account_id: UUID, module: str) -> ColumnElement[bool]:
     """A condition: that one teaches or helps in a class of this module, which opens hints and solutions."""
     return repository.teaching(account_id, module)

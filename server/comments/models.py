@@ -1,0 +1,103 @@
+"""Threads of messages on a student's work, the phrases that a teacher keeps, words to several students."""
+
+from datetime import datetime
+from enum import StrEnum
+from uuid import UUID, uuid4
+
+from sqlalchemy import ForeignKey, Index, String, Text
+from sqlalchemy.orm import Mapped, mapped_column
+
+from server.database.base import Base, UtcDateTime, utc_now
+
+TEXT_LENGTH = 4000
+CHECK_LENGTH = 200
+TITLE_LENGTH = 300
+
+
+class State(StrEnum):
+    """`open`: the student spoke last, and waits; `answered`: who teaches did; `settled`: there is no more to say."""
+
+    open = "open"
+    answered = "answered"
+    settled = "settled"
+
+
+class Thread(Base):
+    """What is said of one thing in the work of `account_id`: lines of a submission, a check of its verdict, or all.
+
+    Without a submission it is of the exercise as a whole. `work_at` is when the work was sent, or else the thread
+    begun: it decides who may read (`server.rights`). `by_staff`: who reads the work began it. `staff_at` is the time
+    of their last message, `seen_at` when the student last looked.
+    """
+
+    __tablename__ = "thread"
+
+    id: Mapped[UUID] = mapped_column(primary_key=True, default=uuid4)
+    account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"))
+    exercise: Mapped[str] = mapped_column(String(200))
+    submission_id: Mapped[UUID | None] = mapped_column(ForeignKey("submission.id", ondelete="CASCADE"), index=True)
+    work_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    first_line: Mapped[int | None]
+    last_line: Mapped[int | None]
+    check_id: Mapped[str | None] = mapped_column(String(CHECK_LENGTH))
+    check_title: Mapped[str] = mapped_column(String(TITLE_LENGTH), default="")
+    by_staff: Mapped[bool]
+    state: Mapped[str] = mapped_column(String(16))
+    created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+    changed_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+    staff_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    seen_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+
+    __table_args__ = (Index("ix_thread_account_id_exercise", "account_id", "exercise"),)
+
+
+class Message(Base):
+    """One message. `as_staff`: of who reads the work, not of who did it. No author where that account is gone."""
+
+    __tablename__ = "message"
+
+    id: Mapped[UUID] = mapped_column(primary_key=True, default=uuid4)
+    thread_id: Mapped[UUID] = mapped_column(ForeignKey("thread.id", ondelete="CASCADE"), index=True)
+    author_id: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"), index=True)
+    as_staff: Mapped[bool]
+    text: Mapped[str] = mapped_column(Text)
+    created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+
+
+class Phrase(Base):
+    """What a teacher or an assistant keeps to say again, for an exercise and a misconception or for any."""
+
+    __tablename__ = "phrase"
+
+    id: Mapped[UUID] = mapped_column(primary_key=True, default=uuid4)
+    account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), index=True)
+    exercise: Mapped[str | None] = mapped_column(String(200))
+    misconception: Mapped[str | None] = mapped_column(String(200))
+    text: Mapped[str] = mapped_column(Text)
+    uses: Mapped[int] = mapped_column(default=0)
+    created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+
+
+class Note(Base):
+    """A word to several students of a class on an exercise; `link` is the path of what they are sent to, or empty."""
+
+    __tablename__ = "note"
+
+    id: Mapped[UUID] = mapped_column(primary_key=True, default=uuid4)
+    class_id: Mapped[UUID] = mapped_column(ForeignKey("school_class.id", ondelete="CASCADE"), index=True)
+    exercise: Mapped[str] = mapped_column(String(200))
+    misconception: Mapped[str | None] = mapped_column(String(200))
+    text: Mapped[str] = mapped_column(Text)
+    link: Mapped[str] = mapped_column(String(300), default="")
+    account_id: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"), index=True)
+    created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+
+
+class NoteReader(Base):
+    """A student whom a word is for; `seen_at` is when they said that they have read it."""
+
+    __tablename__ = "note_reader"
+
+    note_id: Mapped[UUID] = mapped_column(ForeignKey("note.id", ondelete="CASCADE"), primary_key=True)
+    account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), primary_key=True, index=True)
+    seen_at: Mapped[datetime | None] = mapped_column(UtcDateTime)

@@ -1,0 +1,210 @@
+"""Queries on threads and their messages."""
+
+from collections.abc import Collection, Mapping, Sequence
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import ColumnElement, and_, func, or_, select, tuple_, update
+from sqlalchemy.orm import Session
+
+from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.comments.models import Message, State, Thread
+from server.comments.schemas import News, Said
+from server.identity.models import Account
+from server.submissions.models import Submission
+
+#: Attempts before this one, and threads on each exercise, that are looked at again.
+MOST_SOURCES = 5
+MOST_SHOWN = 300
+MOST_NEWS = 30
+
+
+def by_id(db: Session, thread_id: UUID) -> Thread | None:
+    return db.get(Thread, thread_id)
+
+
+def locked(db: Session, thread_id: UUID) -> None:
+    """Until the commit, nobody else adds to this thread who locks it first."""
+    db.execute(select(Thread.id).where(Thread.id == thread_id).with_for_update())
+
+
+def count_messages(db: Session, thread_id: UUID) -> int:
+    query = select(func.count()).select_from(Message).where(Message.thread_id == thread_id)
+    return db.execute(query).scalar_one()
+
+
+def count_threads(db: Session, account_id: UUID, exercise: str) -> int:
+    query = select(func.count()).select_from(Thread).where(_of(account_id, exercise))
+    return db.execute(query).scalar_one()
+
+
+def on(db: Session, submission: Submission) -> Sequence[Thread]:
+    """The threads of a submission, and those on lines of earlier ones by the same author that are not settled."""
+    earlier = select(Submission.id).where(
+        Submission.account_id == submission.account_id,
+        Submission.exercise == submission.exercise,
+        tuple_(Submission.created_at, Submission.id) < tuple_(submission.created_at, submission.id),
+    )
+    carried = and_(Thread.first_line.is_not(None), Thread.state != State.settled, Thread.submission_id.in_(earlier))
+    query = (
+        select(Thread)
+        .where(
+            _of(submission.account_id, submission.exercise),
+            or_(Thread.submission_id == submission.id, Thread.submission_id.is_(None), carried),
+        )
+        .order_by(Thread.work_at.desc(), Thread.created_at.desc(), Thread.id)
+    )
+    return db.execute(query.limit(MOST_SHOWN)).scalars().all()
+
+
+def of_exercise(db: Session, account_id: UUID, exercise: str, until: datetime | None = None) -> Sequence[Thread]:
+    """All the threads on somebody's work in an exercise, newest first; of work from before `until` alone."""
+    query = select(Thread).where(_of(account_id, exercise))
+    query = query if until is None else query.where(Thread.work_at <= until)
+    return db.execute(query.order_by(Thread.changed_at.desc(), Thread.id).limit(MOST_SHOWN)).scalars().all()
+
+
+def messages_of(db: Session, threads: Collection[UUID]) -> Mapping[UUID, Sequence[Said]]:
+    """The messages of each thread, oldest first."""
+    query = (
+        select(Message, Account.name)
+        .outerjoin(Account, Account.id == Message.author_id)
+        .where(Message.thread_id.in_(threads))
+        .order_by(Message.created_at, Message.id)
+    )
+    found: dict[UUID, list[Said]] = {one: [] for one in threads}
+    for message, name in db.execute(query):
+        found[message.thread_id].append(Said(message, name or ""))
+    return found
+
+
+def sources(db: Session, submissions: Collection[UUID]) -> Mapping[UUID, Submission]:
+    query = select(Submission).where(Submission.id.in_(submissions))
+    return {one.id: one for one in db.execute(query).scalars()}
+
+
+def numbers(db: Session, account_id: UUID, exercise: str, wanted: Collection[UUID]) -> Mapping[UUID, int]:
+    """Of some attempts, which each is among its author's at the exercise: 1 for the first."""
+    place = func.row_number().over(order_by=(Submission.created_at, Submission.id)).label("place")
+    query = select(Submission.id, place).where(Submission.account_id == account_id, Submission.exercise == exercise)
+    placed = query.subquery()
+    rows = db.execute(select(placed.c.id, placed.c.place).where(placed.c.id.in_(wanted)))
+    return dict(rows.all())
+
+
+def news(db: Session, account_id: UUID, exercise: str | None = None) -> Sequence[News]:
+    """What somebody was told and has not looked at, newest first, each thread with its last message."""
+    last = (
+        select(Message.text)
+        .where(Message.thread_id == Thread.id)
+        .order_by(Message.created_at.desc(), Message.id.desc())
+        .limit(1)
+        .scalar_subquery()
+    )
+    query = select(Thread, last).where(
+        Thread.account_id == account_id,
+        Thread.staff_at.is_not(None),
+        or_(Thread.seen_at.is_(None), Thread.seen_at < Thread.staff_at),
+    )
+    query = query if exercise is None else query.where(Thread.exercise == exercise)
+    rows = db.execute(query.order_by(Thread.changed_at.desc(), Thread.id).limit(MOST_NEWS))
+    return [News(thread, text or "") for thread, text in rows]
+
+
+def note_seen(db: Session, threads: Collection[UUID], now: datetime) -> None:
+    db.execute(
+        update(Thread).where(Thread.id.in_(threads)).values(seen_at=now).execution_options(synchronize_session=False)
+    )
+
+
+def in_class(
+    db: Session, school_class: SchoolClass, state: State | None, *, most: int, skipped: int
+) -> Sequence[tuple[Thread, Membership, Account, str, int]]:
+    """Threads on the work of a class's students, newest first, with their first message and how many there are."""
+    first = (
+        select(Message.text)
+        .where(Message.thread_id == Thread.id)
+        .order_by(Message.created_at, Message.id)
+        .limit(1)
+        .scalar_subquery()
+    )
+    count = select(func.count()).where(Message.thread_id == Thread.id).scalar_subquery()
+    query = (
+        select(Thread, Membership, Account, first, count)
+        .join(Membership, Membership.account_id == Thread.account_id)
+        .join(Account, Account.id == Thread.account_id)
+        .where(_read_in(school_class))
+        .order_by(Thread.changed_at.desc(), Thread.id)
+    )
+    query = query if state is None else query.where(Thread.state == state)
+    return [tuple(row) for row in db.execute(query.limit(most).offset(skipped))]
+
+
+def count_in_class(db: Session, school_class: SchoolClass) -> Mapping[str, int]:
+    query = (
+        select(Thread.state, func.count())
+        .join(Membership, Membership.account_id == Thread.account_id)
+        .where(_read_in(school_class))
+        .group_by(Thread.state)
+    )
+    return dict(db.execute(query).all())
+
+
+def open_in(db: Session, classes: Collection[UUID]) -> Mapping[UUID, int]:
+    """How many questions wait for an answer in each of these classes; none is left out of the answer but at 0."""
+    query = (
+        select(Membership.class_id, func.count())
+        .join(SchoolClass, SchoolClass.id == Membership.class_id)
+        .join(Thread, Thread.account_id == Membership.account_id)
+        .where(
+            Membership.class_id.in_(classes),
+            Membership.role == Seat.student,
+            Membership.status == Status.active,
+            SchoolClass.archived_at.is_(None),
+            Thread.exercise.startswith(SchoolClass.module + "/"),
+            Thread.state == State.open,
+        )
+        .group_by(Membership.class_id)
+    )
+    return dict(db.execute(query).all())
+
+
+def _read_in(school_class: SchoolClass) -> ColumnElement[bool]:
+    """Of the students of a class, in its module, what its staff may read (see `server.rights`)."""
+    there = or_(
+        Membership.status == Status.active, and_(Membership.status == Status.left, Membership.left_at >= Thread.work_at)
+    )
+    conditions = [
+        Membership.class_id == school_class.id,
+        Membership.role == Seat.student,
+        there,
+        Thread.exercise.startswith(f"{school_class.module}/", autoescape=True),
+    ]
+    if school_class.archived_at is not None:
+        conditions.append(Thread.work_at <= school_class.archived_at)
+    return and_(*conditions)
+
+
+def move(db: Session, old: UUID, new: UUID) -> None:
+    """Gives an account what a guest has asked and was told."""
+    unsynchronised = {"synchronize_session": False}
+    moved = update(Thread).where(Thread.account_id == old).values(account_id=new)
+    written = update(Message).where(Message.author_id == old).values(author_id=new)
+    for statement in (moved, written):
+        db.execute(statement.execution_options(**unsynchronised))
+
+
+def all_of(db: Session, account_id: UUID) -> Sequence[Thread]:
+    query = select(Thread).where(Thread.account_id == account_id)
+    return db.execute(query.order_by(Thread.created_at, Thread.id)).scalars().all()
+
+
+def said_as_staff(db: Session, account_id: UUID) -> Sequence[tuple[Message, str]]:
+    """What somebody has written on the work of others, each with its exercise."""
+    query = select(Message, Thread.exercise).join(Thread, Thread.id == Message.thread_id)
+    query = query.where(Message.author_id == account_id, Message.as_staff)
+    return [(message, exercise) for message, exercise in db.execute(query.order_by(Message.created_at, Message.id))]
+
+
+def _of(account_id: UUID, exercise: str) -> ColumnElement[bool]:
+    return and_(Thread.account_id == account_id, Thread.exercise == exercise)

@@ -1,0 +1,104 @@
+"""What is said more than once: phrases that one keeps, a word to all who have a misconception now.
+
+Every function works inside the caller's transaction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.base.errors import Conflict, NotFound
+from server.base.settings import Settings
+from server.classes.models import SchoolClass
+from server.classes.service import require_open
+from server.comments import words_repository as repository
+from server.comments.models import Note, Phrase
+from server.comments.schemas import text_of
+from server.comments.service import TOO_FAST
+from server.database import utc_now
+from server.identity.models import Account
+from server.limits import service as limits
+
+MOST_PHRASES = 200
+MOST_SUGGESTED = 20
+UNKNOWN_PHRASE = "Cette phrase n’est pas parmi celles que vous gardez."
+UNKNOWN_WORD = "Ce mot n’existe pas."
+TOO_MANY_PHRASES = f"Vous gardez déjà {MOST_PHRASES} phrases : effacez-en d’abord."
+NO_READERS = "Aucun élève de la classe n’a cette erreur en ce moment : le mot n’a pas été envoyé."
+
+
+def suggested(db: Session, by: Account, exercise: str, misconception: str | None) -> Sequence[Phrase]:
+    """Phrases to choose from: first those kept for this misconception, then those for this exercise."""
+    return repository.phrases(db, by.id, exercise, misconception, MOST_SUGGESTED)
+
+
+def keep(db: Session, by: Account, text: str, exercise: str | None, misconception: str | None) -> Phrase:
+    """Keeps a phrase; one that is kept already stays as it is. Raises Invalid or Conflict."""
+    kept = text_of(text)
+    known = repository.same_phrase(db, by.id, kept)
+    if known is not None:
+        return known
+    if repository.count_phrases(db, by.id) >= MOST_PHRASES:
+        raise Conflict(TOO_MANY_PHRASES)
+    phrase = Phrase(account_id=by.id, text=kept, exercise=exercise, misconception=misconception)
+    db.add(phrase)
+    db.flush()
+    return phrase
+
+
+def with_phrase(db: Session, by: Account, phrase_id: UUID | None, text: str) -> str:
+    """What was typed, after the kept phrase that was chosen, which is used once more. Raises NotFound."""
+    if phrase_id is None:
+        return text
+    phrase = repository.phrase(db, by.id, phrase_id)
+    if phrase is None:
+        raise NotFound(UNKNOWN_PHRASE)
+    repository.use(db, phrase.id)
+    return f"{phrase.text}\n\n{text}" if text.strip() else phrase.text
+
+
+def forget(db: Session, by: Account, phrase_id: UUID) -> None:
+    if not repository.forget(db, by.id, phrase_id):
+        raise NotFound(UNKNOWN_PHRASE)
+
+
+def tell(
+    db: Session,
+    by: Account,
+    school_class: SchoolClass,
+    exercise: str,
+    misconception: str | None,
+    text: str,
+    link: str,
+    settings: Settings,
+) -> tuple[Note, int]:
+    """A word to all active students of the class whose latest attempt has this misconception: how many they are.
+
+    To all of them where no misconception is named. Raises Invalid, Conflict or TooMany.
+    """
+    require_open(school_class)
+    said = text_of(text)
+    limits.take(db, f"comment:{by.id}", settings.comment_bucket, TOO_FAST)
+    readers = repository.concerned(db, school_class.id, exercise, misconception)
+    if not readers:
+        raise Conflict(NO_READERS)
+    note = Note(
+        class_id=school_class.id,
+        exercise=exercise,
+        misconception=misconception,
+        text=said,
+        link=link,
+        account_id=by.id,
+        created_at=utc_now(),
+    )
+    repository.tell(db, note, readers)
+    return note, len(readers)
+
+
+def note_read(db: Session, account: Account, note_id: UUID) -> None:
+    """Raises NotFound."""
+    if not repository.note_read(db, note_id, account.id, utc_now()):
+        raise NotFound(UNKNOWN_WORD)

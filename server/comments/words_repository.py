@@ -1,0 +1,142 @@
+"""Queries on kept phrases and on words to several students."""
+
+from collections.abc import Collection, Sequence
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import case, delete, func, insert, select, update
+from sqlalchemy.orm import Session
+
+from server.classes.models import Membership, Seat, Status
+from server.comments.models import Note, NoteReader, Phrase
+from server.comments.schemas import Told, Word
+from server.database import table_of
+from server.gradebook.models import Standing
+from server.identity.models import Account
+
+MOST_WORDS = 20
+MOST_TOLD = 100
+
+
+def phrases(db: Session, account_id: UUID, exercise: str, misconception: str | None, most: int) -> Sequence[Phrase]:
+    """One's phrases: first those for this misconception, then those for this exercise, then those most used."""
+    fits = case((Phrase.misconception == misconception, 0), (Phrase.misconception.is_(None), 1), else_=2)
+    here = case((Phrase.exercise == exercise, 0), (Phrase.exercise.is_(None), 1), else_=2)
+    query = select(Phrase).where(Phrase.account_id == account_id)
+    query = query.order_by(fits, here, Phrase.uses.desc(), Phrase.created_at.desc(), Phrase.id)
+    return db.execute(query.limit(most)).scalars().all()
+
+
+def all_phrases(db: Session, account_id: UUID) -> Sequence[Phrase]:
+    query = select(Phrase).where(Phrase.account_id == account_id)
+    return db.execute(query.order_by(Phrase.created_at.desc(), Phrase.id)).scalars().all()
+
+
+def phrase(db: Session, account_id: UUID, phrase_id: UUID) -> Phrase | None:
+    return db.execute(
+        select(Phrase).where(Phrase.id == phrase_id, Phrase.account_id == account_id)
+    ).scalar_one_or_none()
+
+
+def same_phrase(db: Session, account_id: UUID, text: str) -> Phrase | None:
+    query = select(Phrase).where(Phrase.account_id == account_id, Phrase.text == text)
+    return db.execute(query.limit(1)).scalar_one_or_none()
+
+
+def count_phrases(db: Session, account_id: UUID) -> int:
+    query = select(func.count()).select_from(Phrase).where(Phrase.account_id == account_id)
+    return db.execute(query).scalar_one()
+
+
+def use(db: Session, phrase_id: UUID) -> None:
+    db.execute(
+        update(Phrase)
+        .where(Phrase.id == phrase_id)
+        .values(uses=Phrase.uses + 1)
+        .execution_options(synchronize_session=False)
+    )
+
+
+def forget(db: Session, account_id: UUID, phrase_id: UUID) -> bool:
+    statement = delete(Phrase).where(Phrase.id == phrase_id, Phrase.account_id == account_id).returning(Phrase.id)
+    return db.execute(statement).first() is not None
+
+
+def concerned(db: Session, class_id: UUID, exercise: str, misconception: str | None) -> Sequence[UUID]:
+    """The active students of a class whose latest attempt at the exercise has this misconception; all without one."""
+    query = select(Membership.account_id).where(
+        Membership.class_id == class_id, Membership.role == Seat.student, Membership.status == Status.active
+    )
+    if misconception is not None:
+        query = query.join(Standing, Standing.account_id == Membership.account_id)
+        query = query.where(Standing.exercise == exercise, Standing.last_diagnosis == misconception)
+    return db.execute(query).scalars().all()
+
+
+def tell(db: Session, note: Note, readers: Collection[UUID]) -> None:
+    db.add(note)
+    db.flush()
+    rows = [{"note_id": note.id, "account_id": reader, "seen_at": None} for reader in readers]
+    db.execute(insert(table_of(NoteReader)), rows)
+
+
+def words(db: Session, account_id: UUID, exercise: str | None = None, *, unread: bool = False) -> Sequence[Word]:
+    """What somebody was told with others, newest first: on one exercise, or on all."""
+    query = (
+        select(Note, Account.name, NoteReader.seen_at)
+        .join(NoteReader, NoteReader.note_id == Note.id)
+        .outerjoin(Account, Account.id == Note.account_id)
+        .where(NoteReader.account_id == account_id)
+        .order_by(Note.created_at.desc(), Note.id)
+    )
+    query = query if exercise is None else query.where(Note.exercise == exercise)
+    query = query.where(NoteReader.seen_at.is_(None)) if unread else query
+    return [Word(note, name or "", seen_at) for note, name, seen_at in db.execute(query.limit(MOST_WORDS))]
+
+
+def all_words(db: Session, account_id: UUID) -> Sequence[Word]:
+    query = (
+        select(Note, NoteReader.seen_at)
+        .join(NoteReader, NoteReader.note_id == Note.id)
+        .where(NoteReader.account_id == account_id)
+        .order_by(Note.created_at, Note.id)
+    )
+    return [Word(note, "", seen_at) for note, seen_at in db.execute(query)]
+
+
+def note_read(db: Session, note_id: UUID, account_id: UUID, now: datetime) -> bool:
+    """That somebody has read a word for them: False where there is none."""
+    statement = (
+        update(NoteReader)
+        .where(NoteReader.note_id == note_id, NoteReader.account_id == account_id)
+        .values(seen_at=func.coalesce(NoteReader.seen_at, now))
+        .returning(NoteReader.note_id)
+        .execution_options(synchronize_session=False)
+    )
+    return db.execute(statement).first() is not None
+
+
+def told_in(db: Session, class_id: UUID) -> Sequence[Told]:
+    """The latest words to students of a class, with how many have them and have read them."""
+    query = (
+        select(Note, Account.name, func.count(NoteReader.account_id), func.count(NoteReader.seen_at))
+        .outerjoin(NoteReader, NoteReader.note_id == Note.id)
+        .outerjoin(Account, Account.id == Note.account_id)
+        .where(Note.class_id == class_id)
+        .group_by(Note.id, Account.name)
+        .order_by(Note.created_at.desc(), Note.id)
+    )
+    rows = db.execute(query.limit(MOST_TOLD))
+    return [Told(note, name or "", readers, seen) for note, name, readers, seen in rows]
+
+
+def told_by(db: Session, account_id: UUID) -> Sequence[Note]:
+    query = select(Note).where(Note.account_id == account_id)
+    return db.execute(query.order_by(Note.created_at, Note.id)).scalars().all()
+
+
+def move(db: Session, old: UUID, new: UUID) -> None:
+    """Gives an account the words for a guest; one that both have stays as the account has it."""
+    own = select(NoteReader.note_id).where(NoteReader.account_id == new)
+    moved = update(NoteReader).where(NoteReader.account_id == old, NoteReader.note_id.not_in(own))
+    db.execute(moved.values(account_id=new).execution_options(synchronize_session=False))

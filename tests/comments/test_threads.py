@@ -1,0 +1,301 @@
+"""Who may say what of whose work, what is told to whom, and what stays when people and work go."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from uuid import UUID, uuid4
+
+import pytest
+from sqlalchemy import func, select
+
+from graders.core.contract.findings import Judgement
+from graders.core.contract.verdict import Diagnosis
+from server.base.errors import Conflict, Invalid, NotFound, TooMany
+from server.base.settings import Settings
+from server.classes import service as classes
+from server.classes.models import SchoolClass, Seat
+from server.comments import repository, service, words, words_repository
+from server.comments.carrying import Fate, Place
+from server.comments.models import TEXT_LENGTH, Message, Note, NoteReader, Phrase, State, Thread
+from server.comments.schemas import WHOLE, Talk, Target
+from server.database import Database, utc_now
+from server.gradebook import service as gradebook
+from server.gradebook.schemas import Attempt, Graded
+from server.identity import repository as identity
+from server.identity.models import Account, Role
+from server.personal.joining import adopt
+from server.submissions.models import Submission
+from server.submissions.service import digest
+from tests.support.classes import new_class, seat
+from tests.support.service import EXERCISE, fake_verdict, new_account
+
+CODE = "import numpy\n\ndef f(x):\n    return x + 1\n"
+
+
+@dataclass
+class Room:
+    """A class with a student and a teacher, and somebody of another class."""
+
+    database: Database
+    settings: Settings
+    made: SchoolClass
+    teacher: Account
+    ada: Account
+    other: Account
+
+    def send(self, code: str = CODE, by: Account | None = None, diagnosis: str | None = None) -> UUID:
+        verdict = fake_verdict("# outcome: wrong_answer", 1)
+        if diagnosis:
+            verdict = replace(verdict, diagnosis=Diagnosis(diagnosis, "Erreur", "Pourquoi."))
+        with self.database.write() as db:
+            author = by or self.ada
+            row = {"source": code.encode(), "digest": digest(code), "seed": 1}
+            sent = Submission(account_id=author.id, exercise=EXERCISE, **row)
+            db.add(sent)
+            db.flush()
+            gradebook.record(db, sent.id, Graded(Judgement(verdict), utc_now()))
+            return sent.id
+
+    def say(self, by: Account, sent: UUID, target: Target = WHOLE, text: str = "Pourquoi ?") -> Thread:
+        with self.database.write() as db:
+            attempt = gradebook.find(db, by, sent)
+            return service.begin(db, by, attempt, target, text, self.settings)
+
+    def reply(self, by: Account, thread: Thread, text: str = "Parce que.") -> Thread:
+        with self.database.write() as db:
+            found = service.find(db, by, thread.id)
+            service.reply(db, by, found, text, self.settings)
+            return found
+
+    def beside(self, sent: UUID) -> list[Talk]:
+        with self.database.read() as db:
+            attempt = gradebook.find(db, self.ada, sent)
+            return list(service.beside(db, Attempt(attempt.submission, attempt.grading)))
+
+    def count(self, table: type) -> int:
+        with self.database.read() as db:
+            return db.execute(select(func.count()).select_from(table)).scalar_one()
+
+
+@pytest.fixture
+def room(database: Database, both: Settings) -> Room:
+    teacher, other = new_account(database, Role.teacher, "Mme Martin"), new_account(database, Role.teacher, "M. Autre")
+    ada = new_account(database)
+    made = new_class(database, teacher)
+    new_class(database, other, "PSI")
+    seat(database, made, ada)
+    return Room(database, both.model_copy(update={"comment_burst": 1000}), made, teacher, ada, other)
+
+
+def test_a_question_waits_is_answered_and_settled_and_an_answer_opens_it_again(room: Room) -> None:
+    sent = room.send()
+    thread = room.say(room.ada, sent, Target(check="b"))
+    assert (thread.state, thread.by_staff, thread.check_title) == (State.open, False, "Seconde")
+    with room.database.read() as db:
+        assert repository.open_in(db, [room.made.id]) == {room.made.id: 1}
+        assert not repository.news(db, room.ada.id)
+    answered = room.reply(room.teacher, thread)
+    assert answered.state == State.answered
+    with room.database.write() as db:
+        (news,) = repository.news(db, room.ada.id, EXERCISE)
+        assert (news.thread.id, news.text) == (thread.id, "Parce que.")
+        repository.note_seen(db, [thread.id], utc_now())
+    with room.database.write() as db:
+        assert not repository.news(db, room.ada.id)
+        service.settle(service.find(db, room.ada, thread.id), True)
+    assert room.reply(room.ada, thread, "Et pourtant").state == State.open
+    with room.database.read() as db:
+        found = service.questions(db, room.made, State.open, 1)
+        assert [(one.student, one.text, one.messages) for one in found.lines] == [("Ada", "Pourquoi ?", 3)]
+        assert found.counts == {State.open: 1, State.answered: 0, State.settled: 0}
+
+
+def test_nobody_else_reads_or_writes(room: Room) -> None:
+    bob = seat(room.database, room.made, new_account(room.database, name="Bob"))
+    guide = seat(room.database, room.made, new_account(room.database, name="Guide"), Seat.assistant)
+    sent = room.send()
+    thread = room.say(room.ada, sent)
+    for stranger in (bob, room.other):
+        with pytest.raises(NotFound):
+            room.say(stranger, sent)
+        with pytest.raises(NotFound):
+            room.reply(stranger, thread)
+        with room.database.write() as db, pytest.raises(NotFound):
+            service.begin_whole(db, stranger, room.ada.id, EXERCISE, "Bonjour", room.settings)
+    room.reply(guide, thread)
+    for unknown in (uuid4(), "zut"):
+        with room.database.read() as db, pytest.raises(NotFound):
+            service.find(db, room.teacher, unknown)
+
+
+def test_who_has_left_is_read_up_to_then(room: Room) -> None:
+    before = room.send()
+    thread = room.say(room.ada, before)
+    with room.database.write() as db:
+        classes.leave(db, room.made, room.ada.id)
+    after = room.send("y = 2\n")
+    with pytest.raises(Conflict):
+        room.say(room.ada, after)
+    room.reply(room.teacher, thread)
+    with pytest.raises(NotFound):
+        room.say(room.teacher, after)
+    with room.database.read() as db:
+        made = db.merge(room.made)
+        assert [one.thread.id for one in service.questions(db, made, None, 1).lines] == [thread.id]
+        assert repository.open_in(db, [made.id]) == {}
+
+
+@pytest.mark.parametrize(
+    ("target", "text"),
+    [
+        (Target(lines=Place(0, 1)), "a"),
+        (Target(lines=Place(3, 2)), "a"),
+        (Target(lines=Place(4, 5)), "a"),
+        (Target(lines=Place(-1, 10**9)), "a"),
+        (Target(check="zut"), "a"),
+        (Target(check="b' OR 1=1 --\x00"), "a"),
+        (WHOLE, " \r\n "),
+        (WHOLE, "x" * (TEXT_LENGTH + 1)),
+        (WHOLE, "x" * 10**6),
+        (WHOLE, "\ud800"),
+    ],
+)
+def test_what_is_not_there_and_what_is_no_message_are_refused(room: Room, target: Target, text: str) -> None:
+    sent = room.send()
+    with pytest.raises(Invalid):
+        room.say(room.ada, sent, target, text)
+    assert room.count(Thread) == room.count(Message) == 0
+
+
+def test_any_text_is_kept_as_it_is_but_for_what_no_database_keeps(room: Room) -> None:
+    text = "<script>alert(1)</script>\r\n\u202e\x00 é 🙂 '; DROP TABLE thread"
+    room.say(room.ada, room.send(), text=text)
+    with room.database.read() as db:
+        kept = db.execute(select(Message.text)).scalar_one()
+    assert kept == text.replace("\r\n", "\n").replace("\x00", "␀")
+
+
+def test_how_much_is_said_is_bounded(room: Room, monkeypatch: pytest.MonkeyPatch) -> None:
+    sent = room.send()
+    monkeypatch.setattr(service, "MOST_MESSAGES", 2)
+    monkeypatch.setattr(service, "MOST_THREADS", 2)
+    thread = room.say(room.ada, sent)
+    room.reply(room.teacher, thread)
+    with pytest.raises(Conflict):
+        room.reply(room.ada, thread)
+    room.say(room.ada, sent)
+    with pytest.raises(Conflict):
+        room.say(room.ada, sent)
+    room.settings = room.settings.model_copy(update={"comment_burst": 1, "comment_refill_seconds": 1000.0})
+    monkeypatch.setattr(service, "MOST_MESSAGES", 20)
+    room.reply(room.teacher, thread)
+    with pytest.raises(TooMany):
+        room.reply(room.teacher, thread)
+
+
+def test_a_comment_on_lines_follows_them(room: Room) -> None:
+    first = room.send()
+    room.say(room.teacher, first, Target(lines=Place(4, 4)), "Et si x est un tableau ?")
+    room.say(room.teacher, first, Target(lines=Place(1, 1)), "Inutile.")
+    settled = room.say(room.teacher, first, Target(lines=Place(3, 3)), "Bien.")
+    with room.database.write() as db:
+        service.settle(service.find(db, room.teacher, settled.id), True)
+    second = room.send("# mieux\ndef f(x):\n    return x + 2\n")
+    found = {talk.messages[0].text: (talk.fate, talk.place, talk.number) for talk in room.beside(second)}
+    assert found == {
+        "Et si x est un tableau ?": (Fate.changed, Place(3, 3), 1),
+        "Inutile.": (Fate.changed, Place(1, 1), 1),
+    }
+    assert {talk.place for talk in room.beside(first)} == {Place(4, 4), Place(1, 1), Place(3, 3)}
+
+
+def test_who_goes_takes_their_words_along_and_a_teacher_s_stay_unsigned(room: Room) -> None:
+    thread = room.say(room.ada, room.send())
+    room.reply(room.teacher, thread)
+    with room.database.write() as db:
+        words.keep(db, room.teacher, "Relisez l’énoncé.", EXERCISE, None)
+        words.tell(db, room.teacher, room.made, EXERCISE, None, "Bonjour", "", room.settings)
+        identity.delete_account(db, room.teacher.id)
+    with room.database.read() as db:
+        talk = service.one(db, service.find(db, room.ada, thread.id))
+        assert [(said.name, said.message.as_staff) for said in talk.messages] == [("Ada", False), ("", True)]
+        assert [one.author for one in words_repository.words(db, room.ada.id)] == [""]
+    assert room.count(Phrase) == 0
+    with room.database.write() as db:
+        identity.delete_account(db, room.ada.id)
+    assert [room.count(table) for table in (Thread, Message, NoteReader, Note)] == [0, 0, 0, 1]
+
+
+def test_what_is_said_goes_with_the_submission(room: Room) -> None:
+    sent = room.send()
+    room.say(room.ada, sent)
+    with room.database.write() as db:
+        db.delete(db.get(Submission, sent))
+    assert [room.count(table) for table in (Thread, Message)] == [0, 0]
+
+
+def test_a_guest_s_questions_are_those_of_their_account(room: Room) -> None:
+    guest = seat(room.database, room.made, new_account(room.database, Role.guest, "Invitée"))
+    thread = room.say(guest, room.send(by=guest))
+    room.reply(room.teacher, thread)
+    with room.database.write() as db:
+        words.tell(db, room.teacher, room.made, EXERCISE, None, "À tous", "", room.settings)
+        adopt(db, guest.id, room.ada.id)
+    with room.database.read() as db:
+        talk = service.one(db, service.find(db, room.ada, thread.id))
+        assert [said.message.author_id for said in talk.messages] == [room.ada.id, room.teacher.id]
+        assert len(words_repository.words(db, room.ada.id)) == 1
+        assert len(repository.news(db, room.ada.id)) == 1
+
+
+def test_a_word_is_for_those_who_have_the_mistake_now(room: Room) -> None:
+    students = [
+        seat(room.database, room.made, new_account(room.database, name=name)) for name in ("Bob", "Cleo", "Dan")
+    ]
+    bob, cleo, dan = students
+    room.send(by=bob, diagnosis="signe")
+    room.send(by=cleo, diagnosis="signe")
+    room.send("y = 2\n", by=cleo, diagnosis="autre")
+    room.send(by=dan, diagnosis="signe")
+    with room.database.write() as db:
+        classes.leave(db, room.made, dan.id)
+        note, count = words.tell(db, room.teacher, room.made, EXERCISE, "signe", "Relisez.", "/l20", room.settings)
+    assert count == 1
+    with room.database.write() as db:
+        assert [one.seen_at for one in words_repository.words(db, bob.id, EXERCISE)] == [None]
+        assert not words_repository.words(db, cleo.id)
+        words.note_read(db, bob, note.id)
+        for stranger in (cleo, room.other):
+            with pytest.raises(NotFound):
+                words.note_read(db, stranger, note.id)
+        assert not words_repository.words(db, bob.id, unread=True)
+        assert [(told.readers, told.seen) for told in words_repository.told_in(db, room.made.id)] == [(1, 1)]
+        with pytest.raises(Conflict):
+            words.tell(db, room.teacher, room.made, EXERCISE, "nul", "Relisez.", "", room.settings)
+
+
+def test_kept_phrases_come_first_where_they_fit_and_are_one_s_own(room: Room) -> None:
+    with room.database.write() as db:
+        kept = {
+            text: words.keep(db, room.teacher, text, exercise, misconception)
+            for text, exercise, misconception in [
+                ("partout", None, None),
+                ("ailleurs", "l20/autre", "autre"),
+                ("ici", EXERCISE, None),
+                ("signe", EXERCISE, "signe"),
+            ]
+        }
+        assert words.keep(db, room.teacher, " partout ", EXERCISE, None).id == kept["partout"].id
+        words.with_phrase(db, room.teacher, kept["partout"].id, "")
+        assert words.with_phrase(db, room.teacher, kept["ici"].id, "Voilà.") == "ici\n\nVoilà."
+    with room.database.write() as db:
+        found = [one.text for one in words.suggested(db, room.teacher, EXERCISE, "signe")]
+        assert found == ["signe", "ici", "partout", "ailleurs"]
+        assert words.suggested(db, room.teacher, "l20/autre", "autre")[0].text == "ailleurs"
+        assert not words.suggested(db, room.other, EXERCISE, "signe")
+        with pytest.raises(NotFound):
+            words.with_phrase(db, room.other, kept["signe"].id, "")
+        with pytest.raises(NotFound):
+            words.forget(db, room.other, kept["signe"].id)
+        words.forget(db, room.teacher, kept["signe"].id)
+    assert room.count(Phrase) == 3
