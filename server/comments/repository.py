@@ -66,16 +66,21 @@ def of_exercise(db: Session, account_id: UUID, exercise: str, until: datetime | 
 
 def messages_of(db: Session, threads: Collection[UUID]) -> Mapping[UUID, Sequence[Said]]:
     """The messages of each thread, oldest first."""
-    query = (
-        select(Message, Account.name)
-        .outerjoin(Account, Account.id == Message.author_id)
-        .where(Message.thread_id.in_(threads))
-        .order_by(Message.created_at, Message.id)
-    )
-    found: dict[UUID, list[Said]] = {one: [] for one in threads}
-    for message, name in db.execute(query):
-        found[message.thread_id].append(Said(message, name or ""))
-    return found
+    return dict.fromkeys(threads, ()) | _said(db, Message.thread_id.in_(threads))
+
+
+def messages_of_account(db: Session, account_id: UUID) -> Mapping[UUID, Sequence[Said]]:
+    """The messages of all threads on somebody's work."""
+    mine = select(Thread.id).where(Thread.account_id == account_id)
+    return _said(db, Message.thread_id.in_(mine))
+
+
+def _said(db: Session, which: ColumnElement[bool]) -> dict[UUID, Sequence[Said]]:
+    query = select(Message, Account.name).outerjoin(Account, Account.id == Message.author_id).where(which)
+    found: dict[UUID, list[Said]] = {}
+    for message, name in db.execute(query.order_by(Message.created_at, Message.id)):
+        found.setdefault(message.thread_id, []).append(Said(message, name or ""))
+    return dict(found)
 
 
 def sources(db: Session, submissions: Collection[UUID]) -> Mapping[UUID, Submission]:

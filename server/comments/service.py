@@ -20,7 +20,7 @@ from server.comments import repository, words_repository
 from server.comments.carrying import GONE, Carried, Fate, Place, carry
 from server.comments.difference import compare, lines_of
 from server.comments.models import TITLE_LENGTH, Message, State, Thread
-from server.comments.schemas import Question, Questions, Talk, Target, text_of
+from server.comments.schemas import Own, Question, Questions, Talk, Target, text_of
 from server.database import utc_now
 from server.gradebook.schemas import Attempt
 from server.identity.models import Account
@@ -224,6 +224,19 @@ def questions(db: Session, school_class: SchoolClass, state: State | None, numbe
     counted = repository.count_in_class(db, school_class)
     counts = {one: counted.get(one, 0) for one in State}
     return Questions(lines, counts, number, len(rows) > QUESTIONS_A_PAGE)
+
+
+def own(db: Session, account_id: UUID) -> Own:
+    """All that somebody has said and was told, and the phrases that they keep."""
+    threads = repository.all_of(db, account_id)
+    messages = repository.messages_of_account(db, account_id)
+    return Own(
+        talks=[Talk(one, messages.get(one.id, ()), place=_lines(one)) for one in threads],
+        said=repository.said_as_staff(db, account_id),
+        phrases=words_repository.all_phrases(db, account_id),
+        words=words_repository.all_words(db, account_id),
+        told=words_repository.told_by(db, account_id),
+    )
 
 
 def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:

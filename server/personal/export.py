@@ -10,6 +10,8 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.classes import repository as classes
+from server.comments import service as comments
+from server.comments.schemas import Talk
 from server.course import Course
 from server.database import Database
 from server.gradebook import repository as gradings
@@ -29,6 +31,8 @@ compte.json      qui vous êtes ici, vos sessions ouvertes et vos jetons
                  (ni mot de passe ni jeton : ils ne sont pas gardés, seule leur empreinte l’est)
 classes.json     vos classes, et ce qui y est noté de vous
 exercices.json   vos bilans, vos tirages et, pour un enseignant, les corrigés ouverts
+messages.json    ce que vous avez écrit et ce qu’on vous a écrit sur votre travail,
+                 et, pour un enseignant, les phrases que vous gardez
 essais/          un dossier par envoi : votre réponse telle que vous l’avez envoyée,
                  et corrections.json, ce qui en a été dit à chaque correction
 
@@ -52,6 +56,7 @@ def files_of(database: Database, course: Course, account_id: UUID) -> Iterator[F
         yield "compte.json", _json(_account(db, account))
         yield "classes.json", _json(_classes(db, account_id))
         yield "exercices.json", _json(_exercises(db, account_id))
+        yield "messages.json", _json(_messages(db, account_id))
     last: UUID | None = None
     while True:
         with database.read() as db:
@@ -148,6 +153,55 @@ def _classes(db: Session, account_id: UUID) -> list[dict[str, Any]]:
         }
         for one in classes.all_of_account(db, account_id)
     ]
+
+
+def _messages(db: Session, account_id: UUID) -> dict[str, Any]:
+    own = comments.own(db, account_id)
+    return {
+        "threads": [_thread(talk) for talk in own.talks],
+        "written_on_work_of_others": [
+            {"exercise": exercise, "text": one.text, "at": _time(one.created_at)} for one, exercise in own.said
+        ],
+        "phrases": [
+            {"text": one.text, "exercise": one.exercise, "misconception": one.misconception, "uses": one.uses}
+            for one in own.phrases
+        ],
+        "words_to_you_and_others": [
+            {
+                "exercise": one.note.exercise,
+                "text": one.note.text,
+                "link": one.note.link,
+                "at": _time(one.note.created_at),
+                "seen_at": _time(one.seen_at),
+            }
+            for one in own.words
+        ],
+        "words_of_yours": [
+            {"exercise": one.exercise, "text": one.text, "link": one.link, "at": _time(one.created_at)}
+            for one in own.told
+        ],
+    }
+
+
+def _thread(talk: Talk) -> dict[str, Any]:
+    """Who has answered is not named: their name is their own."""
+    thread = talk.thread
+    return {
+        "exercise": thread.exercise,
+        "submission": None if thread.submission_id is None else str(thread.submission_id),
+        "lines": None if talk.place is None else [talk.place.first, talk.place.last],
+        "check": thread.check_id,
+        "state": thread.state,
+        "seen_at": _time(thread.seen_at),
+        "messages": [
+            {
+                "by": "staff" if said.message.as_staff else "you",
+                "text": said.text,
+                "at": _time(said.message.created_at),
+            }
+            for said in talk.messages
+        ],
+    }
 
 
 def _plain(value: Any) -> Any:

@@ -21,6 +21,7 @@ from server.course import Course, Module
 from server.identity.models import Account
 from server.text.highlight import highlight
 from server.text.plain import visible
+from server.text.said import said
 from server.web import assets, words
 from server.web.schemas import AccountView, HereView
 
@@ -35,7 +36,7 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    jinja.filters.update(french=french, sentence=sentence, visible=visible, ticks=ticks, python=python)
+    jinja.filters.update(french=french, sentence=sentence, visible=visible, ticks=ticks, python=python, said=written)
     jinja.globals.update(static=assets.address, has_katex=assets.is_built, plural=words.plural)
     return jinja
 
@@ -57,6 +58,11 @@ def sentence(message: str) -> str:
 def python(code: str) -> Markup:
     """Highlighted Python (a student's too: Pygments escapes it)."""
     return Markup(highlight(visible(code)))
+
+
+def written(message: str) -> Markup:
+    """What one person has written to another."""
+    return Markup(said(message))
 
 
 def account_view(account: Account | None) -> AccountView:

@@ -21,9 +21,13 @@ from server.base.provided import provide, provided_to
 from server.base.settings import Settings
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.cli import main
+from server.comments import service as comments
+from server.comments import words
+from server.comments.schemas import Target
 from server.course import Course
 from server.database import Database, utc_now
 from server.gradebook.models import Grading, SolutionOpening, Standing
+from server.gradebook.service import find
 from server.identity import tokens
 from server.identity.models import Account, ApiToken, BrowserSession, Role
 from server.personal import service
@@ -318,6 +322,31 @@ def test_the_command_line_tells_first_and_erases_when_told(
     assert "1 compte effacé" in capsys.readouterr().out
     with site.database.read() as db:
         assert db.get(Account, gone) is None
+
+
+def test_what_is_said_is_taken_away_without_the_names_of_others(ada: Site) -> None:
+    teacher = new_account(ada.database, Role.teacher, "Mme Martin")
+    made = new_class(ada.database, teacher)
+    with ada.database.write() as db:
+        account = db.execute(select(Account).where(Account.login == "ada")).scalar_one()
+        sent = db.execute(select(Submission).where(Submission.exercise == EXERCISE)).scalar_one()
+        db.add(Membership(class_id=made.id, account_id=account.id))
+        db.flush()
+        asked = comments.begin(db, account, find(db, account, sent.id), Target(check="a"), "Pourquoi ?", ada.settings)
+        comments.reply(db, teacher, asked, "Relisez.", ada.settings)
+        words.keep(db, teacher, "Relisez l’énoncé.", EXERCISE, None)
+        words.tell(db, teacher, made, EXERCISE, None, "À tous", "", ada.settings)
+    files = archive(ada.client.get("/compte/donnees"))
+    told = read(files, "messages.json")
+    (thread,) = told["threads"]
+    assert (thread["submission"], thread["check"], thread["state"]) == (str(sent.id), "a", "answered")
+    assert [(one["by"], one["text"]) for one in thread["messages"]] == [("you", "Pourquoi ?"), ("staff", "Relisez.")]
+    assert [one["text"] for one in told["words_to_you_and_others"]] == ["À tous"]
+    assert b"Martin" not in files.read("messages.json")
+    with ada.database.read() as db:
+        own = comments.own(db, teacher.id)
+    assert [one.text for one, _ in own.said] == ["Relisez."]
+    assert [[one.text for one in several] for several in (own.phrases, own.told)] == [["Relisez l’énoncé."], ["À tous"]]
 
 
 def test_classes_are_taken_away_and_left_with_the_account(ada: Site) -> None:
