@@ -39,6 +39,7 @@ from server.grading.task import give_ups
 from server.identity import service as accounts
 from server.identity.service import Accounts
 from server.pages.accounts import router as accounts_router
+from server.pages.comments import router as comments_router
 from server.pages.person import router as person_router
 from server.pages.routes import router as pages_router
 from server.personal.joining import adopt
@@ -69,6 +70,7 @@ ROUTERS = (
     guide_router,
     accounts_router,
     person_router,
+    comments_router,
     classes_router,
     keeping_router,
     likeness_router,

@@ -88,6 +88,17 @@ def sources(db: Session, submissions: Collection[UUID]) -> Mapping[UUID, Submiss
     return {one.id: one for one in db.execute(query).scalars()}
 
 
+def on_page(db: Session, account_id: UUID, exercise: str) -> Sequence[Thread]:
+    """The threads on an exercise as a whole, and those that its student has not read, oldest first."""
+    query = select(Thread).where(_of(account_id, exercise), or_(Thread.submission_id.is_(None), _is_new()))
+    return db.execute(query.order_by(Thread.created_at, Thread.id).limit(MOST_SHOWN)).scalars().all()
+
+
+def _is_new() -> ColumnElement[bool]:
+    """As `server.comments.schemas.is_new`."""
+    return and_(Thread.staff_at.is_not(None), or_(Thread.seen_at.is_(None), Thread.seen_at < Thread.staff_at))
+
+
 def numbers(db: Session, account_id: UUID, exercise: str, wanted: Collection[UUID]) -> Mapping[UUID, int]:
     """Of some attempts, which each is among its author's at the exercise: 1 for the first."""
     place = func.row_number().over(order_by=(Submission.created_at, Submission.id)).label("place")
@@ -97,7 +108,7 @@ def numbers(db: Session, account_id: UUID, exercise: str, wanted: Collection[UUI
     return dict(rows.all())
 
 
-def news(db: Session, account_id: UUID, exercise: str | None = None) -> Sequence[News]:
+def news(db: Session, account_id: UUID) -> Sequence[News]:
     """What somebody was told and has not looked at, newest first, each thread with its last message."""
     last = (
         select(Message.text)
@@ -106,12 +117,7 @@ def news(db: Session, account_id: UUID, exercise: str | None = None) -> Sequence
         .limit(1)
         .scalar_subquery()
     )
-    query = select(Thread, last).where(
-        Thread.account_id == account_id,
-        Thread.staff_at.is_not(None),
-        or_(Thread.seen_at.is_(None), Thread.seen_at < Thread.staff_at),
-    )
-    query = query if exercise is None else query.where(Thread.exercise == exercise)
+    query = select(Thread, last).where(Thread.account_id == account_id, _is_new())
     rows = db.execute(query.order_by(Thread.changed_at.desc(), Thread.id).limit(MOST_NEWS))
     return [News(thread, text or "") for thread, text in rows]
 

@@ -209,6 +209,18 @@ def of_exercise(db: Session, student: UUID, exercise: str, until: datetime | Non
     ]
 
 
+def on_page(db: Session, student: UUID, exercise: str) -> Sequence[Talk]:
+    """What is said of an exercise as a whole, to and by a student, and what they have not read, oldest first."""
+    threads = repository.on_page(db, student, exercise)
+    messages = repository.messages_of(db, [one.id for one in threads]) if threads else {}
+    return [Talk(one, messages[one.id]) for one in threads]
+
+
+def note_seen(db: Session, talks: Sequence[Talk]) -> None:
+    """That the student has looked at these threads."""
+    repository.note_seen(db, [one.thread.id for one in talks], utc_now())
+
+
 def one(db: Session, thread: Thread) -> Talk:
     return Talk(thread, repository.messages_of(db, [thread.id])[thread.id], place=_lines(thread))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 from uuid import UUID
@@ -14,18 +14,26 @@ from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import FormData
 
 from server.base.errors import Invalid, NotFound
-from server.base.request import client_address
+from server.base.request import SAFE_METHODS, client_address
+from server.comments import service as comments
+from server.comments.carrying import Place
+from server.comments.models import CHECK_LENGTH
+from server.comments.schemas import Talk
 from server.course import Exercise
 from server.course.dependencies import CourseOf
+from server.database import Database
 from server.database.dependencies import DatabaseOf, Db
 from server.figures.dependencies import FiguresOf
 from server.figures.orders import MEDIA_TYPES, Theme
 from server.figures.service import Wanted
 from server.gradebook import service as gradebook
 from server.gradebook import solutions
+from server.gradebook.schemas import Attempt
 from server.identity.dependencies import AccountsOf, BrowserAccount, OptionalAccount, SignedIn, account_or_guest
 from server.identity.models import Account
-from server.pages import answers, service
+from server.pages import answers, service, talk
+from server.pages.schemas import ExerciseFrame
+from server.pages.talk import Aim
 from server.submissions import deals
 from server.submissions.dependencies import EventsOf, SubmissionsOf
 from server.submissions.events import as_sse
@@ -34,6 +42,7 @@ from server.submissions.service import Submissions, key_of, parse_id
 from server.web import assets
 from server.web.dependencies import Reading
 from server.web.rendering import fragment, page
+from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader, exercise_href, find_exercise, find_module
 
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
@@ -79,16 +88,42 @@ def exercise(
     if exercise.answers is not None:
         account = account_or_guest(request, reader.account, accounts)
         seed = deals.seed_to_show(database, account, exercise.id)
-        return _questions(request, replace(reader, account=account), exercise, seed, reprendre)
-    taken = service.attempt_at(reader, exercise, reprendre).submission.code if reprendre else None
-    view = service.exercise_page(reader, exercise, taken)
-    return page(request, "exercise.html", reader.account, page=view, results=view.results)
-
-
-def _questions(request: Request, reader: Reader, exercise: Exercise, seed: int, reprendre: str | None) -> HTMLResponse:
+        taken = service.attempt_at(reader, exercise, reprendre) if reprendre else None
+        return exercise_page(request, replace(reader, account=account), database, exercise, seed, taken)
     taken = service.attempt_at(reader, exercise, reprendre) if reprendre else None
-    view = answers.answers_page(reader, exercise, seed, taken)
-    return page(request, "exercise_answers.html", reader.account, page=view, results=view.results)
+    return exercise_page(request, reader, database, exercise, None, taken)
+
+
+def exercise_page(
+    request: Request,
+    reader: Reader,
+    database: Database,
+    exercise: Exercise,
+    seed: int | None,
+    taken: Attempt | None = None,
+    draft: Draft = NO_DRAFT,
+    status: int = 200,
+) -> HTMLResponse:
+    """`seed` is that of what was dealt, in an exercise answered without code; `taken` is an attempt to go on from."""
+    view: ExerciseFrame
+    if seed is not None:
+        view, template = answers.answers_page(reader, exercise, seed, taken), "exercise_answers.html"
+    else:
+        code = None if taken is None else taken.submission.code
+        view, template = service.exercise_page(reader, exercise, code), "exercise.html"
+    work = view.results.work
+    asks = work.asks if work else service.may_ask(reader, exercise)
+    said = talk.exercise_talk(reader, exercise, asks=asks, draft=draft)
+    answer = page(request, template, reader.account, status=status, page=view, results=view.results, talk=said)
+    note_seen(request, database, said.unread)
+    return answer
+
+
+def note_seen(request: Request, database: Database, talks: Sequence[Talk]) -> None:
+    """In a transaction of its own: a page only reads. (Where a form is shown again, its own is still open.)"""
+    if talks and request.method in SAFE_METHODS:
+        with database.write() as db:
+            comments.note_seen(db, talks)
 
 
 @router.get("/{module:module}/exercices/{slug}/essais")
@@ -169,14 +204,44 @@ def open_or_close_solution(
     return RedirectResponse(f"{exercise_href(exercise)}#corrige", MOVES_ON)
 
 
+Number = Annotated[int | None, Query(ge=1, le=MOST_PAGES)]
+
+
 @router.get("/soumissions/{submission_id}")
-def attempt(request: Request, submission_id: str, reader: Reading, deja: bool = False) -> HTMLResponse:
-    """`deja`: it was sent again, and is told to have been sent already."""
+def attempt(
+    request: Request,
+    submission_id: str,
+    reader: Reading,
+    database: DatabaseOf,
+    deja: bool = False,
+    ligne: Number = None,
+    derniere: Number = None,
+    verification: Annotated[str, Query(max_length=CHECK_LENGTH)] = "",
+) -> HTMLResponse:
+    """`deja`: it was sent again, and is told to have been sent already. The rest is what one wants to write of."""
     attempt = gradebook.find(reader.db, reader.account, submission_id)
+    lines = None if ligne is None else Place(ligne, max(ligne, derniere or ligne))
+    return attempt_page(request, reader, database, attempt, Aim(lines, verification), again=deja)
+
+
+def attempt_page(
+    request: Request,
+    reader: Reader,
+    database: Database,
+    attempt: Attempt,
+    aim: Aim,
+    *,
+    again: bool = False,
+    status: int = 200,
+) -> HTMLResponse:
     exercise = find_exercise(reader.course, *attempt.submission.exercise.split("/"))
     answered = None if exercise.answers is None else answers.told(exercise, attempt.submission)
-    view = service.attempt_page(reader, exercise, attempt, answered, again=deja)
-    return page(request, "attempt.html", reader.account, page=view, results=view.results)
+    view = service.attempt_page(reader, exercise, attempt, answered, again=again)
+    work = view.results.work
+    said = talk.attempt_talk(reader, exercise, attempt, aim, asks=work is not None and work.asks)
+    answer = page(request, "attempt.html", reader.account, status=status, page=view, results=view.results, talk=said)
+    note_seen(request, database, said.unread)
+    return answer
 
 
 @router.get("/soumissions/{submission_id}/verdict")

@@ -61,7 +61,7 @@ class WorkView:
     """The latest state of one submission: waiting (`waiting` says where) or judged; `again`: it is sent anew.
 
     `marks` are those of the questions, in an exercise answered without code; `progress` is what it mended since the
-    attempt before.
+    attempt before; `asks`: it is of who looks, and somebody would read their question about it.
     """
 
     id: str
@@ -75,6 +75,7 @@ class WorkView:
     again: bool
     marks: tuple[MarkView, ...]
     progress: Progress | None = None
+    asks: bool = False
 
     def mark(self, question: str) -> MarkView | None:
         """The mark of a question, where there is something to say of it."""

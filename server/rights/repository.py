@@ -8,6 +8,8 @@ from sqlalchemy import ColumnElement, Select, and_, or_, select
 from sqlalchemy.orm import Session, aliased
 
 from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.classes.schemas import Member
+from server.identity.models import Account
 
 STAFF = (Seat.assistant, Seat.teacher)
 
@@ -39,6 +41,26 @@ def reads_work(
         )
     )
     return db.execute(query.limit(1)).first() is not None
+
+
+def seen_through(db: Session, reader: UUID | None, author: UUID, module: str) -> Member | None:
+    """How a class of this module in which the reader helps or teaches (any, without one) lists its student."""
+    query = (
+        select(Membership, Account)
+        .join(Account, Account.id == Membership.account_id)
+        .join(SchoolClass, SchoolClass.id == Membership.class_id)
+        .where(
+            SchoolClass.module == module,
+            Membership.account_id == author,
+            Membership.role == Seat.student,
+            Membership.status != Status.pending,
+        )
+        .order_by(Membership.status, SchoolClass.archived_at.is_not(None), Membership.joined_at.desc())
+    )
+    if reader is not None:
+        query = query.where(Membership.class_id.in_(_seats(reader, module, STAFF)))
+    row = db.execute(query.limit(1)).first()
+    return None if row is None else Member(*row)
 
 
 def has_readers(db: Session, author: UUID, module: str) -> bool:

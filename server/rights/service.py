@@ -17,6 +17,7 @@ from sqlalchemy.orm import Session
 from server.base.errors import Forbidden, NotFound
 from server.classes import repository as classes
 from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.classes.schemas import Member
 from server.classes.service import UNKNOWN
 from server.identity.models import Account
 from server.rights import repository
@@ -100,6 +101,12 @@ def may_read_work(db: Session, account: Account | None, author: UUID, exercise: 
     if account.id == author or account.is_administrator:
         return True
     return repository.reads_work(db, account.id, author, module_of(exercise), sent_at)
+
+
+def seen_through(db: Session, account: Account, author: UUID, exercise: str) -> Member | None:
+    """The author of some work as a class lists them, through which this account may read it; None where none does."""
+    reader = None if account.is_administrator else account.id
+    return repository.seen_through(db, reader, author, module_of(exercise))
 
 
 def has_readers(db: Session, author: UUID, module: str) -> bool:

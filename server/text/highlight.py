@@ -18,6 +18,13 @@ def highlight(code: str, language: str = "python") -> str:
     return f'<pre class="code" tabindex="0"><code>{body}</code></pre>\n'
 
 
+def lines(code: str, language: str = "python") -> list[str]:
+    """The HTML of each line of a text without other ends of line than `\n`: no element goes from one to the next."""
+    body = _body(code, language).removesuffix("\n").split("\n")
+    plain = code.removesuffix("\n").split("\n")
+    return body if len(body) == len(plain) else [html.escape(line) for line in plain]
+
+
 def is_known(language: str) -> bool:
     return _lexer(language) is not None
 

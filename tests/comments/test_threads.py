@@ -97,7 +97,7 @@ def test_a_question_waits_is_answered_and_settled_and_an_answer_opens_it_again(r
     answered = room.reply(room.teacher, thread)
     assert answered.state == State.answered
     with room.database.write() as db:
-        (news,) = repository.news(db, room.ada.id, EXERCISE)
+        (news,) = repository.news(db, room.ada.id)
         assert (news.thread.id, news.text) == (thread.id, "Parce que.")
         repository.note_seen(db, [thread.id], utc_now())
     with room.database.write() as db:

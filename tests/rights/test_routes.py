@@ -17,6 +17,7 @@ from server.base.provided import provided_to
 from server.base.request import COOKIE
 from server.classes.codes import new_code
 from server.classes.models import Membership, SchoolClass, Seat
+from server.comments.models import Message, Note, NoteReader, State, Thread
 from server.database import utc_now
 from server.figures.service import Figures
 from server.gradebook import service as gradebook
@@ -118,6 +119,15 @@ class Stage:
                 account_id=self.accounts["student"].id, exercise=EXERCISE, source=b"x = 1\n", digest="d", seed=1
             )
             db.add(self.sent)
+            ada = self.accounts["student"].id
+            self.thread = Thread(
+                account_id=ada, exercise=EXERCISE, work_at=utc_now(), by_staff=False, state=State.open, check_title=""
+            )
+            self.note = Note(class_id=self.made.id, exercise=EXERCISE, text="Bonjour")
+            db.add_all([self.thread, self.note])
+            db.flush()
+            db.add(NoteReader(note_id=self.note.id, account_id=ada))
+            db.add(Message(thread_id=self.thread.id, author_id=ada, as_staff=False, text="Pourquoi ?"))
             self.link = links.link_of(db, self.accounts["stranger"], timedelta(hours=1))
             self.invitation = new_token()
             db.add(Invitation(token_digest=digest(self.invitation), role=Role.teacher))
@@ -138,6 +148,9 @@ class Stage:
             "invitation": self.invitation,
             "student": str(self.accounts["student"].id),
             "stranger": str(self.accounts["stranger"].login),
+            "thread_id": str(self.thread.id),
+            "note_id": str(self.note.id),
+            "phrase_id": str(uuid4()),
             "token_id": self.own_tokens.get(who, str(uuid4())),
         }
 

@@ -1,0 +1,194 @@
+"""Saying something of an attempt or of an exercise, answering, settling: forms, and the page of one thread."""
+
+from __future__ import annotations
+
+from uuid import UUID
+
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse, Response
+
+from server.base.dependencies import SettingsOf
+from server.base.errors import Conflict, Invalid, NotFound, TooMany
+from server.comments import service, words, words_repository
+from server.comments.carrying import Place
+from server.comments.schemas import WHOLE, Target
+from server.course.dependencies import CourseOf
+from server.database.dependencies import DatabaseOf, Db
+from server.gradebook import service as gradebook
+from server.gradebook.schemas import Attempt
+from server.identity.dependencies import SignedIn
+from server.identity.models import Account
+from server.pages import talk
+from server.pages.routes import attempt_page, exercise_page, note_seen
+from server.pages.talk import Aim
+from server.submissions import deals
+from server.web.dependencies import Reading
+from server.web.forms import Field, go, local
+from server.web.rendering import page
+from server.web.threads import NO_DRAFT, Draft
+from server.web.views import Reader, exercise_href, find_exercise
+
+router = APIRouter(include_in_schema=False)
+
+REFUSALS = (Invalid, Conflict, TooMany)
+LINE = "Indiquez la ligne par son numéro."
+SettledOrNot = {"oui": True, "non": False}
+
+
+@router.post("/soumissions/{submission_id}/commentaires")
+def comment(
+    request: Request,
+    submission_id: str,
+    account: SignedIn,
+    reader: Reading,
+    database: DatabaseOf,
+    settings: SettingsOf,
+    texte: Field = "",
+    ligne: Field = "",
+    derniere: Field = "",
+    verification: Field = "",
+    phrase: Field = "",
+    garder: Field = "",
+) -> Response:
+    """What is refused stands in its form again, with its reason."""
+    attempt = gradebook.find(reader.db, account, submission_id)
+    lines: Place | None = None
+    try:
+        lines = _lines(ligne, derniere)
+        target = Target(lines=lines) if lines else Target(check=verification) if verification else WHOLE
+        text = _said(reader.db, account, attempt.submission.account_id, texte, phrase)
+        thread = service.begin(reader.db, account, attempt, target, text, settings)
+    except REFUSALS as refused:
+        reader.db.rollback()
+        aim = Aim(lines, verification, Draft(texte, refused.detail))
+        again = gradebook.find(reader.db, account, submission_id)
+        return attempt_page(request, reader, database, again, aim, status=int(refused.status))
+    _keep(reader.db, account, attempt, texte, garder)
+    return go(f"/soumissions/{submission_id}#fil-{thread.id}")
+
+
+def _lines(first: str, last: str) -> Place | None:
+    """Raises Invalid."""
+    if not first.strip():
+        return None
+    try:
+        start = int(first)
+        return Place(start, int(last) if last.strip() else start)
+    except ValueError as error:
+        raise Invalid(LINE) from error
+
+
+def _said(db: Db, account: Account, author: UUID, text: str, phrase: str) -> str:
+    """Phrases are for who reads the work of others. Raises NotFound."""
+    if not phrase or account.id == author:
+        return text
+    try:
+        return words.with_phrase(db, account, UUID(phrase), text)
+    except ValueError as error:
+        raise NotFound(words.UNKNOWN_PHRASE) from error
+
+
+def _keep(db: Db, account: Account, attempt: Attempt, text: str, wanted: str) -> None:
+    """Keeps what a teacher has typed, for this exercise and the mistake that was found in the attempt."""
+    if wanted and text.strip() and account.id != attempt.submission.account_id:
+        diagnosis = attempt.grading.diagnosis if attempt.grading else None
+        words.keep(db, account, text, attempt.submission.exercise, diagnosis)
+
+
+@router.post("/{module:module}/exercices/{slug}/questions")
+def ask(
+    request: Request,
+    module: str,
+    slug: str,
+    account: SignedIn,
+    reader: Reading,
+    database: DatabaseOf,
+    settings: SettingsOf,
+    texte: Field = "",
+) -> Response:
+    """A student's question on an exercise as a whole."""
+    exercise = find_exercise(reader.course, module, slug)
+    try:
+        thread = service.begin_whole(reader.db, account, account.id, exercise.id, texte, settings)
+    except REFUSALS as refused:
+        reader.db.rollback()
+        seed = None if exercise.answers is None else deals.seed_of(reader.db, account, exercise.id)
+        draft = Draft(texte, refused.detail)
+        return exercise_page(request, reader, database, exercise, seed, draft=draft, status=int(refused.status))
+    return go(f"{exercise_href(exercise)}#fil-{thread.id}")
+
+
+@router.get("/fils/{thread_id}")
+def read(request: Request, thread_id: str, reader: Reading, database: DatabaseOf) -> Response:
+    """A thread with what it is about."""
+    if reader.account is None:
+        return go(f"/connexion?suite={request.url.path}")
+    return _thread(request, reader, database, thread_id, NO_DRAFT)
+
+
+def _thread(
+    request: Request, reader: Reader, database: DatabaseOf, thread_id: str, draft: Draft, status: int = 200
+) -> HTMLResponse:
+    view = talk.thread_page(reader, service.find(reader.db, reader.account, thread_id), draft)
+    answer = page(request, "thread.html", reader.account, status=status, page=view)
+    note_seen(request, database, view.unread)
+    return answer
+
+
+@router.post("/fils/{thread_id}")
+def reply(
+    request: Request,
+    thread_id: str,
+    account: SignedIn,
+    reader: Reading,
+    database: DatabaseOf,
+    settings: SettingsOf,
+    texte: Field = "",
+    phrase: Field = "",
+    retour: Field = "",
+) -> Response:
+    thread = service.find(reader.db, account, thread_id)
+    try:
+        text = _said(reader.db, account, thread.account_id, texte, phrase)
+        service.reply(reader.db, account, thread, text, settings)
+    except REFUSALS as refused:
+        reader.db.rollback()
+        return _thread(request, reader, database, thread_id, Draft(texte, refused.detail), int(refused.status))
+    return _back(thread_id, retour)
+
+
+@router.post("/fils/{thread_id}/etat")
+def settle(thread_id: str, account: SignedIn, db: Db, regle: Field = "oui", retour: Field = "") -> Response:
+    """Says that there is no more to say, or opens the thread again."""
+    if regle not in SettledOrNot:
+        raise NotFound("Cette action n’existe pas.")
+    service.settle(service.find(db, account, thread_id), SettledOrNot[regle])
+    return _back(thread_id, retour)
+
+
+def _back(thread_id: str, wanted: str) -> Response:
+    """To the page that one came from, where the thread stands."""
+    there = local(wanted) if wanted else f"/fils/{thread_id}"
+    return go(f"{there.partition('#')[0]}#fil-{thread_id}")
+
+
+@router.post("/mots/{note_id}/lu")
+def note_read(note_id: UUID, account: SignedIn, db: Db, retour: Field = "") -> Response:
+    """That a student has read a word for them."""
+    words.note_read(db, account, note_id)
+    return go(local(retour))
+
+
+@router.get("/compte/phrases")
+def phrases(request: Request, reader: Reading, course: CourseOf) -> Response:
+    """The phrases that one keeps."""
+    if reader.account is None:
+        return go("/connexion?suite=/compte/phrases")
+    kept = talk.phrase_rows(words_repository.all_phrases(reader.db, reader.account.id), course)
+    return page(request, "phrases.html", reader.account, phrases=kept)
+
+
+@router.post("/compte/phrases/{phrase_id}/effacer")
+def forget_phrase(phrase_id: UUID, account: SignedIn, db: Db) -> Response:
+    words.forget(db, account, phrase_id)
+    return go("/compte/phrases")

@@ -1,0 +1,277 @@
+"""What stands beside an attempt or an exercise of what is said of it, and what one needs to say more."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from uuid import UUID
+
+from markupsafe import Markup
+
+from graders.core.contract.verdict import Verdict
+from server.comments import service, words_repository
+from server.comments.carrying import Fate, Place
+from server.comments.models import Phrase, Thread
+from server.comments.schemas import News, Talk
+from server.course import Course, Exercise
+from server.gradebook import service as gradebook
+from server.gradebook.schemas import Attempt
+from server.identity.models import Account
+from server.rights import service as rights
+from server.text.highlight import lines as coloured
+from server.text.plain import visible
+from server.web.news import NewsView, WordView, news_views, word_view
+from server.web.threads import NO_DRAFT, Draft, ThreadView, WriterView, thread_views, writer
+from server.web.views import Reader, exercise_href, find_exercise
+
+MOST_NUMBERED = 1500
+NOT_UNDERSTOOD = "Je ne comprends pas cette vérification."
+
+
+@dataclass(frozen=True)
+class LineView:
+    """A line of code in HTML, and the threads that stand below it."""
+
+    number: int
+    html: Markup
+    threads: tuple[ThreadView, ...] = ()
+
+
+@dataclass(frozen=True)
+class CodeView:
+    """Code by its lines; `rest` is what comes after those that are numbered."""
+
+    lines: tuple[LineView, ...]
+    rest: str
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """What one is about to write of: lines, or a check; `title` is how the form is headed."""
+
+    first: int | None = None
+    last: int | None = None
+    check: str = ""
+    title: str = ""
+    draft: Draft = NO_DRAFT
+
+    @property
+    def is_lines(self) -> bool:
+        return self.first is not None
+
+
+@dataclass(frozen=True)
+class StudentLink:
+    """Whose work it is, for who teaches them."""
+
+    name: str
+    href: str
+
+
+@dataclass(frozen=True)
+class TalkPart:
+    """What an attempt's page shows of threads. `threads` stand on no line of it; `checks` are the names and titles
+    of those of its verdict; `unread` are to be noted as seen.
+
+    `writer` is None where nobody would read what one writes.
+    """
+
+    action: str
+    code: CodeView | None
+    threads: tuple[ThreadView, ...]
+    writer: WriterView | None
+    chosen: Chosen
+    checks: tuple[tuple[str, str], ...]
+    student: StudentLink | None
+    unread: tuple[Talk, ...]
+
+
+@dataclass(frozen=True)
+class Aim:
+    """What the address asks to write of."""
+
+    lines: Place | None = None
+    check: str = ""
+    draft: Draft = NO_DRAFT
+
+
+def attempt_talk(reader: Reader, exercise: Exercise, attempt: Attempt, aim: Aim, *, asks: bool) -> TalkPart:
+    """`asks`: it is one's own, and somebody would read a question."""
+    submission, account = attempt.submission, reader.account
+    assert account is not None  # who may read an attempt is somebody
+    talks = service.beside(reader.db, attempt)
+    own = account.id == submission.account_id
+    may_write = asks or not own
+    back = f"/soumissions/{submission.id}"
+    write = writer(reader.db, account, exercise.id, back, staff=not own, attempt=attempt) if may_write else None
+    code = None if exercise.answers is not None else code_view(submission.code, talks, account)
+    shown = 0 if code is None else len(code.lines)
+    elsewhere = [talk for talk in talks if not _stands_on_a_line(talk, shown)]
+    return TalkPart(
+        action=f"{back}/commentaires",
+        code=code,
+        threads=thread_views(elsewhere, account),
+        writer=write,
+        chosen=_chosen(attempt, aim, shown) if may_write else Chosen(draft=aim.draft),
+        checks=_checks(attempt),
+        student=None if own else _student(reader, account, submission.account_id, exercise),
+        unread=tuple(talk for talk in talks if talk.is_new) if own else (),
+    )
+
+
+def _stands_on_a_line(talk: Talk, shown: int) -> bool:
+    return talk.place is not None and talk.fate is not Fate.gone and talk.place.last <= shown
+
+
+def code_view(code: str, talks: Sequence[Talk], account: Account | None) -> CodeView:
+    below: dict[int, list[Talk]] = {}
+    for talk in talks:
+        if talk.place is not None:
+            below.setdefault(talk.place.last, []).append(talk)
+    html = coloured(visible(code))
+    lines = tuple(
+        LineView(number, Markup(line), thread_views(below.get(number, ()), account))
+        for number, line in enumerate(html[:MOST_NUMBERED], 1)
+    )
+    rest = visible(code).split("\n", MOST_NUMBERED)[MOST_NUMBERED] if len(html) > MOST_NUMBERED else ""
+    return CodeView(lines, rest)
+
+
+def _chosen(attempt: Attempt, aim: Aim, shown: int) -> Chosen:
+    """What is not there is not chosen."""
+    place, draft = aim.lines, aim.draft
+    if place is not None and 1 <= place.first <= place.last <= shown:
+        return Chosen(place.first, place.last, title=_heading(place), draft=draft)
+    if aim.check and aim.check in dict(_checks(attempt)):
+        written = draft if draft.text or draft.problem else replace(draft, text=NOT_UNDERSTOOD)
+        return Chosen(check=aim.check, draft=written)
+    return Chosen(draft=draft)
+
+
+def _checks(attempt: Attempt) -> tuple[tuple[str, str], ...]:
+    """Those that failed first."""
+    checks = Verdict.from_json(attempt.grading.verdict).checks if attempt.grading else ()
+    return tuple((check.id, check.title) for check in sorted(checks, key=lambda check: check.passed))
+
+
+def _heading(place: Place) -> str:
+    return (
+        f"Sur la ligne {place.first}" if place.first == place.last else f"Sur les lignes {place.first} à {place.last}"
+    )
+
+
+def _student(reader: Reader, account: Account, author: UUID, exercise: Exercise) -> StudentLink | None:
+    member = rights.seen_through(reader.db, account, author, exercise.id)
+    if member is None:
+        return None
+    href = f"/classes/{member.membership.class_id}/eleves/{author}/{exercise.module}/{exercise.slug}"
+    return StudentLink(member.name, href)
+
+
+@dataclass(frozen=True)
+class ExerciseTalk:
+    """What the page of an exercise shows of what is said to this account: nothing, to a visitor."""
+
+    news: tuple[NewsView, ...] = ()
+    words: tuple[WordView, ...] = ()
+    read_words: tuple[WordView, ...] = ()
+    threads: tuple[ThreadView, ...] = ()
+    writer: WriterView | None = None
+    action: str = ""
+    draft: Draft = NO_DRAFT
+    unread: tuple[Talk, ...] = ()
+
+
+def exercise_talk(reader: Reader, exercise: Exercise, *, asks: bool, draft: Draft = NO_DRAFT) -> ExerciseTalk:
+    """`asks`: somebody would read a question."""
+    account = reader.account
+    if account is None:
+        return ExerciseTalk()
+    href = exercise_href(exercise)
+    talks = service.on_page(reader.db, account.id, exercise.id)
+    whole = [talk for talk in talks if talk.thread.submission_id is None]
+    found = [News(talk.thread, talk.messages[-1].text) for talk in talks if talk.thread.submission_id is not None]
+    told = [word_view(word, reader.course) for word in words_repository.words(reader.db, account.id, exercise.id)]
+    return ExerciseTalk(
+        news=news_views(found, reader.course),
+        words=tuple(word for word in told if not word.read),
+        read_words=tuple(word for word in told if word.read),
+        threads=thread_views(whole, account),
+        writer=WriterView(False, (), href) if asks else None,
+        action=f"{href}/questions",
+        draft=draft,
+        unread=tuple(talk for talk in whole if talk.is_new),
+    )
+
+
+@dataclass(frozen=True)
+class ThreadPage:
+    """One thread; `code` is what of the attempt it is about, with the lines around; `href` leads to all of it."""
+
+    thread: ThreadView
+    exercise_title: str
+    exercise_href: str
+    href: str
+    href_text: str
+    student: StudentLink | None
+    code: tuple[LineView, ...]
+    writer: WriterView | None
+    draft: Draft
+    unread: tuple[Talk, ...]
+
+
+AROUND = 4
+
+
+def thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
+    account = reader.account
+    assert account is not None  # who may read a thread is somebody
+    found = service.one(reader.db, thread)
+    exercise = find_exercise(reader.course, *thread.exercise.split("/"))
+    own = account.id == thread.account_id
+    attempt = None if thread.submission_id is None else gradebook.find(reader.db, account, thread.submission_id)
+    number = None if attempt is None else gradebook.number_of(reader.db, attempt.submission)
+    whole = exercise_href(exercise)
+    student = None if own else _student(reader, account, thread.account_id, exercise)
+    if not own and attempt is None and student is not None:
+        whole = student.href
+    return ThreadPage(
+        thread=thread_views([found], account)[0],
+        exercise_title=exercise.title,
+        exercise_href=exercise_href(exercise),
+        href=whole if attempt is None else f"/soumissions/{attempt.submission.id}#fil-{thread.id}",
+        href_text="Voir l’exercice" if number is None else f"Voir l’essai n° {number} en entier",
+        student=student,
+        code=() if attempt is None or exercise.answers is not None else _around(attempt.submission.code, found.place),
+        writer=writer(reader.db, account, thread.exercise, f"/fils/{thread.id}", staff=not own, attempt=attempt),
+        draft=draft,
+        unread=(found,) if own and found.is_new else (),
+    )
+
+
+def _around(code: str, place: Place | None) -> tuple[LineView, ...]:
+    if place is None:
+        return ()
+    first, last = max(1, place.first - AROUND), min(place.last, place.first + 10 * AROUND) + AROUND
+    html = coloured(visible(code))[first - 1 : last]
+    return tuple(LineView(number, Markup(line)) for number, line in enumerate(html, first))
+
+
+@dataclass(frozen=True)
+class PhraseRow:
+    id: str
+    text: str
+    where: str
+    uses: int
+
+
+def phrase_rows(phrases: Sequence[Phrase], course: Course) -> tuple[PhraseRow, ...]:
+    return tuple(PhraseRow(str(one.id), one.text, _where(one, course), one.uses) for one in phrases)
+
+
+def _where(phrase: Phrase, course: Course) -> str:
+    if phrase.exercise is None:
+        return "partout"
+    exercise = course.exercises.get(phrase.exercise)
+    title = f"« {exercise.title if exercise else phrase.exercise} »"
+    return title if phrase.misconception is None else f"{title}, pour l’erreur {phrase.misconception}"

@@ -1,0 +1,172 @@
+"""Threads in words, for the pages where they stand beside work: an attempt, an exercise, a student's."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from sqlalchemy.orm import Session
+
+from server.comments import words
+from server.comments.carrying import Fate, Place
+from server.comments.models import State, Thread
+from server.comments.schemas import Said, Talk
+from server.gradebook.schemas import Attempt
+from server.identity.models import Account
+from server.web.words import moment, moment_text
+
+STATES = {State.open: "ouvert", State.answered: "répondu", State.settled: "réglé"}
+REMARK = "remarque"
+A_TEACHER, A_STUDENT = "un enseignant", "l’élève"
+FATES = {
+    Fate.carried: "",
+    Fate.changed: "la ligne a changé depuis",
+    Fate.gone: "ces lignes ne se retrouvent pas ici",
+}
+CHANGED_MANY = "ces lignes ont changé depuis"
+SHORT = 160
+
+
+@dataclass(frozen=True)
+class MessageView:
+    author: str
+    mine: bool
+    staff: bool
+    when: str
+    when_text: str
+    text: str
+
+
+@dataclass(frozen=True)
+class ThreadView:
+    """A thread. `about` says of what it is, `note` what became of its lines, `origin` on which attempt it was written.
+
+    `is_new`: the one who looks has not read all of it.
+    """
+
+    id: str
+    about: str
+    href: str
+    state: Literal["open", "answered", "settled"]
+    label: str
+    note: str
+    origin: str
+    origin_href: str
+    is_new: bool
+    messages: tuple[MessageView, ...]
+
+    @property
+    def anchor(self) -> str:
+        return f"fil-{self.id}"
+
+    @property
+    def settled(self) -> bool:
+        return self.state == "settled"
+
+
+@dataclass(frozen=True)
+class PhraseView:
+    id: str
+    text: str
+    fits: bool
+
+
+@dataclass(frozen=True)
+class Draft:
+    """What somebody was writing, and why it was refused: nothing of it is lost."""
+
+    text: str = ""
+    problem: str = ""
+
+
+NO_DRAFT = Draft()
+
+
+@dataclass(frozen=True)
+class WriterView:
+    """What writing takes: `staff` says on which side of the work one is; `phrases` are theirs alone."""
+
+    staff: bool
+    phrases: tuple[PhraseView, ...]
+    back: str
+
+
+def thread_views(talks: Sequence[Talk], account: Account | None) -> tuple[ThreadView, ...]:
+    return tuple(thread_view(talk, account) for talk in talks)
+
+
+def thread_view(talk: Talk, account: Account | None) -> ThreadView:
+    thread = talk.thread
+    mine = account is not None and account.id == thread.account_id
+    return ThreadView(
+        id=str(thread.id),
+        about=about(thread, talk.place),
+        href=href_of(thread),
+        state=talk.state.value,
+        label=label_of(thread, all(said.message.as_staff for said in talk.messages)),
+        note=_note(talk),
+        origin="" if talk.number is None else f"essai n° {talk.number}",
+        origin_href="" if talk.origin is None else f"/soumissions/{talk.origin}#fil-{thread.id}",
+        is_new=talk.is_new if mine else talk.state is State.open,
+        messages=tuple(_message(said, account) for said in talk.messages),
+    )
+
+
+def about(thread: Thread, place: Place | None = None) -> str:
+    if thread.check_id is not None:
+        return f"Vérification « {thread.check_title} »"
+    first, last = (place.first, place.last) if place else (thread.first_line, thread.last_line)
+    if first is not None:
+        return f"Ligne {first}" if first == last else f"Lignes {first} à {last}"
+    return "L’essai entier" if thread.submission_id else "L’exercice"
+
+
+def href_of(thread: Thread) -> str:
+    """Where the thread stands, with what it is about."""
+    return f"/fils/{thread.id}"
+
+
+def label_of(thread: Thread, by_staff_alone: bool) -> str:
+    """Its state in a word: what a teacher says unasked waits for nothing."""
+    state = State(thread.state)
+    return REMARK if by_staff_alone and state is State.answered else STATES[state]
+
+
+def _note(talk: Talk) -> str:
+    thread = talk.thread
+    many = talk.fate is Fate.changed and thread.first_line != thread.last_line
+    return CHANGED_MANY if many else FATES[talk.fate]
+
+
+def _message(said: Said, account: Account | None) -> MessageView:
+    message = said.message
+    mine = account is not None and message.author_id == account.id
+    return MessageView(
+        author="vous" if mine else said.name or (A_TEACHER if message.as_staff else A_STUDENT),
+        mine=mine,
+        staff=message.as_staff,
+        when=moment(message.created_at),
+        when_text=moment_text(message.created_at),
+        text=message.text,
+    )
+
+
+def writer(
+    db: Session, account: Account, exercise: str, back: str, *, staff: bool, attempt: Attempt | None = None
+) -> WriterView:
+    """`attempt` is the one that is written of: its diagnosis decides which phrases come first."""
+    if not staff:
+        return WriterView(False, (), back)
+    diagnosis = attempt.grading.diagnosis if attempt is not None and attempt.grading is not None else None
+    phrases = words.suggested(db, account, exercise, diagnosis)
+    views = tuple(
+        PhraseView(str(one.id), one.text, diagnosis is not None and one.misconception == diagnosis) for one in phrases
+    )
+    return WriterView(True, views, back)
+
+
+def short(text: str) -> str:
+    """The beginning of a message, on one line."""
+    line = " ".join(text.split())
+    return line if len(line) <= SHORT else line[:SHORT].rstrip() + "…"
