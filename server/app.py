@@ -30,6 +30,8 @@ from server.database import Database, utc_now
 from server.desk.classes import router as classes_router
 from server.desk.keeping import router as keeping_router
 from server.desk.likeness import router as likeness_router
+from server.desk.students import router as students_router
+from server.desk.talking import router as talking_router
 from server.figures.pictures import Pictures
 from server.figures.program import program
 from server.figures.service import Figures
@@ -74,6 +76,8 @@ ROUTERS = (
     classes_router,
     keeping_router,
     likeness_router,
+    students_router,
+    talking_router,
     pages_router,
     reading_router,
     cells_router,

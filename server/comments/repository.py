@@ -180,6 +180,12 @@ def open_in(db: Session, classes: Collection[UUID]) -> Mapping[UUID, int]:
     return dict(db.execute(query).all())
 
 
+def open_of(db: Session, account_id: UUID, until: datetime | None) -> Mapping[str, int]:
+    query = select(Thread.exercise, func.count()).where(Thread.account_id == account_id, Thread.state == State.open)
+    query = query if until is None else query.where(Thread.work_at <= until)
+    return dict(db.execute(query.group_by(Thread.exercise)).all())
+
+
 def _read_in(school_class: SchoolClass) -> ColumnElement[bool]:
     """Of the students of a class, in its module, what its staff may read (see `server.rights`)."""
     there = or_(

@@ -5,7 +5,7 @@ Every function works inside the caller's transaction.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
@@ -223,6 +223,11 @@ def note_seen(db: Session, talks: Sequence[Talk]) -> None:
 
 def one(db: Session, thread: Thread) -> Talk:
     return Talk(thread, repository.messages_of(db, [thread.id])[thread.id], place=_lines(thread))
+
+
+def asking(db: Session, student: UUID, until: datetime | None = None) -> Mapping[str, int]:
+    """How many questions of a student wait for an answer, by exercise."""
+    return repository.open_of(db, student, until)
 
 
 def questions(db: Session, school_class: SchoolClass, state: State | None, number: int) -> Questions:

@@ -60,6 +60,14 @@ def with_phrase(db: Session, by: Account, phrase_id: UUID | None, text: str) -> 
     return f"{phrase.text}\n\n{text}" if text.strip() else phrase.text
 
 
+def phrase_id(text: str) -> UUID | None:
+    """A phrase's name as a form has it: none where none was chosen. Raises NotFound."""
+    try:
+        return UUID(text) if text else None
+    except ValueError as error:
+        raise NotFound(UNKNOWN_PHRASE) from error
+
+
 def forget(db: Session, by: Account, phrase_id: UUID) -> None:
     if not repository.forget(db, by.id, phrase_id):
         raise NotFound(UNKNOWN_PHRASE)

@@ -4,15 +4,17 @@ from collections.abc import Collection, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import case, delete, func, insert, select, update
+from sqlalchemy import and_, case, delete, func, insert, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, Seat, Status
+from server.classes.schemas import Member
 from server.comments.models import Note, NoteReader, Phrase
 from server.comments.schemas import Told, Word
 from server.database import table_of
-from server.gradebook.models import Standing
+from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
+from server.submissions.models import Submission
 
 MOST_WORDS = 20
 MOST_TOLD = 100
@@ -71,6 +73,34 @@ def concerned(db: Session, class_id: UUID, exercise: str, misconception: str | N
         query = query.join(Standing, Standing.account_id == Membership.account_id)
         query = query.where(Standing.exercise == exercise, Standing.last_diagnosis == misconception)
     return db.execute(query).scalars().all()
+
+
+def mistakes_now(db: Session, class_id: UUID, exercise: str) -> Sequence[tuple[str, str, int]]:
+    """The misconceptions that active students of a class have now in an exercise: name, title, how many have it."""
+    title = func.max(Grading.verdict["diagnosis"]["title"].as_string())
+    count = func.count(Standing.account_id.distinct())
+    query = (
+        select(Standing.last_diagnosis, title, count)
+        .join(Membership, Membership.account_id == Standing.account_id)
+        .join(Submission, and_(Submission.account_id == Standing.account_id, Submission.exercise == Standing.exercise))
+        .join(Grading, and_(Grading.id == Submission.grading_id, Grading.diagnosis == Standing.last_diagnosis))
+        .where(
+            Membership.class_id == class_id,
+            Membership.role == Seat.student,
+            Membership.status == Status.active,
+            Standing.exercise == exercise,
+        )
+        .group_by(Standing.last_diagnosis)
+        .order_by(count.desc(), Standing.last_diagnosis)
+    )
+    return [(name, shown or name, many) for name, shown, many in db.execute(query) if name is not None]
+
+
+def members(db: Session, class_id: UUID, accounts: Collection[UUID]) -> Sequence[Member]:
+    """Some of the members of a class, in the order of a list of names."""
+    query = select(Membership, Account).join(Account, Account.id == Membership.account_id)
+    query = query.where(Membership.class_id == class_id, Membership.account_id.in_(accounts))
+    return sorted((Member(*row) for row in db.execute(query)), key=lambda one: (*one.sorted_by, str(one.id)))
 
 
 def tell(db: Session, note: Note, readers: Collection[UUID]) -> None:

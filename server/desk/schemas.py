@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from server.web.news import NewsView
+
 
 @dataclass(frozen=True)
 class ClassRow:
-    """A class in a list; `waiting` is how many ask to join it, for who may let them in."""
+    """A class in a list; `waiting` is how many ask to join it, `asking` how many questions wait, for its staff."""
 
     href: str
     name: str
@@ -16,12 +18,14 @@ class ClassRow:
     pending: bool
     students: int
     waiting: int
+    asking: int = 0
 
 
 @dataclass(frozen=True)
 class ClassesPage:
-    """`modules`: slug and title of those that one may make a class of."""
+    """`news` is what one was told and has not read; `modules`: slug and title of those that one may make a class of."""
 
+    news: tuple[NewsView, ...]
     taught: tuple[ClassRow, ...]
     attended: tuple[ClassRow, ...]
     archived: tuple[ClassRow, ...]

@@ -16,6 +16,7 @@ from server.classes.importing import Plan
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.classes.schemas import Member
 from server.classes.service import Slip, good_code
+from server.comments import repository as comments
 from server.course import Course
 from server.desk.schemas import (
     ChangeRow,
@@ -39,6 +40,7 @@ from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import Place
+from server.web.news import news_views
 from server.web.words import moment, moment_text
 
 ROLES = {Seat.student: "élève", Seat.assistant: "assistant", Seat.teacher: "enseignant"}
@@ -60,8 +62,11 @@ def module_name(course: Course, slug: str) -> str:
 def classes_page(db: Session, course: Course, account: Account | None) -> ClassesPage:
     seats = [] if account is None else repository.classes_of(db, account)
     counts = repository.counts(db, [school_class.id for school_class, _ in seats])
-    rows = [(one, seat, _row(course, one, seat, *counts[one.id])) for one, seat in seats]
+    taught = [school_class.id for school_class, seat in seats if _is_staff(seat)]
+    asking = comments.open_in(db, taught) if taught else {}
+    rows = [(one, seat, _row(course, one, seat, *counts[one.id], asking.get(one.id, 0))) for one, seat in seats]
     return ClassesPage(
+        news=news_views([] if account is None else comments.news(db, account.id), course),
         taught=tuple(row for one, seat, row in rows if one.archived_at is None and _is_staff(seat)),
         attended=tuple(row for one, seat, row in rows if one.archived_at is None and not _is_staff(seat)),
         archived=tuple(row for one, _, row in rows if one.archived_at is not None),
@@ -75,7 +80,9 @@ def _is_staff(seat: Membership | None) -> bool:
     return seat is None or seat.is_staff
 
 
-def _row(course: Course, school_class: SchoolClass, seat: Membership | None, students: int, waiting: int) -> ClassRow:
+def _row(
+    course: Course, school_class: SchoolClass, seat: Membership | None, students: int, waiting: int, asking: int
+) -> ClassRow:
     return ClassRow(
         href=href_of(school_class),
         name=school_class.name,
@@ -84,6 +91,7 @@ def _row(course: Course, school_class: SchoolClass, seat: Membership | None, stu
         pending=seat is not None and seat.status == Status.pending,
         students=students,
         waiting=waiting if _is_staff(seat) else 0,
+        asking=asking,
     )
 
 

@@ -112,7 +112,7 @@ def exercise_page(
         code = None if taken is None else taken.submission.code
         view, template = service.exercise_page(reader, exercise, code), "exercise.html"
     work = view.results.work
-    asks = work.asks if work else service.may_ask(reader, exercise)
+    asks = work.asks if work else talk.may_ask(reader, exercise)
     said = talk.exercise_talk(reader, exercise, asks=asks, draft=draft)
     answer = page(request, template, reader.account, status=status, page=view, results=view.results, talk=said)
     note_seen(request, database, said.unread)

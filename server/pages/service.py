@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
-from uuid import UUID
 
 from markupsafe import Markup
 
@@ -17,7 +16,7 @@ from server.gradebook import service as gradebook
 from server.gradebook import solutions
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts, Progress
 from server.gradebook.solutions import Access, Because, Door
-from server.pages import marks
+from server.pages import marks, talk
 from server.pages.policy import policy_lines
 from server.pages.schemas import (
     AttemptPage,
@@ -35,7 +34,6 @@ from server.pages.schemas import (
     ToldView,
     WorkView,
 )
-from server.rights import service as rights
 from server.submissions import deals
 from server.submissions.models import State, Submission
 from server.submissions.service import UNATTENDED, Place
@@ -250,15 +248,8 @@ def _work(
         again=again,
         marks=marks.of(exercise, submission, verdict, seed),
         progress=_progress(reader, exercise, submission, verdict),
-        asks=may_ask(reader, exercise, submission.account_id),
+        asks=talk.may_ask(reader, exercise, submission.account_id),
     )
-
-
-def may_ask(reader: Reader, exercise: Exercise, author: UUID | None = None) -> bool:
-    """Whether one has sent it oneself, where it has been, and somebody would read a question about it."""
-    if reader.account is None or author not in (None, reader.account.id):
-        return False
-    return rights.has_readers(reader.db, reader.account.id, exercise.module)
 
 
 def _verdict_view(exercise: Exercise, verdict: Verdict, href: str) -> VerdictView:

@@ -95,6 +95,13 @@ class Aim:
     draft: Draft = NO_DRAFT
 
 
+def may_ask(reader: Reader, exercise: Exercise, author: UUID | None = None) -> bool:
+    """Whether one has sent it oneself, where it has been, and somebody would read a question about it."""
+    if reader.account is None or author not in (None, reader.account.id):
+        return False
+    return rights.has_readers(reader.db, reader.account.id, exercise.module)
+
+
 def attempt_talk(reader: Reader, exercise: Exercise, attempt: Attempt, aim: Aim, *, asks: bool) -> TalkPart:
     """`asks`: it is one's own, and somebody would read a question."""
     submission, account = attempt.submission, reader.account
@@ -103,7 +110,11 @@ def attempt_talk(reader: Reader, exercise: Exercise, attempt: Attempt, aim: Aim,
     own = account.id == submission.account_id
     may_write = asks or not own
     back = f"/soumissions/{submission.id}"
-    write = writer(reader.db, account, exercise.id, back, staff=not own, attempt=attempt) if may_write else None
+    write = (
+        writer(reader.db, account, exercise.id, back, staff=not own, diagnosis=_diagnosis(attempt))
+        if may_write
+        else None
+    )
     code = None if exercise.answers is not None else code_view(submission.code, talks, account)
     shown = 0 if code is None else len(code.lines)
     elsewhere = [talk for talk in talks if not _stands_on_a_line(talk, shown)]
@@ -117,6 +128,10 @@ def attempt_talk(reader: Reader, exercise: Exercise, attempt: Attempt, aim: Aim,
         student=None if own else _student(reader, account, submission.account_id, exercise),
         unread=tuple(talk for talk in talks if talk.is_new) if own else (),
     )
+
+
+def _diagnosis(attempt: Attempt | None) -> str | None:
+    return attempt.grading.diagnosis if attempt is not None and attempt.grading is not None else None
 
 
 def _stands_on_a_line(talk: Talk, shown: int) -> bool:
@@ -243,7 +258,9 @@ def thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
         href_text="Voir l’exercice" if number is None else f"Voir l’essai n° {number} en entier",
         student=student,
         code=() if attempt is None or exercise.answers is not None else _around(attempt.submission.code, found.place),
-        writer=writer(reader.db, account, thread.exercise, f"/fils/{thread.id}", staff=not own, attempt=attempt),
+        writer=writer(
+            reader.db, account, thread.exercise, f"/fils/{thread.id}", staff=not own, diagnosis=_diagnosis(attempt)
+        ),
         draft=draft,
         unread=(found,) if own and found.is_new else (),
     )

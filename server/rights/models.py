@@ -15,6 +15,7 @@ class Right(StrEnum):
     leave_class = "quitter la classe"
     see_students = "voir les élèves de la classe"
     read_work = "lire les essais des élèves de la classe"
+    comment = "commenter les essais des élèves de la classe"
     see_code = "voir le code de la classe"
     keep_list = "tenir la liste de la classe"
     hand_passwords = "remettre les mots de passe de la classe"
@@ -31,6 +32,7 @@ OF_MEMBERS: Mapping[Right, frozenset[Seat]] = {
     Right.leave_class: frozenset({STUDENT, ASSISTANT, TEACHER}),
     Right.see_students: frozenset({ASSISTANT, TEACHER}),
     Right.read_work: frozenset({ASSISTANT, TEACHER}),
+    Right.comment: frozenset({ASSISTANT, TEACHER}),
     Right.see_code: frozenset({ASSISTANT, TEACHER}),
     Right.keep_list: frozenset({TEACHER}),
     Right.hand_passwords: frozenset({TEACHER}),

@@ -12,7 +12,6 @@ from server.comments import words
 from server.comments.carrying import Fate, Place
 from server.comments.models import State, Thread
 from server.comments.schemas import Said, Talk
-from server.gradebook.schemas import Attempt
 from server.identity.models import Account
 from server.web.words import moment, moment_text
 
@@ -153,12 +152,11 @@ def _message(said: Said, account: Account | None) -> MessageView:
 
 
 def writer(
-    db: Session, account: Account, exercise: str, back: str, *, staff: bool, attempt: Attempt | None = None
+    db: Session, account: Account, exercise: str, back: str, *, staff: bool, diagnosis: str | None = None
 ) -> WriterView:
-    """`attempt` is the one that is written of: its diagnosis decides which phrases come first."""
+    """`diagnosis` is that of the attempt that is written of: it decides which phrases come first."""
     if not staff:
         return WriterView(False, (), back)
-    diagnosis = attempt.grading.diagnosis if attempt is not None and attempt.grading is not None else None
     phrases = words.suggested(db, account, exercise, diagnosis)
     views = tuple(
         PhraseView(str(one.id), one.text, diagnosis is not None and one.misconception == diagnosis) for one in phrases

@@ -46,6 +46,7 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /{module}/exercices/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
     "POST /classes": {"name": "PSI", "module": "l20"},
     "POST /classes/{class_id}/eleves": {"action": "retirer", "eleve": "{student}"},
+    "POST /classes/{class_id}/mots": {"exercice": EXERCISE, "texte": "Bonjour"},
     "POST /classes/{class_id}/liste": {"texte": "nom\nLovelace"},
     "POST /classes/{class_id}/reglages": {"name": "PSI"},
     "POST /classes/{class_id}/equipe": {"login": "{stranger}", "role": "assistant"},

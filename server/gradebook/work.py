@@ -1,0 +1,105 @@
+"""Queries on one student's work, as who teaches them reads it: all of it, or what was sent until a time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import ColumnElement, and_, func, select
+from sqlalchemy.orm import Session
+
+from server.gradebook.models import Grading
+from server.submissions.models import Submission
+
+#: Of a verdict, without reading the whole of it.
+MISTAKE = Grading.verdict["diagnosis"]["title"].as_string()
+
+
+@dataclass(frozen=True)
+class Tried:
+    """An attempt in a list: `mistake` is the title of its `diagnosis`, or empty; no outcome while it waits."""
+
+    id: UUID
+    number: int
+    sent_at: datetime
+    outcome: str | None
+    score: float | None
+    mistake: str
+    diagnosis: str | None
+
+
+@dataclass(frozen=True)
+class InExercise:
+    """What somebody's attempts at an exercise come to; `best` in [0, 1], None while nothing is graded."""
+
+    attempts: int
+    best: float | None
+    last_at: datetime
+    mistake: str
+
+
+def attempts(
+    db: Session, account_id: UUID, exercise: str, until: datetime | None, *, most: int, skipped: int = 0
+) -> tuple[Sequence[Tried], int]:
+    """Some attempts, newest first, and how many there are in all."""
+    there = _sent(account_id, until, Submission.exercise == exercise)
+    total = select(func.count()).select_from(Submission).where(there).scalar_subquery()
+    query = (
+        select(total, Submission.id, Submission.created_at, Grading.outcome, Grading.score, MISTAKE, Grading.diagnosis)
+        .outerjoin(Grading, Grading.id == Submission.grading_id)
+        .where(there)
+        .order_by(Submission.created_at.desc(), Submission.id.desc())
+    )
+    rows = db.execute(query.limit(most).offset(skipped)).all()
+    tried = [
+        Tried(name, count - place, sent_at, outcome, score, mistake or "", diagnosis)
+        for place, (count, name, sent_at, outcome, score, mistake, diagnosis) in enumerate(rows, skipped)
+    ]
+    return tried, rows[0][0] if rows else 0
+
+
+def with_the_one_before(
+    db: Session, account_id: UUID, exercise: str, until: datetime | None, number: int
+) -> Sequence[Submission]:
+    """The attempt of that number (from 1) after the one before it; it alone where it is the first; none beyond."""
+    query = (
+        select(Submission)
+        .where(_sent(account_id, until, Submission.exercise == exercise))
+        .order_by(Submission.created_at, Submission.id)
+    )
+    first = max(0, number - 2)
+    found = db.execute(query.limit(number - first).offset(first)).scalars().all()
+    return found if len(found) == number - first else []
+
+
+def by_exercise(db: Session, account_id: UUID, module: str, until: datetime | None) -> Mapping[str, InExercise]:
+    """What somebody's attempts come to, for each exercise of a module that they have tried."""
+    there = _sent(account_id, until, Submission.exercise.startswith(f"{module}/", autoescape=True))
+    sums = (
+        select(Submission.exercise, func.count(Submission.id), func.max(Grading.score), func.max(Submission.created_at))
+        .outerjoin(Grading, Grading.id == Submission.grading_id)
+        .where(there)
+        .group_by(Submission.exercise)
+    )
+    turn = func.row_number().over(
+        partition_by=Submission.exercise, order_by=(Submission.created_at.desc(), Submission.id.desc())
+    )
+    numbered = (
+        select(Submission.exercise, MISTAKE.label("mistake"), turn.label("turn"))
+        .join(Grading, Grading.id == Submission.grading_id)
+        .where(there, Grading.score.is_not(None))
+        .subquery()
+    )
+    last = select(numbered.c.exercise, numbered.c.mistake).where(numbered.c.turn == 1)
+    mistakes: dict[str, str | None] = dict(db.execute(last).all())
+    return {
+        exercise: InExercise(count, best, last_at, mistakes.get(exercise) or "")
+        for exercise, count, best, last_at in db.execute(sums)
+    }
+
+
+def _sent(account_id: UUID, until: datetime | None, also: ColumnElement[bool]) -> ColumnElement[bool]:
+    before = [] if until is None else [Submission.created_at <= until]
+    return and_(Submission.account_id == account_id, also, *before)
