@@ -27,6 +27,15 @@ ROUTES: dict[tuple[str, str], str] = {
         "dit lequel des deux. La réponse vient aussitôt ; avec `wait`, elle attend le verdict."
     ),
     ("get", "/api/v1/submissions/{submission_id}"): "Un envoi tel qu’il est : en attente, en cours, ou jugé.",
+    ("get", "/api/v1/submissions/{submission_id}/comments"): (
+        "Ce qui est dit d’un envoi, des envois précédents là où c’est encore d’actualité (les lignes sont suivies d’un "
+        "envoi à l’autre), et de l’exercice."
+    ),
+    ("post", "/api/v1/submissions/{submission_id}/comments"): (
+        "Commente un envoi, ou pose une question à ses enseignants : sur des lignes (`lines`), sur une vérification "
+        "(`check`), sur l’envoi entier ; ou répond dans un fil (`thread`), qui se rouvre s’il était réglé."
+    ),
+    ("patch", "/api/v1/submissions/{submission_id}/comments/{thread_id}"): "Règle un fil, ou le rouvre.",
     ("get", "/api/v1/submissions/{submission_id}/events"): (
         "Le même envoi chaque fois qu’il change (événements envoyés par le serveur) ; se termine avec le verdict."
     ),
@@ -39,6 +48,12 @@ PARAMETERS: dict[str, str] = {
     "dry_run": "dire ce que la liste changerait, et ne rien écrire",
     "slug": "le nom court de l’exercice",
     "submission_id": "l’identifiant reçu à l’envoi (`id`)",
+    "thread_id": "l’identifiant du fil (`id`)",
+    "text": "le message, 4000 caractères au plus ; `…` y marque du code",
+    "lines": "la première ligne et la dernière, à partir de 1",
+    "check": "la vérification du verdict, par son `id`",
+    "thread": "le fil auquel on répond, par son `id`",
+    "state": "`settled` : il n’y a plus rien à dire ; `open` : si",
     "name": "le nom de la figure, tel que le verdict le donne (`figure`)",
     "exercise": "l’exercice : `module/nom`",
     "code": "le fichier entier, 64 Kio au plus ; pour entrer dans une classe, le code de celle-ci",

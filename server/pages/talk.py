@@ -20,7 +20,9 @@ from server.identity.models import Account
 from server.rights import service as rights
 from server.text.highlight import lines as coloured
 from server.text.plain import visible
+from server.web import verdicts
 from server.web.news import NewsView, WordView, news_views, word_view
+from server.web.schemas import CheckView, Texts
 from server.web.threads import NO_DRAFT, Draft, ThreadView, WriterView, thread_views, writer
 from server.web.views import Reader, exercise_href, find_exercise
 
@@ -221,7 +223,7 @@ def exercise_talk(reader: Reader, exercise: Exercise, *, asks: bool, draft: Draf
 
 @dataclass(frozen=True)
 class ThreadPage:
-    """One thread; `code` is what of the attempt it is about, with the lines around; `href` leads to all of it."""
+    """One thread; `code`, with the lines around, or `check` is what it is about; `href` leads to all of it."""
 
     thread: ThreadView
     exercise_title: str
@@ -230,6 +232,8 @@ class ThreadPage:
     href_text: str
     student: StudentLink | None
     code: tuple[LineView, ...]
+    check: CheckView | None
+    texts: Texts | None
     writer: WriterView | None
     draft: Draft
     unread: tuple[Talk, ...]
@@ -258,12 +262,24 @@ def thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
         href_text="Voir l’exercice" if number is None else f"Voir l’essai n° {number} en entier",
         student=student,
         code=() if attempt is None or exercise.answers is not None else _around(attempt.submission.code, found.place),
+        check=_check_view(exercise, attempt, thread.check_id),
+        texts=None if exercise.answers is None else exercise,
         writer=writer(
             reader.db, account, thread.exercise, f"/fils/{thread.id}", staff=not own, diagnosis=_diagnosis(attempt)
         ),
         draft=draft,
         unread=(found,) if own and found.is_new else (),
     )
+
+
+def _check_view(exercise: Exercise, attempt: Attempt | None, check_id: str | None) -> CheckView | None:
+    """The check as the current verdict has it; None where that does not have it any more."""
+    if attempt is None or attempt.grading is None or check_id is None:
+        return None
+    texts = None if exercise.answers is None else exercise
+    figures = f"/soumissions/{attempt.submission.id}/figures"
+    view = verdicts.view(Verdict.from_json(attempt.grading.verdict), figures, texts, exercise.functions)
+    return next((check for check in view.checks if check.id == check_id), None)
 
 
 def _around(code: str, place: Place | None) -> tuple[LineView, ...]:

@@ -29,9 +29,11 @@ SHORT = 160
 
 @dataclass(frozen=True)
 class MessageView:
+    """`named`: by name, one of those who teach."""
+
     author: str
-    mine: bool
     staff: bool
+    named: bool
     when: str
     when_text: str
     text: str
@@ -41,7 +43,7 @@ class MessageView:
 class ThreadView:
     """A thread. `about` says of what it is, `note` what became of its lines, `origin` on which attempt it was written.
 
-    `is_new`: the one who looks has not read all of it.
+    `is_new`: the student, who looks, has not read all of it.
     """
 
     id: str
@@ -107,7 +109,7 @@ def thread_view(talk: Talk, account: Account | None) -> ThreadView:
         note=_note(talk),
         origin="" if talk.number is None else f"essai n° {talk.number}",
         origin_href="" if talk.origin is None else f"/soumissions/{talk.origin}#fil-{thread.id}",
-        is_new=talk.is_new if mine else talk.state is State.open,
+        is_new=mine and talk.is_new,
         messages=tuple(_message(said, account) for said in talk.messages),
     )
 
@@ -143,8 +145,8 @@ def _message(said: Said, account: Account | None) -> MessageView:
     mine = account is not None and message.author_id == account.id
     return MessageView(
         author="vous" if mine else said.name or (A_TEACHER if message.as_staff else A_STUDENT),
-        mine=mine,
         staff=message.as_staff,
+        named=message.as_staff and not mine and bool(said.name),
         when=moment(message.created_at),
         when_text=moment_text(message.created_at),
         text=message.text,

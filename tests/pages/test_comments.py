@@ -75,7 +75,7 @@ def test_a_question_on_a_check_is_answered_and_told(school: School) -> None:
     assert "Je ne comprends pas cette vérification.</textarea>" in asked
     assert "Je ne comprends pas cette vérification</a>" not in get(school.staff, page)
     location = school.say(school.student, page, verification="b", texte="Pourquoi 3 ?")
-    assert "nouveau" in get(school.staff, page)
+    assert '<span class="badge badge-soft">ouvert</span>' in get(school.staff, page)
     thread = thread_of(location)
     back = {"texte": "Voyez `x`.", "retour": page}
     assert school.staff.post(f"/fils/{thread}", data=back).headers["location"] == f"{page}#fil-{thread}"

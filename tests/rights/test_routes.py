@@ -39,6 +39,8 @@ REFUSED = (401, 403, 404)
 #: What a route needs to be reached: else its form is refused before anybody's rights are asked.
 JSON: dict[str, Any] = {
     "POST /api/v1/submissions": {"exercise": EXERCISE, "code": "x = 1\n"},
+    "POST /api/v1/submissions/{submission_id}/comments": {"text": "Bonjour"},
+    "PATCH /api/v1/submissions/{submission_id}/comments/{thread_id}": {"state": "settled"},
     "POST /api/v1/classes": {"name": "PSI", "module": "l20"},
     "POST /api/v1/classes/join": {"code": "{code}"},
 }
