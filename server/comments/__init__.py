@@ -1,1 +1,1 @@
-"""What is said of work: comments and questions in threads, phrases kept for later, a word to several students."""
+"""What is said of work: threads of messages, kept phrases, words to several students. See README.md in this folder."""

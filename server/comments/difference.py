@@ -9,8 +9,8 @@ from difflib import SequenceMatcher
 
 #: Beyond either, between what two texts begin and end with in common, lines are not matched: `difflib` looks at each
 #: pair of equal lines again for each run that it finds.
-MOST_LINES = 1000
-MOST_PAIRS = 20_000
+MOST_LINES = 500
+MOST_PAIRS = 6000
 
 
 @dataclass(frozen=True)

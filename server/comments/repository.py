@@ -14,7 +14,7 @@ from server.identity.models import Account
 from server.submissions.models import Submission
 
 #: Attempts before this one, and threads on each exercise, that are looked at again.
-MOST_SOURCES = 5
+MOST_SOURCES = 3
 MOST_SHOWN = 300
 MOST_NEWS = 30
 

@@ -27,6 +27,8 @@ from server.web.words import mark, moment, moment_text
 
 ATTEMPTS_A_PAGE = 50
 NO_SUCH_EXERCISE = "Cet exercice n’est pas de ceux de la classe."
+LEFT, ARCHIVED = "Cet élève est sorti de la classe", "La classe est archivée"
+GONE = "{why} : ce qui a été envoyé après le {when} n’est pas montré."
 NO_SUCH_ATTEMPT = "Cet essai n’existe pas."
 STATES = {"done": ("✓", "réussi"), "trying": ("✗", "pas encore réussi"), "none": ("·", "pas commencé")}
 
@@ -49,9 +51,8 @@ class Student:
 
     @property
     def view(self) -> StudentHead:
-        left = self.member.status is Status.left
-        gone = "" if self.until is None else f"{'sorti de la classe' if left else 'classe archivée'}, le travail "
-        gone = f"{gone}d’après le {moment_text(self.until)} n’est pas montré" if self.until else ""
+        why = LEFT if self.member.status is Status.left else ARCHIVED
+        gone = "" if self.until is None else GONE.format(why=why, when=moment_text(self.until))
         return StudentHead(self.member.name, self.href, self.member.groups, gone)
 
 

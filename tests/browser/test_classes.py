@@ -7,8 +7,9 @@ import re
 import pytest
 
 from server.cli import main
-from tests.browser.conftest import NewVisit, Visit, sync_api
+from tests.browser.conftest import EXERCISE, NewVisit, Visit, sync_api
 from tests.browser.test_accessibility import check
+from tests.browser.test_story import WRONG
 
 expect = sync_api.expect
 LIST = "nom;prenom;email;groupe\nLovelace;Ada;;TP1\nTuring;Alan;;TP2\nMauvais;Un;zut;\n"
@@ -102,3 +103,42 @@ def at_the_door(martin: Visit, visit: NewVisit, home: str, code: str) -> None:
     check(martin, "a class with somebody at its door")
     page.get_by_role("button", name="Accepter").click()
     expect(page.get_by_role("heading", name="3 élèves")).to_be_visible()
+
+
+@pytest.mark.slow
+def test_what_is_said_of_work(visit: NewVisit) -> None:
+    """A remark on a line, without a script's help; its answer; what axe says of each page where it stands."""
+    martin = teacher(visit, "martin-messages")
+    page, address = martin.page, martin.server.address
+    page.goto(address + "/classes")
+    fill(martin, {"Nom de la classe": "MPSI 3"}, "Créer la classe")
+    home, code = page.url.removesuffix("/eleves"), page.locator(".join-code").inner_text()
+    ada = visit(width=390, height=844)
+    ada.page.goto(f"{address}/rejoindre/{code}")
+    fill(ada, {"Prénom": "Ada", "Nom": "Lovelace"}, "Rejoindre la classe")
+    ada.open()
+    ada.submit(WRONG)
+    ada.submit(WRONG + "\nx = 1\n")
+
+    page.goto(f"{home}/eleves")
+    page.get_by_role("link", name="Ada Lovelace").click()
+    check(martin, "a student")
+    page.goto(f"{page.url}/{EXERCISE.removeprefix('/').replace('/exercices', '')}")
+    expect(page.locator(".side-added code").last).to_be_visible()
+    check(martin, "a student's attempts")
+    page.locator(".people tbody th a").first.click()
+    page.get_by_role("link", name="Commenter la ligne 1", exact=True).click()
+    check(martin, "an attempt, a line chosen")
+    fill(martin, {"Votre commentaire": "Pourquoi ?"}, "Commenter")
+    expect(page.locator(".lines .thread")).to_contain_text("Pourquoi ?")
+
+    ada.page.reload()
+    ada.page.locator(".told-news a").click()
+    check(ada, "a thread")
+    fill(ada, {"Votre réponse": "Je ne sais pas."}, "Répondre")
+    page.goto(f"{home}/questions")
+    expect(page.locator(".questions li")).to_contain_text("Ada Lovelace")
+    check(martin, "questions")
+    page.get_by_role("link", name="Dire un mot").click()
+    page.get_by_role("button", name="Choisir").click()
+    check(martin, "a word to say")

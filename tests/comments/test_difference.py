@@ -44,7 +44,7 @@ def test_lines_are_found_again(
     assert found == Carried(fate, Place(*place) if place else None)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(TEXTS, TEXTS)
 def test_a_difference_tells_the_whole_of_both(before: list[str], after: list[str]) -> None:
     runs = compare(before, after).runs
@@ -55,7 +55,7 @@ def test_a_difference_tells_the_whole_of_both(before: list[str], after: list[str
             assert [before[line] for line in run.before] == [after[line] for line in run.after]
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(TEXTS, TEXTS, st.data())
 def test_what_is_carried_reads_the_same(before: list[str], after: list[str], data: st.DataObject) -> None:
     if not before:
@@ -71,7 +71,7 @@ def test_what_is_carried_reads_the_same(before: list[str], after: list[str], dat
         assert after[found.place.first - 1 : found.place.last] == before[first - 1 : last]
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=50, deadline=None)
 @given(TEXTS, TEXTS)
 def test_side_by_side_gives_both_back(before: list[str], after: list[str]) -> None:
     """Against `difflib`'s own account of the same two texts, where nothing is folded."""

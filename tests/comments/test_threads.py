@@ -20,6 +20,7 @@ from server.comments.models import TEXT_LENGTH, Message, Note, NoteReader, Phras
 from server.comments.schemas import WHOLE, Talk, Target
 from server.database import Database, utc_now
 from server.gradebook import service as gradebook
+from server.gradebook import work
 from server.gradebook.schemas import Attempt, Graded
 from server.identity import repository as identity
 from server.identity.models import Account, Role
@@ -77,17 +78,28 @@ class Room:
             return db.execute(select(func.count()).select_from(table)).scalar_one()
 
 
-@pytest.fixture
-def room(database: Database, both: Settings) -> Room:
+def _room(database: Database, settings: Settings) -> Room:
     teacher, other = new_account(database, Role.teacher, "Mme Martin"), new_account(database, Role.teacher, "M. Autre")
     ada = new_account(database)
     made = new_class(database, teacher)
     new_class(database, other, "PSI")
     seat(database, made, ada)
-    return Room(database, both.model_copy(update={"comment_burst": 1000}), made, teacher, ada, other)
+    return Room(database, settings.model_copy(update={"comment_burst": 1000}), made, teacher, ada, other)
 
 
-def test_a_question_waits_is_answered_and_settled_and_an_answer_opens_it_again(room: Room) -> None:
+@pytest.fixture
+def room(sqlite: Database, settings: Settings) -> Room:
+    return _room(sqlite, settings)
+
+
+@pytest.fixture
+def either(database: Database, both: Settings) -> Room:
+    """On SQLite, then on PostgreSQL."""
+    return _room(database, both)
+
+
+def test_a_question_waits_is_answered_and_settled_and_an_answer_opens_it_again(either: Room) -> None:
+    room = either
     sent = room.send()
     thread = room.say(room.ada, sent, Target(check="b"))
     assert (thread.state, thread.by_staff, thread.check_title) == (State.open, False, "Seconde")
@@ -145,25 +157,26 @@ def test_who_has_left_is_read_up_to_then(room: Room) -> None:
         assert repository.open_in(db, [made.id]) == {}
 
 
-@pytest.mark.parametrize(
-    ("target", "text"),
-    [
-        (Target(lines=Place(0, 1)), "a"),
-        (Target(lines=Place(3, 2)), "a"),
-        (Target(lines=Place(4, 5)), "a"),
-        (Target(lines=Place(-1, 10**9)), "a"),
-        (Target(check="zut"), "a"),
-        (Target(check="b' OR 1=1 --\x00"), "a"),
-        (WHOLE, " \r\n "),
-        (WHOLE, "x" * (TEXT_LENGTH + 1)),
-        (WHOLE, "x" * 10**6),
-        (WHOLE, "\ud800"),
-    ],
-)
-def test_what_is_not_there_and_what_is_no_message_are_refused(room: Room, target: Target, text: str) -> None:
+#: What a thread cannot be about, and what is no message.
+REFUSED = [
+    (Target(lines=Place(0, 1)), "a"),
+    (Target(lines=Place(3, 2)), "a"),
+    (Target(lines=Place(4, 5)), "a"),
+    (Target(lines=Place(-1, 10**9)), "a"),
+    (Target(check="zut"), "a"),
+    (Target(check="b' OR 1=1 --\x00"), "a"),
+    (WHOLE, " \r\n "),
+    (WHOLE, "x" * (TEXT_LENGTH + 1)),
+    (WHOLE, "x" * 10**6),
+    (WHOLE, "\ud800"),
+]
+
+
+def test_what_is_not_there_and_what_is_no_message_are_refused(room: Room) -> None:
     sent = room.send()
-    with pytest.raises(Invalid):
-        room.say(room.ada, sent, target, text)
+    for target, text in REFUSED:
+        with pytest.raises(Invalid):
+            room.say(room.ada, sent, target, text)
     assert room.count(Thread) == room.count(Message) == 0
 
 
@@ -209,7 +222,8 @@ def test_a_comment_on_lines_follows_them(room: Room) -> None:
     assert {talk.place for talk in room.beside(first)} == {Place(4, 4), Place(1, 1), Place(3, 3)}
 
 
-def test_who_goes_takes_their_words_along_and_a_teacher_s_stay_unsigned(room: Room) -> None:
+def test_who_goes_takes_their_words_along_and_a_teacher_s_stay_unsigned(either: Room) -> None:
+    room = either
     thread = room.say(room.ada, room.send())
     room.reply(room.teacher, thread)
     with room.database.write() as db:
@@ -234,7 +248,8 @@ def test_what_is_said_goes_with_the_submission(room: Room) -> None:
     assert [room.count(table) for table in (Thread, Message)] == [0, 0]
 
 
-def test_a_guest_s_questions_are_those_of_their_account(room: Room) -> None:
+def test_a_guest_s_questions_are_those_of_their_account(either: Room) -> None:
+    room = either
     guest = seat(room.database, room.made, new_account(room.database, Role.guest, "Invitée"))
     thread = room.say(guest, room.send(by=guest))
     room.reply(room.teacher, thread)
@@ -248,7 +263,8 @@ def test_a_guest_s_questions_are_those_of_their_account(room: Room) -> None:
         assert len(repository.news(db, room.ada.id)) == 1
 
 
-def test_a_word_is_for_those_who_have_the_mistake_now(room: Room) -> None:
+def test_a_word_is_for_those_who_have_the_mistake_now(either: Room) -> None:
+    room = either
     students = [
         seat(room.database, room.made, new_account(room.database, name=name)) for name in ("Bob", "Cleo", "Dan")
     ]
@@ -261,6 +277,18 @@ def test_a_word_is_for_those_who_have_the_mistake_now(room: Room) -> None:
         classes.leave(db, room.made, dan.id)
         note, count = words.tell(db, room.teacher, room.made, EXERCISE, "signe", "Relisez.", "/l20", room.settings)
     assert count == 1
+    with room.database.read() as db:
+        assert words_repository.mistakes_now(db, room.made.id, EXERCISE) == [
+            ("autre", "Erreur", 1),
+            ("signe", "Erreur", 1),
+        ]
+        (tried,), total = work.attempts(db, cleo.id, EXERCISE, None, most=1)
+        assert (tried.number, tried.mistake, tried.diagnosis, total) == (2, "Erreur", "autre", 2)
+        assert len(work.with_the_one_before(db, cleo.id, EXERCISE, None, 2)) == 2
+        assert not work.with_the_one_before(db, cleo.id, EXERCISE, None, 3)
+        sums = work.by_exercise(db, cleo.id, "l20", None)[EXERCISE]
+        assert (sums.attempts, sums.best, sums.mistake) == (2, 0.5, "Erreur")
+        assert not work.by_exercise(db, cleo.id, "l20", utc_now().replace(year=2000))
     with room.database.write() as db:
         assert [one.seen_at for one in words_repository.words(db, bob.id, EXERCISE)] == [None]
         assert not words_repository.words(db, cleo.id)
