@@ -7,6 +7,7 @@ from server.database.base import Base
 from server.gradebook import models as gradebook
 from server.identity import models as identity
 from server.limits import models as limits
+from server.marks import models as marks
 from server.queue import models as queue
 from server.submissions import models as submissions
 
@@ -30,5 +31,6 @@ TABLES = (
     gradebook.Standing,
     gradebook.SolutionOpening,
     gradebook.ClassOpening,
+    marks.Override,
 )
 metadata = Base.metadata

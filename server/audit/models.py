@@ -25,6 +25,8 @@ class What(StrEnum):
     staff_changed = "staff_changed"
     student_removed = "student_removed"
     student_admitted = "student_admitted"
+    mark_overridden = "mark_overridden"
+    override_withdrawn = "override_withdrawn"
 
 
 WORDS: Mapping[What, str] = {
@@ -36,6 +38,8 @@ WORDS: Mapping[What, str] = {
     What.staff_changed: "équipe modifiée",
     What.student_removed: "élève sorti de la classe",
     What.student_admitted: "élève admis dans la classe",
+    What.mark_overridden: "note modifiée",
+    What.override_withdrawn: "note modifiée retirée",
 }
 
 
