@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from uuid import UUID
 
+from server.base.errors import NotFound
 from server.course import Course
 from server.database import Database
 from server.marks import repository
@@ -18,6 +19,7 @@ from server.marks.schemas import Book, ExerciseMark, Row
 
 File = tuple[str, bytes]
 INDEX = "index.csv"
+NO_SUCH_ASSIGNMENT = "La classe n’a pas ce devoir."
 HEADER = ("Fichier", "Devoir", "Exercice", "Élève", "Envoyé le", "Points", "Jours de retard", "Note modifiée")
 
 
@@ -41,8 +43,10 @@ class _Called:
 def copies(book: Book, course: Course, *, names: bool, only: UUID | None, when: When) -> Sequence[Copy]:
     """Of every assignment or of one. Without `names`, each student is a number drawn for this archive alone.
 
-    Times of sending are not told then: they would say who it is.
+    Times of sending are not told then: they would say who it is. Raises NotFound for an assignment of another class.
     """
+    if only is not None and all(one.id != only for one in book.assignments):
+        raise NotFound(NO_SUCH_ASSIGNMENT)
     called = _names(book.rows) if names else _pseudonyms(book.rows)
     named = titles(book.assignments)
     folders = _unique([ascii_name(title, "devoir") for title in named])

@@ -9,7 +9,7 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Any
 
-from server.assignments.models import Assignment
+from server.assignments.models import Assignment, Mode
 from server.classes.schemas import Member
 from server.marks.cells import Cell, Sheet, ascii_name, guarded, plain_csv
 from server.marks.means import number, rounded
@@ -98,7 +98,7 @@ def explanations_sheet(book: Book, when: When) -> Sheet:
     """What the other sheets hold, the weights and dates, the class's mean and median."""
     rows: list[tuple[Cell, ...]] = [
         (title, one.weight, when(one.opens_at), *(when(at) if at else "" for at in (one.due_at, one.closes_at)),
-         "contrôle, pas encore rendu" if held_back(one, book.at) else "", *_summed(book.summary_of(place)))
+         "contrôle, pas encore rendu aux élèves" if held_back(one, book.at) else "", *_summed(book.summary_of(place)))
         for place, (title, one) in enumerate(zip(titles(book.assignments), book.assignments, strict=True))
     ]  # fmt: skip
     rows.append((AVERAGE, None, "", "", "", "", *_summed(book.averages)))
@@ -201,14 +201,14 @@ def _assignment(book: Book, one: Assignment, found: Summary) -> dict[str, Any]:
     dates = {"opens_at": one.opens_at, "due_at": one.due_at, "closes_at": one.closes_at}
     exercises = [{"exercise": each.exercise, "weight": each.weight} for each in book.exercises[one.id]]
     sums = {"copies": found.count, "mean": _rounded(found.mean), "median": _rounded(found.median)}
-    about = {"id": one.id, "title": one.title, "mode": one.mode, "weight": one.weight}
+    about = {"id": one.id, "title": one.title, "mode": Mode(one.mode), "weight": one.weight}
     return {**about, **dates, "held_back": held_back(one, book.at), "exercises": exercises, **sums}
 
 
 def _mark(assignment: Assignment, mark: AssignmentMark) -> dict[str, Any]:
     return {
         "assignment": assignment.id,
-        "state": mark.state.value,
+        "state": mark.state,
         "points": _rounded(mark.points),
         "days_late": mark.days_late,
         "exercises": [exercise_json(one) for one in mark.exercises],

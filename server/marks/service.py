@@ -26,7 +26,7 @@ from server.marks.models import REASON_LENGTH, Override
 from server.marks.schemas import ExerciseMark, InForce, Key, OwnMarks
 
 NO_SUCH_EXERCISE = "La classe n’a pas cet exercice."
-NOTHING_SET = "Cette note n’a pas été modifiée : il n’y a rien à retirer."
+NOTHING_SET = "Cette note n’est pas modifiée, ou ne l’est plus."
 ONE_OF = "Donnez des points, ou dispensez de l’exercice : l’un des deux."
 OUT_OF_RANGE = "Les points vont de 0 à 20."
 NOT_A_NUMBER = "« {text} » n’est pas un nombre de points : écrivez par exemple 12,5."
@@ -128,10 +128,10 @@ def override(
 def withdraw(
     db: Session, course: Course, school_class: SchoolClass, by: Account, student: UUID, exercise: str, reason: str = ""
 ) -> None:
-    """The automatic mark is in force again. Raises NotFound or Conflict."""
+    """The automatic mark is in force again, as it may be already. Raises NotFound or Conflict."""
     before = _ready(db, course, school_class, student, exercise)
     if before is None:
-        raise NotFound(NOTHING_SET)
+        return
     marks = marks_of(db, course, school_class, student, exercise)
     before.withdrawn_at = utc_now()
     audit.note(

@@ -116,26 +116,24 @@ def test_a_mark_may_be_set_where_nothing_was_sent(term: Term, course: Course) ->
     assert only(term, course).stale
 
 
-@pytest.mark.parametrize(
-    ("values", "refused"),
-    [
-        ({"points": 20.5}, Invalid),
-        ({"points": float("nan")}, Invalid),
-        ({"points": -0.1}, Invalid),
-        ({}, Invalid),
-        ({"points": 3.0, "excused": True}, Invalid),
-        ({"points": 3.0, "reason": " \n"}, Invalid),
-        ({"points": 3.0, "reason": "x" * 1001}, Invalid),
-        ({"points": 3.0, "reason": "a\x00"}, Invalid),
-        ({"points": 3.0, "exercise": "l20/rien"}, NotFound),
-    ],
+REFUSED: tuple[tuple[dict[str, Any], type[Exception]], ...] = (
+    ({"points": 20.5}, Invalid),
+    ({"points": float("nan")}, Invalid),
+    ({"points": -0.1}, Invalid),
+    ({}, Invalid),
+    ({"points": 3.0, "excused": True}, Invalid),
+    ({"points": 3.0, "reason": " \n"}, Invalid),
+    ({"points": 3.0, "reason": "x" * 1001}, Invalid),
+    ({"points": 3.0, "reason": "a\x00"}, Invalid),
+    ({"points": 3.0, "exercise": "l20/rien"}, NotFound),
 )
-def test_what_cannot_be_set_changes_nothing(
-    term: Term, course: Course, values: dict[str, Any], refused: type[Exception]
-) -> None:
+
+
+def test_what_cannot_be_set_changes_nothing(term: Term, course: Course) -> None:
     ada = term.student("Ada", "Lovelace")
-    with pytest.raises(refused):
-        change(term, course, ada, **values)
+    for values, refused in REFUSED:
+        with pytest.raises(refused):
+            change(term, course, ada, **values)
     with term.database.read() as db:
         assert db.query(Override).all() == []
 
@@ -218,7 +216,7 @@ def test_a_book_asks_no_more_for_a_bigger_class(term: Term, course: Course) -> N
     term.assignment()
     term.send(term.student("Ada", "Lovelace"), POSES, 3)
     few = statements()
-    for number in range(5):
+    for number in range(3):
         term.assignment(f"DM {number}")
         student = term.student("Ada", f"n° {number}")
         term.send(student, POSES, 4)
