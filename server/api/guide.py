@@ -174,6 +174,7 @@ def _answer(guide: Guide, answers: Json) -> str:
 def _command(guide: Guide, path: str, method: str, body: Json | None, file: str | None) -> str:
     module, _, slug = guide.exercise.partition("/")
     values = {"module": module, "slug": slug, "submission_id": "$ID", "name": "$FIGURE", "class_id": "$CLASS"}
+    values |= {"student": "$STUDENT"}
     for name, value in values.items():
         path = path.replace(f"{{{name}}}", value)
     lines = ['curl -H "Authorization: Bearer $BALISE_TOKEN"']

@@ -2,10 +2,11 @@
 
 from fastapi import APIRouter
 
-from server.api import classes, exercises, me, submissions
+from server.api import classes, exercises, marks, me, submissions
 
 router = APIRouter(prefix="/api/v1")
 router.include_router(exercises.router)
 router.include_router(submissions.router)
 router.include_router(me.router)
 router.include_router(classes.router)
+router.include_router(marks.router)
