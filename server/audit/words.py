@@ -79,7 +79,7 @@ def value(name: str, one: Any, when: When) -> str:
     if isinstance(one, bool):
         return "oui" if one else "non"
     if isinstance(one, int | float):
-        return f"{one:.6g}".replace(".", ",")
+        return f"{round(one, 2):.12g}".replace(".", ",")
     if isinstance(one, Mapping):
         return ", ".join(f"{key} ({value('', each, when)})" for key, each in one.items()) or NOTHING
     if isinstance(one, list | tuple):

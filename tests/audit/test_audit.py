@@ -41,11 +41,11 @@ def test_what_may_be_noted_has_its_words() -> None:
 
 
 def test_values_are_told_in_french() -> None:
-    before = {"due_at": "2026-03-01T08:00:00+00:00", "points": 12.5, "excused": False, "late": "refuse"}
+    before = {"due_at": "2026-03-01T08:00:00+00:00", "points": 40 / 3, "excused": False, "late": "refuse"}
     after = {"due_at": None, "points": None, "excused": True, "exercises": {"l20/poses": 1.0}, "autre": ["x"]}
     told = [str(one) for one in changes(before, after, lambda at: f"{at:%d/%m}")]
     assert told == [
-        "à rendre le : 01/03 → rien", "points : 12,5 → rien", "dispense : non → oui", "retard : refusé",
+        "à rendre le : 01/03 → rien", "points : 13,33 → rien", "dispense : non → oui", "retard : refusé",
         "exercices : l20/poses (1)", "autre : x",
     ]  # fmt: skip
 
