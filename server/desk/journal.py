@@ -22,6 +22,7 @@ from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
 from server.desk.classes import log_in_first
 from server.desk.mark_schemas import Choice, EventView, LogPage
+from server.desk.marks import PageNumber
 from server.desk.views import head, href_of
 from server.identity.dependencies import SignedIn
 from server.marks.cells import Cell, ascii_name, french_csv
@@ -37,7 +38,6 @@ router = APIRouter(include_in_schema=False)
 A_PAGE = 100
 HEADER = ("Date", "Par", "Changement", "Élève", "Objet", "Avant et après", "Motif")
 Text = Annotated[str, Query(max_length=100)]
-PageNumber = Annotated[int, Query(ge=1, le=10**6)]
 
 
 def _wanted(student: str, kind: str) -> Filter:

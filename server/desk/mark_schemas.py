@@ -87,6 +87,7 @@ class GradebookPage:
     groups: tuple[Choice, ...]
     group: str
     kept: tuple[tuple[str, str], ...]
+    pages: tuple[Choice, ...]
     assignments: tuple[Choice, ...]
     columns: tuple[Choice, ...]
     column: str | None

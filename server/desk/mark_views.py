@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -33,7 +34,8 @@ from server.rights.service import Place
 from server.web.words import moment, moment_text, plural
 
 NONE = "—"
-NAME, TOTAL = "nom", "moyenne"
+TOTAL = "moyenne"
+A_PAGE = 200  # students
 UNKNOWN = "La classe n’a pas ce devoir, ou cet élève."
 STATES = {
     State.upcoming: "pas encore ouvert",
@@ -52,9 +54,14 @@ def _shown(points: float | None) -> str:
 
 
 class Gradebook:
-    """The page of a book, as somebody asks for it: a group, one assignment or all, an order, a column to copy."""
+    """The page of a book, as somebody asks for it: a group, one assignment or all, an order, a column to copy.
 
-    def __init__(self, place: Place, book: Book, group: str, assignment: str, order: str, to_copy: str) -> None:
+    `number`, from 1, is that of the page, where the class has more students than one shows.
+    """
+
+    def __init__(
+        self, place: Place, book: Book, group: str, assignment: str, order: str, to_copy: str, number: int = 1
+    ) -> None:
         self.place, self.path = place, f"{href_of(place.school_class)}/carnet"
         self.everyone = book
         labels = Counter(label for row in book.rows for label in row.member.groups)
@@ -67,6 +74,7 @@ class Gradebook:
         if assignment and assignment not in self.place_of:
             raise NotFound(UNKNOWN)
         self.assignment, self.order, self.to_copy = assignment, order, to_copy
+        self.number = min(number, max(1, math.ceil(len(rows) / A_PAGE)))
 
     def asked(self, **changes: str) -> dict[str, str]:
         asked = {"groupe": self.group, "devoir": self.assignment, "tri": self.order, **changes}
@@ -98,6 +106,7 @@ class Gradebook:
             ),
             group=self.group,
             kept=tuple(self.asked().items()),
+            pages=self._pages(),
             assignments=tuple(
                 Choice(name, title, name == self.assignment)
                 for name, title in zip(self.place_of, self.titles, strict=True)
@@ -110,6 +119,12 @@ class Gradebook:
             moodle=tuple(MoodleView(one.value, BY[one], for_moodle(self.everyone, one).left_out) for one in Identifier),
             notes=NOTES,
         )
+
+    def _pages(self) -> tuple[Choice, ...]:
+        """None where one page is enough."""
+        numbers = range(1, math.ceil(len(self.book.rows) / A_PAGE) + 1)
+        pages = [Choice(self.address(p=str(number)), str(number), number == self.number) for number in numbers]
+        return tuple(pages) if len(pages) > 1 else ()
 
     def _overview(self) -> TableView:
         book = self.book
@@ -175,6 +190,10 @@ class Gradebook:
 
     def _sorted(self, scores: dict[str, Score]) -> Sequence[Row]:
         """The best first, who has no mark last; the order of the list between equals, and without a known order."""
+        first = (self.number - 1) * A_PAGE
+        return self._all_sorted(scores)[first : first + A_PAGE]
+
+    def _all_sorted(self, scores: dict[str, Score]) -> Sequence[Row]:
         if self.order not in scores:
             return self.book.rows
         score = scores[self.order]

@@ -31,19 +31,20 @@ from server.web.words import moment_text
 router = APIRouter(include_in_schema=False)
 
 Name = Annotated[str, Query(max_length=300)]
+PageNumber = Annotated[int, Query(ge=1, le=10**6)]
 EMPTY = MarkForm()
 
 
 @router.get("/classes/{class_id}/carnet")
 def gradebook(
     request: Request, class_id: str, reader: Reading, groupe: Group = "", devoir: Name = "", tri: Name = "",
-    colonne: Name = "",
+    colonne: Name = "", p: PageNumber = 1,
 ) -> Response:  # fmt: skip
     if reader.account is None:
         return log_in_first(request)
     place = rights.require(reader.db, reader.account, Right.read_marks, class_id)
     made = book.of_class(reader.db, reader.course, place.school_class, utc_now())
-    view = Gradebook(place, made, groupe, devoir, tri, colonne).page(reader.course)
+    view = Gradebook(place, made, groupe, devoir, tri, colonne, p).page(reader.course)
     return page(request, "classes/gradebook.html", reader.account, page=view)
 
 

@@ -47,7 +47,9 @@ def names_in(page: str) -> list[str]:
     return re.findall(r'<th scope="row">(.+?)</th>', page)
 
 
-def test_the_table_is_sorted_filtered_and_escaped(term: Term, martin: TestClient, href: str) -> None:
+def test_the_table_is_sorted_filtered_and_escaped(
+    term: Term, martin: TestClient, href: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     given = term.assignment("DM <b>", {POSES: 1.0})
     ada = term.student("Ada", "Lovelace", groups=["TP1"])
     alan = term.student("Alan", "<i>Turing", groups=["TP2"])
@@ -71,6 +73,12 @@ def test_the_table_is_sorted_filtered_and_escaped(term: Term, martin: TestClient
     assert names_in(detail)[0] == "Alan <i>Turing"
     text_of(martin, f"{href}/carnet?devoir=zut", 404)
     assert "MPSI" in text_of(martin, f"{href}/carnet?tri=zut&groupe=zut&colonne=zut")
+    monkeypatch.setattr("server.desk.mark_views.A_PAGE", 2)
+    assert names_in(text_of(martin, f"{href}/carnet?tri=moyenne&p=2"))[0] == "Grace Hopper"
+    assert names_in(text_of(martin, f"{href}/carnet?p=99"))[0] == "Ada Lovelace", "the last page there is"
+    copied = re.search(r"readonly[^>]*>(.*?)</textarea>", text_of(martin, f"{href}/carnet?colonne=moyenne"))
+    assert copied
+    assert copied[1].split() == ["0", "12,5", "8"], "of all pages, in the order of the list"
 
 
 def test_a_mark_is_set_kept_and_withdrawn(site: Site, term: Term, martin: TestClient, href: str) -> None:
