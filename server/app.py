@@ -28,8 +28,10 @@ from server.classes.service import Classes
 from server.course import Course, load
 from server.database import Database, utc_now
 from server.desk.classes import router as classes_router
+from server.desk.journal import router as journal_router
 from server.desk.keeping import router as keeping_router
 from server.desk.likeness import router as likeness_router
+from server.desk.marks import router as marks_router
 from server.desk.students import router as students_router
 from server.desk.talking import router as talking_router
 from server.figures.pictures import Pictures
@@ -78,6 +80,8 @@ ROUTERS = (
     likeness_router,
     students_router,
     talking_router,
+    marks_router,
+    journal_router,
     pages_router,
     reading_router,
     cells_router,

@@ -8,6 +8,7 @@ from server.database.base import Base
 from server.gradebook import models as gradebook
 from server.identity import models as identity
 from server.limits import models as limits
+from server.marks import models as marks
 from server.queue import models as queue
 from server.submissions import models as submissions
 
@@ -36,5 +37,6 @@ TABLES = (
     comments.Phrase,
     comments.Note,
     comments.NoteReader,
+    marks.Override,
 )
 metadata = Base.metadata

@@ -180,6 +180,7 @@ def _command(guide: Guide, path: str, method: str, body: Json | None, file: str 
         "name": "$FIGURE",
         "class_id": "$CLASS",
         "thread_id": "$THREAD",
+        "student": "$STUDENT",
     }
     for name, value in values.items():
         path = path.replace(f"{{{name}}}", value)

@@ -15,6 +15,22 @@ ROUTES: dict[tuple[str, str], str] = {
         "Personne n’est effacé : qui n’y est pas sort de la classe, son travail est gardé."
     ),
     ("get", "/api/v1/classes/{class_id}/students"): "Les élèves de la classe, dans l’ordre d’une liste de noms.",
+    ("put", "/api/v1/classes/{class_id}/marks/{student}/{module}/{slug}"): (
+        "Modifie la note d’un élève à un exercice : des points sur 20, ou une dispense, avec le motif, que l’élève "
+        "lit. La note automatique est gardée à côté."
+    ),
+    ("delete", "/api/v1/classes/{class_id}/marks/{student}/{module}/{slug}"): (
+        "Retire la note modifiée : la note automatique vaut de nouveau."
+    ),
+    ("get", "/api/v1/classes/{class_id}/gradebook"): (
+        "Le carnet de notes : JSON, CSV pour un Excel français, XLSX, ou CSV à importer dans Moodle. Celui de Moodle "
+        "n’a que les notes définitives, et laisse de côté qui n’a pas d’adresse ou d’identifiant : "
+        "`X-Balise-Left-Out` dit combien."
+    ),
+    ("get", "/api/v1/classes/{class_id}/audit"): (
+        "Le journal de la classe : chaque changement d’une note, d’une date ou d’un droit, du plus récent au plus "
+        "ancien ; par qui, quand, avant, après."
+    ),
     ("get", "/api/v1/exercises"): "Les exercices servis, dans l’ordre du cours.",
     ("get", "/api/v1/exercises/{module}/{slug}"): (
         "Un exercice : son énoncé (en HTML), le fichier de départ, les limites d’une exécution. "
@@ -47,6 +63,15 @@ PARAMETERS: dict[str, str] = {
     "class_id": "l’identifiant de la classe (`id`)",
     "dry_run": "dire ce que la liste changerait, et ne rien écrire",
     "slug": "le nom court de l’exercice",
+    "student": "l’identifiant de l’élève (`id`)",
+    "format": "le format du fichier",
+    "identifier": "ce à quoi Moodle reconnaît ses élèves : l’adresse électronique ou l’identifiant",
+    "what": "un seul genre de changement",
+    "skip": "laisser de côté tant de changements parmi les plus récents",
+    "limit": "combien au plus",
+    "points": "la note, sur 20 ; ou bien `excused`",
+    "excused": "dispenser de l’exercice : il ne compte dans aucune moyenne",
+    "reason": "le motif : l’élève le lit, et le journal de la classe le garde",
     "submission_id": "l’identifiant reçu à l’envoi (`id`)",
     "thread_id": "l’identifiant du fil (`id`)",
     "text": "le message, 4000 caractères au plus ; `…` y marque du code",

@@ -25,6 +25,8 @@ class What(StrEnum):
     staff_changed = "staff_changed"
     student_removed = "student_removed"
     student_admitted = "student_admitted"
+    mark_overridden = "mark_overridden"
+    override_withdrawn = "override_withdrawn"
 
 
 WORDS: Mapping[What, str] = {
@@ -36,11 +38,27 @@ WORDS: Mapping[What, str] = {
     What.staff_changed: "équipe modifiée",
     What.student_removed: "élève sorti de la classe",
     What.student_admitted: "élève admis dans la classe",
+    What.mark_overridden: "note modifiée",
+    What.override_withdrawn: "note modifiée retirée",
 }
+
+#: Kinds that are about one student, unless they are about all who have a label.
+OF_STUDENTS = frozenset(
+    {
+        What.exemption_made,
+        What.exemption_revoked,
+        What.student_removed,
+        What.student_admitted,
+        What.mark_overridden,
+        What.override_withdrawn,
+    }
+)
 
 
 class AuditEvent(Base):
     """A row is only ever added. It outlives the accounts that it names: their names go, what was done stays.
+
+    With a student's name goes the reason, which may tell of nobody else.
 
     `about` says in words what was changed (an assignment, an exercise); `before` and `after` are plain values by name.
     """

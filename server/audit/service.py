@@ -1,15 +1,19 @@
-"""Noting a change, in the transaction that makes it."""
+"""Noting a change, in the transaction that makes it; reading all of them, a few at a time."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from datetime import datetime
 from typing import Any
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from server.audit import repository
 from server.audit.models import ABOUT_LENGTH, AuditEvent, What
+from server.audit.schemas import Event, Filter
+from server.database import Database
 
 Values = Mapping[str, Any]
+AT_ONCE = 500
 
 
 def note(
@@ -42,3 +46,15 @@ def note(
 
 def _plain(values: Values) -> dict[str, Any]:
     return {name: value.isoformat() if isinstance(value, datetime) else value for name, value in values.items()}
+
+
+def events(database: Database, class_id: UUID, wanted: Filter) -> Iterator[Event]:
+    """Every event, newest first; a transaction for some hundred, so that a slow reader holds nothing open."""
+    last: Event | None = None
+    while True:
+        with database.read() as db:
+            some = repository.of_class(db, class_id, wanted, most=AT_ONCE, before=last)
+        yield from some
+        if len(some) < AT_ONCE:
+            return
+        last = some[-1]

@@ -9,6 +9,7 @@ from uuid import UUID
 
 from server.base.errors import Invalid
 from server.classes.models import NAME_LENGTH, Membership, SchoolClass, Seat, Status
+from server.classes.roster import folded
 from server.identity.models import Account
 
 #: For how long a join code may be asked for; the first is what a new class gets.
@@ -40,9 +41,9 @@ class Member:
 
     @property
     def sorted_by(self) -> tuple[str, str]:
-        """As a list of names is: by family name. An account's own name ends with it."""
+        """As a list of names is: by family name, accents apart. An account's own name ends with it."""
         family = self.membership.family_name or self.name.split()[-1]
-        return family.casefold(), self.name.casefold()
+        return folded(family), folded(self.name)
 
     @property
     def seat(self) -> Seat:

@@ -9,6 +9,8 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from server.audit import repository as audit
+from server.audit.models import AuditEvent, What
 from server.classes import repository as classes
 from server.comments import service as comments
 from server.comments.schemas import Talk
@@ -19,6 +21,8 @@ from server.gradebook import standings
 from server.gradebook.models import Grading
 from server.identity import repository as identity
 from server.identity.models import Account
+from server.marks import repository as marks
+from server.marks.models import Override
 from server.personal import repository
 from server.submissions import repository as submissions
 from server.submissions.models import Submission
@@ -30,6 +34,8 @@ READ_ME = """Vos données sur Balise
 compte.json      qui vous êtes ici, vos sessions ouvertes et vos jetons
                  (ni mot de passe ni jeton : ils ne sont pas gardés, seule leur empreinte l’est)
 classes.json     vos classes, et ce qui y est noté de vous
+notes.json       les notes que des enseignants ont modifiées, et ce que les journaux des classes
+                 disent de vous, ou de ce que vous y avez changé
 exercices.json   vos bilans, vos tirages et, pour un enseignant, les corrigés ouverts
 messages.json    ce que vous avez écrit et ce qu’on vous a écrit sur votre travail,
                  et, pour un enseignant, les phrases que vous gardez
@@ -55,6 +61,7 @@ def files_of(database: Database, course: Course, account_id: UUID) -> Iterator[F
             return
         yield "compte.json", _json(_account(db, account))
         yield "classes.json", _json(_classes(db, account_id))
+        yield "notes.json", _json(_marks(db, account_id))
         yield "exercices.json", _json(_exercises(db, account_id))
         yield "messages.json", _json(_messages(db, account_id))
     last: UUID | None = None
@@ -202,6 +209,42 @@ def _thread(talk: Talk) -> dict[str, Any]:
             for said in talk.messages
         ],
     }
+
+
+#: Their reason is for the staff alone: who may read it is asked of the school.
+PRIVATE = frozenset({What.exemption_made, What.exemption_revoked})
+
+
+def _marks(db: Session, account_id: UUID) -> dict[str, Any]:
+    about = [{**_event(one, name), "reason": _reason(one)} for one, name in audit.about(db, account_id)]
+    by = [{**_event(one, name), "reason": one.reason} for one, name in audit.by(db, account_id)]
+    return {
+        "overrides": [_override(one, name) for one, name in marks.overrides_of(db, account_id)],
+        "overrides_you_set": [_override(one, name) for one, name in marks.overrides_by(db, account_id)],
+        "changes_about_you": about,
+        "changes_you_made": by,
+    }
+
+
+def _override(one: Override, name: str) -> dict[str, Any]:
+    return {
+        "class": name,
+        "exercise": one.exercise,
+        "points": one.points,
+        "excused": one.excused,
+        "reason": one.reason,
+        "at": _time(one.at),
+        "withdrawn_at": _time(one.withdrawn_at),
+    }
+
+
+def _event(one: AuditEvent, name: str) -> dict[str, Any]:
+    told = {"what": one.what, "about": one.about, "before": one.before, "after": one.after}
+    return {"class": name, "at": _time(one.at), **told}
+
+
+def _reason(one: AuditEvent) -> str:
+    return "" if one.what in PRIVATE else one.reason
 
 
 def _plain(value: Any) -> Any:

@@ -4,13 +4,17 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from server.audit import repository as audit
 from server.classes import service as classes
 from server.comments import service as comments
 from server.gradebook import service as gradebook
+from server.marks import service as marks
 
 
 def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
-    """Attempts, deals, what is said of them, and classes. Works inside the caller's transaction."""
+    """Attempts, deals, what is said of them, classes and marks. Works inside the caller's transaction."""
     comments.adopt(db, guest_id, account_id)
     gradebook.adopt(db, guest_id, account_id)
     classes.adopt(db, guest_id, account_id)
+    marks.adopt(db, guest_id, account_id)
+    audit.move(db, guest_id, account_id)

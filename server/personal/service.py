@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from datetime import datetime, timedelta
 from uuid import UUID
 
+from server.audit import repository as audit
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database, utc_now
@@ -36,13 +37,15 @@ class Personal:
     def erase(self, account_id: UUID) -> None:
         """Everything that hangs on the account, then the account: interrupted, it can be asked for again.
 
-        A solution that its teacher has opened to all stays open, without their name.
+        A solution that its teacher has opened to all stays open, without their name. So does a class's log, without
+        the names and without the reasons of what was changed about this person.
         """
         erased = ERASED_AT_ONCE
         while erased == ERASED_AT_ONCE:
             with self._database.write() as db:
                 erased = repository.delete_submissions(db, account_id, ERASED_AT_ONCE)
         with self._database.write() as db:
+            audit.forget_reasons(db, account_id)
             identity.delete_account(db, account_id)
 
     def forget_guests(self, now: datetime) -> int:

@@ -21,6 +21,9 @@ class Right(StrEnum):
     hand_passwords = "remettre les mots de passe de la classe"
     open_solutions = "ouvrir les corrigés à la classe"
     compare_codes = "comparer les copies de la classe"
+    read_marks = "lire les notes de la classe"
+    change_marks = "changer les notes de la classe"
+    read_log = "lire le journal de la classe"
     set_up = "régler la classe"
     create = "créer une classe"
     open_to_all = "ouvrir les corrigés à tous"
@@ -38,6 +41,9 @@ OF_MEMBERS: Mapping[Right, frozenset[Seat]] = {
     Right.hand_passwords: frozenset({TEACHER}),
     Right.open_solutions: frozenset({TEACHER}),
     Right.compare_codes: frozenset({TEACHER}),
+    Right.read_marks: frozenset({ASSISTANT, TEACHER}),
+    Right.change_marks: frozenset({TEACHER}),
+    Right.read_log: frozenset({TEACHER}),
     Right.set_up: frozenset({TEACHER}),
 }
 

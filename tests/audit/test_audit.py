@@ -2,11 +2,16 @@
 
 from datetime import UTC, datetime
 
+import pytest
+
+from server.assignments.models import Assignment, Counts, Exemption, Late, Mode, Shown
 from server.audit import service as audit
 from server.audit.models import WORDS, AuditEvent, What
+from server.audit.schemas import Filter
+from server.audit.words import FIELDS, VALUES, changes
 from server.database import Database
 from server.identity.models import Role
-from tests.support.classes import new_class
+from tests.support.classes import new_class, seat
 from tests.support.service import new_account
 
 
@@ -25,3 +30,47 @@ def test_only_what_differs_is_kept(database: Database) -> None:
 def test_every_kind_of_change_has_its_words() -> None:
     assert set(WORDS) == set(What)
     assert len(set(WORDS.values())) == len(What)
+
+
+def test_what_may_be_noted_has_its_words() -> None:
+    columns = {one.name for table in (Assignment, Exemption) for one in table.__table__.columns}
+    inner = {"id", "class_id", "assignment_id", "account_id", "created_by", "created_at", "revoked_at", "reason"}
+    assert columns - inner <= set(FIELDS)
+    for name, kind in {"mode": Mode, "late": Late, "counts": Counts, "hints": Shown}.items():
+        assert set(VALUES[name]) == set(kind)
+
+
+def test_values_are_told_in_french() -> None:
+    before = {"due_at": "2026-03-01T08:00:00+00:00", "points": 40 / 3, "excused": False, "late": "refuse"}
+    after = {"due_at": None, "points": None, "excused": True, "exercises": {"l20/poses": 1.0}, "autre": ["x"]}
+    told = [str(one) for one in changes(before, after, lambda at: f"{at:%d/%m}")]
+    assert told == [
+        "à rendre le : 01/03 → rien", "points : 13,33 → rien", "dispense : non → oui", "retard : refusé",
+        "exercices : l20/poses (1)", "autre : x",
+    ]  # fmt: skip
+
+
+def test_events_are_read_a_few_at_a_time_and_name_who_is_there(
+    sqlite: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(audit, "AT_ONCE", 2)
+    teacher, ada = new_account(sqlite, Role.teacher, "Mme Martin"), new_account(sqlite)
+    made = new_class(sqlite, teacher)
+    seat(sqlite, made, ada, given_name="Ada", family_name="Lovelace")
+    with sqlite.write() as db:
+        for number in range(5):
+            audit.note(db, made.id, teacher.id, What.mark_overridden, student=ada.id, about=f"n° {number}")
+        audit.note(db, made.id, teacher.id, What.exemption_made, about="DM", after={"label": "TP1"})
+        audit.note(db, made.id, teacher.id, What.staff_changed)
+    found = list(audit.events(sqlite, made.id, Filter()))
+    assert len({one.id for one in found}) == 7
+    assert [one.at for one in found] == sorted((one.at for one in found), reverse=True)
+    assert {one.student_name for one in found} == {"Ada Lovelace", ""}
+    only = Filter(student=ada.id, what=What.mark_overridden)
+    assert len(list(audit.events(sqlite, made.id, only))) == 5
+    with sqlite.write() as db:
+        for account in (ada, teacher):
+            db.delete(db.merge(account))
+    assert {one.by_name for one in audit.events(sqlite, made.id, Filter())} == {"compte effacé"}
+    erased = {(one.what, one.student_name) for one in audit.events(sqlite, made.id, Filter())}
+    assert erased == {("mark_overridden", "compte effacé"), ("exemption_made", ""), ("staff_changed", "")}

@@ -40,7 +40,7 @@ def test_a_class_in_five_minutes(visit: NewVisit) -> None:
     check(martin, "classes")
     fill(martin, {"Nom de la classe": "MPSI 2"}, "Créer la classe")
     expect(page.get_by_role("heading", level=1)).to_have_text("MPSI 2")
-    home, code = page.url, page.locator(".join-code").inner_text()
+    home, code = page.url.removesuffix("/eleves"), page.locator(".join-code").inner_text()
     assert re.fullmatch(r"[A-Z]{4}-[A-Z]{4}", code)
     check(martin, "an empty class")
 
@@ -57,7 +57,28 @@ def test_a_class_in_five_minutes(visit: NewVisit) -> None:
     check(ada, "a member's class")
 
     list_and_slips(martin, visit, home)
+    marks_and_log(martin, home)
     at_the_door(martin, visit, home, code)
+
+
+def marks_and_log(martin: Visit, home: str) -> None:
+    """A mark is set for somebody who has sent nothing, and a column copied; the log tells it."""
+    page = martin.page
+    page.goto(f"{home}/carnet")
+    check(martin, "the gradebook")
+    page.get_by_role("link", name="—").first.click()
+    check(martin, "a mark")
+    page.get_by_text("Modifier la note").first.click()
+    page.get_by_label("Motif").first.fill("Repris à l’oral.")
+    page.get_by_label("Points, sur 20").first.fill("12,5")
+    page.get_by_role("button", name="Donner ces points").first.click()
+    expect(page.locator(".mark-override")).to_contain_text("12,5 / 20")
+    page.goto(f"{home}/carnet?colonne=moyenne")
+    expect(page.get_by_label("valeurs")).to_have_value(re.compile("^12,5\n|\n12,5$"))
+    page.get_by_role("button", name="Copier").click()
+    page.goto(f"{home}/journal")
+    expect(page.locator(".log tbody")).to_contain_text("Repris à l’oral.")
+    check(martin, "the log")
 
 
 def list_and_slips(martin: Visit, visit: NewVisit, home: str) -> None:

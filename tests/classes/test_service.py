@@ -283,3 +283,12 @@ def test_planning_writes_nothing(sqlite: Database, made: SchoolClass, teacher: A
         importing.plan(db, made, read_roster(b"nom\nLovelace\n"), teacher)
         assert not db.new
         assert not db.dirty
+
+
+def test_a_list_is_sorted_as_it_is_read_aloud(database: Database) -> None:
+    made = new_class(database, new_account(database, Role.teacher))
+    for family in ("Zola", "Éluard", "Dumas", "aragon"):
+        seat(database, made, new_account(database), family_name=family, given_name="X")
+    with database.read() as db:
+        names = [one.membership.family_name for one in repository.members(db, made.id) if one.membership.family_name]
+    assert names == ["aragon", "Dumas", "Éluard", "Zola"]

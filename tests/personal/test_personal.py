@@ -17,6 +17,8 @@ from sqlalchemy import func, select, text, update
 from starlette.testclient import TestClient
 
 from server.app import Services
+from server.audit import service as audit
+from server.audit.models import AuditEvent, What
 from server.base.provided import provide, provided_to
 from server.base.settings import Settings
 from server.classes.models import Membership, SchoolClass, Seat, Status
@@ -30,7 +32,10 @@ from server.gradebook.models import Grading, SolutionOpening, Standing
 from server.gradebook.service import find
 from server.identity import tokens
 from server.identity.models import Account, ApiToken, BrowserSession, Role
+from server.marks import service as marks
+from server.marks.models import Override
 from server.personal import service
+from server.personal.joining import adopt
 from server.personal.service import Personal
 from server.personal.zipping import PIECE, zipped
 from server.queue.models import Job
@@ -363,3 +368,46 @@ def test_classes_are_taken_away_and_left_with_the_account(ada: Site) -> None:
     with ada.database.read() as db:
         assert db.execute(select(Membership)).first() is None
         assert db.execute(select(SchoolClass.created_by)).scalar_one() is None
+
+
+def test_marks_and_the_log_are_taken_away_and_the_log_forgets_who(ada: Site, course: Course) -> None:
+    teacher = new_account(ada.database, Role.teacher, "Mme Martin")
+    made = new_class(ada.database, teacher)
+    with ada.database.read() as db:
+        account = db.execute(select(Account).where(Account.login == "ada")).scalar_one()
+    seat(ada.database, made, account)
+    with ada.database.write() as db:
+        marks.override(
+            db, course, made, teacher, account.id, EXERCISE, points=12.0, excused=False, reason="malade ce jour-là"
+        )
+        audit.note(db, made.id, teacher.id, What.exemption_made, student=account.id, about="DM 1", reason="dyslexie")
+    kept = read(archive(ada.client.get("/compte/donnees")), "notes.json")
+    (override,) = kept["overrides"]
+    assert (override["points"], override["reason"], override["withdrawn_at"]) == (12.0, "malade ce jour-là", None)
+    changed = {one["what"]: one["reason"] for one in kept["changes_about_you"]}
+    assert changed == {"mark_overridden": "malade ce jour-là", "exemption_made": ""}
+    assert kept["changes_you_made"] == kept["overrides_you_set"] == []
+    provided_to(ada.app, Personal).erase(account.id)
+    provided_to(ada.app, Personal).erase(teacher.id)
+    with ada.database.read() as db:
+        assert db.execute(select(Override)).first() is None
+        events = db.execute(select(AuditEvent)).scalars().all()
+        assert [(one.by, one.student, one.reason) for one in events] == [(None, None, "")] * 2
+
+
+def test_a_guest_s_marks_follow_into_the_account(sqlite: Database, course: Course) -> None:
+    teacher = new_account(sqlite, Role.teacher, "Mme Martin")
+    made = new_class(sqlite, teacher)
+    guest, account = (seat(sqlite, made, new_account(sqlite)) for _ in range(2))
+    with sqlite.write() as db:
+        for student, exercise, points in (
+            (guest, EXERCISE, 3.0), (guest, "l20/calcul_odometrie", 4.0), (account, EXERCISE, 5.0),
+        ):  # fmt: skip
+            marks.override(db, course, made, teacher, student.id, exercise, points=points, excused=False, reason="x")
+        adopt(db, guest.id, account.id)
+    with sqlite.read() as db:
+        found = marks.in_force(db, made.id, [guest.id, account.id], [EXERCISE, "l20/calcul_odometrie"])
+        assert {key: one.points for key, one in found.items()} == {
+            (account.id, EXERCISE): 5.0, (account.id, "l20/calcul_odometrie"): 4.0,
+        }  # fmt: skip
+        assert {one.student for one in db.execute(select(AuditEvent)).scalars()} == {account.id}

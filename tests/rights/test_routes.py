@@ -11,7 +11,7 @@ from fastapi import FastAPI
 from fastapi.routing import iter_route_contexts
 
 from graders.core.contract.findings import Judgement
-from server.assignments.models import Assignment
+from server.assignments.models import AssignedExercise, Assignment
 from server.base.paths import ROOT
 from server.base.provided import provided_to
 from server.base.request import COOKIE
@@ -25,6 +25,7 @@ from server.gradebook.schemas import Graded
 from server.identity import links
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
 from server.identity.secrets import digest, new_token
+from server.marks.models import Override
 from server.submissions.models import Submission
 from tests.support.service import EXERCISE, Site, fake_verdict
 
@@ -43,6 +44,7 @@ JSON: dict[str, Any] = {
     "PATCH /api/v1/submissions/{submission_id}/comments/{thread_id}": {"state": "settled"},
     "POST /api/v1/classes": {"name": "PSI", "module": "l20"},
     "POST /api/v1/classes/join": {"code": "{code}"},
+    "PUT /api/v1/classes/{class_id}/marks/{student}/{module}/{slug}": {"excused": True, "reason": "à l’oral"},
 }
 FORMS: dict[str, dict[str, str]] = {
     "POST /{module}/exercices/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
@@ -54,6 +56,11 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /classes/{class_id}/equipe": {"login": "{stranger}", "role": "assistant"},
     "POST /classes/{class_id}/copier": {"name": "PSI"},
     "POST /classes/{class_id}/archiver": {"archiver": "true"},
+    "POST /classes/{class_id}/carnet/{student}/{assignment_id}": {
+        "action": "dispenser",
+        "exercice": EXERCISE,
+        "motif": "x",
+    },
     "POST /rejoindre/{code}": {"given": "Ada", "family": "Lovelace"},
 }
 OTHER_VALUES = {
@@ -118,6 +125,10 @@ class Stage:
                     db.add(Membership(class_id=self.made.id, account_id=account.id, role=SEATS[who]))
             self.assignment = Assignment(class_id=self.made.id, title="Séance 1", opens_at=utc_now())
             db.add(self.assignment)
+            db.flush()
+            db.add(AssignedExercise(assignment_id=self.assignment.id, exercise=EXERCISE, position=0))
+            row = {"account_id": self.accounts["student"].id, "exercise": EXERCISE, "reason": "x", "based_on": []}
+            db.add(Override(class_id=self.made.id, points=10.0, **row))
             self.sent = Submission(
                 account_id=self.accounts["student"].id, exercise=EXERCISE, source=b"x = 1\n", digest="d", seed=1
             )
@@ -165,7 +176,9 @@ class Stage:
         address = re.sub(r"\{(\w+)(?::\w+)?\}", lambda found: values[found[1]], path)
         options: dict[str, Any] = {}
         if name in JSON:
-            options["json"] = {key: text.format(**values) for key, text in JSON[name].items()}
+            options["json"] = {
+                key: text.format(**values) if isinstance(text, str) else text for key, text in JSON[name].items()
+            }
         if name in FORMS:
             options["data"] = {key: text.format(**values) for key, text in FORMS[name].items()}
         if name.endswith("/roster"):

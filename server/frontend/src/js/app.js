@@ -1,6 +1,7 @@
 // On every page: the theme switch, confirmations, submissions that are still waiting.
 
 import { noteAccount } from "./drafts.js";
+import { setUpFieldCopies } from "./fields.js";
 import { followToVerdict } from "./follow.js";
 import { setUpSearchKey } from "./search.js";
 import { keep } from "./storage.js";
@@ -62,6 +63,7 @@ function dress() {
 document.addEventListener("balise:refreshed", dress);
 dress();
 setUpSearchKey();
+setUpFieldCopies();
 
 document.querySelector("[data-print-page]")?.addEventListener("click", () => window.print());
 

@@ -1,0 +1,173 @@
+"""What the templates of the gradebook and of the log receive."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from server.audit.words import Change
+from server.desk.schemas import ClassHead
+
+
+@dataclass(frozen=True)
+class CellView:
+    """A mark in the table. `late`: days; `pending`: work may still be sent; `href` is empty for what does not open."""
+
+    text: str
+    href: str = ""
+    late: int = 0
+    changed: bool = False
+    stale: bool = False
+    pending: bool = False
+
+
+@dataclass(frozen=True)
+class ColumnView:
+    """`href` leads to what the column is made of, `sort_href` sorts by it; `notes` are said below its title."""
+
+    title: str
+    href: str
+    sort_href: str
+    is_sorted: bool
+    notes: tuple[str, ...]
+    count: int
+    mean: str
+    median: str
+
+
+@dataclass(frozen=True)
+class RowView:
+    name: str
+    groups: tuple[str, ...]
+    cells: tuple[CellView, ...]
+
+
+@dataclass(frozen=True)
+class TableView:
+    caption: str
+    columns: tuple[ColumnView, ...]
+    rows: tuple[RowView, ...]
+    name_href: str
+    by_name: bool
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of a list, with its address or its value."""
+
+    value: str
+    label: str
+    chosen: bool
+
+
+@dataclass(frozen=True)
+class MoodleView:
+    """One of Moodle's files, and whom it leaves out."""
+
+    identifier: str
+    words: str
+    left_out: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class GradebookPage:
+    """`column` is the text of the column that is to be copied; `assignment` the title of the one that is detailed.
+
+    `kept`: what else is asked for, for a form that asks for one thing more.
+    """
+
+    head: ClassHead
+    at: str
+    at_text: str
+    total: int
+    table: TableView
+    assignment: str
+    back: str
+    everyone: str
+    everyone_count: int
+    groups: tuple[Choice, ...]
+    group: str
+    kept: tuple[tuple[str, str], ...]
+    pages: tuple[Choice, ...]
+    assignments: tuple[Choice, ...]
+    columns: tuple[Choice, ...]
+    column: str | None
+    moodle: tuple[MoodleView, ...]
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class OverrideView:
+    text: str
+    by: str
+    at: str
+    at_text: str
+    reason: str
+    stale: bool
+
+
+@dataclass(frozen=True)
+class ExerciseView:
+    """One exercise of an assignment, for one student. `attempt` leads to the attempt that counts."""
+
+    exercise: str
+    title: str
+    weight: str
+    points: str
+    automatic: str
+    late: int
+    attempts: int
+    attempt: str
+    sent: str
+    sent_text: str
+    override: OverrideView | None
+
+
+@dataclass(frozen=True)
+class MarkPage:
+    head: ClassHead
+    student: str
+    assignment: str
+    path: str
+    mark: CellView
+    state: str
+    notes: tuple[str, ...]
+    exercises: tuple[ExerciseView, ...]
+    may_change: bool
+
+
+@dataclass(frozen=True)
+class MarkForm:
+    """What was refused, with what had been written."""
+
+    exercise: str = ""
+    points: str = ""
+    reason: str = ""
+    problem: str = ""
+
+
+@dataclass(frozen=True)
+class EventView:
+    at: str
+    at_text: str
+    by: str
+    words: str
+    student: str
+    about: str
+    changes: tuple[Change, ...]
+    reason: str
+
+
+@dataclass(frozen=True)
+class LogPage:
+    """`first`: the number of the first event shown, from 1; `newer`, `older`: where one goes on, empty at the ends."""
+
+    head: ClassHead
+    events: tuple[EventView, ...]
+    total: int
+    first: int
+    students: tuple[Choice, ...]
+    kinds: tuple[Choice, ...]
+    newer: str
+    older: str
+    file_query: str
+    filtered: bool

@@ -1,0 +1,105 @@
+"""Queries on overrides, and on the attempts that marks are made of. No list reads a source or a verdict."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Collection, Mapping, Sequence
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import ColumnElement, Row, and_, select, update
+from sqlalchemy.orm import Session
+
+from server.assignments.counting import Sent
+from server.classes.models import Membership, SchoolClass
+from server.gradebook.models import Grading
+from server.identity.models import Account
+from server.marks.models import Override
+from server.marks.schemas import Key, Set
+from server.submissions.models import Submission
+
+
+def _active(class_id: UUID) -> ColumnElement[bool]:
+    return and_(Override.class_id == class_id, Override.withdrawn_at.is_(None))
+
+
+def active(db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]) -> Mapping[Key, Set]:
+    """The overrides in force, each with who set it, in one query."""
+    query = (
+        select(Override, Account.name, Membership.given_name, Membership.family_name)
+        .outerjoin(Account, Account.id == Override.by)
+        .outerjoin(Membership, and_(Membership.account_id == Override.by, Membership.class_id == Override.class_id))
+        .where(_active(class_id), Override.account_id.in_(students), Override.exercise.in_(exercises))
+    )
+    return {
+        (one.account_id, one.exercise): Set(
+            points=one.points,
+            excused=one.excused,
+            reason=one.reason,
+            by=" ".join(filter(None, (given, family))) or name or "",
+            at=one.at,
+            based_on=frozenset(one.based_on),
+        )
+        for one, name, given, family in db.execute(query)
+    }
+
+
+def one_active(db: Session, class_id: UUID, student: UUID, exercise: str) -> Override | None:
+    query = select(Override).where(_active(class_id), Override.account_id == student, Override.exercise == exercise)
+    return db.execute(query).scalar_one_or_none()
+
+
+def graded(
+    db: Session, students: Collection[UUID], exercises: Collection[str], until: datetime | None
+) -> tuple[Mapping[Key, Sequence[Sent]], Mapping[UUID, str]]:
+    """The graded attempts of many students at many exercises, errors of ours left out; the grading of each attempt.
+
+    `until`: when the class was archived; nothing that is sent later is its business.
+    """
+    query = (
+        select(Submission.account_id, Submission.exercise, Submission.id, Submission.created_at, Grading.score)
+        .add_columns(Submission.grading_id)
+        .join(Grading, Grading.id == Submission.grading_id)
+        .where(Submission.account_id.in_(students), Submission.exercise.in_(exercises), Grading.score.is_not(None))
+    )
+    query = query if until is None else query.where(Submission.created_at <= until)
+    sent: dict[Key, list[Sent]] = defaultdict(list)
+    gradings: dict[UUID, str] = {}
+    for account_id, exercise, name, at, score, grading_id in db.execute(query):
+        sent[account_id, exercise].append(Sent(name, at, score))
+        gradings[name] = str(grading_id)
+    return sent, gradings
+
+
+def overrides_of(db: Session, account_id: UUID) -> Sequence[Row[Override, str]]:
+    """All that were ever set on somebody's marks, each with the name of the class."""
+    query = select(Override, SchoolClass.name).join(SchoolClass, SchoolClass.id == Override.class_id)
+    return db.execute(query.where(Override.account_id == account_id).order_by(Override.at, Override.id)).all()
+
+
+def overrides_by(db: Session, account_id: UUID) -> Sequence[Row[Override, str]]:
+    """All that somebody ever set, each with the name of the class."""
+    query = select(Override, SchoolClass.name).join(SchoolClass, SchoolClass.id == Override.class_id)
+    return db.execute(query.where(Override.by == account_id).order_by(Override.at, Override.id)).all()
+
+
+def move(db: Session, old: UUID, new: UUID, now: datetime) -> None:
+    """Gives an account a guest's overrides; where both have one in force, the account keeps its own."""
+    mine = set(_in_force_of(db, new))
+    for one in db.execute(
+        select(Override).where(Override.account_id == old, Override.withdrawn_at.is_(None))
+    ).scalars():
+        if (one.class_id, one.exercise) in mine:
+            one.withdrawn_at = now
+    db.flush()
+    db.execute(update(Override).where(Override.account_id == old).values(account_id=new))
+
+
+def _in_force_of(db: Session, account_id: UUID) -> Sequence[tuple[UUID, str]]:
+    query = select(Override.class_id, Override.exercise)
+    query = query.where(Override.account_id == account_id, Override.withdrawn_at.is_(None))
+    return [(class_id, exercise) for class_id, exercise in db.execute(query)]
+
+
+def source_of(db: Session, submission_id: UUID) -> bytes | None:
+    return db.execute(select(Submission.source).where(Submission.id == submission_id)).scalar_one_or_none()

@@ -1,0 +1,224 @@
+"""What an assignment comes to for a student: against fractions, state by state."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from fractions import Fraction
+from typing import Any
+from uuid import uuid4
+
+import pytest
+
+from server.assignments.models import Mode
+from server.base.errors import Conflict, Invalid, NotFound
+from server.classes.models import Seat, Status
+from server.course import Course
+from server.database import Database
+from server.identity.models import Account
+from server.marks import book, service
+from server.marks.files import Identifier, column, for_moodle
+from server.marks.models import Override
+from server.marks.schemas import AssignmentMark, Book, State
+from tests.support.classes import seat
+from tests.support.counting import Counted
+from tests.support.marks import AFTER, CLOSES, DAY, DUE, ODOMETRY, OPENS, POSES, Term
+from tests.support.service import new_account
+
+
+@pytest.fixture
+def term(sqlite: Database) -> Term:
+    return Term.begin(sqlite)
+
+
+def made(term: Term, course: Course, now: datetime = AFTER) -> Book:
+    with term.database.read() as db:
+        return book.of_class(db, course, term.made, now)
+
+
+def only(term: Term, course: Course, now: datetime = AFTER) -> AssignmentMark:
+    (row,) = made(term, course, now).rows
+    (mark,) = row.marks
+    return mark
+
+
+def change(term: Term, course: Course, student: Account, exercise: str = POSES, **values: Any) -> None:
+    row = {"points": None, "excused": False, "reason": "à l’oral", **values}
+    with term.database.write() as db:
+        service.override(db, course, term.made, term.teacher, student.id, exercise, **row)
+
+
+def test_over_what_is_missing_counts_nothing_and_before_it_does_not_count(term: Term, course: Course) -> None:
+    term.assignment(exercises={POSES: 1.0, ODOMETRY: 3.0})
+    ada = term.student("Ada", "Lovelace")
+    assert (only(term, course).state, only(term, course).points) == (State.absent, 0)
+    assert only(term, course, OPENS - DAY).state is State.upcoming
+    assert (only(term, course, OPENS).state, only(term, course, OPENS).points) == (State.open, None)
+    term.send(ada, POSES, 13)
+    assert (only(term, course, DUE).points, only(term, course, DUE).in_average) == (13, None)
+    assert only(term, course).points == float(Fraction(13, 4))
+    assert made(term, course).rows[0].average == 3.25
+    term.send(ada, ODOMETRY, 20, CLOSES + DAY)
+    assert only(term, course).points == 3.25, "too late to count"
+
+
+def test_dates_that_differ_for_a_student_differ_in_their_marks(term: Term, course: Course) -> None:
+    given = term.assignment(exercises={POSES: 1.0}, late="penalty", late_per_day=2.0)
+    ada = term.student("Ada", "Lovelace")
+    term.send(ada, POSES, 15, DUE + 1.5 * DAY)
+    assert (only(term, course).points, only(term, course).days_late) == (11, 2)
+    term.exempt(given, ada, due_at=DUE + DAY)
+    assert (only(term, course).points, only(term, course).days_late) == (13, 1)
+    term.exempt(given, ada, excused=True)
+    assert (only(term, course).state, only(term, course).points) == (State.excused, None)
+    assert made(term, course).rows[0].average is None
+
+
+def test_what_is_set_holds_beside_what_was_found(term: Term, course: Course) -> None:
+    term.assignment()
+    ada = term.student("Ada", "Lovelace")
+    sent = term.send(ada, POSES, 4)
+    change(term, course, ada, points=12.0)
+    mark = only(term, course)
+    assert (mark.points, mark.overridden, mark.stale) == (6, True, False)
+    assert (mark.exercises[0].points, mark.exercises[0].in_force.automatic) == (12, 4)
+    assert mark.exercises[0].override is not None
+    assert (mark.exercises[0].override.by, mark.exercises[0].override.reason) == ("Mme Martin", "à l’oral")
+    term.grade(sent, 8)
+    assert only(term, course).stale, "graded anew"
+    change(term, course, ada, points=14.0)
+    assert not only(term, course).stale, "looked at again"
+    term.send(ada, POSES, 5)
+    assert not only(term, course).stale, "an attempt that would not count"
+    term.send(ada, POSES, 16)
+    assert (only(term, course).stale, only(term, course).points) == (True, 7)
+    change(term, course, ada, ODOMETRY, excused=True)
+    assert only(term, course).points == 14
+    with term.database.write() as db:
+        service.withdraw(db, course, term.made, term.teacher, ada.id, POSES)
+    assert only(term, course).points == 16
+    with term.database.read() as db:
+        assert len(db.query(Override).all()) == 3, "nothing is lost"
+
+
+def test_excused_of_everything_is_excused_of_the_assignment(term: Term, course: Course) -> None:
+    term.assignment(exercises={POSES: 1.0})
+    ada = term.student("Ada", "Lovelace")
+    change(term, course, ada, excused=True)
+    assert (only(term, course).state, only(term, course).points) == (State.excused, None)
+
+
+def test_a_mark_may_be_set_where_nothing_was_sent(term: Term, course: Course) -> None:
+    term.assignment(exercises={POSES: 1.0})
+    ada = term.student("Ada", "Lovelace")
+    change(term, course, ada, points=9.0)
+    assert (only(term, course).state, only(term, course).points, only(term, course).stale) == (State.done, 9, False)
+    term.send(ada, POSES, 3)
+    assert only(term, course).stale
+
+
+REFUSED: tuple[tuple[dict[str, Any], type[Exception]], ...] = (
+    ({"points": 20.5}, Invalid),
+    ({"points": float("nan")}, Invalid),
+    ({"points": -0.1}, Invalid),
+    ({}, Invalid),
+    ({"points": 3.0, "excused": True}, Invalid),
+    ({"points": 3.0, "reason": " \n"}, Invalid),
+    ({"points": 3.0, "reason": "x" * 1001}, Invalid),
+    ({"points": 3.0, "reason": "a\x00"}, Invalid),
+    ({"points": 3.0, "exercise": "l20/rien"}, NotFound),
+)
+
+
+def test_what_cannot_be_set_changes_nothing(term: Term, course: Course) -> None:
+    ada = term.student("Ada", "Lovelace")
+    for values, refused in REFUSED:
+        with pytest.raises(refused):
+            change(term, course, ada, **values)
+    with term.database.read() as db:
+        assert db.query(Override).all() == []
+
+
+def test_only_students_who_are_there_have_marks(term: Term, course: Course) -> None:
+    gone = term.student("Alan", "Turing", status=Status.left, left_at=OPENS)
+    helper = seat(term.database, term.made, new_account(term.database), Seat.assistant)
+    for one in (gone, helper, term.teacher, new_account(term.database)):
+        with pytest.raises(NotFound):
+            change(term, course, one, points=1.0)
+    assert made(term, course).rows == ()
+    term.student("Ada", "Lovelace")
+    with term.database.write() as db:
+        db.merge(term.made).archived_at = AFTER
+    term.made.archived_at = AFTER
+    with pytest.raises(Conflict):
+        change(term, course, term.student("Grace", "Hopper"), points=1.0)
+
+
+def test_a_class_without_assignments_has_its_module_s_exercises(term: Term, course: Course) -> None:
+    ada = term.student("Ada", "Lovelace")
+    assert only(term, course).state is State.open
+    term.send(ada, POSES, 12, datetime(2020, 1, 1, tzinfo=UTC))
+    assert (only(term, course).state, only(term, course).points) == (State.done, 12)
+    change(term, course, ada, points=15.0)
+    with term.database.read() as db:
+        found = service.in_force(db, term.made.id, [ada.id], [POSES, ODOMETRY])
+    assert {key: (one.points, one.automatic) for key, one in found.items()} == {(ada.id, POSES): (15, 12)}
+
+
+def test_what_a_student_is_told(term: Term, course: Course) -> None:
+    term.assignment("DM", {POSES: 1.0})
+    term.assignment("DS", {ODOMETRY: 1.0}, mode=Mode.test, weight=3.0)
+    ada = term.student("Ada", "Lovelace")
+    term.send(ada, POSES, 10)
+    term.send(ada, ODOMETRY, 2)
+    with term.database.read() as db:
+        told = service.own(db, course, term.made, ada.id, AFTER)
+        nobody = service.own(db, course, term.made, uuid4(), AFTER)
+    assert [one.mark.points if one.mark else None for one in told.marks] == [10, None]
+    assert told.average == 10
+    assert made(term, course).rows[0].average == 4
+    assert nobody.marks == ()
+
+
+def test_a_column_and_what_moodle_is_given(term: Term, course: Course) -> None:
+    term.assignment("DM", {POSES: 1.0})
+    term.assignment("DS", {POSES: 1.0}, mode=Mode.test)
+    zola = term.student("Émile", "Zola", email="zola@example.org")
+    term.student("Paul", "Éluard", email="eluard@example.org")
+    term.student("Ada", "Lovelace")
+    for family in ("Un", "Deux"):
+        term.student("Bob", family, email="bob@example.org")
+    hopper = term.student("Grace", "Hopper", email="hopper@example.org")
+    term.send(zola, POSES, 12.5)
+    change(term, course, hopper, excused=True)
+    found = made(term, course)
+    assert column(found, 0) == "Abs\nAbs\ndisp.\nAbs\nAbs\n12,5"
+    assert [row.member.membership.family_name for row in found.rows] == [
+        "Deux",
+        "Éluard",
+        "Hopper",
+        "Lovelace",
+        "Un",
+        "Zola",
+    ]
+    moodle = for_moodle(found, Identifier.email)
+    assert b"".join(moodle.pieces()).decode() == (
+        '"Email address","DM"\r\n"eluard@example.org",""\r\n"hopper@example.org",""\r\n"zola@example.org","12.5"\r\n'
+    )
+    assert set(moodle.left_out) == {"Ada Lovelace", "Bob Un", "Bob Deux"}
+
+
+def test_a_book_asks_no_more_for_a_bigger_class(term: Term, course: Course) -> None:
+    def statements() -> int:
+        with Counted(term.database) as counted:
+            made(term, course)
+        return len(counted.statements)
+
+    term.assignment()
+    term.send(term.student("Ada", "Lovelace"), POSES, 3)
+    few = statements()
+    for number in range(3):
+        term.assignment(f"DM {number}")
+        student = term.student("Ada", f"n° {number}")
+        term.send(student, POSES, 4)
+        change(term, course, student, points=4.0)
+    assert statements() == few <= 6

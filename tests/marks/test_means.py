@@ -1,0 +1,47 @@
+"""Means against exact fractions; how marks are rounded and written."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from statistics import median as statistics_median
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from server.marks.means import FULL, mean, median, rounded, weighted_mean, written
+
+points = st.floats(0, 20)
+weights = st.sampled_from([0.0, 0.5, 1.0, 2.0, 3.0])
+
+
+@given(st.lists(st.tuples(points, weights), max_size=9))
+def test_a_weighted_mean_is_that_of_fractions(values: list[tuple[float, float]]) -> None:
+    total = sum(Fraction(weight) for _, weight in values)
+    found = weighted_mean(values)
+    if not total:
+        assert found is None
+    else:
+        exact = sum(Fraction(point) * Fraction(weight) for point, weight in values) / total
+        assert found is not None
+        assert math.isclose(found, exact, rel_tol=1e-12, abs_tol=1e-12)
+
+
+@given(st.lists(points, max_size=9))
+def test_the_median_and_the_mean(values: list[float]) -> None:
+    assert median(values) == (statistics_median(values) if values else None)
+    assert (mean(values) is None) == (not values)
+
+
+@given(points)
+def test_rounding_moves_by_half_a_hundredth_and_makes_nothing_full(value: float) -> None:
+    assert abs(rounded(value) - value) <= 0.01
+    assert (rounded(value) == FULL) == (value >= FULL - 1e-9)
+    assert float(written(value).replace(",", ".")) == rounded(value)
+    assert "." not in written(value)
+
+
+def test_as_a_teacher_rounds() -> None:
+    assert [written(one) for one in (12.345, 12.5, 20.0, 19.996, 0.0, 0.004, 10.0)] == [
+        "12,35", "12,5", "20", "19,99", "0", "0", "10",
+    ]  # fmt: skip
