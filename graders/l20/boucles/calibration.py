@@ -2,8 +2,9 @@
 
 What is found grows with the threshold, in any norm. So a threshold at which some scan of the same place is missing
 while one of another place is found proves that none separates; otherwise one of the two says which way to go, and
-a bisection on the logarithm of the threshold closes in. Powers of ten from -30 to 30 hold every distance that a
-signature of distances, of its powers and of its products has; a gap of a factor 2 is met in at most eight steps.
+the search goes there by ever longer leaps, then closes in by bisection on the logarithm of the threshold. Powers of ten
+from -30 to 30 hold every distance that a signature of distances, of its powers and of its products has; from a
+threshold that served another walk, a gap of a factor 2 is met in two or three steps.
 """
 
 from __future__ import annotations
@@ -51,21 +52,29 @@ class Search:
     reason: str = ""
 
     @property
+    def found_one(self) -> bool:
+        """Does this threshold separate?"""
+        return self.outcome is Outcome.FOUND
+
+    @property
     def hopeless(self) -> bool:
         """Too low and too high at once: no threshold separates."""
         return self.missed is not None and self.wrong is not None
 
 
-def calibrate(bench: Bench, walk: Walk) -> Search:
-    """Look for one threshold > 0 that separates for every query of the walk. Raises StudentFault."""
+def calibrate(bench: Bench, walk: Walk, guess: float | None = None) -> Search:
+    """Look for one threshold > 0 that separates for every query of the walk. Raises StudentFault.
+
+    With a `guess`, a threshold that separates on another walk: what was asked again there is not once more.
+    """
+    search = _close_in(bench, walk, guess or 1.0)
+    if search.outcome is Outcome.FOUND:
+        return search if guess else _again(bench, search)
     most = _ask(bench, walk, walk.queries[0], HUGE)
     if most.outcome is Outcome.UNREADABLE:
         return most
     if most.missed is not None:
         return _lost(bench, most)
-    search = _bisect(bench, walk)
-    if search.outcome is Outcome.FOUND:
-        return _again(bench, search)
     if search.outcome is not Outcome.MIXED:
         return search
     # A distance that other places always meet (zero, or negative) is another mistake than one too blunt.
@@ -94,18 +103,23 @@ def _lost(bench: Bench, most: Search) -> Search:
     return replace(least, outcome=Outcome.REVERSED) if reversed_ else replace(most, outcome=Outcome.NEVER)
 
 
-def _bisect(bench: Bench, walk: Walk) -> Search:
-    low, high = 1.0 / HUGE, HUGE
+def _close_in(bench: Bench, walk: Walk, threshold: float) -> Search:
+    low, high, leap = 1.0 / HUGE, HUGE, 2.0
     too_low: Search | None = None
     too_high: Search | None = None
     while math.log10(high / low) > NARROW:
-        search = _try(bench, walk, math.sqrt(low * high))
+        search = _try(bench, walk, threshold)
         if search.outcome is not Outcome.MIXED or search.hopeless:
             return search
         if search.missed is not None:
             low, too_low = search.threshold, search
         else:
             high, too_high = search.threshold, search
+        threshold, leap = math.sqrt(low * high), min(leap**2, HUGE)
+        if too_high is None:
+            threshold = min(threshold, low * leap)
+        elif too_low is None:
+            threshold = max(threshold, high / leap)
     return _closed(too_low, too_high)
 
 
@@ -151,6 +165,6 @@ def _ask(bench: Bench, walk: Walk, i: int, threshold: float) -> Search:
     returned = {j for j in indices if 0 <= j <= i - GAP}
     wanted = set(walk.same_place(i))
     missed, extra = min(wanted - returned, default=None), returned - wanted
-    wrong = walk.lookalike if walk.lookalike in extra else min(extra, default=None)
+    wrong = min(extra & walk.alike.keys() or extra, default=None)
     outcome = Outcome.FOUND if missed is None and wrong is None else Outcome.MIXED
     return Search(walk, outcome, threshold, i, tuple(sorted(returned)), missed, wrong, i, got)

@@ -8,6 +8,10 @@ threshold in every norm, so that the search is exact and a scale is never assume
 queries of one walk, no more. The window being judged apart, walks judge only the scans j <= i - 10, and hold no match
 at i - 10 itself: one mistake costs its own check.
 
+Why the mark does not depend on the seed. Each check begins with walks that never change; the other map never does
+either. Walks of this grading come after, which no program has seen: of one that the look-alikes catch anyway, they
+show no more than their draw, so that this is left to `sosies`.
+
 Why no honest submission is rejected. Walks are made of places that 31 usual descriptors (`family`: amplitudes and
 powers of Fourier, autocorrelations, sorted distances, histograms with fixed or adaptive boxes, two statistics or more,
 the scan turned to its longest or shortest ray) separate in each of 4 distances, with all the noise of the walk and a
@@ -15,7 +19,8 @@ factor 2 in hand; a walk that does not is drawn again. Shifted scans are exact c
 range, the longest and the shortest ray are unique: ties have a scan of their own, made by hand, where a signature that
 starts from one ray always fails, and no walk fails it by chance. Within the family, but for these two, a rejection is
 thus impossible by construction. A choice outside it may meet a walk whose places it confuses: it is then given two
-other walks. What was found is asked again with the same scans in another order, which a function that remembers fails.
+other walks; the walks that never change are passed by all the choices measured below. What was found is asked again
+with the same scans in another order, which a function that remembers fails.
 
 Measured on the 49 descriptors and 9 distances of `tests/graders/boucles_styles.py`, many outside the family. With one
 walk and 29 descriptors, 2 gradings of 20 244 were rejected, in the noisy walk (a bare logarithm of the spectrum by its
@@ -24,8 +29,9 @@ largest gap; area and perimeter by their cosine). These two descriptors joined t
 fragile choice that confuses one walk in a hundred, as those two may have done, 1e-6.
 
 Why one number is not enough. In a trap, two places have the same mean (standard deviation, longest ray), and the noise
-is drawn so that by this number the other place is nearer than the same place: no threshold can separate. A signature
-of length 1 is also put to a trap made for its own values.
+is such that by this number the other place is nearer than the same place: no threshold can separate. The look-alikes
+are such places for many numbers, and for the norms, sums and largest signed differences that a poor comparison makes
+of a good signature. A signature of length 1 is also put to a trap made for its own values.
 """
 
 from __future__ import annotations
@@ -36,7 +42,7 @@ from graders.core.code.checks import Trial, Untouched
 from graders.core.code.exercise import code
 from graders.core.contract.values import Arguments
 from graders.l20 import world
-from graders.l20.boucles import trials
+from graders.l20.boucles import searches, trials
 from graders.l20.boucles.places import BEAMS
 from graders.l20.boucles.probes import PROBES
 
@@ -80,7 +86,7 @@ CHECKS = (
         title="Même endroit trouvé, autres endroits non",
         points=3,
         functions=BOTH,
-        protocol=trials.places,
+        protocol=searches.places,
         hint="Quelle distance sépare les signatures de deux scans du même endroit ? Et de deux endroits différents ?",
     ),
     Trial(
@@ -88,7 +94,7 @@ CHECKS = (
         title="Sur une autre carte",
         points=1,
         functions=BOTH,
-        protocol=trials.other_places,
+        protocol=searches.other_places,
         hint="Votre code emploie-t-il des nombres qui ne valent que pour la carte du module ?",
     ),
     Trial(
@@ -96,7 +102,7 @@ CHECKS = (
         title="Avec des scans bruités",
         points=3,
         functions=BOTH,
-        protocol=trials.noisy_places,
+        protocol=searches.noisy_places,
         hint="Deux scans bruités du même endroit ne sont jamais égaux : comparez-vous une distance au seuil ?",
     ),
     Trial(
@@ -104,7 +110,7 @@ CHECKS = (
         title="Des endroits qui se ressemblent",
         points=4,
         functions=BOTH,
-        protocol=trials.traps,
+        protocol=searches.traps,
         hint="Votre signature contient-elle assez de nombres pour décrire un lieu ?",
     ),
     Untouched(

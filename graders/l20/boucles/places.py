@@ -93,11 +93,6 @@ class Pool:
         first, second = (np.stack([number(scans) for number in NUMBERS], axis=1) for scans in again)
         return np.asarray(np.quantile(np.abs(first - second), 0.9, axis=0))
 
-    def either_side(self, place: int, other: int, among: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Which places sum to less than `place` where `other` sums to more, and the other way round, in both sums."""
-        sums = np.stack([self.scans.sum(axis=1), self.first["spectrum"].sum(axis=1)], axis=1)
-        return np.asarray(np.all((sums[among] - sums[place]) * (sums[other] - sums[place]) < 0.0, axis=1))
-
     def _distinct_from(self, place: int, margin: float) -> NDArray[np.bool_]:
         clear = np.ones(len(self.poses), dtype=np.bool_)
         for name, first in self.first.items():

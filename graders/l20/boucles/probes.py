@@ -17,7 +17,7 @@ from graders.l20.boucles.calibration import HUGE
 from graders.l20.boucles.readings import Unsuitable, is_complex, is_mask, read_signature
 from graders.l20.boucles.trials import BOWL, RAMP, TIED_SHIFTS, TIES
 
-A, B, C = RAMP, BOWL, 12.5 - RAMP[::-1] ** 0.9
+A, B, C = RAMP, BOWL + 0.37, 12.5 - RAMP[::-1] ** 0.9
 TINY = 1e-7
 
 
@@ -40,6 +40,36 @@ LOOKED: tuple[Arguments, ...] = (
     (_walk("C" + LONG[1:]), 23, HUGE),
 )
 TURNED: tuple[Arguments, ...] = ((_walk("aBCaBBCAaBCBaCBBaCaBCAbA".replace("b", "B")), 23, TINY),)
+
+
+def _same_norm() -> Floats:
+    """A scan unlike A, of the same norm, and so are their spectra by Parseval, whole or half; nothing else is the same.
+
+    For the half, the sum and the last harmonic are two numbers whose squares add up to the same.
+    """
+    alternate = (-1.0) ** np.arange(36)
+    shape = np.random.default_rng(5).permutation(C)
+    shape -= shape.mean()
+    shape -= alternate * (shape @ alternate) / 36
+    total, last = A.sum(), A @ alternate
+    middle = (0.96 * total + alternate * np.sqrt(last**2 + (1.0 - 0.96**2) * total**2)) / 36
+    return np.asarray(middle + np.sqrt((A @ A - middle @ middle) / (shape @ shape)) * shape)
+
+
+RIPPLE = 0.05 * np.sin(np.arange(36))
+LOWER = [0.4 * A + RIPPLE, 0.55 * A + 2.0 * RIPPLE, np.minimum(0.7 * A, 5.0)]
+HIGHER = [1.2 * A + RIPPLE, 1.1 * A + 2.0 * RIPPLE, 1.15 * A + np.roll(RIPPLE, 9)]
+#: Lower in sum alone, higher in sum alone, then as spread out as the last scan, and nearly the same.
+NEITHER = [
+    np.concatenate([0.7 * A[:30], np.full(6, 11.5)]),
+    np.concatenate([1.1 * A[:30] + 2.0, np.full(6, 0.7)]),
+    0.9 * A + 0.7,
+    0.99 * A - 0.2 * (-1.0) ** np.arange(36),
+]
+#: Places 1 to 3 are lower in all than the last scan, 4 to 6 higher, 7 of the same norm, 8 to 11 none of these.
+AKIN: tuple[Arguments, ...] = (
+    (np.array([A, *LOWER, *HIGHER, _same_norm(), *NEITHER, np.roll(A, 7), *[B] * 9, A]), 22, TINY),
+)
 
 RAISED = RAMP.copy()
 RAISED[17] += 0.6
@@ -260,6 +290,17 @@ def raw_scans(shown: Shown) -> str | None:
     return "scans_compares_bruts" if found == [j for j in right if np.array_equal(scans[j], A)] else None
 
 
+def compared_badly(shown: Shown) -> str | None:
+    """What is found, and should not be: the place of the same norm, or all that are lower, or higher; no other."""
+    found, right = _indices(shown.got[0]), _indices(shown.right[0])
+    if found is None or right is None or not set(right) <= set(found):
+        return None
+    extra = sorted(set(found) - set(right))
+    if extra == [7]:
+        return "normes_comparees"
+    return "plus_grand_ecart_signe" if extra in ([1, 2, 3], [4, 5, 6]) else None
+
+
 PROBES = (
     Probes(
         function="signature",
@@ -285,5 +326,14 @@ PROBES = (
         compared=0,
         unless=frozenset({"signature"}),
         rules=(raw_scans,),
+    ),
+    Probes(
+        function="candidats_boucle",
+        calls=AKIN,
+        kit=world.STILL,
+        read=read_found,
+        compared=0,
+        unless=frozenset({"signature"}),
+        last_rules=(compared_badly,),
     ),
 )

@@ -1,4 +1,8 @@
-"""The walks of one grading, drawn once whatever is re-enacted on them, each with spares."""
+"""The walks that judge, drawn once whatever is re-enacted on them, each with spares.
+
+Those of every grading never change. Those of one grading, which has its own seed, show nothing that a program could
+have been told.
+"""
 
 from __future__ import annotations
 
@@ -10,9 +14,11 @@ import numpy as np
 from graders.l20 import world
 from graders.l20.boucles import family
 from graders.l20.boucles.places import Pool, Rng, module_pool, other_map
-from graders.l20.boucles.walks import ORDERS, Statistic, Walk, draw_trap, draw_walk
+from graders.l20.boucles.walks import Statistic, Walk, draw_trap, draw_walk
 
 SPARE_POOLS = 8
+#: Of what never changes.
+STEADY = 0
 
 TRAPS: dict[str, Statistic] = {
     "la même moyenne": family.mean,
@@ -21,17 +27,30 @@ TRAPS: dict[str, Statistic] = {
 }
 
 
+@lru_cache(maxsize=16)
+def steady_walk(again: int, *, with_noise: bool) -> Walk:
+    """A walk on the module's map, the same in every grading; `again` counts the spares."""
+    return _walk(STEADY, again, with_noise=with_noise, strict=True)
+
+
 @lru_cache(maxsize=64)
 def walk_at_home(seed: int, again: int, *, with_noise: bool) -> Walk:
-    """A walk on the module's map, in the grading whose kit has this seed; `again` counts the spares."""
-    return _drawn(seed, 2 * again + with_noise, lambda rng, pool: draw_walk(rng, pool, with_noise=with_noise))
+    """A walk on the module's map, in the grading whose kit has this seed."""
+    return _walk(seed, again, with_noise=with_noise, strict=False)
+
+
+def _walk(seed: int, again: int, *, with_noise: bool, strict: bool) -> Walk:
+    def draw(rng: Rng, pool: Pool) -> Walk:
+        return draw_walk(rng, pool, with_noise=with_noise, strict=strict)
+
+    return _drawn(seed, 2 * again + with_noise, draw)
 
 
 @lru_cache(maxsize=64)
-def trap(kit_seed: int, seed: int, name: str, again: int) -> Walk:
-    """A trap on the module's map for the statistic of this name."""
-    order = ORDERS[list(TRAPS).index(name)]
-    return _drawn(kit_seed, seed + again, lambda rng, pool: draw_trap(rng, pool, TRAPS[name], order))
+def trap(kit_seed: int, seed: int, again: int) -> Walk:
+    """A trap on the module's map, for one of the usual numbers."""
+    name = list(TRAPS)[seed % len(TRAPS)]
+    return _drawn(kit_seed, seed + again, lambda rng, pool: draw_trap(rng, pool, TRAPS[name], name))
 
 
 def _drawn(kit_seed: int, seed: int, draw: Callable[[Rng, Pool], Walk]) -> Walk:
@@ -45,27 +64,29 @@ def _drawn(kit_seed: int, seed: int, draw: Callable[[Rng, Pool], Walk]) -> Walk:
     raise LookupError("the module's map has no places distinct enough")
 
 
-def map_elsewhere(seed: int) -> world.Grid:
-    """Another map."""
-    return _elsewhere(seed)[0]
+def map_elsewhere() -> world.Grid:
+    """The other map, always the same one."""
+    return _elsewhere()[0]
 
 
-@lru_cache(maxsize=32)
-def walk_elsewhere(seed: int, again: int) -> Walk:
-    """A walk on this other map; `again` counts the spares."""
-    _, pool, walk = _elsewhere(seed)
-    return walk if again == 0 else draw_walk(np.random.default_rng([seed, again]), pool, with_noise=False)
+@lru_cache(maxsize=16)
+def walk_elsewhere(again: int) -> Walk:
+    """A walk on this other map, the same in every grading; `again` counts the spares."""
+    _, pool, walk = _elsewhere()
+    if again == 0:
+        return walk
+    return draw_walk(np.random.default_rng([STEADY, again]), pool, with_noise=False, strict=True)
 
 
-@lru_cache(maxsize=8)
-def _elsewhere(seed: int) -> tuple[world.Grid, Pool, Walk]:
+@lru_cache(maxsize=1)
+def _elsewhere() -> tuple[world.Grid, Pool, Walk]:
     """A map whose places are too much alike is drawn again."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(STEADY)
     for _ in range(SPARE_POOLS):
         free = other_map(rng)
         pool = Pool.of(rng, free)
         try:
-            return free, pool, draw_walk(rng, pool, with_noise=False)
+            return free, pool, draw_walk(rng, pool, with_noise=False, strict=True)
         except LookupError:
             continue
     raise LookupError("no map with places distinct enough was drawn")

@@ -12,10 +12,14 @@ from graders.core.contract.outcomes import Outcome as Cause
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats, Value
 from graders.l20.boucles.calibration import Outcome, Search
-from graders.l20.boucles.readings import Unsuitable, apart, read_signature
+from graders.l20.boucles.family import DISTANCES
+from graders.l20.boucles.readings import Unsuitable, read_signature
 from graders.l20.boucles.walks import Walk, lidar_call
 
 DRAWABLE = 1e12
+#: How many times farther than another reading of its place a scan is when a signature tells it apart, by any length.
+CLEARLY = 2.0
+LENGTHS = tuple(DISTANCES[name] for name in ("L1", "L2", "max"))
 LONGEST_DRAWN = 400
 
 
@@ -109,13 +113,20 @@ def places_figure(bench: Bench, search: Search) -> FigureData:
     return {"kind": "places", "scans": scans, "timeline": timeline, "threshold": search.threshold}
 
 
-def confuses(bench: Bench, search: Search) -> bool:
-    """Is what went wrong in a trap that the student's signature puts the look-alike nearer than the same place?"""
-    walk, missed, wrong = search.walk, search.missed, search.wrong
-    if search.outcome is not Outcome.MIXED or missed is None or wrong is None or wrong != walk.lookalike:
-        return False
-    asked, same, other = (_asked(bench, walk.scans[j]) for j in (search.query, missed, wrong))
-    return asked is not None and same is not None and other is not None and apart(asked, other) < apart(asked, same)
+def comparison(bench: Bench, search: Search) -> str:
+    """What the student's own signatures say of two places that were confused, in words; nothing when unsure."""
+    if search.outcome not in (Outcome.MIXED, Outcome.ALWAYS) or search.wrong is None:
+        return ""
+    walk, same = search.walk, min(search.walk.same_place(search.query))
+    asked, again, other = (_asked(bench, walk.scans[j]) for j in (search.query, same, search.wrong))
+    if asked is None or again is None or other is None or not len(asked) == len(again) == len(other):
+        return ""
+    reading, place = ([float(d(asked[None], z[None])[0, 0]) for d in LENGTHS] for z in (again, other))
+    if all(far > CLEARLY * near for near, far in zip(reading, place, strict=True)):
+        return " Leurs signatures diffèrent pourtant : c'est la distance calculée entre elles qui les confond."
+    nearer = any(far < near for near, far in zip(reading, place, strict=True))
+    shared = walk.alike.get(search.wrong) if search.outcome is Outcome.MIXED else None
+    return f" Ces deux lieux ont {shared}." if nearer and shared else ""
 
 
 def _asked(bench: Bench, scan: Floats) -> Floats | None:

@@ -1,9 +1,7 @@
-"""The protocols of l20/boucles: what is asked of `signature` and of `candidats_boucle`, and how a failure is told."""
+"""What is asked of each of the two functions alone, and how a failure is told."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -11,28 +9,20 @@ import numpy as np
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.compare.comparison import Mismatch, SameIndices
-from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array, read_indices
-from graders.l20 import world
 from graders.l20.boucles import calibration
-from graders.l20.boucles.calibration import HUGE, Search, calibrate
-from graders.l20.boucles.places import BEAMS, STILL, Pool, Rng, module_pool, two_places
+from graders.l20.boucles.calibration import HUGE
+from graders.l20.boucles.places import BEAMS, Pool, module_pool
 from graders.l20.boucles.readings import apart, habits, is_mask, signature, tolerance
-from graders.l20.boucles.scenes import TRAPS, map_elsewhere, trap, walk_at_home, walk_elsewhere
-from graders.l20.boucles.stories import confuses, places_figure, rotation_figure, tell
-from graders.l20.boucles.walks import Walk, draw_trap, lidar_call, turned
+from graders.l20.boucles.stories import rotation_figure
+from graders.l20.boucles.walks import lidar_call, turned
 from reference.loop_closure import loop_candidates
 
 SHIFTS = (1, 7, 18, 35)
 WINDOWS = ((11, 10), (13, 12), (13, 9), (13, 3), (12, 0), (24, 11), (24, 23))
 """(m, i): how many scans there are, and the one from which to look back."""
-
-Draw = Callable[[int], Walk]
-
-CHANCES = 3
-"""Walks on which a submission may show one threshold that separates: an unlucky one is no evidence."""
 
 # Two scans that can be written by hand: distinct distances, one longest and one shortest ray.
 RAMP = 1.0 + np.arange(BEAMS) / 4.0
@@ -106,13 +96,13 @@ def _turn(bench: Bench, pool: Pool, place: int, other: int) -> Rejection | None:
         rotated = signature(bench, np.roll(scan, -k))
         if apart(here, rotated) > tolerance(here, there):
             bench.observe("signature", habits(bench, scan, elsewhere), ok=False)
-            return _changed(pool.poses[place], scan, k, here, rotated)
+            return changed(pool.poses[place], scan, k, here, rotated)
     distinct = apart(here, there) > 1e-9 * max(1e-6, float(np.max(np.abs(here))))
     bench.observe("signature", "invariante" if distinct else "constante", ok=distinct)
     return None if distinct else _constant(pool.poses[place], pool.poses[other], here)
 
 
-def _changed(pose: Floats, scan: Floats, k: int, here: Floats, rotated: Floats) -> Rejection:
+def changed(pose: Floats, scan: Floats, k: int, here: Floats, rotated: Floats) -> Rejection:
     return Rejection(
         f"Le robot tourne sur place de {10 * k}° et sa signature change : elle dépend encore du cap.",
         inputs={"scan 1": lidar_call(pose), "scan 2": lidar_call(turned(pose, k))},
@@ -198,114 +188,10 @@ def _shape_in_words(got: Value) -> str:
     return "non entiers" if array.ndim == 1 else f"dimension {array.ndim}, {array.shape[-1] if array.ndim else 0}"
 
 
-def places(bench: Bench) -> None:
-    """On the module's map, without noise."""
-    _must_ignore_heading(bench)
-    _separate(bench, lambda again: walk_at_home(_kit_seed(bench), again, with_noise=False))
-
-
-def noisy_places(bench: Bench) -> None:
-    """On the module's map, each scan with its own noise."""
-    _must_ignore_heading(bench)
-    _separate(bench, lambda again: walk_at_home(_kit_seed(bench), again, with_noise=True))
-
-
-def other_places(bench: Bench) -> None:
-    """The same file launched on another map, with scans of that map."""
-    _must_ignore_heading(bench)
-    seed = _draw_seed(bench.rng)
-    with bench.on(world.kit(bench.rng, map_elsewhere(seed))) as other:
-        remark = " Ces scans sont ceux d'une autre carte que celle du module."
-        _separate(other, lambda again: walk_elsewhere(seed, again), remark)
-
-
-def traps(bench: Bench) -> None:
-    """Two places that share one number; then, for a signature that is one number, two places that share that one."""
-    seed = _draw_seed(bench.rng)
-    _must_ignore_heading(bench)
-    kit_seed = _kit_seed(bench)
-    rejections = [_spring(bench, partial(trap, kit_seed, seed, name), name) for name in TRAPS]
-    own = _own_trap(bench, seed)
-    rejections.append(_spring(bench, lambda again: own, "la même signature, ou presque") if own is not None else None)
-    for rejection in rejections:
-        if rejection is not None:
-            raise rejection
-
-
-def _must_ignore_heading(bench: Bench) -> None:
-    """A signature that follows the heading may find a place, or escape from a trap, by luck: it is turned away before.
-
-    By two scans that never change, so that its mark does not either.
-    """
-    scan, elsewhere = two_places()
-    here, there = signature(bench, scan), signature(bench, elsewhere)
-    rotated = signature(bench, np.roll(scan, -7))
-    if apart(here, rotated) > tolerance(here, there):
-        bench.observe("signature", "suit le cap", ok=False)
-        raise _changed(np.array(STILL[0]), scan, 7, here, rotated)
-
-
-def _own_trap(bench: Bench, seed: int) -> Walk | None:
-    pool = _pool(bench)
-    if signature(bench, pool.scans[0]).size != 1:
-        return None
-
-    def number(scans: Floats) -> Floats:
-        return np.array([float(signature(bench, scan)[0]) for scan in scans])
-
-    try:
-        return draw_trap(np.random.default_rng(seed), pool, number, readings=12, pairs=12)
-    except LookupError:
-        return None
-
-
-def _spring(bench: Bench, draw: Draw, shared: str) -> Rejection | None:
-    search, right = _judge(bench, draw, "signature")
-    if right:
-        return None
-    # What is told is of no use to a mistake that is re-enacted, which keeps its calls for what is observed.
-    confused = not bench.runner.reenacting and confuses(bench, search)
-    return _failure(bench, search, f" Ces deux lieux ont {shared}." if confused else "")
-
-
-def _separate(bench: Bench, draw: Draw, remark: str = "") -> None:
-    search, right = _judge(bench, draw, calibration.FUNCTION)
-    if not right:
-        raise _failure(bench, search, remark)
-
-
-def _judge(bench: Bench, draw: Draw, function: str) -> tuple[Search, bool]:
-    """Look for a threshold; what came of it, over `CHANCES` walks at most, is held against `function`."""
-    try:
-        search = first = calibrate(bench, draw(0))
-        for again in range(1, CHANCES):
-            if search.outcome is not calibration.Outcome.MIXED:
-                break
-            search = calibrate(bench, draw(again))
-    except StudentFault as fault:
-        bench.observe(function, None, ok=False, fault=fault)
-        raise
-    right = search.outcome is calibration.Outcome.FOUND
-    decisive = search if right else first
-    bench.observe(function, decisive.outcome.value, ok=right)
-    return decisive, right
-
-
-def _failure(bench: Bench, search: Search, remark: str) -> Rejection:
-    figure: FigureData | None = None
-    if not bench.runner.reenacting and search.outcome is not calibration.Outcome.UNREADABLE:
-        figure = places_figure(bench, search)
-    return tell(search, remark, figure)
-
-
 def _pool(bench: Bench) -> Pool:
-    return module_pool(_kit_seed(bench))
+    return module_pool(kit_seed(bench))
 
 
-def _kit_seed(bench: Bench) -> int:
+def kit_seed(bench: Bench) -> int:
     """The seed of the grading's kit: one pool of places serves all its checks."""
     return int(bench.kit.parameters["seed"])
-
-
-def _draw_seed(rng: Rng) -> int:
-    return int(rng.integers(2**62))

@@ -2,15 +2,15 @@
 
 A walk is drawn until every descriptor of the family, with every distance, separates by one threshold the scans to be
 found from the others, `MARGIN` times farther: what an honest student may have chosen has then its threshold too.
-And until no threshold serves the usual wrong distances: whether they are caught must not depend on the draw. Nor must
-what is caught of a search that stops or starts at the wrong index: scans to find stand where it shows.
+The strict ones, those that never change, also until no threshold serves the usual wrong distances, and until the usual
+single numbers have theirs. Scans to find stand where a search that stops or starts at the wrong index shows.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,19 +27,17 @@ READINGS = 40
 NEARER = 3.0
 Statistic = Callable[[Floats], Floats]
 
-#: Headings tried for one trap: those of the bare scans, too, must mislead.
-TURNS = 4
 #: Where the first place comes again, then where the second is: in any order, but never one just after the other.
 FAR_APART = [(k, m, n) for k in range(2, 8) for m in range(2, 8) for n in range(m + 2, 8) if k not in (m, n)]
-#: Where a trap has the place to recognise, the one like it and a third one. See `scenes.TRAPS`.
-ORDERS = ((0, 1, 2), (1, 0, 2), (1, 2, 0))
+#: Where a trap has the place that is like the one to recognise.
+TRAPPED = 0
 
 
 @dataclass(frozen=True)
 class Walk:
     """`scans` (m, 36) seen from `poses` (m, 3) at `places` (m,), labels; `queries` are the scans to look back from.
 
-    In a trap, `lookalike` is the scan of the other place that shares a number with the place of the query.
+    `alike` holds, by scan of another place, what this place and that of the query have in common.
     """
 
     poses: Floats
@@ -47,7 +45,7 @@ class Walk:
     places: NDArray[np.int64]
     queries: tuple[int, ...]
     noise: float
-    lookalike: int | None = None
+    alike: Mapping[int, str] = field(default_factory=dict)
 
     def same_place(self, i: int) -> list[int]:
         """The scans of the past, `GAP` or more before i, that were taken where scan i was."""
@@ -60,10 +58,8 @@ class Walk:
         """
         past = min(self.queries) - GAP
         order = np.concatenate([np.roll(np.arange(past), 1), np.arange(past, len(self.scans))])
-        lookalike = None if self.lookalike is None else int(np.flatnonzero(order == self.lookalike)[0])
-        return replace(
-            self, poses=self.poses[order], scans=self.scans[order], places=self.places[order], lookalike=lookalike
-        )
+        alike = {int(np.flatnonzero(order == j)[0]): shared for j, shared in self.alike.items()}
+        return replace(self, poses=self.poses[order], scans=self.scans[order], places=self.places[order], alike=alike)
 
 
 def turned(pose: Floats, steps: int) -> Floats:
@@ -139,33 +135,40 @@ def mistakes_fail(walk: Walk) -> bool:
     return True
 
 
-def draw_walk(rng: Rng, pool: Pool, *, with_noise: bool) -> Walk:
+def draw_walk(rng: Rng, pool: Pool, *, with_noise: bool, strict: bool) -> Walk:
     """Twenty-two scans; from two of them the same places were seen twice before, among six other places.
 
     Noiseless walks are chosen with the same noise as the others, so that their places are as distinct.
     """
     for _ in range(MAX_DRAWS):
-        chosen = _distinct_places(rng, pool)
+        chosen = _distinct_places(rng, pool, strict=strict)
         if chosen is None:
             continue
         places, queries = _itinerary(rng, chosen)
         trial = seen(rng, pool, places, queries, noise=NOISE)
-        if not numbers_separate(trial) or not mistakes_fail(trial) or not separable(trial):
+        if strict and not (numbers_separate(trial) and mistakes_fail(trial)):
+            continue
+        if not separable(trial):
             continue
         walk = trial if with_noise else seen(rng, pool, places, queries, noise=0.0)
-        if with_noise or mistakes_fail(walk):
+        if with_noise or not strict or mistakes_fail(walk):
             return walk
     raise LookupError("no walk with distinct places was found on this map")
 
 
-def _distinct_places(rng: Rng, pool: Pool) -> NDArray[np.int64] | None:
-    """Two places to recognise and six others, all distinct from both."""
+def _distinct_places(rng: Rng, pool: Pool, *, strict: bool) -> NDArray[np.int64] | None:
+    """Two places to recognise and six others, all distinct from both; if strict, by each single number too."""
+
+    def distinct(place: int) -> Mask:
+        clear = pool.distinct_from(place, PREFILTER)
+        return clear & pool.unlike(place, PREFILTER) if strict else clear
+
     first = int(rng.integers(len(pool.poses)))
-    clear = pool.distinct_from(first, PREFILTER) & pool.unlike(first, PREFILTER)
+    clear = distinct(first)
     if not np.any(clear):
         return None
     second = int(rng.choice(np.flatnonzero(clear)))
-    others = np.flatnonzero(clear & pool.distinct_from(second, PREFILTER) & pool.unlike(second, PREFILTER))
+    others = np.flatnonzero(clear & distinct(second))
     return np.array([first, second, *rng.choice(others, 6, replace=False)]) if len(others) >= 6 else None
 
 
@@ -187,23 +190,22 @@ def draw_trap(
     rng: Rng,
     pool: Pool,
     statistic: Statistic,
-    order: tuple[int, int, int] = ORDERS[1],
+    shared: str,
     *,
     readings: int = READINGS,
     pairs: int = MAX_DRAWS,
 ) -> Walk:
-    """Fourteen scans; one of the first three is of the place of the last, another has the same `statistic` elsewhere.
+    """Fourteen scans; the second one is of the place of the last, the first one has the same `statistic` elsewhere.
 
-    By this number alone, and whatever the distance, the other place is nearer than the same place. `order` says where
-    the same place is among the three, where the other one, and where the third.
+    By this number alone, and whatever the distance, the other place is nearer than the same place. `shared` tells it.
     """
     for here, there in _lookalikes(pool, statistic)[:pairs]:
         if not pool.distinct_from(here, PREFILTER)[there]:
             continue
         for _ in range(3):
-            walk = _trap(rng, pool, (here, there), statistic, order, readings)
-            if walk is not None and mistakes_fail(walk) and separable(walk):
-                return walk
+            walk = _trap(rng, pool, (here, there), statistic, readings)
+            if walk is not None and separable(walk):
+                return replace(walk, alike={TRAPPED: shared})
     raise LookupError("no two places share this statistic on this map")
 
 
@@ -217,26 +219,15 @@ def _lookalikes(pool: Pool, statistic: Statistic) -> list[tuple[int, int]]:
     return [(int(first[k]), int(second[k])) for k in nearest]
 
 
-def _trap(
-    rng: Rng, pool: Pool, pair: tuple[int, int], statistic: Statistic, order: tuple[int, int, int], readings: int
-) -> Walk | None:
+def _trap(rng: Rng, pool: Pool, pair: tuple[int, int], statistic: Statistic, readings: int) -> Walk | None:
     here, there = pair
-    clear = np.flatnonzero(pool.distinct_from(here, PREFILTER))
-    others = clear[clear != there]
-    if len(others) < 3:
+    others = np.flatnonzero(pool.distinct_from(here, PREFILTER))
+    others = others[others != there]
+    if not len(others):
         return None
-    third = int(rng.choice(others))
-    opposite = others[pool.either_side(here, third, others)]
-    if not len(opposite):
-        return None
-    past = np.empty(3, dtype=np.int64)
-    past[list(order)] = here, there, third
-    places = np.array([*past, rng.choice(opposite), *rng.choice(others, 9), here])
-    for _ in range(TURNS):
-        walk = seen(rng, pool, places, (len(places) - 1,), noise=NOISE)
-        if mistakes_fail(walk):
-            break
-    rows = (order[0], order[1], len(places) - 1)
+    places = np.array([there, here, *rng.choice(others, 11), here])
+    walk = seen(rng, pool, places, (len(places) - 1,), noise=NOISE)
+    rows = (1, TRAPPED, len(places) - 1)
     return _confused(rng, [_clean(pool, walk, k) for k in rows], walk, rows, statistic, readings)
 
 
@@ -257,7 +248,7 @@ def _confused(
     scans[rows[0]] = of_same[np.argmin(np.where(enough[:, q], far[:, q], np.inf))]
     scans[rows[1]] = of_other[np.argmin(near[:, q])]
     scans[rows[2]] = of_query[q]
-    return replace(walk, scans=scans, lookalike=rows[1])
+    return replace(walk, scans=scans)
 
 
 def _clean(pool: Pool, walk: Walk, row: int) -> Floats:

@@ -162,6 +162,9 @@ def test_a_mistake_of_the_window_costs_its_own_check_alone() -> None:
         ("distances_renvoyees", submission("np.sort(scan)", body=ARRAY.replace("np.where(d < seuil)[0]", "sorted(d)"))),
         ("comparaison_a_l_envers", submission("np.sort(scan)", body=LIST.replace("<= seuil", ">= seuil"))),
         ("ecarts_signes", submission("np.sort(scan)", "(b - a).sum()")),
+        ("normes_comparees", submission("np.abs(np.fft.rfft(scan))", "abs(np.linalg.norm(a) - np.linalg.norm(b))")),
+        ("plus_grand_ecart_signe", submission("np.abs(np.fft.rfft(scan))", "np.max(a - b)")),
+        ("plus_grand_ecart_signe", submission("np.sort(scan)", "max(y - x for x, y in zip(a, b))")),
         ("argument_modifie", submission("np.sort(scan)", body="\n    scans[0] += 0.1" + LIST)),
     ],
 )  # fmt: skip

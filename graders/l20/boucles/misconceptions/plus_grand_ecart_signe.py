@@ -1,0 +1,7 @@
+def signature(scan):
+    return np.sort(scan)
+
+
+def candidats_boucle(scans, i, seuil):
+    reference = signature(scans[i])
+    return [j for j in range(i - 9) if np.max(signature(scans[j]) - reference) <= seuil]
