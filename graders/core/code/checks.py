@@ -82,25 +82,37 @@ class Trial(Check):
 
 @dataclass(frozen=True, kw_only=True)
 class Untouched(Check):
-    """The functions must leave their arguments as they were. `inputs` draws the arguments of each function."""
+    """The functions must leave their arguments as they were. `inputs` draws the arguments of each function.
+
+    It is called `times` times: one that draws at random may raise, or write, in some calls alone.
+    """
 
     needs_another: ClassVar[bool] = True
 
     names: dict[str, tuple[str, ...]]
     inputs: Callable[[np.random.Generator], dict[str, Arguments]]
+    times: int = 1
 
     def run(self, bench: Bench) -> None:
         for function, args in self.inputs(bench.rng).items():
-            try:
-                reply = bench.call_keeping(function, *args)
-            except StudentFault as fault:
-                raise fault_rejection(fault, inputs=dict(zip(self.names[function], args, strict=True))) from fault
-            after = reply.arguments or ()
-            trio = zip(self.names[function], args, after, strict=True)
-            changed = [name for name, before, now in trio if not same_value(before, now, tolerance=0.0)]
+            after: Arguments = ()
+            changed: list[str] = []
+            for _ in range(self.times):
+                after = self._after(bench, function, args)
+                trio = zip(self.names[function], args, after, strict=True)
+                changed = [name for name, before, now in trio if not same_value(before, now, tolerance=0.0)]
+                if changed:
+                    break
             bench.observe(function, ",".join(changed), ok=not changed)
             if changed:
                 raise self._rejection(function, changed[0], args, after)
+
+    def _after(self, bench: Bench, function: str, args: Arguments) -> Arguments:
+        """The arguments as one call leaves them."""
+        try:
+            return bench.call_keeping(function, *args).arguments or ()
+        except StudentFault as fault:
+            raise fault_rejection(fault, inputs=dict(zip(self.names[function], args, strict=True))) from fault
 
     def _rejection(self, function: str, name: str, args: Arguments, after: Arguments) -> Rejection:
         at = self.names[function].index(name)

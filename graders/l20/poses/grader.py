@@ -43,13 +43,16 @@ def simple_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
     yield pose(0, 0, 0), pose(1, 2, QUARTER)
     yield pose(1, 2, 0), pose(3, 0, 0)
     yield pose(1, 2, QUARTER), pose(3, 1, -QUARTER)
+    yield pose(0, 0, -QUARTER), pose(1, 2, 0)
     for _ in range(4):
         x1, y1, x2, y2 = rng.integers(-4, 5, 4)
         yield pose(x1, y1, -QUARTER), pose(x2 or 1, y2 or 2, float(rng.choice([0.0, QUARTER])))
 
 
 def random_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
-    """Any two poses whose angles add up, and subtract, to less than half a turn."""
+    """Any two poses whose angles add up, and subtract, to less than half a turn: first to more than a quarter."""
+    yield pose(1.5, -2.25, 1.2), pose(0.75, 2.5, 0.9)
+    yield pose(-3.5, 1.25, -0.8), pose(2.75, -1.5, -1.3)
     for _ in range(12):
         a, b = random_pose(rng), random_pose(rng)
         a[2], b[2] = a[2] / 2.1, b[2] / 2.1
@@ -115,6 +118,8 @@ def identities(bench: Bench) -> None:
     triples: list[tuple[Floats, ...]] = [
         (pose(1, 2, 3.0), pose(-2, 1, 2.5), pose(2, 0, -2.8)),
         (pose(-3, 1, -2.7), pose(1, 4, -1.9), pose(0, 2, 3.1)),
+        (pose(2, 1, -2.9), pose(-1, 3, 2.6), pose(1, 1, 0.5)),
+        (pose(0, -2, 2.8), pose(3, 1, -2.5), pose(1, -1, -0.5)),
     ]
     triples += [tuple(np.round(random_pose(bench.rng, 5.0), 0 if k < 2 else 6) for _ in range(3)) for k in range(5)]
     _ask_ahead(bench, triples)

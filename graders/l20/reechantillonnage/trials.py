@@ -60,8 +60,15 @@ def whole_scenarios(rng: np.random.Generator) -> Iterator[Scenario]:
 
 
 def straddling_scenarios(rng: np.random.Generator) -> Iterator[Scenario]:
-    """Particles that lie across two teeth, where N separate draws give too many copies or too few; then any weights."""
-    yield scenario(rng, (0.15, 0.2, 0.3, 0.35), calls=12)
+    """Particles that lie across two teeth, where N separate draws give too many copies or too few; then any weights.
+
+    The third ones are whole multiples of 1/N that do not begin on one: teeth that are not spaced by 1/N miss one of
+    them, or find one too many, in about half of the calls. The second ones come first in the cloud and are copied
+    again: whoever writes over what is still to be read shows.
+    """
+    yield scenario(rng, (0.15, 0.2, 0.3, 0.35), calls=8)
+    yield scenario(rng, (0.35, 0.3, 0.2, 0.15), calls=4)
+    yield scenario(rng, (0.125, 0.5, 0.25, 0.125), calls=16)
     yield scenario(rng, (0.055, *(0.09, 0.11) * 4, 0.145), calls=30)
     for n in (3, 5, 6, 8):
         yield scenario(rng, uneven_weights(rng, n), d=2, calls=2)
@@ -151,8 +158,11 @@ def _raise(objection: Objection | None) -> None:
 
 
 def arguments_to_keep(rng: np.random.Generator) -> dict[str, Arguments]:
-    """Weights whose sum differs from 1 by rounding alone, so that normalising them in place shows."""
+    """Weights whose sum differs from 1 by rounding alone, so that normalising them in place shows.
+
+    The last one has a tooth in it at each call: whether an index leaves the cloud there is not left to chance.
+    """
     while True:
         weights = uneven_weights(rng, 6)
-        if float(np.sum(weights)) != 1.0 and sum(weights.tolist()) != 1.0:
+        if weights[-1] > 1 / 6 and float(np.sum(weights)) != 1.0 and sum(weights.tolist()) != 1.0:
             return {"n_eff": (weights,), FUNCTION: (particles(rng, 6, 3), weights)}

@@ -109,7 +109,9 @@ def simple_edges(rng: np.random.Generator) -> Iterator[Arguments]:
 
 
 def random_edges(rng: np.random.Generator) -> Iterator[Arguments]:
-    """Any poses, two of the measurements being exact; no angle wraps."""
+    """Errors of more than a quarter turn, then any poses, two of the measurements being exact; no angle wraps."""
+    yield pose(0.5, 1, 0.4), pose(2, -1.5, 2.6), pose(1, 0.5, -0.2)
+    yield pose(-1, 2, 0.7), pose(1.5, 0.5, -1.4), pose(0.5, -1, 0.3)
     for k in range(10):
         while True:
             xi, xj, z = (anywhere(rng, rng.uniform(-math.pi, math.pi)) for _ in range(3))
@@ -123,6 +125,8 @@ def wrapping_edges(rng: np.random.Generator) -> Iterator[Arguments]:
     """Angles that wrap: between the poses, between these and the measurement, or both."""
     yield pose(0, 0, 3 * QUARTER / 2), pose(0, 0, -3 * QUARTER / 2), pose(0, 0, QUARTER)
     yield pose(0, 0, 0), pose(0, 0, 3 * QUARTER / 2), pose(0, 0, -3 * QUARTER / 2)
+    yield pose(1, 0, 2.5), pose(0, 2, -2.3), pose(1, 1, -0.9)
+    yield pose(1, 0, -2.5), pose(0, 2, 2.3), pose(1, 1, 0.9)
     for sign in (1, -1, 1, -1):
         angles = (sign * rng.uniform(2.2, 3.1), -sign * rng.uniform(2.2, 3.1), rng.uniform(-1, 1))
         yield tuple(anywhere(rng, theta) for theta in angles)

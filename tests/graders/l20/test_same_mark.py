@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.graders.l20.boucles_styles import submission
-from tests.graders.l20.test_names_that_hold import BOUCLES, COMB, PREDIRE, SLAM, model
+from tests.graders.l20.test_names_that_hold import BOUCLES, COMB, KABSCH, PREDIRE, SLAM, model
 from tests.graders.shipped import CODE
 from tests.support.verdicts import failed, verdict_of
 
@@ -19,6 +19,9 @@ def mistake(exercise: str, name: str) -> str:
 
 RAW = model(BOUCLES, "signature(scans[j]) - reference", "scans[j] - scans[i]")
 HALF_A_TURN = "np.abs(np.exp(-1j * np.pi * np.outer(np.arange(36), np.arange(36)) / 36) @ scan)"
+NORMS, ONE_SIDED = "abs(np.linalg.norm(a) - np.linalg.norm(b))", "np.max(b - a)"
+SPECTRUM = "np.abs(np.fft.rfft(scan))"
+LAST_TOOTH_AT_ONE = model(COMB, "dents = u + np.arange(N) / N", "dents = np.linspace(u, 1, N)")
 PI = "import math\nPI = 3.14\n" + model(POSES, "np.pi - (np.pi - angle) % (2 * np.pi)", "PI - (PI - angle) % (2 * PI)")
 
 
@@ -32,6 +35,17 @@ PI = "import math\nPI = 3.14\n" + model(POSES, "np.pi - (np.pi - angle) % (2 * n
         (BOUCLES, mistake(BOUCLES, "premier_indice_oublie")),
         (BOUCLES, mistake(BOUCLES, "ecarts_signes")),
         (BOUCLES, submission("np.array([np.median(scan)])")),
+        (BOUCLES, submission("np.sort(scan)", NORMS)),
+        (BOUCLES, submission(SPECTRUM, NORMS)),
+        (BOUCLES, submission("np.sort(scan)", ONE_SIDED)),
+        (BOUCLES, submission(SPECTRUM, ONE_SIDED)),
+        (BOUCLES, submission("np.sort(scan)", "np.min(np.abs(a - b))")),
+        (COMB, LAST_TOOTH_AT_ONE),
+        (COMB, mistake(COMB, "indice_suivant")),
+        (POSES, model(POSES, "np.pi - (np.pi - angle) % (2 * np.pi)", "np.arcsin(np.sin(angle))")),
+        (POSES, model(POSES, "ramener(tb - ta)", "tb - ta")),
+        (KABSCH, mistake(KABSCH, "correction_colonne_de_r")),
+        (KABSCH, mistake(KABSCH, "angle_modulo_pi")),
         (
             COMB,
             model(COMB, "def n_eff(poids):\n    return ", "def n_eff(poids):\n    return int(", "**2)\n", "**2))\n"),
