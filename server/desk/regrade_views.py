@@ -15,6 +15,7 @@ from server.classes.models import Seat, Status
 from server.course import Course
 from server.desk.regrade_schemas import ChangeRow, Group, OutdatedRow, RegradePage, RegradeRow, RegradesPage, Tone
 from server.desk.views import head
+from server.marks import repository as marks
 from server.regrades import service
 from server.regrades.models import Policy, Regrade, Scope
 from server.regrades.schemas import Advance, Change, Fate, Outdated, State
@@ -37,6 +38,7 @@ STATES: Mapping[State, tuple[str, Literal["", "good", "warn"]]] = {
     State.stopped: ("arrêtée", ""),
 }
 GONE_STUDENT, GONE_ASSIGNMENT = "un élève dont le compte n’existe plus", "un devoir supprimé"
+BY_HAND = "note modifiée à la main : elle reste celle qui compte, et sera à revoir"
 NOBODY = "Élève sorti de la classe"
 #: Of each fate, for one student and for several: what it is while it is to come, and once it is applied.
 COMING: Mapping[Fate, tuple[str, str]] = {
@@ -95,6 +97,7 @@ class _Names:
 
     def __init__(self, db: Session, course: Course, class_id: UUID) -> None:
         self._course = course
+        self.overridden: frozenset[UUID] = frozenset()
         everyone = classes.members(db, class_id)
         students = [one for one in everyone if one.seat is Seat.student]
         self.people = {one.id: one.name for one in everyone}
@@ -127,6 +130,8 @@ class _Names:
 def regrade_page(db: Session, course: Course, place: Place, regrade: Regrade) -> RegradePage:
     found = service.preview(db, regrade)
     names = _Names(db, course, regrade.class_id)
+    set_by_hand = marks.active(db, regrade.class_id, [one.student for one in found.changes], [regrade.exercise])
+    names.overridden = frozenset(student for student, _ in set_by_hand)
     exercise = course.exercises.get(regrade.exercise)
     advance = found.advance
     return RegradePage(
@@ -165,7 +170,7 @@ def _change(one: Change, names: _Names, kind: Kind) -> ChangeRow:
         after=after,
         difference=difference,
         why=regraded.sentences(one.why, kind),
-        notes=tuple(_notes(one)),
+        notes=(*_notes(one), *((BY_HAND,) if one.student in names.overridden else ())),
         attempt="" if one.submission_id is None else f"/soumissions/{one.submission_id}",
     )
 

@@ -14,6 +14,7 @@ from server.classes import service as classes
 from server.course.models import Course
 from server.figures.service import Figures
 from server.gradebook import service as gradebook
+from server.marks.models import Override
 from server.regrades import applying
 from server.regrades.service import Regrades
 from tests.support.classes import Person, person
@@ -70,6 +71,16 @@ def test_from_the_offer_to_what_the_student_reads(site: Site, lesson: Lesson, ma
             assert ("4 → devient 14" in shown) is told_now
     assert "plus ancienne" not in read(browser, base)
     assert browser.post(href, data={"action": "zut"}).status_code == 404
+
+
+def test_a_mark_set_by_hand_is_said_to_stay(site: Site, lesson: Lesson, martin: Person) -> None:
+    ada = lesson.arrive()
+    lesson.sent(ada, 4, 8)
+    values = {"class_id": lesson.made.id, "account_id": ada.id, "exercise": EXERCISE}
+    with lesson.database.write() as db:
+        db.add(Override(**values, points=15.0, reason="à l’oral", based_on=[], by=martin.id))
+    page = read(martin.browser(site), f"/classes/{lesson.made.id}/recalculs/{lesson.prepared().id}")
+    assert "note modifiée à la main : elle reste celle qui compte" in page
 
 
 def test_a_choice_that_is_not_offered_is_told_in_the_form(site: Site, lesson: Lesson, martin: Person) -> None:
