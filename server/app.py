@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import os
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -32,12 +32,14 @@ from server.desk.journal import router as journal_router
 from server.desk.keeping import router as keeping_router
 from server.desk.likeness import router as likeness_router
 from server.desk.marks import router as marks_router
+from server.desk.regrades import router as regrades_router
 from server.desk.students import router as students_router
 from server.desk.talking import router as talking_router
 from server.figures.pictures import Pictures
 from server.figures.program import program
 from server.figures.service import Figures
 from server.figures.store import Store
+from server.grading import regrading
 from server.grading.supervisor import WORKER_COMMAND, Supervisor
 from server.grading.task import give_ups
 from server.identity import service as accounts
@@ -49,13 +51,14 @@ from server.pages.routes import router as pages_router
 from server.personal.joining import adopt
 from server.personal.service import Personal
 from server.queue.owner import Owner, owner_of
-from server.queue.port import Queue, Signals
+from server.queue.port import GiveUp, Queue, Signals
 from server.queue.postgres import AllSignals, Listener, PostgresSignals
 from server.queue.service import TableQueue
 from server.queue.switchboard import Switchboard
 from server.queue.watch import Watch
 from server.reading.downloads import Downloads
 from server.reading.routes import router as reading_router
+from server.regrades.service import Regrades
 from server.replays.routes import Desk
 from server.replays.routes import router as replays_router
 from server.replays.service import Replays
@@ -82,6 +85,7 @@ ROUTERS = (
     talking_router,
     marks_router,
     journal_router,
+    regrades_router,
     pages_router,
     reading_router,
     cells_router,
@@ -140,11 +144,16 @@ class Services:
         kept = Store(self.settings.data_dir / "figures")
         return Figures(self.course, self.database, Pictures(Helper(program()), kept))
 
+    @cached_property
+    def give_ups(self) -> Mapping[str, GiveUp]:
+        """The end of each kind of job that has failed too often."""
+        return {**give_ups(self.course), **regrading.give_ups(self.course, self.queue)}
+
     def take_back(self, owner: Owner) -> None:
         """A local worker has died: its job goes back to the queue at once, or when lost leases are next looked for."""
         try:
             with self.database.write() as db:
-                self.queue.release(db, owner, give_ups(self.course))
+                self.queue.release(db, owner, self.give_ups)
         except SQLAlchemyError:
             log.exception("the job of a dead worker could not be taken back; trying again later")
 
@@ -159,7 +168,7 @@ class Services:
     def recover(self) -> None:
         """Leases that have run out, or whose holder died with another server; then whether anybody takes what waits."""
         with self.database.write() as db:
-            self.queue.recover(db, owner_of(os.getpid()), give_ups(self.course))
+            self.queue.recover(db, owner_of(os.getpid()), self.give_ups)
         with self.database.read() as db:
             self.watch.look(db)
 
@@ -243,6 +252,7 @@ def _share(app: FastAPI, services: Services) -> None:
     provide(app, Accounts(services.database, services.settings, adopt=adopt))
     provide(app, services.personal, Classes(services.database, services.settings), Presence(services.database))
     provide(app, Submissions(services.settings, services.queue, lambda: services.watch.unattended))
+    provide(app, Regrades(course, services.queue))
     provide(app, services.figures, services.supervisor, Downloads(course), Desk(Replays()))
     check_provided(app)
 

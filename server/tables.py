@@ -10,6 +10,7 @@ from server.identity import models as identity
 from server.limits import models as limits
 from server.marks import models as marks
 from server.queue import models as queue
+from server.regrades import models as regrades
 from server.submissions import models as submissions
 
 TABLES = (
@@ -38,5 +39,7 @@ TABLES = (
     comments.Note,
     comments.NoteReader,
     marks.Override,
+    regrades.Regrade,
+    regrades.RegradeItem,
 )
 metadata = Base.metadata

@@ -147,7 +147,7 @@ class FigureRequest:
     async def answer(self, form: Form) -> Response:
         wanted = Wanted(self._submission_id, self._name, form, self._theme)
         picture = await self._figures.of_verdict(self._account, wanted, self._address)
-        return Response(picture, media_type=MEDIA_TYPES[form], headers={"Cache-Control": "private, max-age=86400"})
+        return Response(picture, media_type=MEDIA_TYPES[form], headers={"Cache-Control": "private, no-cache"})
 
 
 @router.get(

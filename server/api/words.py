@@ -31,6 +31,18 @@ ROUTES: dict[tuple[str, str], str] = {
         "Le journal de la classe : chaque changement d’une note, d’une date ou d’un droit, du plus récent au plus "
         "ancien ; par qui, quand, avant, après."
     ),
+    ("post", "/api/v1/classes/{class_id}/regrades"): (
+        "Corrige de nouveau, en arrière-plan, ce qui a été envoyé à un exercice. Rien ne compte avant d’être appliqué."
+    ),
+    ("get", "/api/v1/classes/{class_id}/regrades/{regrade_id}"): (
+        "Où en est une recorrection, et de qui elle change la note : ce qui compte est recorrigé en premier."
+    ),
+    ("post", "/api/v1/classes/{class_id}/regrades/{regrade_id}/apply"): (
+        "Fait compter les nouvelles corrections, toutes à la fois. Sans effet si c’est déjà fait."
+    ),
+    ("post", "/api/v1/classes/{class_id}/regrades/{regrade_id}/undo"): (
+        "Fait compter de nouveau les corrections d’avant, toutes à la fois. Sans effet si rien n’est appliqué."
+    ),
     ("get", "/api/v1/exercises"): "Les exercices servis, dans l’ordre du cours.",
     ("get", "/api/v1/exercises/{module}/{slug}"): (
         "Un exercice : son énoncé (en HTML), le fichier de départ, les limites d’une exécution. "
@@ -72,6 +84,9 @@ PARAMETERS: dict[str, str] = {
     "points": "la note, sur 20 ; ou bien `excused`",
     "excused": "dispenser de l’exercice : il ne compte dans aucune moyenne",
     "reason": "le motif : l’élève le lit, et le journal de la classe le garde",
+    "regrade_id": "l’identifiant de la recorrection (`id`)",
+    "policy": "ce qui compte une fois appliqué : la meilleure des deux corrections, ou la nouvelle",
+    "assignment": "seulement ce qui peut compter dans ce devoir (son `id`)",
     "submission_id": "l’identifiant reçu à l’envoi (`id`)",
     "thread_id": "l’identifiant du fil (`id`)",
     "text": "le message, 4000 caractères au plus ; `…` y marque du code",
@@ -92,7 +107,7 @@ STATUSES: dict[str, str] = {
     "200": "la réponse",
     "201": "c’est créé",
     "204": "c’est fait",
-    "202": "reçu : le verdict se lira à l’adresse `url`",
+    "202": "reçu : le résultat se lira plus tard, à l’adresse de ce qui est créé",
     "400": "la demande est illisible",
     "401": "le jeton manque, ou n’est plus valable",
     "403": "il manque un droit à ce compte : `detail` le nomme",

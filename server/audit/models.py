@@ -27,6 +27,8 @@ class What(StrEnum):
     student_admitted = "student_admitted"
     mark_overridden = "mark_overridden"
     override_withdrawn = "override_withdrawn"
+    regrade_applied = "regrade_applied"
+    regrade_undone = "regrade_undone"
 
 
 WORDS: Mapping[What, str] = {
@@ -40,6 +42,8 @@ WORDS: Mapping[What, str] = {
     What.student_admitted: "élève admis dans la classe",
     What.mark_overridden: "note modifiée",
     What.override_withdrawn: "note modifiée retirée",
+    What.regrade_applied: "recorrection appliquée",
+    What.regrade_undone: "recorrection annulée",
 }
 
 #: Kinds that are about one student, unless they are about all who have a label.

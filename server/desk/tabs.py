@@ -13,6 +13,7 @@ STAFF: tuple[tuple[Right, str, str], ...] = (
     (Right.read_work, "Questions", "/questions"),
     (Right.see_students, "Élèves", "/eleves"),
     (Right.read_log, "Journal", "/journal"),
+    (Right.regrade, "Recorrections", "/recalculs"),
     (Right.set_up, "Réglages", "/reglages"),
 )
 

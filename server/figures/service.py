@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from uuid import UUID
 
 from starlette.concurrency import run_in_threadpool
 
@@ -19,12 +20,13 @@ from server.identity.models import Account
 
 @dataclass(frozen=True)
 class Wanted:
-    """A figure of a verdict, as somebody asks for it."""
+    """A figure of a verdict, as somebody asks for it: of the grading that counts, where none is named."""
 
     submission_id: str
     name: str
     form: Form
     theme: Theme
+    grading: UUID | None = None
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ class Figures:
         """In a transaction of its own, over before anything is drawn. Raises NotFound."""
         with self.database.read() as db:
             attempt = gradebook.find(db, account, wanted.submission_id)
-            data = figure_data(db, attempt, wanted.name)
+            data = figure_data(db, attempt, wanted.name, wanted.grading)
         exercise = attempt.submission.exercise
         if exercise not in self.course.exercises:
             raise NotFound(NO_FIGURE)

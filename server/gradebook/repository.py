@@ -1,6 +1,6 @@
 """Queries on gradings, attempts and open solutions. Lists never read a source, a verdict or a figure."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from typing import Any
 from uuid import UUID, uuid4
@@ -146,6 +146,12 @@ def point(db: Session, submission_id: UUID, grading_id: UUID) -> None:
     db.execute(POINT, {"pointing": submission_id, "grading": grading_id})
 
 
+def point_all(db: Session, chosen: Mapping[UUID, UUID]) -> None:
+    """The same for many at once: by submission, the grading that is to count."""
+    if chosen:
+        db.execute(POINT, [{"pointing": submission, "grading": chosen[submission]} for submission in sorted(chosen)])
+
+
 def is_of(db: Session, grading_id: UUID, submission_id: UUID) -> bool:
     query = select(Grading.id).where(Grading.id == grading_id, Grading.submission_id == submission_id)
     return db.execute(query).first() is not None
@@ -155,6 +161,11 @@ def history(db: Session, submission_id: UUID) -> Sequence[Grading]:
     """Every grading of a submission, oldest first."""
     query = select(Grading).where(Grading.submission_id == submission_id)
     return db.execute(query.order_by(Grading.finished_at, Grading.id)).scalars().all()
+
+
+def verdict_of(db: Session, grading_id: UUID) -> dict[str, Any]:
+    found: dict[str, Any] = db.execute(select(Grading.verdict).where(Grading.id == grading_id)).scalar_one()
+    return found
 
 
 def figures_of(db: Session, grading_id: UUID) -> dict[str, Any]:

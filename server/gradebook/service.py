@@ -1,6 +1,6 @@
 """Gradings and what they open. Every function works inside the caller's transaction."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from uuid import UUID
 
 from sqlalchemy.orm import Session
@@ -46,6 +46,15 @@ def choose(db: Session, submission_id: UUID, grading_id: UUID) -> None:
         raise NotFound(UNKNOWN)
     repository.point(db, submission_id, grading_id)
     recount(db, row[0], row[1])
+
+
+def choose_all(db: Session, exercise: str, accounts: Collection[UUID], chosen: Mapping[UUID, UUID]) -> None:
+    """The same for many at once: of submissions of these accounts to an exercise, each with a grading of its own.
+
+    The caller has locked the accounts (`standings.lock`), and read what it chooses from since.
+    """
+    repository.point_all(db, chosen)
+    standings.recount_all(db, accounts, exercise)
 
 
 def recount(db: Session, account_id: UUID, exercise: str | None = None) -> int:

@@ -1,7 +1,7 @@
 """Queries on standings: kept as gradings come, made again from the history, read for many accounts at once."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from datetime import datetime
 from functools import cache
 from itertools import groupby
@@ -20,6 +20,9 @@ from server.submissions.models import Submission
 KEY = ("account_id", "exercise")
 
 Rows = Select[UUID, str, float, int, str, str | None, datetime | None, datetime]
+
+
+Standings = Mapping[tuple[UUID, str], "Sums"]
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,9 @@ class Sums:
     last_diagnosis: str | None
     first_success_at: datetime | None
     last_at: datetime
+
+
+SUMMED = tuple(field.name for field in fields(Sums))
 
 
 def sums_of(counted: Sequence[Counted]) -> Sums:
@@ -87,17 +93,21 @@ def _counting(dialect: str) -> Insert:
 
 
 def recount(db: Session, account_id: UUID, exercise: str | None = None) -> int:
-    """Makes an account's standings again, in one exercise or in all; returns how many were not as they ought to be.
+    """Makes an account's standings again, in one exercise or in all; returns how many were not as they ought to be."""
+    return recount_all(db, [account_id], exercise)
 
-    The account's row and its standings are locked before the history is read, so that a grading that ends meanwhile
+
+def recount_all(db: Session, accounts: Collection[UUID], exercise: str | None = None) -> int:
+    """The same for many accounts at once.
+
+    The accounts' rows and their standings are locked before the history is read, so that a grading that ends meanwhile
     (`add` inserts, which asks for the account's row, or updates) is counted after.
     """
-    lock(db, [account_id])
-    stored = _kept(db, account_id, exercise)
-    right = _from_history(db, account_id, exercise)
-    wrong = [name for name in stored.keys() | right.keys() if stored.get(name) != right.get(name)]
-    for name in wrong:
-        _write(db, account_id, name, right.get(name))
+    lock(db, accounts)
+    stored = _kept(db, accounts, exercise)
+    right = _from_history(db, accounts, exercise)
+    wrong = [key for key in stored.keys() | right.keys() if stored.get(key) != right.get(key)]
+    _write(db, {key: right.get(key) for key in wrong})
     return len(wrong)
 
 
@@ -106,28 +116,38 @@ def lock(db: Session, accounts: Collection[UUID]) -> None:
     db.execute(select(Account.id).where(Account.id.in_(accounts)).order_by(Account.id).with_for_update())
 
 
-def _write(db: Session, account_id: UUID, exercise: str, sums: Sums | None) -> None:
-    if sums is None:
+def _write(db: Session, made: Mapping[tuple[UUID, str], Sums | None]) -> None:
+    """Standings as they ought to be; those that are none any more go."""
+    rows = [{"account_id": key[0], "exercise": key[1], **vars(sums)} for key, sums in made.items() if sums is not None]
+    if rows:
+        statement = upserting(db, Standing)
+        db.execute(
+            statement.on_conflict_do_update(
+                index_elements=KEY, set_={name: statement.excluded[name] for name in SUMMED}
+            ),
+            rows,
+        )
+    for account_id, exercise in [key for key, sums in made.items() if sums is None]:
         db.execute(delete(Standing).where(Standing.account_id == account_id, Standing.exercise == exercise))
-    else:
-        statement = upserting(db, Standing).values(account_id=account_id, exercise=exercise, **asdict(sums))
-        db.execute(statement.on_conflict_do_update(index_elements=KEY, set_=asdict(sums)))
 
 
-def _kept(db: Session, account_id: UUID, exercise: str | None) -> Mapping[str, Sums]:
-    return _by_exercise(db, _of_account(account_id, exercise).with_for_update())
+def _kept(db: Session, accounts: Collection[UUID], exercise: str | None) -> Standings:
+    query = _rows().where(Standing.account_id.in_(accounts))
+    query = query if exercise is None else query.where(Standing.exercise == exercise)
+    return _by_key(db, query.order_by(Standing.account_id, Standing.exercise).with_for_update())
 
 
-def _from_history(db: Session, account_id: UUID, exercise: str | None) -> Mapping[str, Sums]:
+def _from_history(db: Session, accounts: Collection[UUID], exercise: str | None) -> Standings:
+    sent = Submission
     query = (
-        select(Submission.exercise, Submission.created_at, Grading.outcome, Grading.score, Grading.diagnosis)
-        .join(Grading, Grading.id == Submission.grading_id)
-        .where(Submission.account_id == account_id, Grading.outcome != Outcome.INTERNAL_ERROR)
-        .order_by(Submission.exercise, Submission.created_at, Submission.id)
+        select(sent.account_id, sent.exercise, sent.created_at, Grading.outcome, Grading.score, Grading.diagnosis)
+        .join(Grading, Grading.id == sent.grading_id)
+        .where(sent.account_id.in_(accounts), Grading.outcome != Outcome.INTERNAL_ERROR)
+        .order_by(sent.account_id, sent.exercise, sent.created_at, sent.id)
     )
-    query = query if exercise is None else query.where(Submission.exercise == exercise)
-    groups = groupby(db.execute(query), key=lambda row: row[0])
-    return {name: sums_of([_counted(*row[1:]) for row in rows]) for name, rows in groups}
+    query = query if exercise is None else query.where(sent.exercise == exercise)
+    groups = groupby(db.execute(query), key=lambda row: (row[0], row[1]))
+    return {key: sums_of([_counted(*row[2:]) for row in rows]) for key, rows in groups}
 
 
 def _rows() -> Rows:
@@ -149,24 +169,20 @@ def _counted(sent_at: datetime, outcome: str, score: float | None, diagnosis: st
     return Counted(sent_at, outcome, score, diagnosis)
 
 
-def _of_account(account_id: UUID, exercise: str | None) -> Rows:
-    query = _rows().where(Standing.account_id == account_id)
-    return query if exercise is None else query.where(Standing.exercise == exercise)
-
-
-def _by_exercise(db: Session, query: Rows) -> Mapping[str, Sums]:
-    return {row[1]: Sums(*row[2:]) for row in db.execute(query)}
+def _by_key(db: Session, query: Rows) -> Standings:
+    return {(row[0], row[1]): Sums(*row[2:]) for row in db.execute(query)}
 
 
 def of_account(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, Sums]:
     """An account's standings, by exercise."""
-    return _by_exercise(db, _of_account(account_id, exercise))
+    query = _rows().where(Standing.account_id == account_id)
+    query = query if exercise is None else query.where(Standing.exercise == exercise)
+    return {row[1]: Sums(*row[2:]) for row in db.execute(query)}
 
 
-def of_class(db: Session, accounts: Collection[UUID], exercises: Collection[str]) -> Mapping[tuple[UUID, str], Sums]:
+def of_class(db: Session, accounts: Collection[UUID], exercises: Collection[str]) -> Standings:
     """The standings of many accounts in many exercises, in one query."""
-    query = _rows().where(Standing.account_id.in_(accounts), Standing.exercise.in_(exercises))
-    return {(row[0], row[1]): Sums(*row[2:]) for row in db.execute(query)}
+    return _by_key(db, _rows().where(Standing.account_id.in_(accounts), Standing.exercise.in_(exercises)))
 
 
 def accounts(db: Session) -> Sequence[UUID]:

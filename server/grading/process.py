@@ -12,10 +12,12 @@ from server.base.settings import Settings
 from server.course import Course, load
 from server.database import Database
 from server.grading.joint import Grader
+from server.grading.regrading import RegradeTask
 from server.grading.task import GradingTask, SentFile
-from server.queue.port import Signals, WorkSource
+from server.queue.port import Signals, Tasks, WorkSource
 from server.queue.service import TableQueue
 from server.queue.worker import Stop, Worker
+from server.regrades.service import REGRADE
 from server.sandbox import Sandbox, SandboxFault
 from server.submissions.service import GRADE
 
@@ -73,7 +75,9 @@ def run(settings: Settings, work: WorkSource, signals: Signals) -> None:
         def grade(work: SentFile) -> Judgement:
             return grader.grade(work.exercise, work.source, work.seed, submission=work.submission_id)
 
+        queue = TableQueue(signals)
+        tasks: Tasks = {GRADE: GradingTask(course, grade), REGRADE: RegradeTask(course, queue, grade)}
         try:
-            Worker(database, TableQueue(signals), settings, {GRADE: GradingTask(course, grade)}).run(work)
+            Worker(database, queue, settings, tasks).run(work)
         finally:
             _stopping.set()  # what still warms up is closed under it

@@ -289,8 +289,11 @@ async def figure(
     name: str,
     account: OptionalAccount,
     theme: Theme = "light",
+    correction: UUID | None = None,
 ) -> Response:
-    wanted = Wanted(submission_id, name, "svg", theme)
+    """Of the grading `correction`, for ever; of the one that counts, which another may follow, where none is named."""
+    wanted = Wanted(submission_id, name, "svg", theme, correction)
     picture = await figures.of_verdict(account, wanted, client_address(request))
-    headers = {"Cache-Control": "private, max-age=31536000, immutable", "Content-Security-Policy": FIGURE_POLICY}
+    kept = "private, no-cache" if correction is None else "private, max-age=31536000, immutable"
+    headers = {"Cache-Control": kept, "Content-Security-Policy": FIGURE_POLICY}
     return Response(picture, media_type=MEDIA_TYPES["svg"], headers=headers)

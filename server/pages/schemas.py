@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from graders.core.contract.progress import Progress
+from server.web.regraded import RegradedView
 from server.web.schemas import ModuleLink, OwnState, VerdictView
 
 
@@ -61,7 +62,8 @@ class WorkView:
     """The latest state of one submission: waiting (`waiting` says where) or judged; `again`: it is sent anew.
 
     `marks` are those of the questions, in an exercise answered without code; `progress` is what it mended since the
-    attempt before; `asks`: it is of who looks, and somebody would read their question about it.
+    attempt before, `regraded` what a regrade has changed since it was sent; `asks`: it is of who looks, and somebody
+    would read their question about it.
     """
 
     id: str
@@ -76,6 +78,7 @@ class WorkView:
     marks: tuple[MarkView, ...]
     progress: Progress | None = None
     asks: bool = False
+    regraded: RegradedView | None = None
 
     def mark(self, question: str) -> MarkView | None:
         """The mark of a question, where there is something to say of it."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
+from uuid import UUID
 
 from markupsafe import Markup
 
@@ -37,7 +38,7 @@ from server.pages.schemas import (
 from server.submissions import deals
 from server.submissions.models import State, Submission
 from server.submissions.service import UNATTENDED, Place
-from server.web import verdicts
+from server.web import regraded, verdicts
 from server.web.rendering import python
 from server.web.schemas import VerdictView
 from server.web.views import (
@@ -241,7 +242,7 @@ def _work(
         number=number,
         status=place.state.value,
         waiting=waiting_text(place),
-        verdict=_verdict_view(exercise, verdict, href) if verdict else None,
+        verdict=_verdict_view(exercise, verdict, href, grading.id) if verdict and grading else None,
         page=href,
         events=f"{href}/evenements",
         fragment=f"{href}/verdict{'?deja=true' if again else ''}",
@@ -249,12 +250,13 @@ def _work(
         marks=marks.of(exercise, submission, verdict, seed),
         progress=_progress(reader, exercise, submission, verdict),
         asks=talk.may_ask(reader, exercise, submission.account_id),
+        regraded=regraded.of(reader.db, grading.id, exercise.kind) if grading else None,
     )
 
 
-def _verdict_view(exercise: Exercise, verdict: Verdict, href: str) -> VerdictView:
+def _verdict_view(exercise: Exercise, verdict: Verdict, href: str, grading: UUID) -> VerdictView:
     texts = None if exercise.answers is None else exercise
-    return verdicts.view(verdict, f"{href}/figures", texts, exercise.functions)
+    return verdicts.view(verdict, f"{href}/figures", texts, exercise.functions, grading=grading)
 
 
 def _progress(reader: Reader, exercise: Exercise, submission: Submission, verdict: Verdict | None) -> Mended | None:

@@ -278,7 +278,9 @@ def _check_view(exercise: Exercise, attempt: Attempt | None, check_id: str | Non
         return None
     texts = None if exercise.answers is None else exercise
     figures = f"/soumissions/{attempt.submission.id}/figures"
-    view = verdicts.view(Verdict.from_json(attempt.grading.verdict), figures, texts, exercise.functions)
+    view = verdicts.view(
+        Verdict.from_json(attempt.grading.verdict), figures, texts, exercise.functions, grading=attempt.grading.id
+    )
     return next((check for check in view.checks if check.id == check_id), None)
 
 

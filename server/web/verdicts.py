@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from uuid import UUID
 
 from graders.core.contract.outcomes import Blame, Kind, Outcome
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Verdict
@@ -12,6 +13,8 @@ from server.web import values
 from server.web.schemas import CheckView, CounterexampleView, DiagnosisView, FigureView, Texts, Tone, VerdictView
 from server.web.words import mark, points
 
+#: The address under which figures are drawn, and the grading that they are of.
+Figures = tuple[str, UUID | None]
 NAME = re.compile(r"[^\W\d]\w*")
 TIMINGS = {
     "load_ms": "chargement de votre fichier",
@@ -22,9 +25,16 @@ TIMINGS = {
 
 
 def view(
-    verdict: Verdict, figures: str, texts: Texts | None = None, functions: Sequence[FunctionSpec] = ()
+    verdict: Verdict,
+    figures: str,
+    texts: Texts | None = None,
+    functions: Sequence[FunctionSpec] = (),
+    *,
+    grading: UUID | None = None,
 ) -> VerdictView:
     """Lay out a verdict. `figures` is the address under which its figures are drawn.
+
+    Those addresses name the `grading`: browsers keep a figure for ever, and another grading may come to count.
 
     `texts` is the exercise, where it is answered without code: the verdict's texts are then its Markdown. `functions`
     are those that it asks for: they name the parts of what they return.
@@ -37,7 +47,7 @@ def view(
         tone=_tone(verdict),
         points=mark(verdict.points) if verdict.outcome.counts else "",
         common=common_message(verdict.checks),
-        checks=tuple(_check(check, figures, marked, functions) for check in verdict.checks),
+        checks=tuple(_check(check, (figures, grading), marked, functions) for check in verdict.checks),
         diagnosis=_diagnosis(verdict.diagnosis) if verdict.diagnosis else None,
         stdout=verdict.stdout,
         timings=tuple(_timing(name, value) for name, value in verdict.timings.items()),
@@ -64,7 +74,7 @@ def common_message(checks: Sequence[CheckResult]) -> str:
     return messages.pop() if len(messages) == 1 and len(checks) > 1 else ""
 
 
-def _check(check: CheckResult, figures: str, marked: bool, functions: Sequence[FunctionSpec]) -> CheckView:
+def _check(check: CheckResult, figures: Figures, marked: bool, functions: Sequence[FunctionSpec]) -> CheckView:
     counterexample = check.counterexample
     return CheckView(
         id=check.id,
@@ -100,8 +110,9 @@ def _parts(given: Mapping[str, object], functions: Sequence[FunctionSpec]) -> tu
     return takers[0].parts if len(takers) == 1 else ()
 
 
-def _figure(check: CheckResult, figures: str) -> FigureView:
-    address = f"{figures}/{check.figure}.svg?theme="
+def _figure(check: CheckResult, figures: Figures) -> FigureView:
+    folder, grading = figures
+    address = f"{folder}/{check.figure}.svg?{f'correction={grading}&' if grading else ''}theme="
     alt = f"Figure de la vérification « {check.title} » : votre résultat superposé à la référence."
     return FigureView(address + "light", address + "dark", alt)
 

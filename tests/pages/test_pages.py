@@ -75,7 +75,8 @@ def test_from_submission_to_verdict(small_site: SmallSite) -> None:
         "0,5",
         "Que vaut le double",
         'loading="lazy"',
-        f"{href}/figures/simple.svg?theme=dark",
+        f"{href}/figures/simple.svg?correction=",
+        "&amp;theme=dark",
     ):
         assert text in page
     assert re.search(r"<p class=\"score\">0<", page)

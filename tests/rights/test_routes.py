@@ -26,6 +26,7 @@ from server.identity import links
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
 from server.identity.secrets import digest, new_token
 from server.marks.models import Override
+from server.regrades.models import Regrade
 from server.submissions.models import Submission
 from tests.support.service import EXERCISE, Site, fake_verdict
 
@@ -45,6 +46,7 @@ JSON: dict[str, Any] = {
     "POST /api/v1/classes": {"name": "PSI", "module": "l20"},
     "POST /api/v1/classes/join": {"code": "{code}"},
     "PUT /api/v1/classes/{class_id}/marks/{student}/{module}/{slug}": {"excused": True, "reason": "à l’oral"},
+    "POST /api/v1/classes/{class_id}/regrades": {"exercise": EXERCISE},
 }
 FORMS: dict[str, dict[str, str]] = {
     "POST /{module}/exercices/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
@@ -61,6 +63,8 @@ FORMS: dict[str, dict[str, str]] = {
         "exercice": EXERCISE,
         "motif": "x",
     },
+    "POST /classes/{class_id}/recalculs": {"exercice": EXERCISE},
+    "POST /classes/{class_id}/recalculs/{regrade_id}": {"action": "arreter"},
     "POST /rejoindre/{code}": {"given": "Ada", "family": "Lovelace"},
 }
 OTHER_VALUES = {
@@ -148,6 +152,8 @@ class Stage:
             db.flush()
             graded = Graded(Judgement(fake_verdict("x = 1", 1), {"b": {"kind": "fake"}}), utc_now())
             gradebook.record(db, self.sent.id, graded)  # a stream of events ends
+            self.regrade = Regrade(class_id=self.made.id, exercise=EXERCISE, policy="replace")
+            db.add(self.regrade)
 
     def values(self, who: str) -> dict[str, str]:
         return {
@@ -158,6 +164,7 @@ class Stage:
             "assignment_id": str(self.assignment.id),
             "code": str(self.made.join_code),
             "submission_id": str(self.sent.id),
+            "regrade_id": str(self.regrade.id),
             "token": self.link,
             "invitation": self.invitation,
             "student": str(self.accounts["student"].id),

@@ -4,6 +4,7 @@ import { noteAccount } from "./drafts.js";
 import { setUpFieldCopies } from "./fields.js";
 import { followToVerdict } from "./follow.js";
 import { setUpSearchKey } from "./search.js";
+import { followProgress } from "./progress.js";
 import { keep } from "./storage.js";
 
 const root = document.documentElement;
@@ -76,3 +77,5 @@ const waiting = document.querySelector("[data-part=verdict][data-events]");
 if (waiting && waiting.dataset.status !== "done") {
   followToVerdict({ events: waiting.dataset.events, verdict: waiting.dataset.verdict });
 }
+
+followProgress();

@@ -1,0 +1,89 @@
+"""Regrades: begun, looked at, applied, undone."""
+
+from collections import Counter
+
+from fastapi import APIRouter
+
+from server.api.documentation import problems
+from server.api.regrade_schemas import ChangeOut, NewRegrade, ProgressOut, RegradeBegun, RegradeOut
+from server.classes.service import require_open
+from server.course.dependencies import CourseOf
+from server.course.models import Course
+from server.database.dependencies import Db
+from server.identity.dependencies import ApiAccount
+from server.identity.models import Account
+from server.regrades import applying, service
+from server.regrades.dependencies import RegradesOf
+from server.regrades.models import Policy, Regrade
+from server.regrades.schemas import Fate, Wanted
+from server.rights import service as rights
+from server.rights.models import Right
+from server.web import regraded
+
+router = APIRouter(prefix="/classes/{class_id}/regrades", tags=["classes"])
+
+
+@router.post("", status_code=202, responses=problems(400, 401, 403, 404, 409, 413, 422))
+def begin(class_id: str, body: NewRegrade, account: ApiAccount, store: RegradesOf, db: Db) -> RegradeBegun:
+    """Grades attempts anew in the background; nothing counts until it is applied."""
+    place = rights.require(db, account, Right.regrade, class_id)
+    wanted = Wanted(body.exercise, Policy(body.policy), body.assignment, body.student)
+    return RegradeBegun(id=store.start(db, place.school_class, account.id, wanted).id)
+
+
+@router.get("/{regrade_id}", responses=problems(401, 403, 404))
+def read(class_id: str, regrade_id: str, account: ApiAccount, course: CourseOf, db: Db) -> RegradeOut:
+    """How far it is, and whose mark it changes: what counts is graded first."""
+    return _told(db, course, _found(db, account, class_id, regrade_id))
+
+
+@router.post("/{regrade_id}/apply", responses=problems(401, 403, 404, 409))
+def apply(class_id: str, regrade_id: str, account: ApiAccount, course: CourseOf, db: Db) -> RegradeOut:
+    """Has the new gradings count, all at once; where it is applied already, changes nothing."""
+    regrade = _found(db, account, class_id, regrade_id, to_change=True)
+    applying.apply(db, course, regrade.id, account.id)
+    return _told(db, course, regrade)
+
+
+@router.post("/{regrade_id}/undo", responses=problems(401, 403, 404, 409))
+def undo(class_id: str, regrade_id: str, account: ApiAccount, course: CourseOf, db: Db) -> RegradeOut:
+    """Has what counted before count again, all at once; where it is not applied, changes nothing."""
+    regrade = _found(db, account, class_id, regrade_id, to_change=True)
+    applying.undo(db, course, regrade.id, account.id)
+    return _told(db, course, regrade)
+
+
+def _found(db: Db, account: Account, class_id: str, regrade_id: str, *, to_change: bool = False) -> Regrade:
+    place = rights.require(db, account, Right.regrade, class_id)
+    regrade = service.find(db, place.school_class.id, regrade_id)
+    if to_change:
+        require_open(place.school_class)
+    return regrade
+
+
+def _told(db: Db, course: Course, regrade: Regrade) -> RegradeOut:
+    found = service.preview(db, regrade)
+    exercise = course.exercises.get(regrade.exercise)
+    kind = "code" if exercise is None else exercise.kind
+    fates = Counter(one.fate for one in found.changes)
+    return RegradeOut(
+        id=regrade.id,
+        exercise=regrade.exercise,
+        policy=Policy(regrade.policy),
+        assignment=regrade.assignment_id,
+        student=regrade.student_id,
+        state=found.advance.state,
+        progress=ProgressOut(done=found.advance.graded, total=found.advance.total),
+        students={fate: fates[fate] for fate in Fate},
+        failed=sum(one.failed for one in found.changes),
+        changes=[
+            ChangeOut(
+                student=one.student,
+                before=one.before,
+                after=one.after,
+                why=" ; ".join(regraded.sentences(one.why, kind)),
+            )
+            for one in found.changes
+            if one.before != one.after
+        ],
+    )

@@ -1,0 +1,10 @@
+"""What routes ask of this room."""
+
+from typing import Annotated
+
+from fastapi import Depends
+
+from server.base.provided import provided
+from server.regrades.service import Regrades
+
+RegradesOf = Annotated[Regrades, Depends(provided(Regrades))]

@@ -1,0 +1,125 @@
+"""What goes into the room, and what comes out of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+from uuid import UUID
+
+from server.regrades.models import Policy, Regrade
+from server.regrades.why import Reason
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a teacher asks to have graded anew: of the whole class, or of an assignment, or of a student."""
+
+    exercise: str
+    policy: Policy
+    assignment: UUID | None = None
+    student: UUID | None = None
+
+
+class State(StrEnum):
+    """How far a regrade is."""
+
+    running = "running"
+    ready = "ready"
+    applied = "applied"
+    undone = "undone"
+    stopped = "stopped"
+
+
+@dataclass(frozen=True)
+class Advance:
+    """How many attempts are graded anew, of how many. `done` in the sense of who watches: nothing more will come."""
+
+    state: State
+    graded: int
+    total: int
+
+    @property
+    def done(self) -> bool:
+        return self.state is not State.running
+
+
+@dataclass(frozen=True)
+class Copy:
+    """An attempt of a regrade. A score, in [0, 1], is None for an error of ours; `after_id` too while it waits."""
+
+    item_id: UUID
+    submission_id: UUID
+    account_id: UUID
+    sent_at: datetime
+    counting: bool
+    current_id: UUID | None
+    before_id: UUID
+    before: float | None
+    after_id: UUID | None
+    after: float | None
+    version: str | None
+    why: tuple[Reason, ...]
+    moved: bool
+
+    @property
+    def failed(self) -> bool:
+        return self.after_id is not None and self.after is None
+
+
+class Fate(StrEnum):
+    """What a regrade does to a student's mark. `kept`: the new version gives less, and the policy keeps the better."""
+
+    gains = "gains"
+    loses = "loses"
+    kept = "kept"
+    same = "same"
+
+
+@dataclass(frozen=True)
+class Change:
+    """A student's points out of 20, before and once the regrade is applied; None where nothing counts.
+
+    `anew` is what the new gradings alone would make. `submission_id` is the attempt that `why` is about, None without
+    any. `failed` and `waiting` count attempts, `since` those that were sent after the regrade was begun.
+    """
+
+    student: UUID
+    before: float | None
+    after: float | None
+    anew: float | None
+    fate: Fate
+    submission_id: UUID | None
+    why: tuple[Reason, ...]
+    copies: int
+    failed: int
+    waiting: int
+    since: int = 0
+
+
+@dataclass(frozen=True)
+class Preview:
+    """A regrade as it stands, with what it does to each student whom it concerns."""
+
+    regrade: Regrade
+    advance: Advance
+    changes: tuple[Change, ...]
+
+
+@dataclass(frozen=True)
+class Told:
+    """What the author of an attempt is told of the regrade that has its new grading count; scores as in `Copy`."""
+
+    applied_at: datetime
+    before: float | None
+    after: float | None
+    why: tuple[Reason, ...]
+
+
+@dataclass(frozen=True)
+class Outdated:
+    """How many attempts at an exercise no grading of its present version has, and of how many students."""
+
+    exercise: str
+    attempts: int
+    students: int

@@ -1,0 +1,102 @@
+"""What differs between two gradings of the same attempt, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from graders.core.contract.outcomes import Kind as Answered
+from server.regrades import service
+from server.regrades.why import Kind, Reason
+from server.web.verdicts import title_of
+from server.web.words import mark, moment, moment_text, points
+
+
+@dataclass(frozen=True)
+class RegradedView:
+    """That an attempt was graded anew: when, its points before (empty for an error of ours) and after, and why."""
+
+    when: str
+    when_text: str
+    before: str
+    after: str
+    why: tuple[str, ...]
+
+
+def of(db: Session, grading: UUID, kind: Answered) -> RegradedView | None:
+    """What the author of an attempt reads beside this grading, where a regrade has it count."""
+    told = service.told(db, grading)
+    if told is None:
+        return None
+    before, after = pair(_points(told.before), _points(told.after))
+    why = tuple(f"{text[0].upper()}{text[1:]}." for text in sentences(told.why, kind))
+    return RegradedView(moment(told.applied_at), moment_text(told.applied_at), before, after, why)
+
+
+def _points(score: float | None) -> float | None:
+    return None if score is None else 20.0 * score
+
+
+def pair(before: float | None, after: float | None, most: float = 20.0) -> tuple[str, str]:
+    """Two numbers of points as marks are read; to the hundredth, where rounding would make them one."""
+    known = [one for one in (before, after) if one is not None]
+    read = points if len({mark(one, max(one, most)) for one in known}) < len(set(known)) else _mark(most)
+    written = ["" if one is None else read(one) for one in (before, after)]
+    return written[0], written[1]
+
+
+def _mark(most: float) -> Callable[[float], str]:
+    return lambda value: mark(value, max(value, most))
+
+
+def sentences(why: Sequence[Reason], kind: Answered) -> tuple[str, ...]:
+    """One for each reason, without capital or full stop; titles in them are as the exercise has them."""
+    return tuple(WORDS[reason.kind](reason, kind) for reason in why)
+
+
+def _changed(reason: Reason, _: Answered) -> str:
+    before, after = pair(reason.before, reason.after, reason.most or 0.0)
+    return f"la vérification « {reason.name} » passe de {before} à {after} sur {points(reason.most or 0.0)}"
+
+
+def _scaled(reason: Reason, _: Answered) -> str:
+    now, was = points(reason.after or 0.0), points(reason.before or 0.0)
+    return f"la vérification « {reason.name} » est maintenant sur {now}, et non plus sur {was}"
+
+
+def _new(reason: Reason, _: Answered) -> str:
+    most = reason.most or 0.0
+    return f"nouvelle vérification « {reason.name} » : {mark(reason.after or 0.0, most)} sur {points(most)}"
+
+
+def _gone(reason: Reason, _: Answered) -> str:
+    most = reason.most or 0.0
+    return f"la vérification « {reason.name} », {mark(reason.before or 0.0, most)} sur {points(most)}, n’existe plus"
+
+
+def _ended(reason: Reason, kind: Answered) -> str:
+    return f"l’issue est « {title_of(reason.now, kind)} », et non plus « {title_of(reason.was, kind)} »"
+
+
+def _recognised(reason: Reason, _: Answered) -> str:
+    if not reason.was:
+        return f"une erreur est reconnue : « {reason.now} »"
+    if not reason.now:
+        return f"l’erreur « {reason.was} » n’est plus reconnue"
+    return f"l’erreur reconnue est « {reason.now} », et non plus « {reason.was} »"
+
+
+WORDS: Mapping[Kind, Callable[[Reason, Answered], str]] = {
+    "points": _changed,
+    "scale": _scaled,
+    "new": _new,
+    "gone": _gone,
+    "outcome": _ended,
+    "diagnosis": _recognised,
+    "example": lambda reason, _: f"la vérification « {reason.name} » montre un autre exemple, pour autant de points",
+    "failed": lambda *_: "la nouvelle correction a échoué par un incident de notre côté : l’ancienne reste",
+    "mended": lambda *_: "la correction d’avant avait échoué par un incident de notre côté",
+}
