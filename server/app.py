@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import os
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,6 +21,8 @@ from server.base import middleware
 from server.base.helper import Helper
 from server.base.provided import check_provided, provide
 from server.base.settings import Settings
+from server.behaviour import fingerprints
+from server.behaviour import repository as behaviour
 from server.cells.routes import router as cells_router
 from server.cells.supervisor import Cells
 from server.classes.presence import Presence
@@ -49,7 +51,7 @@ from server.pages.routes import router as pages_router
 from server.personal.joining import adopt
 from server.personal.service import Personal
 from server.queue.owner import Owner, owner_of
-from server.queue.port import Queue, Signals
+from server.queue.port import GiveUp, Queue, Signals
 from server.queue.postgres import AllSignals, Listener, PostgresSignals
 from server.queue.service import TableQueue
 from server.queue.switchboard import Switchboard
@@ -140,17 +142,22 @@ class Services:
         kept = Store(self.settings.data_dir / "figures")
         return Figures(self.course, self.database, Pictures(Helper(program()), kept))
 
+    @cached_property
+    def give_ups(self) -> Mapping[str, GiveUp]:
+        return {**give_ups(self.course), **fingerprints.give_ups()}
+
     def take_back(self, owner: Owner) -> None:
         """A local worker has died: its job goes back to the queue at once, or when lost leases are next looked for."""
         try:
             with self.database.write() as db:
-                self.queue.release(db, owner, give_ups(self.course))
+                self.queue.release(db, owner, self.give_ups)
         except SQLAlchemyError:
             log.exception("the job of a dead worker could not be taken back; trying again later")
 
     def tidy(self) -> None:
         with self.database.write() as db:
             accounts.forget_stale(db)
+            behaviour.forget_empty(db)
         self.personal.forget_guests(utc_now())
         erased = self.personal.purge(utc_now())
         if erased:
@@ -159,7 +166,7 @@ class Services:
     def recover(self) -> None:
         """Leases that have run out, or whose holder died with another server; then whether anybody takes what waits."""
         with self.database.write() as db:
-            self.queue.recover(db, owner_of(os.getpid()), give_ups(self.course))
+            self.queue.recover(db, owner_of(os.getpid()), self.give_ups)
         with self.database.read() as db:
             self.watch.look(db)
 

@@ -2,6 +2,7 @@
 
 from server.assignments import models as assignments
 from server.audit import models as audit
+from server.behaviour import models as behaviour
 from server.classes import models as classes
 from server.comments import models as comments
 from server.database.base import Base
@@ -38,5 +39,8 @@ TABLES = (
     comments.Note,
     comments.NoteReader,
     marks.Override,
+    behaviour.BehaviourGroup,
+    behaviour.Fingerprint,
+    behaviour.BehaviourName,
 )
 metadata = Base.metadata

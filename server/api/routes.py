@@ -2,7 +2,7 @@
 
 from fastapi import APIRouter
 
-from server.api import classes, comments, exercises, marks, me, submissions
+from server.api import classes, comments, exercises, marks, me, names, submissions
 
 router = APIRouter(prefix="/api/v1")
 router.include_router(exercises.router)
@@ -11,3 +11,4 @@ router.include_router(comments.router)
 router.include_router(me.router)
 router.include_router(classes.router)
 router.include_router(marks.router)
+router.include_router(names.router)

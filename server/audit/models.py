@@ -27,6 +27,8 @@ class What(StrEnum):
     student_admitted = "student_admitted"
     mark_overridden = "mark_overridden"
     override_withdrawn = "override_withdrawn"
+    name_given = "name_given"
+    name_withdrawn = "name_withdrawn"
 
 
 WORDS: Mapping[What, str] = {
@@ -40,6 +42,8 @@ WORDS: Mapping[What, str] = {
     What.student_admitted: "élève admis dans la classe",
     What.mark_overridden: "note modifiée",
     What.override_withdrawn: "note modifiée retirée",
+    What.name_given: "erreur nommée",
+    What.name_withdrawn: "nom d’erreur retiré",
 }
 
 #: Kinds that are about one student, unless they are about all who have a label.

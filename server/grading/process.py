@@ -9,11 +9,12 @@ from types import FrameType
 
 from graders.core.contract.findings import Judgement
 from server.base.settings import Settings
+from server.behaviour.fingerprints import FINGERPRINT, FingerprintTask, Sweeper
 from server.course import Course, load
 from server.database import Database
-from server.grading.joint import Grader
+from server.grading.joint import Grader, SandboxPrograms
 from server.grading.task import GradingTask, SentFile
-from server.queue.port import Signals, WorkSource
+from server.queue.port import Signals, Tasks, WorkSource
 from server.queue.service import TableQueue
 from server.queue.worker import Stop, Worker
 from server.sandbox import Sandbox, SandboxFault
@@ -73,7 +74,14 @@ def run(settings: Settings, work: WorkSource, signals: Signals) -> None:
         def grade(work: SentFile) -> Judgement:
             return grader.grade(work.exercise, work.source, work.seed, submission=work.submission_id)
 
+        queue = TableQueue(signals)
+        tasks: Tasks = {
+            GRADE: GradingTask(course, grade),
+            FINGERPRINT: FingerprintTask(course, queue, lambda policy: SandboxPrograms(sandbox, policy)),
+        }
+        sweeper = Sweeper(database, queue, course)
+        threading.Thread(target=sweeper.keep_looking, args=(_stopping,), name="sweeper", daemon=True).start()
         try:
-            Worker(database, TableQueue(signals), settings, {GRADE: GradingTask(course, grade)}).run(work)
+            Worker(database, queue, settings, tasks).run(work)
         finally:
             _stopping.set()  # what still warms up is closed under it

@@ -25,6 +25,7 @@ class Right(StrEnum):
     change_marks = "changer les notes de la classe"
     read_log = "lire le journal de la classe"
     set_up = "régler la classe"
+    name_behaviours = "nommer une erreur pour la classe"
     create = "créer une classe"
     open_to_all = "ouvrir les corrigés à tous"
 
@@ -45,6 +46,7 @@ OF_MEMBERS: Mapping[Right, frozenset[Seat]] = {
     Right.change_marks: frozenset({TEACHER}),
     Right.read_log: frozenset({TEACHER}),
     Right.set_up: frozenset({TEACHER}),
+    Right.name_behaviours: frozenset({TEACHER}),
 }
 
 #: Who only asks to join knows that the class is there, and may think better of it.
