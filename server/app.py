@@ -30,6 +30,7 @@ from server.classes.service import Classes
 from server.course import Course, load
 from server.database import Database, utc_now
 from server.desk.classes import router as classes_router
+from server.desk.groups import router as groups_router
 from server.desk.journal import router as journal_router
 from server.desk.keeping import router as keeping_router
 from server.desk.likeness import router as likeness_router
@@ -84,6 +85,7 @@ ROUTERS = (
     talking_router,
     marks_router,
     journal_router,
+    groups_router,
     pages_router,
     reading_router,
     cells_router,
