@@ -21,6 +21,8 @@ from server.base import middleware
 from server.base.helper import Helper
 from server.base.provided import check_provided, provide
 from server.base.settings import Settings
+from server.behaviour import fingerprints
+from server.behaviour import repository as behaviour
 from server.cells.routes import router as cells_router
 from server.cells.supervisor import Cells
 from server.classes.presence import Presence
@@ -28,6 +30,7 @@ from server.classes.service import Classes
 from server.course import Course, load
 from server.database import Database, utc_now
 from server.desk.classes import router as classes_router
+from server.desk.groups import router as groups_router
 from server.desk.journal import router as journal_router
 from server.desk.keeping import router as keeping_router
 from server.desk.likeness import router as likeness_router
@@ -86,6 +89,7 @@ ROUTERS = (
     marks_router,
     journal_router,
     regrades_router,
+    groups_router,
     pages_router,
     reading_router,
     cells_router,
@@ -147,7 +151,11 @@ class Services:
     @cached_property
     def give_ups(self) -> Mapping[str, GiveUp]:
         """The end of each kind of job that has failed too often."""
-        return {**give_ups(self.course), **regrading.give_ups(self.course, self.queue)}
+        return {
+            **give_ups(self.course),
+            **regrading.give_ups(self.course, self.queue),
+            **fingerprints.give_ups(),
+        }
 
     def take_back(self, owner: Owner) -> None:
         """A local worker has died: its job goes back to the queue at once, or when lost leases are next looked for."""
@@ -160,6 +168,7 @@ class Services:
     def tidy(self) -> None:
         with self.database.write() as db:
             accounts.forget_stale(db)
+            behaviour.forget_empty(db)
         self.personal.forget_guests(utc_now())
         erased = self.personal.purge(utc_now())
         if erased:

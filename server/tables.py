@@ -2,6 +2,7 @@
 
 from server.assignments import models as assignments
 from server.audit import models as audit
+from server.behaviour import models as behaviour
 from server.classes import models as classes
 from server.comments import models as comments
 from server.database.base import Base
@@ -41,5 +42,8 @@ TABLES = (
     marks.Override,
     regrades.Regrade,
     regrades.RegradeItem,
+    behaviour.BehaviourGroup,
+    behaviour.Fingerprint,
+    behaviour.BehaviourName,
 )
 metadata = Base.metadata

@@ -23,6 +23,35 @@ class JoinCode(Strict):
     code: Annotated[str, Field(max_length=100, description="In any case, with or without dashes and spaces.")]
 
 
+class NewName(Strict):
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "title": "L’angle est compté deux fois",
+                    "explanation": "Vous ajoutez le cap à un angle qui le contient déjà.",
+                    "question": "Dans quel repère b est-elle donnée ?",
+                }
+            ]
+        }
+    )
+
+    title: Annotated[str, Field(max_length=4000, description="1 to 200 characters.")]
+    explanation: Annotated[str, Field(max_length=40_000, description="Plain text, 1 to 4000 characters.")]
+    question: Annotated[str, Field(max_length=10_000, description="Plain text, at most 1000 characters.")] = ""
+
+
+class NameOut(Strict):
+    """The name of a group of programs that answer alike; `students` of the class have sent one at least."""
+
+    exercise: Annotated[str, Field(examples=["l20/poses"])]
+    group: str
+    title: str
+    explanation: str
+    question: str
+    students: Annotated[int, Field(ge=1)]
+
+
 class ClassOut(Strict):
     id: UUID
     name: str

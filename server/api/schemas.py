@@ -87,6 +87,10 @@ class DiagnosisOut(Strict):
     id: str
     title: str
     explanation: str
+    source: Annotated[
+        Literal["teacher"] | None,
+        Field(description="`teacher` for what a teacher says of programs that answer alike; left out otherwise."),
+    ] = None
 
 
 class VerdictOut(Strict):

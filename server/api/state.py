@@ -7,7 +7,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from graders.core.contract.verdict import Verdict
+from server.behaviour import service as behaviour
 from server.database import Database
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
@@ -35,12 +35,13 @@ def url_of(submission_id: UUID) -> str:
 def resource(db: Session, store: Submissions, attempt: Attempt) -> Resource:
     submission = attempt.submission
     place = store.place(db, submission)
+    verdict = behaviour.verdict_of(db, attempt)
     members = {
         "id": str(submission.id),
         "status": place.state,
         "position": place.position,
         "notice": UNATTENDED if place.unattended else None,
-        "verdict": Verdict.from_json(attempt.grading.verdict).to_json() if attempt.grading else None,
+        "verdict": verdict.to_json() if verdict else None,
         "url": url_of(submission.id),
         "exercise": submission.exercise,
         "created_at": submission.created_at.isoformat(),

@@ -43,6 +43,13 @@ ROUTES: dict[tuple[str, str], str] = {
     ("post", "/api/v1/classes/{class_id}/regrades/{regrade_id}/undo"): (
         "Fait compter de nouveau les corrections d’avant, toutes à la fois. Sans effet si rien n’est appliqué."
     ),
+    ("put", "/api/v1/classes/{class_id}/names/{module}/{slug}/{group}"): (
+        "Nomme une erreur : celle des programmes qui répondent tous de même. Ceux de la classe qui ont ainsi échoué, "
+        "et ceux qui échoueront ainsi, l’ont pour diagnostic, « vu par votre enseignant »."
+    ),
+    ("delete", "/api/v1/classes/{class_id}/names/{module}/{slug}/{group}"): (
+        "Retire ce nom : plus personne ne le lit."
+    ),
     ("get", "/api/v1/exercises"): "Les exercices servis, dans l’ordre du cours.",
     ("get", "/api/v1/exercises/{module}/{slug}"): (
         "Un exercice : son énoncé (en HTML), le fichier de départ, les limites d’une exécution. "
@@ -73,6 +80,10 @@ ROUTES: dict[tuple[str, str], str] = {
 PARAMETERS: dict[str, str] = {
     "module": "le module",
     "class_id": "l’identifiant de la classe (`id`)",
+    "group": "le groupe de programmes, tel que le tableau de la classe le donne (`group`)",
+    "title": "le titre, 200 caractères au plus",
+    "explanation": "ce qui est faux et pourquoi, 4000 caractères au plus",
+    "question": "ce qui met sur la voie, 1000 caractères au plus",
     "dry_run": "dire ce que la liste changerait, et ne rien écrire",
     "slug": "le nom court de l’exercice",
     "student": "l’identifiant de l’élève (`id`)",

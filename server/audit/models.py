@@ -29,6 +29,8 @@ class What(StrEnum):
     override_withdrawn = "override_withdrawn"
     regrade_applied = "regrade_applied"
     regrade_undone = "regrade_undone"
+    name_given = "name_given"
+    name_withdrawn = "name_withdrawn"
 
 
 WORDS: Mapping[What, str] = {
@@ -44,6 +46,8 @@ WORDS: Mapping[What, str] = {
     What.override_withdrawn: "note modifiée retirée",
     What.regrade_applied: "recorrection appliquée",
     What.regrade_undone: "recorrection annulée",
+    What.name_given: "erreur nommée",
+    What.name_withdrawn: "nom d’erreur retiré",
 }
 
 #: Kinds that are about one student, unless they are about all who have a label.

@@ -6,7 +6,7 @@ from typing import Any
 
 from graders.core.compare import words
 from graders.core.contract.outcomes import Blame
-from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Verdict
+from graders.core.contract.verdict import TEACHER, CheckResult, Counterexample, Diagnosis, Verdict
 
 WIDTH = 100
 SPACES = " \t\u00a0\u202f"
@@ -74,7 +74,8 @@ def _compact(value: Any) -> str:
 
 def _diagnosis(diagnosis: Diagnosis) -> Iterator[str]:
     yield ""
-    yield f"Diagnostic : {diagnosis.title}"
+    seen = " (vu par votre enseignant)" if diagnosis.source == TEACHER else ""
+    yield f"Diagnostic : {diagnosis.title}{seen}"
     yield from paragraph(diagnosis.explanation, indent=2)
     yield ""
 

@@ -26,7 +26,7 @@ class Grading(Base):
     diagnosis: Mapped[str | None] = mapped_column(String(200))
     seed: Mapped[int] = mapped_column(BigInteger)
     started_at: Mapped[datetime] = mapped_column(UtcDateTime)
-    finished_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    finished_at: Mapped[datetime] = mapped_column(UtcDateTime, index=True)
     checks_ms: Mapped[float | None]
     diagnosis_ms: Mapped[float | None]
     total_ms: Mapped[float | None]

@@ -9,9 +9,10 @@ from types import FrameType
 
 from graders.core.contract.findings import Judgement
 from server.base.settings import Settings
+from server.behaviour.fingerprints import FINGERPRINT, FingerprintTask, Sweeper
 from server.course import Course, load
 from server.database import Database
-from server.grading.joint import Grader
+from server.grading.joint import Grader, SandboxPrograms
 from server.grading.regrading import RegradeTask
 from server.grading.task import GradingTask, SentFile
 from server.queue.port import Signals, Tasks, WorkSource
@@ -76,7 +77,13 @@ def run(settings: Settings, work: WorkSource, signals: Signals) -> None:
             return grader.grade(work.exercise, work.source, work.seed, submission=work.submission_id)
 
         queue = TableQueue(signals)
-        tasks: Tasks = {GRADE: GradingTask(course, grade), REGRADE: RegradeTask(course, queue, grade)}
+        tasks: Tasks = {
+            GRADE: GradingTask(course, grade),
+            REGRADE: RegradeTask(course, queue, grade),
+            FINGERPRINT: FingerprintTask(course, queue, lambda policy: SandboxPrograms(sandbox, policy)),
+        }
+        sweeper = Sweeper(database, queue, course)
+        threading.Thread(target=sweeper.keep_looking, args=(_stopping,), name="sweeper", daemon=True).start()
         try:
             Worker(database, queue, settings, tasks).run(work)
         finally:

@@ -12,6 +12,7 @@ from graders.core.contract.progress import Progress as Mended
 from graders.core.contract.progress import progress as progress_since
 from graders.core.contract.verdict import Verdict
 from server.base.errors import NotFound
+from server.behaviour import service as behaviour
 from server.course import Exercise, Module
 from server.gradebook import service as gradebook
 from server.gradebook import solutions
@@ -236,7 +237,7 @@ def _work(
     submission, grading = attempt.submission, attempt.grading
     href = f"/soumissions/{submission.id}"
     place = reader.submissions.place(reader.db, submission)
-    verdict = Verdict.from_json(grading.verdict) if grading else None
+    verdict = behaviour.verdict_of(reader.db, attempt)
     return WorkView(
         id=str(submission.id),
         number=number,

@@ -26,6 +26,7 @@ class Right(StrEnum):
     read_log = "lire le journal de la classe"
     set_up = "régler la classe"
     regrade = "recorriger les essais de la classe"
+    name_behaviours = "nommer une erreur pour la classe"
     create = "créer une classe"
     open_to_all = "ouvrir les corrigés à tous"
 
@@ -47,6 +48,7 @@ OF_MEMBERS: Mapping[Right, frozenset[Seat]] = {
     Right.read_log: frozenset({TEACHER}),
     Right.set_up: frozenset({TEACHER}),
     Right.regrade: frozenset({TEACHER}),
+    Right.name_behaviours: frozenset({TEACHER}),
 }
 
 #: Who only asks to join knows that the class is there, and may think better of it.

@@ -99,9 +99,12 @@ class CheckView:
 
 @dataclass(frozen=True)
 class DiagnosisView:
+    """`by_teacher`: a teacher says so of all programs that answer alike."""
+
     id: str
     title: str
     paragraphs: tuple[str, ...]
+    by_teacher: bool = False
 
 
 class Texts(Protocol):

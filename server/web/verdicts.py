@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from uuid import UUID
 
 from graders.core.contract.outcomes import Blame, Kind, Outcome
-from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Verdict
+from graders.core.contract.verdict import TEACHER, CheckResult, Counterexample, Diagnosis, Verdict
 from server.course import FunctionSpec
 from server.web import values
 from server.web.schemas import CheckView, CounterexampleView, DiagnosisView, FigureView, Texts, Tone, VerdictView
@@ -119,7 +119,7 @@ def _figure(check: CheckResult, figures: Figures) -> FigureView:
 
 def _diagnosis(diagnosis: Diagnosis) -> DiagnosisView:
     paragraphs = tuple(part.strip() for part in diagnosis.explanation.split("\n\n") if part.strip())
-    return DiagnosisView(diagnosis.id, diagnosis.title, paragraphs)
+    return DiagnosisView(diagnosis.id, diagnosis.title, paragraphs, diagnosis.source == TEACHER)
 
 
 def _timing(name: str, milliseconds: float) -> tuple[str, str]:

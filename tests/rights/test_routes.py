@@ -10,11 +10,13 @@ from uuid import UUID, uuid4
 from fastapi import FastAPI
 from fastapi.routing import iter_route_contexts
 
+from graders.core.code.plain import packed
 from graders.core.contract.findings import Judgement
 from server.assignments.models import AssignedExercise, Assignment
 from server.base.paths import ROOT
 from server.base.provided import provided_to
 from server.base.request import COOKIE
+from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
 from server.classes.codes import new_code
 from server.classes.models import Membership, SchoolClass, Seat
 from server.comments.models import Message, Note, NoteReader, State, Thread
@@ -47,6 +49,7 @@ JSON: dict[str, Any] = {
     "POST /api/v1/classes/join": {"code": "{code}"},
     "PUT /api/v1/classes/{class_id}/marks/{student}/{module}/{slug}": {"excused": True, "reason": "à l’oral"},
     "POST /api/v1/classes/{class_id}/regrades": {"exercise": EXERCISE},
+    "PUT /api/v1/classes/{class_id}/names/{module}/{slug}/{group}": {"title": "Une erreur", "explanation": "Ainsi."},
 }
 FORMS: dict[str, dict[str, str]] = {
     "POST /{module}/exercices/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
@@ -154,6 +157,17 @@ class Stage:
             gradebook.record(db, self.sent.id, graded)  # a stream of events ends
             self.regrade = Regrade(class_id=self.made.id, exercise=EXERCISE, policy="replace")
             db.add(self.regrade)
+            db.refresh(self.sent)
+            self.group = uuid4().hex[:10]
+            db.add(
+                BehaviourGroup(
+                    id=self.group, exercise=EXERCISE, exercise_version="v1", structure="", projection=0.0,
+                    answers=packed(()), functions=[], example=None,
+                )
+            )  # fmt: skip
+            db.flush()
+            db.add(Fingerprint(grading_id=self.sent.grading_id, group_id=self.group))
+            db.add(BehaviourName(class_id=self.made.id, group_id=self.group, title="a", explanation="b", question=""))
 
     def values(self, who: str) -> dict[str, str]:
         return {
@@ -165,6 +179,7 @@ class Stage:
             "code": str(self.made.join_code),
             "submission_id": str(self.sent.id),
             "regrade_id": str(self.regrade.id),
+            "group": self.group,
             "token": self.link,
             "invitation": self.invitation,
             "student": str(self.accounts["student"].id),

@@ -92,6 +92,12 @@ class Prober:
                     last += self._last(index, answers)
         return tuple(found), tuple(last)
 
+    def nearest(self, index: int, answers: Sequence[Seen]) -> Sequence[Seen]:
+        """What is right, in the style that is nearest to these answers to the probes of that number."""
+        with self._lock:
+            right = self._right(index, answers)
+        return answers if right is None else right
+
     def _unlike(self, runner: Runner, index: int, answers: list[Seen]) -> str | None:
         """Why the last answer, to the first call made once more, is not the first one; None when it is.
 

@@ -40,6 +40,10 @@ class Members:
     def place(self, name: str) -> str:
         return f"{self._place}/{name}" if self._place else name
 
+    def has(self, name: str) -> bool:
+        """Is there such a member, which may be left out?"""
+        return name in self._left
+
     def any(self, name: str) -> Any:
         """Any strict JSON."""
         return _plain(self._take(name), self.place(name))

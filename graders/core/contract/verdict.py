@@ -97,15 +97,21 @@ class CheckResult:
 
 #: Between the titles of several mistakes, in the one title of a diagnosis.
 AND_ALSO = " — et aussi : "
+#: Who makes a diagnosis that is not the grader's.
+TEACHER = "teacher"
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The misconception whose wrong answers the submission reproduces; of several together, the first one's id."""
+    """The misconception whose wrong answers the submission reproduces; of several together, the first one's id.
+
+    `source` is `TEACHER` for what a teacher says of all programs that answer alike, None for what the grader found.
+    """
 
     id: str
     title: str
     explanation: str
+    source: str | None = None
 
     @property
     def titles(self) -> tuple[str, ...]:
@@ -113,12 +119,14 @@ class Diagnosis:
         return tuple(self.title.split(AND_ALSO))
 
     def to_json(self) -> dict[str, Any]:
-        return {"id": self.id, "title": self.title, "explanation": self.explanation}
+        told = {"id": self.id, "title": self.title, "explanation": self.explanation}
+        return told if self.source is None else {**told, "source": self.source}
 
     @classmethod
     def from_json(cls, value: Any, place: str = "") -> Diagnosis:
         with Members(value, place) as members:
-            return cls(members.text("id"), members.text("title"), members.text("explanation"))
+            source = members.text("source") if members.has("source") else None
+            return cls(members.text("id"), members.text("title"), members.text("explanation"), source)
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import (
     MAX_POINTS,
+    TEACHER,
     CheckResult,
     Counterexample,
     Diagnosis,
@@ -196,7 +197,7 @@ def test_a_verdict_that_its_checks_do_not_bear_out_cannot_be_made() -> None:
         (VerdictOut, STORED["wrong_answer"]),
         (CheckOut, STORED["wrong_answer"]["checks"][0]),
         (CounterexampleOut, STORED["wrong_answer"]["checks"][0]["counterexample"]),
-        (DiagnosisOut, STORED["wrong_answer"]["diagnosis"]),
+        (DiagnosisOut, Diagnosis("a", "A", "Ainsi.", TEACHER).to_json()),
     ],
     ids=lambda value: getattr(value, "__name__", ""),
 )
@@ -206,4 +207,12 @@ def test_the_api_documents_the_members_that_are_written(documented: Any, written
 
 @pytest.mark.parametrize("name", STORED)
 def test_the_api_documents_what_is_written(name: str) -> None:
-    assert json.loads(VerdictOut.model_validate_json(json.dumps(STORED[name])).model_dump_json()) == STORED[name]
+    read = VerdictOut.model_validate_json(json.dumps(STORED[name]))
+    assert json.loads(read.model_dump_json(exclude_unset=True)) == STORED[name]
+
+
+def test_a_diagnosis_says_that_it_is_a_teacher_s() -> None:
+    told = Diagnosis("a", "A", "Ainsi.", TEACHER)
+    assert told.to_json() == {"id": "a", "title": "A", "explanation": "Ainsi.", "source": "teacher"}
+    assert Diagnosis.from_json(told.to_json()) == told
+    assert "source" not in Diagnosis("a", "A", "Ainsi.").to_json()

@@ -1,0 +1,58 @@
+"""What the checks of an exercise ask a trusted program, written down so that it can be asked again."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from typing import Any
+
+from graders.core.contract.local import LOCAL, LocalProgram
+from graders.core.contract.program import Answer, KitSettings, Program, Reply
+from graders.core.contract.values import Arguments, Value
+
+#: How many calls of one function are written down.
+MOST_RECORDED = 24
+
+
+class Recorder:
+    """Starts trusted files, and writes down what some of their functions are asked."""
+
+    def __init__(self, functions: Collection[str]) -> None:
+        self._functions = frozenset(functions)
+        self._calls: dict[tuple[int, str], tuple[KitSettings, list[Arguments]]] = {}
+
+    def open(self, source: bytes, kit: KitSettings) -> Program:
+        return _Recording(LOCAL.open(source, kit), kit, self)
+
+    def note(self, kit: KitSettings, function: str, args: Arguments) -> None:
+        if function in self._functions:
+            _, calls = self._calls.setdefault((id(kit), function), (kit, []))
+            if len(calls) < MOST_RECORDED:
+                calls.append(args)
+
+    def recorded(self) -> Iterator[tuple[KitSettings, str, tuple[Arguments, ...]]]:
+        for (_, function), (kit, calls) in self._calls.items():
+            yield kit, function, tuple(calls)
+
+
+class _Recording:
+    """A program of `Recorder`."""
+
+    def __init__(self, program: LocalProgram, kit: KitSettings, recorder: Recorder) -> None:
+        self._program, self._kit, self._recorder = program, kit, recorder
+        self.functions = program.functions
+
+    def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
+        self._recorder.note(self._kit, function, args)
+        return self._program.call(function, *args, return_arguments=return_arguments)
+
+    def call_many(self, function: str, calls: Any, *, faults: int | None = None) -> Iterator[Answer]:
+        noted = list(calls)
+        for args in noted:
+            self._recorder.note(self._kit, function, args)
+        return self._program.call_many(function, noted, faults=faults)
+
+    def stdout(self) -> str:
+        return self._program.stdout()
+
+    def close(self) -> None:
+        self._program.close()

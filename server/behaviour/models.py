@@ -1,0 +1,63 @@
+"""Groups of programs that answer the same, who is in them, and what a class's teacher calls them."""
+
+from datetime import datetime
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy import JSON, ForeignKey, Index, LargeBinary, String, Text
+from sqlalchemy.orm import Mapped, mapped_column
+
+from server.database.base import Base, UtcDateTime, utc_now
+
+GROUP_LENGTH = 16
+TITLE_LENGTH = 200
+EXPLANATION_LENGTH = 4000
+QUESTION_LENGTH = 1000
+
+
+class BehaviourGroup(Base):
+    """What programs of one group answer, as the first of them did: `answers` is `graders.core.code.plain.packed`.
+
+    Equal answers have the same `structure`, and projections that are near; `functions` are those that answer wrongly,
+    `example` is a `graders.core.code.behaviour.Example`.
+    """
+
+    __tablename__ = "behaviour_group"
+
+    id: Mapped[str] = mapped_column(String(GROUP_LENGTH), primary_key=True)
+    exercise: Mapped[str] = mapped_column(String(200))
+    exercise_version: Mapped[str] = mapped_column(String(64))
+    structure: Mapped[str] = mapped_column(String(64))
+    projection: Mapped[float]
+    answers: Mapped[bytes] = mapped_column(LargeBinary, deferred=True)
+    functions: Mapped[list[str]] = mapped_column(JSON)
+    example: Mapped[dict[str, Any] | None] = mapped_column(JSON)
+    created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+
+    __table_args__ = (Index("ix_behaviour_group_alike", "exercise", "exercise_version", "structure", "projection"),)
+
+
+class Fingerprint(Base):
+    """Which group a graded submission's program belongs to; none where it shows nothing, or could not be asked."""
+
+    __tablename__ = "fingerprint"
+
+    grading_id: Mapped[UUID] = mapped_column(ForeignKey("grading.id", ondelete="CASCADE"), primary_key=True)
+    group_id: Mapped[str | None] = mapped_column(ForeignKey("behaviour_group.id", ondelete="CASCADE"), index=True)
+    made_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+
+
+class BehaviourName(Base):
+    """What a teacher says, once, to all of a class whose programs are of a group. Plain text."""
+
+    __tablename__ = "behaviour_name"
+
+    class_id: Mapped[UUID] = mapped_column(ForeignKey("school_class.id", ondelete="CASCADE"), primary_key=True)
+    group_id: Mapped[str] = mapped_column(
+        ForeignKey("behaviour_group.id", ondelete="CASCADE"), primary_key=True, index=True
+    )
+    title: Mapped[str] = mapped_column(String(TITLE_LENGTH))
+    explanation: Mapped[str] = mapped_column(Text)
+    question: Mapped[str] = mapped_column(Text)
+    named_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"), index=True)
+    named_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)

@@ -1,0 +1,255 @@
+"""Queries on groups of behaviour. Lists never read a source, nor what a group answers."""
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import ColumnElement, Select, and_, func, select, tuple_
+from sqlalchemy.orm import Session, undefer
+
+from graders.core.code.plain import NEAR
+from graders.core.contract.outcomes import Blame, Outcome, blamed_on
+from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
+from server.behaviour.schemas import Asked, MemberLine
+from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.database import upserting, utc_now
+from server.gradebook.models import Grading, Standing
+from server.submissions.models import Submission
+
+#: The key of PostgreSQL's lock for putting programs into groups.
+PLACING = 0x67726F75
+#: Outcomes of programs that ran. What was never run behaves in no way, and its verdict says why.
+OBSERVED = tuple(sorted({str(one) for one in blamed_on(Blame.STUDENT)} - {Outcome.SYNTAX_ERROR, Outcome.IMPORT_ERROR}))
+
+
+def one_at_a_time(db: Session) -> None:
+    """Until the commit, nobody else makes a group (on SQLite nobody else writes at all)."""
+    if db.get_bind().dialect.name == "postgresql":
+        db.execute(select(func.pg_advisory_xact_lock(PLACING)))
+
+
+def to_ask(db: Session, versions: Mapping[str, str], since: datetime) -> UUID | None:
+    """The newest failed grading that counts, of a student of a class that learns the exercise's module, which ended
+    after `since` under the version that the exercise has now, and has no fingerprint."""
+    learns = (
+        select(Membership.account_id)
+        .join(SchoolClass, SchoolClass.id == Membership.class_id)
+        .where(
+            Membership.account_id == Submission.account_id,
+            Membership.role == Seat.student,
+            Membership.status == Status.active,
+            SchoolClass.archived_at.is_(None),
+            Submission.exercise.startswith(SchoolClass.module + "/"),
+        )
+    )
+    query = (
+        select(Grading.id)
+        .join(Submission, Submission.grading_id == Grading.id)
+        .outerjoin(Fingerprint, Fingerprint.grading_id == Grading.id)
+        .where(
+            Grading.finished_at >= since,
+            Grading.outcome.in_(OBSERVED),
+            Fingerprint.grading_id.is_(None),
+            tuple_(Submission.exercise, Grading.exercise_version).in_(list(versions.items())),
+            learns.exists(),
+        )
+        .order_by(Grading.finished_at.desc())
+        .limit(1)
+    )
+    return db.execute(query).scalar_one_or_none()
+
+
+def asked(db: Session, grading_id: UUID, since: datetime) -> Asked | None:
+    """None where the grading has gone, with its author, or has its fingerprint."""
+    query = (
+        select(Grading.id, Submission.exercise, Grading.exercise_version, Submission.source, Submission.digest)
+        .join(Submission, Submission.id == Grading.submission_id)
+        .outerjoin(Fingerprint, Fingerprint.grading_id == Grading.id)
+        .where(Grading.id == grading_id, Fingerprint.grading_id.is_(None))
+    )
+    row = db.execute(query).one_or_none()
+    return None if row is None else Asked(*row, since)
+
+
+def held(db: Session, grading_id: UUID) -> bool:
+    """Is the grading still there? It stays until the commit then."""
+    query = select(Grading.id).where(Grading.id == grading_id).with_for_update(read=True, key_share=True)
+    return db.execute(query).first() is not None
+
+
+def keep(db: Session, grading_id: UUID, group_id: str | None) -> None:
+    """A fingerprint, unless there is one already."""
+    row = {"grading_id": grading_id, "group_id": group_id, "made_at": utc_now()}
+    db.execute(upserting(db, Fingerprint).on_conflict_do_nothing(), row)
+
+
+def near(db: Session, exercise: str, version: str, structure: str, projection: float) -> Iterator[tuple[str, bytes]]:
+    """The groups that may be this one, the oldest first, with what they answer."""
+    query = (
+        select(BehaviourGroup)
+        .options(undefer(BehaviourGroup.answers))
+        .where(
+            BehaviourGroup.exercise == exercise,
+            BehaviourGroup.exercise_version == version,
+            BehaviourGroup.structure == structure,
+            BehaviourGroup.projection.between(projection - NEAR, projection + NEAR),
+        )
+        .order_by(BehaviourGroup.created_at, BehaviourGroup.id)
+    )
+    for group in db.execute(query).scalars():
+        yield group.id, group.answers
+
+
+def name_for(db: Session, account_id: UUID, grading_id: UUID) -> BehaviourName | None:
+    """What a teacher of the author's calls the behaviour of this grading's program; the newest name of several."""
+    query = (
+        select(BehaviourName)
+        .join(Fingerprint, Fingerprint.group_id == BehaviourName.group_id)
+        .join(Membership, Membership.class_id == BehaviourName.class_id)
+        .where(
+            Fingerprint.grading_id == grading_id,
+            Membership.account_id == account_id,
+            Membership.role == Seat.student,
+            Membership.status.in_((Status.active, Status.left)),
+        )
+        .order_by(BehaviourName.named_at.desc(), BehaviourName.class_id)
+        .limit(1)
+    )
+    return db.execute(query).scalar_one_or_none()
+
+
+def group(db: Session, group_id: str) -> BehaviourGroup | None:
+    return db.get(BehaviourGroup, group_id)
+
+
+def name(db: Session, class_id: UUID, group_id: str) -> BehaviourName | None:
+    return db.get(BehaviourName, (class_id, group_id))
+
+
+def names(db: Session, class_id: UUID, exercise: str) -> Sequence[BehaviourName]:
+    """Those that a class has for groups of an exercise, whatever its version, the newest first."""
+    query = (
+        select(BehaviourName)
+        .join(BehaviourGroup, BehaviourGroup.id == BehaviourName.group_id)
+        .where(BehaviourName.class_id == class_id, BehaviourGroup.exercise == exercise)
+        .order_by(BehaviourName.named_at.desc(), BehaviourName.group_id)
+    )
+    return db.execute(query).scalars().all()
+
+
+def unnamed(
+    db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]
+) -> Sequence[tuple[str, str, UUID, UUID, str | None]]:
+    """Exercise, group, student, submission and title of each latest attempt that failed without a misconception,
+    the newest first. In one query."""
+    query = (
+        select(Standing.exercise, Fingerprint.group_id, Standing.account_id, Submission.id, BehaviourName.title)
+        .join(
+            Submission,
+            and_(
+                Submission.account_id == Standing.account_id,
+                Submission.exercise == Standing.exercise,
+                Submission.created_at == Standing.last_at,
+            ),
+        )
+        .join(Fingerprint, Fingerprint.grading_id == Submission.grading_id)
+        .outerjoin(
+            BehaviourName,
+            and_(BehaviourName.group_id == Fingerprint.group_id, BehaviourName.class_id == class_id),
+        )
+        .where(
+            Standing.account_id.in_(students),
+            Standing.exercise.in_(exercises),
+            Standing.last_outcome.in_(OBSERVED),
+            Standing.last_diagnosis.is_(None),
+            Fingerprint.group_id.is_not(None),
+        )
+        .order_by(Standing.last_at.desc(), Submission.id)
+    )
+    return [(row[0], str(row[1]), row[2], row[3], row[4]) for row in db.execute(query)]
+
+
+def _members(class_id: UUID, group_id: str) -> ColumnElement[bool]:
+    """Attempts of a group by students who are, or were, in the class."""
+    learns = (
+        select(Membership.account_id)
+        .where(
+            Membership.class_id == class_id,
+            Membership.account_id == Submission.account_id,
+            Membership.role == Seat.student,
+            Membership.status == Status.active,
+        )
+        .exists()
+    )
+    return and_(Fingerprint.group_id == group_id, learns)
+
+
+def _attempts(class_id: UUID, group_id: str) -> Select[UUID]:
+    return (
+        select(Submission.id)
+        .join(Fingerprint, Fingerprint.grading_id == Submission.grading_id)
+        .where(_members(class_id, group_id))
+    )
+
+
+def has_members(db: Session, class_id: UUID, group_id: str) -> bool:
+    return db.execute(_attempts(class_id, group_id).limit(1)).first() is not None
+
+
+def counts(db: Session, class_id: UUID, group_id: str) -> tuple[int, int, int]:
+    """How many attempts of the class are in the group, by how many students, and of how many a misconception was
+    named."""
+    query = (
+        select(func.count(), func.count(Submission.account_id.distinct()), func.count(Grading.diagnosis))
+        .select_from(Submission)
+        .join(Grading, Grading.id == Submission.grading_id)
+        .join(Fingerprint, Fingerprint.grading_id == Grading.id)
+        .where(_members(class_id, group_id))
+    )
+    row = db.execute(query).one()
+    return row[0], row[1], row[2]
+
+
+def members(db: Session, class_id: UUID, group_id: str, most: int) -> Sequence[MemberLine]:
+    """The attempts of the class in a group, those who have sent nothing since first, then the newest first."""
+    latest = func.coalesce(Standing.last_at <= Submission.created_at, True)
+    query = (
+        select(Submission.id, Submission.account_id, Submission.created_at, Grading.score, latest)
+        .join(Grading, Grading.id == Submission.grading_id)
+        .join(Fingerprint, Fingerprint.grading_id == Grading.id)
+        .outerjoin(
+            Standing,
+            and_(Standing.account_id == Submission.account_id, Standing.exercise == Submission.exercise),
+        )
+        .where(_members(class_id, group_id))
+        .order_by(latest.desc(), Submission.created_at.desc(), Submission.id)
+        .limit(most)
+    )
+    return [MemberLine(row[0], row[1], row[2], row[3], bool(row[4])) for row in db.execute(query)]
+
+
+def smallest(db: Session, class_id: UUID, group_id: str) -> Submission | None:
+    """The shortest program of the class in a group: the one that is read."""
+    query = (
+        select(Submission)
+        .where(Submission.id.in_(_attempts(class_id, group_id)))
+        .order_by(func.length(Submission.source), Submission.created_at, Submission.id)
+        .limit(1)
+    )
+    return db.execute(query).scalar_one_or_none()
+
+
+def attempt(db: Session, class_id: UUID, group_id: str, submission_id: UUID) -> Submission | None:
+    """An attempt of the class, where it is in the group."""
+    query = select(Submission).where(Submission.id == submission_id, Submission.id.in_(_attempts(class_id, group_id)))
+    return db.execute(query).scalar_one_or_none()
+
+
+def forget_empty(db: Session) -> int:
+    """Removes the groups in which nobody is any more, and to which nobody gave a name."""
+    used = select(Fingerprint.group_id).where(Fingerprint.group_id == BehaviourGroup.id).exists()
+    called = select(BehaviourName.group_id).where(BehaviourName.group_id == BehaviourGroup.id).exists()
+    empty = db.execute(select(BehaviourGroup.id).where(~used, ~called)).scalars().all()
+    for one in empty:
+        db.delete(db.get_one(BehaviourGroup, one))
+    return len(empty)

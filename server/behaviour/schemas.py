@@ -1,0 +1,80 @@
+"""What the room takes and gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import datetime
+from uuid import UUID
+
+from graders.core.code.plain import Plain
+from server.behaviour.models import BehaviourGroup, BehaviourName
+
+
+@dataclass(frozen=True)
+class Words:
+    """What a teacher says of a group: plain text, within bounds, without blanks around."""
+
+    title: str
+    explanation: str
+    question: str
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A grading whose program is to be asked how it behaves; others that ended `since` follow."""
+
+    grading_id: UUID
+    exercise: str
+    version: str
+    source: bytes
+    digest: str
+    since: datetime
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What a program showed, as it is looked for among the groups of its exercise's version."""
+
+    exercise: str
+    version: str
+    answers: tuple[Plain, ...]
+    functions: tuple[str, ...]
+    example: dict[str, object] | None
+
+
+@dataclass(frozen=True)
+class Unnamed:
+    """Students whose latest attempt failed alike, without a misconception; `title` is their teacher's, or None.
+
+    `submission` is one of these attempts.
+    """
+
+    exercise: str
+    group: str
+    students: tuple[UUID, ...]
+    submission: UUID
+    title: str | None
+
+
+@dataclass(frozen=True)
+class MemberLine:
+    """A program of a group: whose it is and when it was sent; `latest`: its author has sent none since."""
+
+    submission: UUID
+    student: UUID
+    sent_at: datetime
+    score: float | None
+    latest: bool
+
+
+@dataclass(frozen=True)
+class GroupOfClass:
+    """A group as a class knows it: `total` attempts by so many `students`, the first of them in `lines`; in `known` of
+    them a misconception was named."""
+
+    group: BehaviourGroup
+    name: BehaviourName | None
+    lines: tuple[MemberLine, ...]
+    total: int
+    students: int
+    known: int

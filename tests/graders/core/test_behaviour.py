@@ -1,0 +1,147 @@
+"""What programs answer to the fixed questions of an exercise: kept within bounds, compared up to a tolerance."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from graders.core.code.behaviour import Observer
+from graders.core.code.grading import CodeGrader
+from graders.core.code.plain import (
+    LARGEST,
+    NEAR,
+    TOO_LARGE,
+    packed,
+    plain,
+    projection,
+    same,
+    same_all,
+    structure,
+    unpacked,
+)
+from graders.core.code.probes import TOLERANCE, Fault
+from graders.core.contract.local import LOCAL
+from tests.support.quick import the_course
+
+GRADERS = {one.id: one for one in the_course().exercises.values() if isinstance(one.grader, CodeGrader)}
+
+
+def observer(exercise_id: str, version: str | None = None) -> Observer:
+    exercise = GRADERS[exercise_id]
+    assert isinstance(exercise.grader, CodeGrader)
+    return Observer(exercise.grader, version or exercise.version)
+
+
+NUMBERS = st.floats(allow_nan=True, allow_infinity=True, width=64)
+VALUES: Any = st.recursive(
+    NUMBERS | st.integers() | st.booleans() | st.none() | st.text(max_size=300) | st.complex_numbers(),
+    lambda inner: (
+        st.lists(inner, max_size=4) | st.tuples(inner, inner) | st.dictionaries(st.text(max_size=4), inner, max_size=3)
+    ),
+    max_leaves=12,
+)
+
+
+@given(VALUES)
+def test_any_answer_is_kept_whole_and_is_the_same_as_itself(value: Any) -> None:
+    kept = plain(value)
+    assert same(kept, kept)
+    (again,) = unpacked(packed((kept,)))
+    assert same(kept, again, tolerance=0.0)
+    assert structure((kept,)) == structure((again,))
+    assert np.isfinite(projection((kept,)))
+
+
+@given(
+    st.lists(st.floats(-1e300, 1e300), min_size=1, max_size=30),
+    st.lists(st.floats(-1.0, 1.0), min_size=30, max_size=30),
+)
+def test_answers_that_are_the_same_are_found_by_structure_and_projection(
+    numbers: list[float], shifts: list[float]
+) -> None:
+    """The search never passes over a group whose representative is the same."""
+    one = np.array(numbers)
+    other = one + np.array(shifts[: len(numbers)]) * TOLERANCE * (1.0 + np.abs(one)) * 0.99
+    assert same(plain(one), plain(other)) or same(plain(other), plain(one))
+    assert structure((plain(one),)) == structure((plain(list(other)),))
+    assert abs(projection((plain(one),)) - projection((plain(other),))) < NEAR
+
+
+def test_what_is_told_apart() -> None:
+    different = [
+        0.0, 1.0, [0.0], [[0.0]], [0.0, 0.0], "0", None, Fault("TypeError"), Fault("ValueError"),
+        {"a": 0.0}, {"b": 0.0}, (np.zeros(2), np.zeros((2, 2))), [1.0, "a"],
+        float("nan"), float("inf"), -float("inf"), 1j, 2j,
+    ]  # fmt: skip
+    kept = [plain(one) for one in different]
+    assert not [(a, b) for k, a in enumerate(different) for b in range(k) if same(plain(a), kept[b])]
+    assert same(plain(True), plain(np.float64(1.0)))
+    assert same(plain([1.0, 2.0]), plain(np.array([1, 2])))
+    assert plain(np.zeros(LARGEST)) == plain([[0.0] * LARGEST]) == TOO_LARGE
+    assert len(packed((plain("x" * 10**6),))) < 1000
+
+
+@pytest.mark.parametrize("exercise_id", GRADERS)
+def test_every_exercise_of_code_has_its_questions_and_its_solution_answers_them(exercise_id: str) -> None:
+    exercise = GRADERS[exercise_id]
+    asked = observer(exercise_id)
+    functions = {series.function for series in asked.series}
+    assert functions == {one.name for one in exercise.functions}
+    solution = exercise.solution.encode()
+    behaviour = asked.observe(solution, LOCAL)
+    assert behaviour.loads
+    assert not behaviour.lacking
+    assert same_all(behaviour.answers, observer(exercise_id).observe(solution, LOCAL).answers)
+    assert len(packed(behaviour.answers)) < 10_000
+    starter = asked.observe(exercise.starter.encode(), LOCAL)
+    assert starter.tells
+    assert starter.example is not None
+    assert starter.example.function in functions
+
+
+@pytest.mark.parametrize(
+    "exercise_id", ["l20/poses", *(pytest.param(one, marks=pytest.mark.slow) for one in GRADERS if one != "l20/poses")]
+)
+def test_misconceptions_behave_each_in_its_own_way(exercise_id: str) -> None:
+    """Every catalogued mistake is seen, and but for mistakes that no input of the exercise tells apart, told apart."""
+    grader = GRADERS[exercise_id].grader
+    assert isinstance(grader, CodeGrader)
+    asked = observer(exercise_id)
+    found = [(one.id, asked.observe(one.source.encode(), LOCAL)) for one in grader.misconceptions]
+    assert all(behaviour.tells for _, behaviour in found)
+    alike = [
+        (name, other)
+        for k, (name, one) in enumerate(found)
+        for other, two in found[:k]
+        if name != other and same_all(one.answers, two.answers)
+    ]
+    assert len(alike) <= 1, alike
+
+
+def test_a_function_without_probes_is_asked_what_the_checks_ask_the_solution() -> None:
+    exercise = GRADERS["l20/poses"]
+    assert isinstance(exercise.grader, CodeGrader)
+    bare = replace(exercise.grader, prober=None)
+    asked, again, other = Observer(bare, "v1"), Observer(bare, "v1"), Observer(bare, "v2")
+    assert {one.function for one in asked.series} == {"composer", "inverse", "relatif"}
+    wrong = exercise.solution.replace("ramener(ta + tb)", "ta + tb").encode()
+    behaviour = asked.observe(wrong, LOCAL)
+    assert behaviour.functions == ("composer", "relatif")
+    assert same_all(behaviour.answers, again.observe(wrong, LOCAL).answers)
+    assert not same_all(behaviour.answers, other.observe(wrong, LOCAL).answers), "another version draws otherwise"
+    assert not asked.observe(exercise.solution.encode(), LOCAL).wrong
+
+
+def test_an_argument_written_on_is_seen() -> None:
+    exercise = GRADERS["l20/poses"]
+    writes = exercise.solution.replace("    x, y, t = a\n", "    x, y, t = a\n    a[0] = 7.0\n")
+    behaviour = observer("l20/poses").observe(writes.encode(), LOCAL)
+    assert behaviour.functions == ("inverse", "relatif"), "the second calls the first"
+    assert behaviour.example is not None
+    assert behaviour.example.expected != behaviour.example.got
+    assert behaviour.example.got[0] == 7.0
