@@ -27,6 +27,8 @@ TABLES = (
     assignments.Assignment,
     assignments.AssignedExercise,
     assignments.Exemption,
+    assignments.Sitting,
+    assignments.SavedWork,
     queue.Job,
     submissions.Submission,
     submissions.Deal,

@@ -53,6 +53,16 @@ def result(rules: Rules, counts: Counts, attempts: Iterable[Sent]) -> Result:
     return Result(counted, on_time, len(marks))
 
 
+def in_sitting(attempts: Iterable[Sent], began_at: datetime | None, ended_at: datetime | None) -> list[Sent]:
+    """Those of a test that were sent while its student sat it; none where they never began.
+
+    Others may stand between its dates too: what a guest had sent, whom the student then turned out to be.
+    """
+    if began_at is None:
+        return []
+    return [one for one in attempts if began_at <= one.sent_at and (ended_at is None or one.sent_at <= ended_at)]
+
+
 def _marks(rules: Rules, attempts: Iterable[Sent]) -> Sequence[Mark]:
     found = []
     for one in attempts:

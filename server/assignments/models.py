@@ -1,10 +1,10 @@
-"""Assignments, and for whom their rules differ."""
+"""Assignments, for whom their rules differ, and who sits a test."""
 
 from datetime import datetime
 from enum import StrEnum
 from uuid import UUID, uuid4
 
-from sqlalchemy import CheckConstraint, ForeignKey, String, Text
+from sqlalchemy import CheckConstraint, ForeignKey, LargeBinary, String, Text
 from sqlalchemy.orm import Mapped, mapped_column
 
 from server.database.base import Base, UtcDateTime, utc_now
@@ -109,3 +109,34 @@ class Exemption(Base):
     revoked_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
 
     __table_args__ = (CheckConstraint("(account_id IS NULL) <> (label IS NULL)", name="one_of"),)
+
+
+class EndedBy(StrEnum):
+    """What has ended a sitting. One that time has ended goes on where it is given more."""
+
+    student = "student"
+    time = "time"
+
+
+class Sitting(Base):
+    """A student's own time in a test. `handed_in_at` is when it ended: what was saved then has been sent."""
+
+    __tablename__ = "sitting"
+
+    assignment_id: Mapped[UUID] = mapped_column(ForeignKey("assignment.id", ondelete="CASCADE"), primary_key=True)
+    account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), primary_key=True, index=True)
+    began_at: Mapped[datetime] = mapped_column(UtcDateTime)
+    handed_in_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    ended_by: Mapped[str | None] = mapped_column(String(16))
+
+
+class SavedWork(Base):
+    """What a student has written last in a test, sent or not: a file, or answers as they would be sent."""
+
+    __tablename__ = "saved_work"
+
+    assignment_id: Mapped[UUID] = mapped_column(ForeignKey("assignment.id", ondelete="CASCADE"), primary_key=True)
+    account_id: Mapped[UUID] = mapped_column(ForeignKey("account.id", ondelete="CASCADE"), primary_key=True, index=True)
+    exercise: Mapped[str] = mapped_column(String(200), primary_key=True)
+    source: Mapped[bytes] = mapped_column(LargeBinary)
+    saved_at: Mapped[datetime] = mapped_column(UtcDateTime)

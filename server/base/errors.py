@@ -66,6 +66,13 @@ class Conflict(ServiceError):
     title = "Déjà fait"
 
 
+class NotNow(Conflict):
+    """What is asked for is of another time: not begun yet, or over."""
+
+    slug = "pas-maintenant"
+    title = "Pas maintenant"
+
+
 class Invalid(ServiceError):
     status = HTTPStatus.UNPROCESSABLE_ENTITY
     slug = "donnees-refusees"

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import timedelta
 from typing import Any
 from uuid import UUID
 
 from starlette.testclient import TestClient
 
+from server.assignments.models import AssignedExercise, Assignment
 from server.base.request import COOKIE
 from server.classes import service
 from server.classes.models import Membership, SchoolClass, Seat, Status
-from server.database import Database
+from server.database import Database, utc_now
 from server.identity import tokens
 from server.identity.models import Account, BrowserSession, Role
 from server.identity.secrets import digest, new_token
@@ -29,6 +31,20 @@ def seat(database: Database, made: SchoolClass, account: Account, as_: Seat = Se
         row = {"status": Status.active, "left_at": None, **values}
         db.merge(Membership(class_id=made.id, account_id=account.id, role=as_, **row))
     return account
+
+
+def assign(
+    database: Database, made: SchoolClass, *exercises: str, opened: timedelta = timedelta(hours=1), **values: Any
+) -> Assignment:
+    """An assignment of the class, open since `opened`; a test where `values` say so."""
+    with database.write() as db:
+        row = {"title": "Interro", "opens_at": utc_now() - opened, **values}
+        assignment = Assignment(class_id=made.id, **row)
+        db.add(assignment)
+        db.flush()
+        for position, exercise in enumerate(exercises):
+            db.add(AssignedExercise(assignment_id=assignment.id, exercise=exercise, position=position))
+    return assignment
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,80 @@
+"""Queries on what an account's assignments may hold back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import Select, and_, bindparam, exists, or_, select
+from sqlalchemy.orm import Session
+
+from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode, Shown, Sitting
+from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.database.base import UtcDateTime
+
+
+@dataclass(frozen=True)
+class Row:
+    """One exercise of one assignment of one of a student's classes, with what that student is there and has done."""
+
+    assignment: Assignment
+    exercise: str
+    groups: Sequence[str]
+    active: bool
+    sitting: Sitting | None
+
+
+def _asked() -> Select[Assignment, str, list[str], str, Sitting]:
+    """Of the classes where the account learns, or which it has left of its own accord: nobody leaves a test so, nor by
+    asking to come back.
+
+    An assignment that holds nothing back is left out, and so is a test that is over for everyone.
+    """
+    now = bindparam("now", type_=UtcDateTime())
+    later = exists().where(
+        Exemption.assignment_id == Assignment.id,
+        Exemption.revoked_at.is_(None),
+        Exemption.opens_at > Assignment.released_at,
+    )
+    sits = and_(Sitting.began_at.is_not(None), or_(Sitting.handed_in_at.is_(None), Sitting.ended_by == "time"))
+    unreleased = or_(Assignment.released_at.is_(None), Assignment.released_at > now, sits, later)
+    hides = or_(*(column != Shown.usual for column in (Assignment.hints, Assignment.diagnosis, Assignment.solution)))
+    return (
+        select(Assignment, AssignedExercise.exercise, Membership.groups, Membership.status, Sitting)
+        .select_from(Membership)
+        .join(Assignment, Assignment.class_id == Membership.class_id)
+        .join(SchoolClass, SchoolClass.id == Membership.class_id)
+        .join(AssignedExercise, AssignedExercise.assignment_id == Assignment.id)
+        .outerjoin(
+            Sitting,
+            and_(Sitting.assignment_id == Assignment.id, Sitting.account_id == Membership.account_id),
+        )
+        .where(
+            Membership.account_id == bindparam("account"),
+            Membership.role == Seat.student,
+            or_(
+                Membership.status == Status.active,
+                and_(Membership.status == Status.left, Membership.went),
+                and_(Membership.status == Status.pending, Sitting.began_at.is_not(None)),
+            ),
+            SchoolClass.archived_at.is_(None),
+            or_(and_(Assignment.mode == Mode.test, unreleased), hides),
+        )
+    )
+
+
+#: Asked with every page and every attempt: made once.
+OF_ALL = _asked()
+OF_ONE = OF_ALL.where(AssignedExercise.exercise == bindparam("exercise"))
+
+
+def of_student(db: Session, account_id: UUID, exercise: str | None, now: datetime) -> Sequence[Row]:
+    """In one exercise, or in all."""
+    values = {"account": account_id, "now": now}
+    found = db.execute(OF_ALL, values) if exercise is None else db.execute(OF_ONE, {**values, "exercise": exercise})
+    return [
+        Row(assignment, name, groups, status == Status.active, sitting)
+        for assignment, name, groups, status, sitting in found
+    ]

@@ -1,0 +1,126 @@
+"""Queries on sittings, and on what is saved in them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy import and_, func, select, update
+from sqlalchemy.orm import Session
+
+from server.assignments.models import Assignment, EndedBy, SavedWork, Sitting
+from server.classes.models import Membership
+from server.database import upserting
+
+
+@dataclass(frozen=True)
+class Unfinished:
+    """A sitting that nobody has ended yet, with what it takes to know when it ends."""
+
+    sitting: Sitting
+    assignment: Assignment
+    groups: Sequence[str]
+
+
+def sitting(db: Session, assignment_id: UUID, account_id: UUID) -> Sitting | None:
+    return db.get(Sitting, (assignment_id, account_id))
+
+
+def locked(db: Session, assignment_id: UUID, account_id: UUID) -> Sitting | None:
+    """As it stands now; until the commit nobody else ends it, nor sends or saves anything in it."""
+    query = select(Sitting).where(Sitting.assignment_id == assignment_id, Sitting.account_id == account_id)
+    query = query.with_for_update().execution_options(populate_existing=True)
+    return db.execute(query).scalar_one_or_none()
+
+
+def begin(db: Session, assignment_id: UUID, account_id: UUID, now: datetime) -> None:
+    """Begins a sitting, once: of two tabs, the first one's time holds."""
+    row = {"assignment_id": assignment_id, "account_id": account_id, "began_at": now}
+    db.execute(upserting(db, Sitting).on_conflict_do_nothing(), row)
+
+
+def save(
+    db: Session, assignments: Collection[UUID], account_id: UUID, exercise: str, source: bytes, now: datetime
+) -> None:
+    """Keeps what was written last, in the place of what was before."""
+    key = ("assignment_id", "account_id", "exercise")
+    for one in assignments:
+        row = {"assignment_id": one, "account_id": account_id, "exercise": exercise}
+        news = {"source": source, "saved_at": now}
+        statement = upserting(db, SavedWork).on_conflict_do_update(index_elements=key, set_=news)
+        db.execute(statement, {**row, **news})
+
+
+def saved_in(db: Session, assignment_id: UUID, account_id: UUID) -> Sequence[SavedWork]:
+    query = select(SavedWork).where(SavedWork.assignment_id == assignment_id, SavedWork.account_id == account_id)
+    return db.execute(query.order_by(SavedWork.exercise)).scalars().all()
+
+
+def saved_at(db: Session, assignment_id: UUID, account_id: UUID) -> Mapping[str, datetime]:
+    """When each exercise was saved last."""
+    query = select(SavedWork.exercise, SavedWork.saved_at)
+    query = query.where(SavedWork.assignment_id == assignment_id, SavedWork.account_id == account_id)
+    return dict(db.execute(query).all())
+
+
+def last_saved(db: Session, assignments: Collection[UUID], account_id: UUID, exercise: str) -> SavedWork | None:
+    query = select(SavedWork).where(
+        SavedWork.assignment_id.in_(assignments), SavedWork.account_id == account_id, SavedWork.exercise == exercise
+    )
+    return db.execute(query.order_by(SavedWork.saved_at.desc()).limit(1)).scalar_one_or_none()
+
+
+def all_saved(db: Session, account_id: UUID) -> Sequence[SavedWork]:
+    query = select(SavedWork).where(SavedWork.account_id == account_id)
+    return db.execute(query.order_by(SavedWork.assignment_id, SavedWork.exercise)).scalars().all()
+
+
+def all_sittings(db: Session, account_id: UUID) -> Sequence[tuple[Sitting, str]]:
+    """Each with the title of its test, oldest first."""
+    query = select(Sitting, Assignment.title).join(Assignment, Assignment.id == Sitting.assignment_id)
+    return [
+        (one, title)
+        for one, title in db.execute(query.where(Sitting.account_id == account_id).order_by(Sitting.began_at))
+    ]
+
+
+def unfinished(db: Session) -> Sequence[Unfinished]:
+    """Of every class."""
+    query = (
+        select(Sitting, Assignment, Membership.groups)
+        .join(Assignment, Assignment.id == Sitting.assignment_id)
+        .outerjoin(
+            Membership,
+            and_(Membership.class_id == Assignment.class_id, Membership.account_id == Sitting.account_id),
+        )
+        .where(Sitting.handed_in_at.is_(None))
+    )
+    return [Unfinished(one, assignment, groups or ()) for one, assignment, groups in db.execute(query)]
+
+
+def sittings_of(db: Session, assignments: Collection[UUID]) -> Mapping[tuple[UUID, UUID], Sitting]:
+    """Those of these assignments, by assignment and account: what was sent outside of them counts in no test."""
+    query = select(Sitting).where(Sitting.assignment_id.in_(assignments))
+    return {(one.assignment_id, one.account_id): one for one in db.execute(query).scalars()}
+
+
+def counts(db: Session, assignment_id: UUID) -> tuple[int, int]:
+    """How many have begun, and how many of these have handed in, or were ended by time."""
+    query = select(func.count(), func.count(Sitting.handed_in_at)).where(Sitting.assignment_id == assignment_id)
+    begun, ended = db.execute(query).one()
+    return begun, ended
+
+
+def end(db: Session, one: Sitting, when: datetime, by: EndedBy) -> None:
+    one.handed_in_at, one.ended_by = when, by
+    db.flush()
+
+
+def move(db: Session, old: UUID, new: UUID) -> None:
+    """Gives an account the sittings of a guest, and what is saved in them; where both have one, it keeps its own."""
+    for model in (SavedWork, Sitting):
+        own = select(Sitting.assignment_id).where(Sitting.account_id == new)
+        moved = update(model).where(model.account_id == old, model.assignment_id.not_in(own)).values(account_id=new)
+        db.execute(moved.execution_options(synchronize_session=False))

@@ -1,0 +1,116 @@
+"""Sitting a test: beginning it, saving, whether one may send. Every function works inside the caller's transaction.
+
+Whoever sends, saves or ends takes the sitting's row first, so that the end finds what came before it, and nothing
+comes after.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from datetime import datetime
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.assignments import feedback, papers, repository
+from server.assignments.feedback import OVER, Feedback, Stage, Test, stage_of
+from server.assignments.models import Assignment, EndedBy, Mode, SavedWork, Sitting
+from server.assignments.rules import Rules, in_force
+from server.base.errors import NotFound, NotNow
+
+NO_TEST = "Ce contrôle n’existe pas."
+NOT_SITTING = "Vous ne composez pas en ce moment dans cet exercice : il n’y a rien à enregistrer."
+CANNOT_BEGIN = {
+    Stage.before: "Ce contrôle n’est pas encore ouvert.",
+    Stage.missed: "Ce contrôle est fermé : on ne le commence plus.",
+    Stage.shown: "Les résultats de ce contrôle sont publiés : on ne le commence plus.",
+}
+
+
+@dataclass(frozen=True)
+class Own:
+    """A test as it stands to one student."""
+
+    assignment: Assignment
+    rules: Rules
+    sitting: Sitting | None
+    stage: Stage
+
+    @property
+    def ends_at(self) -> datetime | None:
+        return None if self.sitting is None else feedback.end_of(self.rules, self.sitting)
+
+    @property
+    def is_to_collect(self) -> bool:
+        """Whether its time is over, and nobody has ended it yet."""
+        ended = self.sitting is not None and self.stage is not Stage.running
+        return ended and self.sitting is not None and self.sitting.handed_in_at is None
+
+
+def find_test(db: Session, class_id: UUID, assignment_id: str) -> Assignment:
+    """Raises NotFound, also for an assignment that is no test."""
+    try:
+        identity = UUID(assignment_id)
+    except ValueError as error:
+        raise NotFound(NO_TEST) from error
+    found = repository.by_id(db, class_id, identity)
+    if found is None or found.mode != Mode.test:
+        raise NotFound(NO_TEST)
+    return found
+
+
+def own(db: Session, assignment: Assignment, account_id: UUID, groups: Collection[str], now: datetime) -> Own:
+    differences = repository.exemptions(db, [assignment.id]).get(assignment.id, ())
+    rules = in_force(assignment, differences, account_id, groups)
+    sitting = papers.sitting(db, assignment.id, account_id)
+    return Own(assignment, rules, sitting, stage_of(assignment, rules, sitting, now))
+
+
+def begin(db: Session, assignment: Assignment, account_id: UUID, groups: Collection[str], now: datetime) -> None:
+    """Begins it; who has begun already goes on. Raises NotNow."""
+    refusal = CANNOT_BEGIN.get(own(db, assignment, account_id, groups, now).stage)
+    if refusal:
+        raise NotNow(refusal)
+    papers.begin(db, assignment.id, account_id, now)
+
+
+def require_may_send(db: Session, account_id: UUID, exercise: str, now: datetime) -> Feedback:
+    """What is held back of what is sent now. Raises NotNow before a test is begun, and once it has ended, until its
+    release."""
+    found = feedback.of(db, account_id, exercise)
+    if found.refusal:
+        raise NotNow(found.refusal)
+    if found.running and not _kept_running(db, found.running, account_id):
+        raise NotNow(OVER.format(title=found.running[0].title))
+    return found
+
+
+def save(db: Session, account_id: UUID, exercise: str, source: bytes, now: datetime) -> None:
+    """Keeps what a student has written in the tests that they sit. Raises NotNow where they sit none."""
+    found = feedback.of(db, account_id, exercise)
+    kept = _kept_running(db, found.running, account_id)
+    if not kept:
+        raise NotNow(found.refusal or (OVER.format(title=found.tests[0].title) if found.tests else NOT_SITTING))
+    papers.save(db, kept, account_id, exercise, source, now)
+
+
+def _kept_running(db: Session, tests: Collection[Test], account_id: UUID) -> list[UUID]:
+    """Locks these sittings; those that are not handed in. One that time had ended, and that has more now, goes on."""
+    kept = []
+    for test in sorted(tests, key=lambda test: test.assignment_id):
+        sitting = papers.locked(db, test.assignment_id, account_id)
+        if sitting is not None and sitting.ended_by != EndedBy.student:
+            sitting.handed_in_at = sitting.ended_by = None
+            kept.append(test.assignment_id)
+    return kept
+
+
+def last_saved(db: Session, account_id: UUID, exercise: str) -> SavedWork | None:
+    """What stands in the tests that this account sits at present."""
+    running = [test.assignment_id for test in feedback.of(db, account_id, exercise).running]
+    return papers.last_saved(db, running, account_id, exercise) if running else None
+
+
+def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
+    papers.move(db, guest_id, account_id)
