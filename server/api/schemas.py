@@ -121,7 +121,14 @@ class SubmissionOut(Strict):
             "so that it may go up."
         ),
     ]
-    notice: Annotated[str | None, Field(description="What keeps it waiting where nobody grades, in French.")]
+    notice: Annotated[str | None, Field(description="Why there is no verdict yet, where it takes long, in French.")]
+    held: Annotated[
+        bool,
+        Field(
+            description="A test holds the verdict back until its teacher releases the results: `status` stays "
+            "`running` until then, whatever was found, and nothing is to be gained by waiting."
+        ),
+    ]
     verdict: VerdictOut | None
     url: Annotated[str, Field(examples=["/api/v1/submissions/7d0c1a54-6b0e-4c69-9d3b-9a3f3a3c7a10"])]
     exercise: str

@@ -10,21 +10,26 @@ from sqlalchemy.orm import Session
 from server.behaviour import service as behaviour
 from server.database import Database
 from server.gradebook import service as gradebook
-from server.gradebook.schemas import Attempt
+from server.gradebook.schemas import Attempt, held_text
 from server.identity.models import Account
 from server.submissions.models import State
-from server.submissions.service import UNATTENDED, Submissions
+from server.submissions.service import UNATTENDED, Place, Submissions
+
+#: What a client of the contract knows to wait on; that it was graded meanwhile, and how, is not told.
+HELD = Place(State.running)
 
 
 @dataclass(frozen=True)
 class Resource:
     """A submission as JSON (`api.schemas.SubmissionOut`), written in the thread that reads it: the loop passes it on.
 
-    A verdict is what a student's program made of it, within `graders.core.contract.bounds`.
+    A verdict is what a student's program made of it, within `graders.core.contract.bounds`. `done`: nothing more is to
+    be waited for here, as there is a verdict, or as a test holds it back.
     """
 
     id: UUID
     done: bool
+    held: bool
     text: str
 
 
@@ -34,20 +39,23 @@ def url_of(submission_id: UUID) -> str:
 
 def resource(db: Session, store: Submissions, attempt: Attempt) -> Resource:
     submission = attempt.submission
-    place = store.place(db, submission)
+    place = HELD if attempt.held else store.place(db, submission)
     verdict = behaviour.verdict_of(db, attempt)
     members = {
         "id": str(submission.id),
         "status": place.state,
         "position": place.position,
-        "notice": UNATTENDED if place.unattended else None,
+        "notice": held_text(attempt.held) if attempt.held else UNATTENDED if place.unattended else None,
+        "held": attempt.held is not None,
         "verdict": verdict.to_json() if verdict else None,
         "url": url_of(submission.id),
         "exercise": submission.exercise,
         "created_at": submission.created_at.isoformat(),
     }
     text = json.dumps(members, ensure_ascii=False, allow_nan=False)
-    return Resource(submission.id, place.state == State.done, text)
+    return Resource(
+        submission.id, attempt.held is not None or place.state == State.done, attempt.held is not None, text
+    )
 
 
 def reader(database: Database, store: Submissions, account: Account, submission_id: UUID) -> Callable[[], Resource]:

@@ -21,7 +21,6 @@ from server.figures.dependencies import FiguresOf
 from server.figures.orders import MEDIA_TYPES, Form, Theme
 from server.figures.service import Wanted
 from server.gradebook import service as gradebook
-from server.gradebook.schemas import Attempt
 from server.identity.dependencies import ApiAccount
 from server.identity.models import Account
 from server.submissions.dependencies import EventsOf, SubmissionsOf
@@ -39,7 +38,9 @@ Reuse = Annotated[
     bool,
     Query(description="With code that this account has sent already, answers with that attempt: no new one is made."),
 ]
-STREAM = events("Its data is as in `GET /submissions/{id}`; ends when done.", "status")
+STREAM = events(
+    "Its data is as in `GET /submissions/{id}`; ends when done, or at once where a test holds it.", "status"
+)
 
 
 @router.post(
@@ -49,7 +50,7 @@ STREAM = events("Its data is as in `GET /submissions/{id}`; ends when done.", "s
     responses={
         200: {"description": "Graded within `wait` seconds.", "model": SubmissionOut},
         202: {"description": "Stored; follow it at `url`."},
-        **problems(400, 401, 404, 413, 422, 429),
+        **problems(400, 401, 404, 409, 413, 422, 429),
     },
 )
 async def create(
@@ -63,14 +64,17 @@ async def create(
     wait: Wait = None,
     reuse: Reuse = False,
 ) -> Response:
-    """Stores a file, or answers, and queues it. With `wait`, answers as soon as the verdict is there."""
+    """Stores a file, or answers, and queues it. With `wait`, answers as soon as the verdict is there.
+
+    Nothing is waited for where a test holds the verdict back; 409 before one has begun the test, and after its end.
+    """
     exercise = find(course, body.exercise)
     _require_its_kind(exercise, body)
     reused, address = exercise.version if reuse else None, client_address(request)
     current = await run_in_threadpool(_store, database, store, account, body, reused, address)
-    if wait:
+    if wait and not current.held:
         current = await _wait(hub, reader(database, store, account, current.id), current, min(wait, LONGEST_WAIT))
-    return _json(current, 200 if current.done else 202)
+    return _json(current, 200 if current.done and not current.held else 202)
 
 
 def _require_its_kind(exercise: Exercise, body: NewSubmission) -> None:
@@ -97,7 +101,7 @@ def _store(
             submission = store.submit_answers(db, account, body.exercise, body.answers, address=address)
         else:
             submission = store.submit(db, account, body.exercise, body.code, address=address)
-        return resource(db, store, Attempt(submission, None))
+        return resource(db, store, gradebook.as_seen(db, account.id, submission, None))
 
 
 async def _wait(hub: Events, read: Callable[[], Resource], current: Resource, seconds: float) -> Resource:

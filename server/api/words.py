@@ -59,9 +59,14 @@ ROUTES: dict[tuple[str, str], str] = {
     ("delete", "/api/v1/me"): "Efface le compte, et tout ce qui en dépend. Cela ne se défait pas.",
     ("post", "/api/v1/submissions"): (
         "Envoie un fichier (`code`), ou des réponses (`answers`) pour un exercice sans code : `kind`, dans l’exercice, "
-        "dit lequel des deux. La réponse vient aussitôt ; avec `wait`, elle attend le verdict."
+        "dit lequel des deux. La réponse vient aussitôt ; avec `wait`, elle attend le verdict. Pendant un contrôle, "
+        "rien n’est dit de ce qui est trouvé avant que l’enseignant publie les résultats : `held` le dit ; avant de "
+        "l’avoir commencé, sur sa page, et après l’avoir rendu, l’envoi est refusé (409)."
     ),
-    ("get", "/api/v1/submissions/{submission_id}"): "Un envoi tel qu’il est : en attente, en cours, ou jugé.",
+    ("get", "/api/v1/submissions/{submission_id}"): (
+        "Un envoi tel qu’il est : en attente, en cours, ou jugé. Si un contrôle retient son verdict (`held`), il reste "
+        "« en cours » (`running`) et sans verdict jusqu’à la publication des résultats, quoi qu’on ait trouvé."
+    ),
     ("get", "/api/v1/submissions/{submission_id}/comments"): (
         "Ce qui est dit d’un envoi, des envois précédents là où c’est encore d’actualité (les lignes sont suivies d’un "
         "envoi à l’autre), et de l’exercice."
@@ -72,7 +77,8 @@ ROUTES: dict[tuple[str, str], str] = {
     ),
     ("patch", "/api/v1/submissions/{submission_id}/comments/{thread_id}"): "Règle un fil, ou le rouvre.",
     ("get", "/api/v1/submissions/{submission_id}/events"): (
-        "Le même envoi chaque fois qu’il change (événements envoyés par le serveur) ; se termine avec le verdict."
+        "Le même envoi chaque fois qu’il change (événements envoyés par le serveur) ; se termine avec le verdict, ou "
+        "aussitôt si un contrôle le retient."
     ),
     ("get", "/api/v1/submissions/{submission_id}/figures/{name}.svg"): "Une figure que le verdict nomme, en SVG.",
     ("get", "/api/v1/submissions/{submission_id}/figures/{name}.png"): "La même, en image de points.",

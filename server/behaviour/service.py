@@ -38,11 +38,13 @@ TOO_LONG = "{what} est trop long : {length} caractères, {most} au plus."
 def verdict_of(db: Session, attempt: Attempt) -> Verdict | None:
     """The verdict that counts, as it is kept; where no misconception is named, with what the teacher says of its group.
 
-    What is kept never changes: the name is joined as it is read.
+    What is kept never changes: the name is joined as it is read. What is held back from who looks is left out.
     """
     if attempt.grading is None:
         return None
-    verdict = Verdict.from_json(attempt.grading.verdict)
+    verdict = attempt.verdict
+    if verdict is None or attempt.feedback.diagnosis is not None:
+        return verdict
     if verdict.diagnosis is not None or verdict.outcome not in repository.OBSERVED:
         return verdict
     name = repository.name_for(db, attempt.submission.account_id, attempt.grading.id)

@@ -11,7 +11,6 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from graders.core.contract.verdict import Verdict
 from server.base.errors import Conflict, Invalid, NotFound
 from server.base.settings import Settings
 from server.classes.models import SchoolClass
@@ -96,7 +95,7 @@ def _require_lines(submission: Submission, lines: Place) -> None:
 
 
 def _title_of_check(attempt: Attempt, check_id: str) -> str:
-    checks = Verdict.from_json(attempt.grading.verdict).checks if attempt.grading else ()
+    checks = attempt.verdict.checks if attempt.verdict else ()
     titles = [check.title for check in checks if check.id == check_id]
     if not titles:
         raise Invalid(NO_SUCH_CHECK)

@@ -1,6 +1,7 @@
 """Queries on gradings, attempts and open solutions. Lists never read a source, a verdict or a figure."""
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 from uuid import UUID, uuid4
@@ -70,16 +71,30 @@ def count_until(db: Session, submission: Submission) -> int:
     return db.execute(select(func.count()).select_from(Submission).where(mine, until)).scalar_one()
 
 
-def sent_before(
-    db: Session, account_id: UUID, exercise: str, *, digest: str, source: bytes, version: str
-) -> Submission | None:
-    """The last attempt with this very file that waits for its verdict, or has a lasting one of this version."""
-    graded = and_(Grading.exercise_version == version, Grading.outcome.in_(LASTING))
+@dataclass(frozen=True)
+class File:
+    """What somebody sends, or has sent, to an exercise; `digest` is that of the code."""
+
+    account_id: UUID
+    exercise: str
+    digest: str
+    source: bytes
+
+
+def sent_before(db: Session, file: File, version: str, held_from: datetime | None) -> Submission | None:
+    """The last attempt with this very file that waits for its verdict, or has a lasting one of this version.
+
+    Sent at `held_from` or later, any attempt will do but those that we have failed.
+    """
+    ended = and_(Grading.exercise_version == version, Grading.outcome.in_(LASTING))
+    if held_from is not None:
+        held = and_(Submission.created_at >= held_from, Grading.outcome != Outcome.INTERNAL_ERROR)
+        ended = or_(held, and_(Submission.created_at < held_from, ended))
     query = (
         select(Submission)
         .outerjoin(Grading, Grading.id == Submission.grading_id)
-        .where(_of(account_id, exercise), Submission.digest == digest, Submission.source == source)
-        .where(or_(Submission.grading_id.is_(None), graded))
+        .where(_of(file.account_id, file.exercise), Submission.digest == file.digest, Submission.source == file.source)
+        .where(or_(Submission.grading_id.is_(None), ended))
         .order_by(Submission.created_at.desc(), Submission.id.desc())
     )
     return db.execute(query.limit(1)).scalar_one_or_none()
@@ -104,13 +119,16 @@ def _of(account_id: UUID, exercise: str) -> ColumnElement[bool]:
     return and_(Submission.account_id == account_id, Submission.exercise == exercise)
 
 
-def failed_digests(db: Session, account_id: UUID, exercise: str, besides: Collection[str]) -> int:
-    """How many different codes were graded and failed."""
+def failed_digests(
+    db: Session, account_id: UUID, exercise: str, besides: Collection[str], until: datetime | None = None
+) -> int:
+    """How many different codes were graded and failed, of those sent before `until`."""
     query = (
         select(func.count(Submission.digest.distinct()))
         .join(Grading, Grading.id == Submission.grading_id)
         .where(_of(account_id, exercise), Grading.outcome.in_(FAILURES), Submission.digest.not_in(besides))
     )
+    query = query if until is None else query.where(Submission.created_at < until)
     return db.execute(query).scalar_one()
 
 

@@ -6,6 +6,7 @@ from uuid import UUID
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Verdict
+from server.assignments.feedback import NOTHING_HELD, Feedback, Test
 from server.database import utc_now
 from server.gradebook.models import Grading
 from server.submissions.models import Submission
@@ -26,21 +27,43 @@ class Graded:
 
 @dataclass(frozen=True)
 class Attempt:
-    """A submission as its author sees it: what was sent, and the grading that counts (None while it waits)."""
+    """A submission as it is seen: what was sent, and the grading that counts.
+
+    None while it waits, and while a test holds it back from who looks (`held`): nothing tells these two apart.
+    """
 
     submission: Submission
     grading: Grading | None
+    feedback: Feedback = NOTHING_HELD
+
+    @property
+    def held(self) -> Test | None:
+        return self.feedback.holds(self.submission.created_at)
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """Without what is held back of it from who looks."""
+        return None if self.grading is None else self.feedback.shown(Verdict.from_json(self.grading.verdict))
+
+
+HELD = "Reçu. Le résultat paraîtra quand l’enseignant publiera ceux du contrôle « {title} »."
+
+
+def held_text(test: Test) -> str:
+    """What there is to say of an attempt whose verdict a test holds back."""
+    return HELD.format(title=test.title)
 
 
 @dataclass(frozen=True)
 class AttemptLine:
-    """An attempt in a list: `outcome` and `score` are None while it waits."""
+    """An attempt in a list: `outcome` and `score` are None while it waits, and while a test holds them back."""
 
     id: UUID
     number: int
     sent_at: datetime
     outcome: str | None
     score: float | None
+    held: bool = False
 
 
 @dataclass(frozen=True)
@@ -55,7 +78,7 @@ class Attempts:
 class Progress:
     """Where one account stands in one exercise; `best` in [0, 1], None while nothing is graded.
 
-    `attempts` counts those that wait, and no error of ours.
+    `attempts` counts those that wait, those that a test holds back, and no error of ours that may be told.
     """
 
     best: float | None

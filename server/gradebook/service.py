@@ -1,16 +1,19 @@
 """Gradings and what they open. Every function works inside the caller's transaction."""
 
 from collections.abc import Collection, Mapping, Sequence
+from datetime import datetime
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
 from graders.core.contract.verdict import Verdict
+from server.assignments import feedback
 from server.base.errors import NotFound
 from server.database import Database
 from server.gradebook import repository, standings
+from server.gradebook.models import Grading
 from server.gradebook.schemas import Attempt, AttemptLine, Attempts, Graded, Progress
-from server.gradebook.standings import Counted
+from server.gradebook.standings import Counted, Sums
 from server.identity.models import Account
 from server.submissions import deals
 from server.submissions import repository as stored
@@ -86,15 +89,23 @@ def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
 def find(db: Session, account: Account | None, submission_id: UUID | str) -> Attempt:
     """An attempt that this account may see (`server.rights`); raises NotFound for any other, whatever exists."""
     row = repository.attempt(db, parse_id(submission_id))
-    if row is None or not may_see(db, account, row[0]):
+    if row is None or account is None or not may_see(db, account, row[0]):
         raise NotFound(UNKNOWN)
-    return Attempt(*row)
+    return as_seen(db, account.id, *row)
+
+
+def as_seen(db: Session, account_id: UUID, submission: Submission, grading: Grading | None) -> Attempt:
+    """To its author, without what is held back from them; to anybody else who may see it, whole."""
+    if submission.account_id != account_id:
+        return Attempt(submission, grading)
+    known = feedback.of(db, account_id, submission.exercise)
+    return Attempt(submission, None if known.holds(submission.created_at) else grading, known)
 
 
 def latest(db: Session, account: Account | None, exercise_id: str) -> Attempt | None:
     """One's last attempt at an exercise."""
     row = None if account is None else repository.latest(db, account.id, exercise_id)
-    return None if row is None else Attempt(*row)
+    return None if row is None or account is None else as_seen(db, account.id, *row)
 
 
 def attempts(db: Session, account: Account | None, exercise_id: str, most: int, skipped: int = 0) -> Attempts:
@@ -102,8 +113,11 @@ def attempts(db: Session, account: Account | None, exercise_id: str, most: int, 
     if account is None:
         return Attempts()
     rows = repository.attempts(db, account.id, exercise_id, most=most, skipped=skipped)
+    known = feedback.of(db, account.id, exercise_id)
     lines = (
-        AttemptLine(name, total - place, sent_at, outcome, score)
+        AttemptLine(name, total - place, sent_at, None, None, held=True)
+        if known.holds(sent_at)
+        else AttemptLine(name, total - place, sent_at, outcome, score)
         for place, (total, name, sent_at, outcome, score) in enumerate(rows, skipped)
     )
     return Attempts(tuple(lines), rows[0][0] if rows else 0)
@@ -112,16 +126,21 @@ def attempts(db: Session, account: Account | None, exercise_id: str, most: int, 
 def sent_before(db: Session, account: Account, exercise_id: str, code: str, version: str) -> Submission | None:
     """One's attempt with this very code, where sending it again to this version of the exercise would tell nothing new.
 
-    None too for an attempt that ended at a limit of time or of memory: it may be tried again.
+    None too for an attempt that ended at a limit of time or of memory: it may be tried again. But of attempts that a
+    test holds back any will do, however it ended: whether a new one is made would tell it.
     """
     source = code.encode(errors="surrogatepass")
-    return repository.sent_before(db, account.id, exercise_id, digest=digest(code), source=source, version=version)
+    known = feedback.of(db, account.id, exercise_id)
+    if known.refusal:
+        return None
+    file = repository.File(account.id, exercise_id, digest(code), source)
+    return repository.sent_before(db, file, version, known.held_from)
 
 
-def verdict_before(db: Session, submission: Submission) -> Verdict | None:
+def verdict_before(db: Session, attempt: Attempt) -> Verdict | None:
     """That of its author's attempt just before this one at the exercise."""
-    found = repository.before(db, submission)
-    return None if found is None else Verdict.from_json(found)
+    found = repository.before(db, attempt.submission)
+    return None if found is None else attempt.feedback.shown(Verdict.from_json(found))
 
 
 def number_of(db: Session, submission: Submission) -> int:
@@ -130,21 +149,48 @@ def number_of(db: Session, submission: Submission) -> int:
 
 
 def progress(db: Session, account: Account | None, exercise_id: str | None = None) -> dict[str, Progress]:
-    """Where an account stands, by exercise: in all that it has tried, or in one alone."""
+    """Where an account stands, by exercise, as it may know it: in all that it has tried, or in one alone."""
     if account is None:
         return {}
-    counted = standings.of_account(db, account.id, exercise_id)
+    counted = sums_seen(db, account.id, exercise_id)
     waiting = stored.waiting(db, account.id, exercise_id)
+    waiting = {**waiting, **stored.waiting_or_since(db, account.id, held_since(db, account.id, exercise_id))}
     return {
         name: Progress(sums.best_score, sums.attempts + waiting.get(name, 0), sums.first_success_at is not None)
         for name, sums in counted.items()
     } | {name: Progress(None, count) for name, count in waiting.items() if name not in counted}
 
 
+def sums_seen(db: Session, account_id: UUID, exercise_id: str | None = None) -> dict[str, Sums]:
+    """An account's standings, as if what tests hold back had not been sent."""
+    counted = dict(standings.of_account(db, account_id, exercise_id))
+    since = {name: when for name, when in held_since(db, account_id, exercise_id).items() if name in counted}
+    if since:
+        earlier = standings.of_account_until(db, account_id, since)
+        counted = {name: one for name, one in counted.items() if name not in since} | dict(earlier)
+    return counted
+
+
+def held_since(db: Session, account_id: UUID, exercise_id: str | None = None) -> dict[str, datetime]:
+    """From when on attempts are held back, by exercise, in those where some are."""
+    if exercise_id is None:
+        known = feedback.of_all(db, account_id)
+    else:
+        known = {exercise_id: feedback.of(db, account_id, exercise_id)}
+    return {name: one.held_from for name, one in known.items() if one.held_from is not None}
+
+
+def sent_since(db: Session, account: Account, since: Mapping[str, datetime]) -> Mapping[str, int]:
+    """How many attempts one has sent from these times on, graded or not, by exercise, in these alone."""
+    return stored.sent_since(db, account.id, since)
+
+
 def distinct_failed_attempts(
     db: Session, account: Account | None, exercise_id: str, *, besides: Sequence[str] = ()
 ) -> int:
-    """How many different codes have been graded without full marks; `besides`: codes that do not count (starter)."""
+    """How many different codes one knows to have been graded without full marks; `besides`: codes that do not count
+    (starter)."""
     if account is None:
         return 0
-    return repository.failed_digests(db, account.id, exercise_id, [digest(code) for code in besides])
+    held_from = feedback.of(db, account.id, exercise_id).held_from
+    return repository.failed_digests(db, account.id, exercise_id, [digest(code) for code in besides], held_from)

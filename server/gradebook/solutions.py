@@ -7,6 +7,8 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from server.assignments import feedback
+from server.assignments.feedback import Closed
 from server.base.errors import NotFound
 from server.classes.service import UNKNOWN
 from server.gradebook import repository
@@ -37,14 +39,28 @@ class Door:
 
 @dataclass(frozen=True)
 class Access:
-    """What opens an exercise's hints and solution to an account, whatever it has done."""
+    """What opens an exercise's hints and solution to an account, whatever it has done, and what holds them back.
+
+    Nothing holds them back from who teaches.
+    """
 
     to_all: bool
     to_class: bool
     teaches: bool
+    hints_held: Closed | None = None
+    solution_held: Closed | None = None
 
     def because(self, progress: Progress) -> Because | None:
         """Why the account may read the solution, or None where it may not."""
+        if self.solution_held is not None:
+            return Because.teaches if self.teaches else None
+        return self._reason(progress)
+
+    def would_open(self, progress: Progress) -> bool:
+        """Whether the solution would be open, were it not held back."""
+        return self.solution_held is not None and not self.teaches and self._reason(progress) is not None
+
+    def _reason(self, progress: Progress) -> Because | None:
         reasons = {
             Because.to_all: self.to_all,
             Because.to_class: self.to_class,
@@ -55,12 +71,13 @@ class Access:
 
 
 def access(db: Session, account: Account | None, exercise_id: str) -> Access:
-    """In one query."""
+    """In one query, besides what is held back."""
     if account is None:
         return Access(repository.opening(db, exercise_id) is not None, False, False)
     teaching = rights.teaching(account.id, rights.module_of(exercise_id))
     to_all, to_class, teaches = repository.access(db, account.id, exercise_id, teaching)
-    return Access(to_all, to_class, teaches or account.is_teacher)
+    known = feedback.of(db, account.id, exercise_id)
+    return Access(to_all, to_class, teaches or account.is_teacher, known.hints, known.solution)
 
 
 def doors(db: Session, account: Account | None, exercise_id: str) -> Sequence[Door]:

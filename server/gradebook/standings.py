@@ -7,7 +7,7 @@ from functools import cache
 from itertools import groupby
 from uuid import UUID
 
-from sqlalchemy import Insert, Select, case, delete, func, select, union
+from sqlalchemy import Insert, Select, and_, case, delete, func, or_, select, union
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
@@ -19,6 +19,7 @@ from server.submissions.models import Submission
 
 KEY = ("account_id", "exercise")
 
+History = Select[UUID, str, datetime, str, float | None, str | None]
 Rows = Select[UUID, str, float, int, str, str | None, datetime | None, datetime]
 
 
@@ -138,16 +139,29 @@ def _kept(db: Session, accounts: Collection[UUID], exercise: str | None) -> Stan
 
 
 def _from_history(db: Session, accounts: Collection[UUID], exercise: str | None) -> Standings:
+    query = _history(accounts)
+    return _summed(db, query if exercise is None else query.where(Submission.exercise == exercise))
+
+
+def _history(accounts: Collection[UUID]) -> History:
     sent = Submission
-    query = (
+    return (
         select(sent.account_id, sent.exercise, sent.created_at, Grading.outcome, Grading.score, Grading.diagnosis)
         .join(Grading, Grading.id == sent.grading_id)
         .where(sent.account_id.in_(accounts), Grading.outcome != Outcome.INTERNAL_ERROR)
         .order_by(sent.account_id, sent.exercise, sent.created_at, sent.id)
     )
-    query = query if exercise is None else query.where(sent.exercise == exercise)
+
+
+def _summed(db: Session, query: History) -> Standings:
     groups = groupby(db.execute(query), key=lambda row: (row[0], row[1]))
     return {key: sums_of([_counted(*row[2:]) for row in rows]) for key, rows in groups}
+
+
+def of_account_until(db: Session, account_id: UUID, until: Mapping[str, datetime]) -> Mapping[str, Sums]:
+    """What the attempts come to that were sent before these times, by exercise, in these exercises alone."""
+    earlier = [and_(Submission.exercise == name, Submission.created_at < when) for name, when in until.items()]
+    return {key[1]: sums for key, sums in _summed(db, _history([account_id]).where(or_(*earlier))).items()}
 
 
 def _rows() -> Rows:

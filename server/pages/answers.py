@@ -15,7 +15,7 @@ from server.base.errors import Invalid
 from server.course import Exercise
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
-from server.pages import service
+from server.pages import held, service
 from server.pages.schemas import AnswersPage, GivenView, PieceView, QuestionView, ToldView
 from server.submissions.models import Submission
 from server.web.views import Reader
@@ -30,12 +30,16 @@ def answers_page(reader: Reader, exercise: Exercise, seed: int, taken: Attempt |
     grader = _grader(exercise)
     latest = gradebook.latest(reader.db, reader.account, exercise.id)
     paper = grader.paper(seed)
+    saved = held.saved_work(reader, exercise, latest) if taken is None else None
     put_back = taken or latest
-    answers = _answers(grader, put_back.submission if put_back else None, seed)
+    if saved is not None:
+        answers = grader.moved(read_answers(saved.source), seed, seed)
+    else:
+        answers = _answers(grader, put_back.submission if put_back else None, seed)
     sections = ["", *(question.section for question in paper.questions)]
     heads = [section if section != before else "" for before, section in pairwise(sections)]
     return AnswersPage(
-        **service.common_parts(reader, exercise, latest),
+        **service.common_parts(reader, exercise, latest, saved),
         given=tuple(
             GivenView(exercise.line(f"${datum.symbol}$"), datum.name, datum.text, datum.unit) for datum in paper.given
         ),

@@ -61,6 +61,8 @@ class MarkView:
 class WorkView:
     """The latest state of one submission: waiting (`waiting` says where) or judged; `again`: it is sent anew.
 
+    `held` says which test holds its verdict back, which looks the same whether it was graded or not.
+
     `marks` are those of the questions, in an exercise answered without code; `progress` is what it mended since the
     attempt before, `regraded` what a regrade has changed since it was sent; `asks`: it is of who looks, and somebody
     would read their question about it.
@@ -79,10 +81,42 @@ class WorkView:
     progress: Progress | None = None
     asks: bool = False
     regraded: RegradedView | None = None
+    held: str = ""
 
     def mark(self, question: str) -> MarkView | None:
         """The mark of a question, where there is something to say of it."""
         return next((mark for mark in self.marks if mark.question == question and mark.tone != "none"), None)
+
+
+@dataclass(frozen=True)
+class HeldView:
+    """Why something is not shown, in a sentence that ends with until when, where that is known (ISO, and in words)."""
+
+    text: str
+    until: str
+    until_text: str
+
+
+@dataclass(frozen=True)
+class TestBanner:
+    """What the page of an exercise says of a test that it is in: `now` is the server's time, `ends` may be empty.
+
+    `save` is where what is written is kept, while one sits it; `saved` when it was last, `restored` whether the fields
+    hold it.
+    """
+
+    __test__ = False  # it is none of pytest's
+
+    title: str
+    href: str
+    stage: Literal["may_begin", "running", "over"]
+    now: str
+    ends: str
+    ends_text: str
+    save: str
+    saved: str
+    saved_text: str
+    restored: bool
 
 
 @dataclass(frozen=True)
@@ -115,6 +149,8 @@ class SolutionView:
 
 @dataclass(frozen=True)
 class AttemptRow:
+    """`points` are empty where there are none, or where a test holds them back."""
+
     number: int
     href: str
     when: str
@@ -132,7 +168,7 @@ class FunctionView:
 
 @dataclass(frozen=True)
 class Results:
-    """What changes when a verdict arrives; `solution` is None where it stays out of sight."""
+    """What changes when a verdict arrives; `solution` is None where it stays out of sight, and the `…_held` say why."""
 
     work: WorkView | None
     hints: tuple[HintView, ...]
@@ -140,6 +176,9 @@ class Results:
     attempts: tuple[AttemptRow, ...]
     all_attempts: str
     own: OwnState
+    hints_held: HeldView | None = None
+    diagnosis_held: HeldView | None = None
+    solution_held: HeldView | None = None
 
 
 @dataclass(frozen=True)
@@ -156,6 +195,7 @@ class ExerciseFrame:
     statement: str
     action: str
     results: Results
+    test: TestBanner | None
     previous: tuple[str, str] | None
     following: tuple[str, str] | None
 

@@ -6,41 +6,36 @@ from collections.abc import Sequence
 from typing import Any
 from uuid import UUID
 
-from markupsafe import Markup
-
 from graders.core.contract.progress import Progress as Mended
 from graders.core.contract.progress import progress as progress_since
 from graders.core.contract.verdict import Verdict
+from server.assignments.feedback import Closed
+from server.assignments.models import SavedWork
 from server.base.errors import NotFound
 from server.behaviour import service as behaviour
 from server.course import Exercise, Module
 from server.gradebook import service as gradebook
 from server.gradebook import solutions
-from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts, Progress
-from server.gradebook.solutions import Access, Because, Door
-from server.pages import marks, talk
+from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts, Progress, held_text
+from server.pages import held, marks, opening, talk
 from server.pages.policy import policy_lines
 from server.pages.schemas import (
     AttemptPage,
     AttemptRow,
     AttemptsPage,
-    DoorView,
     ExercisePage,
     FunctionView,
-    HintView,
     HomePage,
     ModuleCard,
     NextStep,
     Results,
-    SolutionView,
     ToldView,
     WorkView,
 )
 from server.submissions import deals
-from server.submissions.models import State, Submission
+from server.submissions.models import State
 from server.submissions.service import UNATTENDED, Place
 from server.web import regraded, verdicts
-from server.web.rendering import python
 from server.web.schemas import VerdictView
 from server.web.views import (
     Reader,
@@ -55,9 +50,9 @@ from server.web.views import (
 )
 from server.web.words import mark, moment, moment_text, plural
 
-HINT_OPENS_AFTER = (1, 2, 4)  # changed attempts without success
 RECENT_ATTEMPTS = 8
 ATTEMPTS_A_PAGE = 50
+HELD = "Reçu, résultat à paraître"
 
 
 def attempt_at(reader: Reader, exercise: Exercise, submission_id: str) -> Attempt:
@@ -87,14 +82,16 @@ def _card(module: Module, progress: dict[str, Progress]) -> ModuleCard:
 def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> ExercisePage:
     """The exercise as this account sees it; `taken` is an attempt's code to start again from."""
     latest = gradebook.latest(reader.db, reader.account, exercise.id)
+    saved = held.saved_work(reader, exercise, latest) if taken is None else None
+    written = saved.source.decode() if saved else latest.submission.code if latest else exercise.starter
     kit = f"{exercise.module}.py"
     return ExercisePage(
-        **common_parts(reader, exercise, latest),
+        **common_parts(reader, exercise, latest, saved),
         functions=tuple(
             FunctionView(function.signature, function.returns, function.doc) for function in exercise.functions
         ),
         starter=exercise.starter,
-        code=taken if taken is not None else latest.submission.code if latest else exercise.starter,
+        code=taken if taken is not None else written,
         taken=taken is not None,
         limits=policy_lines(exercise),
         kit_href=f"/{exercise.module}/kit/{kit}",
@@ -108,8 +105,11 @@ def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:
     return (lesson_href(lesson), lesson.label) if lesson else None
 
 
-def common_parts(reader: Reader, exercise: Exercise, latest: Attempt | None) -> dict[str, Any]:
-    """What the page of an exercise holds, of whatever kind; it shows the verdict of the latest attempt."""
+def common_parts(reader: Reader, exercise: Exercise, latest: Attempt | None, saved: SavedWork | None) -> dict[str, Any]:
+    """What the page of an exercise holds, of whatever kind; it shows the verdict of the latest attempt.
+
+    `saved` is what the fields hold of what was saved in a test.
+    """
     attempts = gradebook.attempts(reader.db, reader.account, exercise.id, RECENT_ATTEMPTS)
     deal = _deal(reader, exercise)
     work = _work(reader, exercise, latest, attempts.total, deal)
@@ -125,7 +125,8 @@ def common_parts(reader: Reader, exercise: Exercise, latest: Attempt | None) -> 
         "lesson": _lesson(module, exercise),
         "statement": exercise.statement_html,
         "action": f"{exercise_href(exercise)}/soumissions",
-        "results": results(reader, exercise, attempts, work, deal),
+        "results": results(reader, exercise, attempts, work, deal, latest.feedback.diagnosis if latest else None),
+        "test": held.banner(reader, exercise, saved),
         "previous": previous,
         "following": following,
     }
@@ -161,7 +162,9 @@ def attempt_page(
         when_text=moment_text(submission.created_at),
         code=submission.code,
         told=None if answered is None else tuple(answered),
-        results=results(reader, exercise, _beside(reader, attempt, number), work, submission.seed),
+        results=results(
+            reader, exercise, _beside(reader, attempt, number), work, submission.seed, attempt.feedback.diagnosis
+        ),
     )
 
 
@@ -205,20 +208,25 @@ def results(
     attempts: Attempts,
     work: WorkView | None,
     seed: int | None,
+    diagnosis_held: Closed | None = None,
 ) -> Results:
     """What a verdict changes on a page: the verdict, the hints, the solution, the list of attempts (newest first).
 
     `seed` is that of the deal whose correction is shown, in an exercise answered without code.
     """
     progress = gradebook.progress(reader.db, reader.account, exercise.id).get(exercise.id, NOTHING_YET)
+    verdict = work.verdict if work else None
     access = solutions.access(reader.db, reader.account, exercise.id)
     return Results(
         work=work,
-        hints=_hints(reader, exercise, progress, access),
-        solution=_solution(reader, exercise, progress, access, seed),
+        hints=opening.hints(reader, exercise, progress, access),
+        solution=opening.solution(reader, exercise, progress, access, seed),
         attempts=_rows(exercise, attempts),
         all_attempts=f"{exercise_href(exercise)}/essais" if attempts.total > RECENT_ATTEMPTS else "",
         own=own_state(progress),
+        hints_held=None if access.teaches else held.held_view(access.hints_held, "hints"),
+        diagnosis_held=held.held_view(diagnosis_held, "diagnosis") if verdict and verdict.tone != "good" else None,
+        solution_held=held.held_view(access.solution_held, "solution") if access.would_open(progress) else None,
     )
 
 
@@ -234,24 +242,24 @@ def _work(
     """`seed` is that of the deal that the page shows, in an exercise answered without code."""
     if attempt is None:
         return None
-    submission, grading = attempt.submission, attempt.grading
+    submission, verdict = attempt.submission, behaviour.verdict_of(reader.db, attempt)
     href = f"/soumissions/{submission.id}"
-    place = reader.submissions.place(reader.db, submission)
-    verdict = behaviour.verdict_of(reader.db, attempt)
+    place = Place(State.done) if attempt.held else reader.submissions.place(reader.db, submission)
     return WorkView(
         id=str(submission.id),
         number=number,
         status=place.state.value,
         waiting=waiting_text(place),
-        verdict=_verdict_view(exercise, verdict, href, grading.id) if verdict and grading else None,
+        held=held_text(attempt.held) if attempt.held else "",
+        verdict=_verdict_view(exercise, verdict, href, attempt.grading.id) if verdict and attempt.grading else None,
         page=href,
         events=f"{href}/evenements",
         fragment=f"{href}/verdict{'?deja=true' if again else ''}",
         again=again,
         marks=marks.of(exercise, submission, verdict, seed),
-        progress=_progress(reader, exercise, submission, verdict),
+        progress=_progress(reader, exercise, attempt, verdict),
         asks=talk.may_ask(reader, exercise, submission.account_id),
-        regraded=regraded.of(reader.db, grading.id, exercise.kind) if grading else None,
+        regraded=regraded.of(reader.db, attempt.grading.id, exercise.kind) if attempt.grading else None,
     )
 
 
@@ -260,11 +268,11 @@ def _verdict_view(exercise: Exercise, verdict: Verdict, href: str, grading: UUID
     return verdicts.view(verdict, f"{href}/figures", texts, exercise.functions, grading=grading)
 
 
-def _progress(reader: Reader, exercise: Exercise, submission: Submission, verdict: Verdict | None) -> Mended | None:
+def _progress(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict | None) -> Mended | None:
     """What code mended since the attempt before; answers without code are marked one by one in their places."""
     before = None
     if verdict is not None and exercise.answers is None:
-        before = gradebook.verdict_before(reader.db, submission)
+        before = gradebook.verdict_before(reader.db, attempt)
     return None if before is None or verdict is None else progress_since(before, verdict)
 
 
@@ -284,52 +292,6 @@ def waiting_text(place: Place) -> str:
     )
 
 
-def _hints(reader: Reader, exercise: Exercise, progress: Progress, access: Access) -> tuple[HintView, ...]:
-    everything = progress.succeeded or access.teaches
-    failed = gradebook.distinct_failed_attempts(reader.db, reader.account, exercise.id, besides=[exercise.starter])
-    views = []
-    for number, (html, needed) in enumerate(zip(exercise.hints, HINT_OPENS_AFTER, strict=True), 1):
-        closed = "" if everything or failed >= needed else _opens(needed, needed - failed)
-        views.append(HintView(number, "" if closed else html, closed))
-    return tuple(views)
-
-
-def _opens(needed: int, left: int) -> str:
-    if needed == left:
-        return f"s’ouvre après {plural(needed, 'essai non réussi', 'essais différents non réussis')}."
-    return f"s’ouvre après {needed} essais différents non réussis (encore {left})."
-
-
-def _solution(
-    reader: Reader, exercise: Exercise, progress: Progress, access: Access, seed: int | None
-) -> SolutionView | None:
-    """Raises nothing: a solution that one may not read yet is simply absent."""
-    why = access.because(progress)
-    if why is None or (exercise.answers is not None and seed is None):
-        return None
-    html = (
-        python(exercise.solution)
-        if exercise.answers is None or seed is None
-        else Markup(exercise.prose(exercise.answers.correction(seed)))
-    )
-    doors = solutions.doors(reader.db, reader.account, exercise.id) if access.teaches else []
-    return SolutionView(html, WHY_OPEN[why], f"{exercise_href(exercise)}/corrige", tuple(map(_door, doors)))
-
-
-WHY_OPEN = {
-    Because.to_all: "Ouvert à tous par l’enseignant.",
-    Because.to_class: "Ouvert à votre classe par l’enseignant.",
-    Because.succeeded: "Ouvert parce que vous avez réussi.",
-    Because.teaches: "Ouvert à ceux qui enseignent.",
-}
-
-
-def _door(door: Door) -> DoorView:
-    to_whom = "à tous les élèves" if door.class_id is None else f"à la classe « {door.class_name} »"
-    verb = "Refermer" if door.is_open else "Ouvrir"
-    return DoorView(str(door.class_id or ""), f"{verb} le corrigé {to_whom}", door.is_open)
-
-
 def _rows(exercise: Exercise, attempts: Attempts) -> tuple[AttemptRow, ...]:
     return tuple(_row(exercise, line) for line in attempts.lines)
 
@@ -341,5 +303,5 @@ def _row(exercise: Exercise, line: AttemptLine) -> AttemptRow:
         when=moment(line.sent_at),
         when_text=moment_text(line.sent_at),
         points="" if line.score is None else mark(20 * line.score),
-        outcome=verdicts.title_of(line.outcome, exercise.kind),
+        outcome=HELD if line.held else verdicts.title_of(line.outcome, exercise.kind),
     )

@@ -8,7 +8,6 @@ from uuid import UUID
 
 from markupsafe import Markup
 
-from graders.core.contract.verdict import Verdict
 from server.comments import service, words_repository
 from server.comments.carrying import Fate, Place
 from server.comments.models import Phrase, Thread
@@ -167,7 +166,7 @@ def _chosen(attempt: Attempt, aim: Aim, shown: int) -> Chosen:
 
 def _checks(attempt: Attempt) -> tuple[tuple[str, str], ...]:
     """Those that failed first."""
-    checks = Verdict.from_json(attempt.grading.verdict).checks if attempt.grading else ()
+    checks = attempt.verdict.checks if attempt.verdict else ()
     return tuple((check.id, check.title) for check in sorted(checks, key=lambda check: check.passed))
 
 
@@ -274,13 +273,12 @@ def thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
 
 def _check_view(exercise: Exercise, attempt: Attempt | None, check_id: str | None) -> CheckView | None:
     """The check as the current verdict has it; None where that does not have it any more."""
-    if attempt is None or attempt.grading is None or check_id is None:
+    verdict = None if attempt is None else attempt.verdict
+    if attempt is None or attempt.grading is None or verdict is None or check_id is None:
         return None
     texts = None if exercise.answers is None else exercise
     figures = f"/soumissions/{attempt.submission.id}/figures"
-    view = verdicts.view(
-        Verdict.from_json(attempt.grading.verdict), figures, texts, exercise.functions, grading=attempt.grading.id
-    )
+    view = verdicts.view(verdict, figures, texts, exercise.functions, grading=attempt.grading.id)
     return next((check for check in view.checks if check.id == check_id), None)
 
 

@@ -1,7 +1,7 @@
 """A person's data as files: an account in JSON, and each attempt as it was sent, with what was found."""
 
 import json
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import asdict
 from datetime import datetime
 from typing import Any
@@ -9,6 +9,9 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from graders.core.contract.verdict import Verdict
+from server.assignments import feedback, papers
+from server.assignments.feedback import Feedback
 from server.audit import repository as audit
 from server.audit.models import AuditEvent, What
 from server.classes import repository as classes
@@ -17,7 +20,7 @@ from server.comments.schemas import Talk
 from server.course import Course
 from server.database import Database
 from server.gradebook import repository as gradings
-from server.gradebook import standings
+from server.gradebook import service as gradebook
 from server.gradebook.models import Grading
 from server.identity import repository as identity
 from server.identity.models import Account
@@ -29,9 +32,7 @@ from server.submissions.models import Submission
 
 AT_ONCE = 500
 READ_ME = """Vos données sur Balise
-======================
-
-compte.json      qui vous êtes ici, vos sessions ouvertes et vos jetons
+========compte.json      qui vous êtes ici, vos sessions ouvertes et vos jetons
                  (ni mot de passe ni jeton : ils ne sont pas gardés, seule leur empreinte l’est)
 classes.json     vos classes, et ce qui y est noté de vous
 notes.json       les notes que des enseignants ont modifiées, et ce que les journaux des classes
@@ -39,9 +40,11 @@ notes.json       les notes que des enseignants ont modifiées, et ce que les jou
 exercices.json   vos bilans, vos tirages et, pour un enseignant, les corrigés ouverts
 messages.json    ce que vous avez écrit et ce qu’on vous a écrit sur votre travail,
                  et, pour un enseignant, les phrases que vous gardez
+controles.json   les contrôles que vous avez commencés, et ce que vous y avez enregistré
 essais/          un dossier par envoi : votre réponse telle que vous l’avez envoyée,
                  et corrections.json, ce qui en a été dit à chaque correction
 
+Ce qu’un contrôle retient encore n’y est pas : refaites cette archive une fois ses résultats publiés.
 Les dates sont en temps universel, au format ISO 8601. Les figures des verdicts se redessinent
 à partir de ce qu’elles montrent ; chacune se télécharge depuis la page de son essai.
 """
@@ -64,6 +67,7 @@ def files_of(database: Database, course: Course, account_id: UUID) -> Iterator[F
         yield "notes.json", _json(_marks(db, account_id))
         yield "exercices.json", _json(_exercises(db, account_id))
         yield "messages.json", _json(_messages(db, account_id))
+        yield "controles.json", _json(_tests(db, account_id))
     last: UUID | None = None
     while True:
         with database.read() as db:
@@ -80,22 +84,25 @@ def _attempt(database: Database, course: Course, name: UUID) -> Iterator[File]:
         submission = submissions.by_id(db, name)
         if submission is None:
             return
-        history = [_grading(submission, one) for one in gradings.history(db, name)]
+        known = feedback.of(db, submission.account_id, submission.exercise)
+        held = known.holds(submission.created_at) is not None
+        history = [] if held else [_grading(submission, one, known) for one in gradings.history(db, name)]
     sent = submission.created_at.strftime("%Y-%m-%d-%H%M%S")
     folder = f"essais/{submission.exercise}/{sent}-{str(name)[:8]}"
     exercise = course.exercises.get(submission.exercise)
     ending = "json" if exercise is not None and exercise.answers is not None else "py"
     yield f"{folder}/reponse.{ending}", submission.source
-    about = {"id": str(name), "exercise": submission.exercise, "sent_at": _time(submission.created_at)}
+    about: dict[str, Any] = {"id": str(name), "exercise": submission.exercise}
+    about |= {"sent_at": _time(submission.created_at)} | ({"held_by_a_test": True} if held else {})
     yield f"{folder}/corrections.json", _json({**about, "seed": submission.seed, "gradings": history})
 
 
-def _grading(submission: Submission, grading: Grading) -> dict[str, Any]:
+def _grading(submission: Submission, grading: Grading, known: Feedback) -> dict[str, Any]:
     return {
         "counts": grading.id == submission.grading_id,
         "started_at": _time(grading.started_at),
         "finished_at": _time(grading.finished_at),
-        "verdict": grading.verdict,
+        "verdict": known.shown(Verdict.from_json(grading.verdict)).to_json(),
     }
 
 
@@ -122,10 +129,14 @@ def _account(db: Session, account: Account) -> dict[str, Any]:
 
 
 def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
-    sums = standings.of_account(db, account_id)
+    sums = gradebook.sums_seen(db, account_id)
+    unnamed = {name for name, known in feedback.of_all(db, account_id).items() if known.diagnosis is not None}
     return {
         "standings": [
-            {"exercise": name, **{key: _plain(value) for key, value in asdict(one).items()}}
+            {
+                "exercise": name,
+                **{key: _plain(value) for key, value in asdict(one).items() if _told(key, name, unnamed)},
+            }
             for name, one in sorted(sums.items())
         ],
         "deals": [
@@ -139,6 +150,29 @@ def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
         "solutions_opened_to_classes": [
             {"exercise": opening.exercise, "class": name, "opened_at": _time(opening.opened_at)}
             for opening, name in repository.class_openings_by(db, account_id)
+        ],
+    }
+
+
+def _told(key: str, exercise: str, unnamed: Collection[str]) -> bool:
+    """An assignment may hold diagnoses back."""
+    return key != "last_diagnosis" or exercise not in unnamed
+
+
+def _tests(db: Session, account_id: UUID) -> dict[str, Any]:
+    return {
+        "sittings": [
+            {
+                "title": title,
+                "began_at": _time(one.began_at),
+                "handed_in_at": _time(one.handed_in_at),
+                "ended_by": one.ended_by,
+            }
+            for one, title in papers.all_sittings(db, account_id)
+        ],
+        "saved": [
+            {"exercise": one.exercise, "saved_at": _time(one.saved_at), "text": one.source.decode(errors="replace")}
+            for one in papers.all_saved(db, account_id)
         ],
     }
 

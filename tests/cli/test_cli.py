@@ -269,6 +269,26 @@ def test_a_server_that_answers_something_else_than_a_verdict_is_told_in_a_senten
     assert "plus rien n’est corrigé\n" in told
 
 
+@pytest.mark.parametrize("at_once", [True, False])
+def test_what_a_test_holds_back_is_received_and_not_waited_for(
+    monkeypatch: Any, tmp_path: Path, capsys: Any, at_once: bool
+) -> None:
+    asked = []
+
+    def answer(request: httpx.Request) -> httpx.Response:
+        asked.append(request.method)
+        held = {"url": "/api/v1/submissions/1", "status": "running", "held": at_once or request.method == "GET"}
+        text = json.dumps({**held, "verdict": None})
+        return httpx.Response(202, text=text if request.method == "POST" else f"data: {text}\n\n")
+
+    monkeypatch.setattr("server.cli.remote.httpx.Client", partial(httpx.Client, transport=httpx.MockTransport(answer)))
+    file = tmp_path / "a.py"
+    file.write_text("x = 1")
+    assert main(["submit", EXERCISE, str(file), "--server", "http://serveur", "--token", "jeton"]) == 0
+    assert capsys.readouterr().out == "Reçu ; résultat après la publication par l’enseignant.\n"
+    assert asked == (["POST"] if at_once else ["POST", "GET"])
+
+
 @pytest.mark.usefixtures("walls_that_stand")
 def test_what_is_printed_has_the_bound_of_what_is_recorded(right: Path, monkeypatch: Any, capsys: Any) -> None:
     check = CheckResult("a", "Une", False, 0, 20.0, "m" * 900_000)

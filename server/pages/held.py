@@ -1,0 +1,84 @@
+"""What the pages say of what is held back, and of the test that an exercise is in."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from typing import Literal
+
+from server.assignments import feedback, sittings
+from server.assignments.feedback import NOTHING_HELD, Closed, Feedback, Stage
+from server.assignments.models import SavedWork
+from server.course import Exercise
+from server.database import utc_now
+from server.gradebook.schemas import Attempt
+from server.pages.schemas import HeldView, TestBanner
+from server.web.views import Reader, exercise_href
+from server.web.words import moment, moment_text
+
+What = Literal["hints", "diagnosis", "solution"]
+IN_TEST: dict[What, str] = {
+    "hints": "Pas d’indices pendant le contrôle « {title} » : ils reviennent avec ses résultats.",
+    "diagnosis": "",
+    "solution": "",
+}
+FOR_A_TIME: dict[What, str] = {
+    "hints": "Le devoir « {title} » garde les indices fermés",
+    "diagnosis": "Le devoir « {title} » ne nomme pas les erreurs",
+    "solution": "Le devoir « {title} » garde le corrigé fermé",
+}
+SHOWN_STAGES: dict[Stage, Literal["may_begin", "running", "over"]] = {
+    Stage.may_begin: "may_begin",
+    Stage.running: "running",
+    Stage.over: "over",
+    Stage.missed: "over",
+}
+
+
+def held_view(closed: Closed | None, what: What) -> HeldView | None:
+    """None where nothing is held back, or where nothing is to be said of it."""
+    if closed is None:
+        return None
+    if closed.test:
+        text = IN_TEST[what].format(title=closed.title)
+        return HeldView(text, "", "") if text else None
+    text = FOR_A_TIME[what].format(title=closed.title)
+    if closed.until is None:
+        return HeldView(f"{text}.", "", "")
+    return HeldView(f"{text} jusqu’au", moment(closed.until), moment_text(closed.until))
+
+
+def feedback_of(reader: Reader, exercise: Exercise) -> Feedback:
+    return NOTHING_HELD if reader.account is None else feedback.of(reader.db, reader.account.id, exercise.id)
+
+
+def saved_work(reader: Reader, exercise: Exercise, latest: Attempt | None) -> SavedWork | None:
+    """What is saved in the test that one sits, where nothing was sent since."""
+    if reader.account is None or not feedback_of(reader, exercise).running:
+        return None
+    saved = sittings.last_saved(reader.db, reader.account.id, exercise.id)
+    newer = saved is not None and (latest is None or saved.saved_at > latest.submission.created_at)
+    return saved if newer else None
+
+
+def banner(reader: Reader, exercise: Exercise, saved: SavedWork | None) -> TestBanner | None:
+    """Of the test that is running, else of the first that holds the exercise."""
+    tests = feedback_of(reader, exercise).tests
+    if not tests:
+        return None
+    test = min(tests, key=lambda one: list(SHOWN_STAGES).index(one.stage) if one.stage is not Stage.running else -1)
+    return TestBanner(
+        title=test.title,
+        href=test.href,
+        stage=SHOWN_STAGES[test.stage],
+        now=moment(utc_now()),
+        ends=_or_empty(test.ends_at, text=False),
+        ends_text=_or_empty(test.ends_at, text=True),
+        save=f"{exercise_href(exercise)}/brouillon" if test.stage is Stage.running else "",
+        saved=_or_empty(saved.saved_at if saved else None, text=False),
+        saved_text=_or_empty(saved.saved_at if saved else None, text=True),
+        restored=saved is not None,
+    )
+
+
+def _or_empty(when: datetime | None, *, text: bool) -> str:
+    return "" if when is None else moment_text(when) if text else moment(when)

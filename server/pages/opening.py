@@ -1,0 +1,65 @@
+"""Hints and solution of an exercise: which are open to who looks, and why."""
+
+from __future__ import annotations
+
+from markupsafe import Markup
+
+from server.course import Exercise
+from server.gradebook import service as gradebook
+from server.gradebook import solutions
+from server.gradebook.schemas import Progress
+from server.gradebook.solutions import Access, Because, Door
+from server.pages.schemas import DoorView, HintView, SolutionView
+from server.web.rendering import python
+from server.web.views import Reader, exercise_href
+from server.web.words import plural
+
+HINT_OPENS_AFTER = (1, 2, 4)  # changed attempts without success
+
+
+def hints(reader: Reader, exercise: Exercise, progress: Progress, access: Access) -> tuple[HintView, ...]:
+    if access.hints_held is not None and not access.teaches:
+        return ()
+    everything = progress.succeeded or access.teaches
+    failed = gradebook.distinct_failed_attempts(reader.db, reader.account, exercise.id, besides=[exercise.starter])
+    views = []
+    for number, (html, needed) in enumerate(zip(exercise.hints, HINT_OPENS_AFTER, strict=True), 1):
+        closed = "" if everything or failed >= needed else _opens(needed, needed - failed)
+        views.append(HintView(number, "" if closed else html, closed))
+    return tuple(views)
+
+
+def _opens(needed: int, left: int) -> str:
+    if needed == left:
+        return f"s’ouvre après {plural(needed, 'essai non réussi', 'essais différents non réussis')}."
+    return f"s’ouvre après {needed} essais différents non réussis (encore {left})."
+
+
+def solution(
+    reader: Reader, exercise: Exercise, progress: Progress, access: Access, seed: int | None
+) -> SolutionView | None:
+    """Raises nothing: a solution that one may not read yet is simply absent."""
+    why = access.because(progress)
+    if why is None or (exercise.answers is not None and seed is None):
+        return None
+    html = (
+        python(exercise.solution)
+        if exercise.answers is None or seed is None
+        else Markup(exercise.prose(exercise.answers.correction(seed)))
+    )
+    doors = solutions.doors(reader.db, reader.account, exercise.id) if access.teaches else []
+    return SolutionView(html, WHY_OPEN[why], f"{exercise_href(exercise)}/corrige", tuple(map(_door, doors)))
+
+
+WHY_OPEN = {
+    Because.to_all: "Ouvert à tous par l’enseignant.",
+    Because.to_class: "Ouvert à votre classe par l’enseignant.",
+    Because.succeeded: "Ouvert parce que vous avez réussi.",
+    Because.teaches: "Ouvert à ceux qui enseignent.",
+}
+
+
+def _door(door: Door) -> DoorView:
+    to_whom = "à tous les élèves" if door.class_id is None else f"à la classe « {door.class_name} »"
+    verb = "Refermer" if door.is_open else "Ouvrir"
+    return DoorView(str(door.class_id or ""), f"{verb} le corrigé {to_whom}", door.is_open)
