@@ -36,6 +36,7 @@ from server.desk.keeping import router as keeping_router
 from server.desk.likeness import router as likeness_router
 from server.desk.marks import router as marks_router
 from server.desk.regrades import router as regrades_router
+from server.desk.sitting import router as sitting_router
 from server.desk.students import router as students_router
 from server.desk.talking import router as talking_router
 from server.figures.pictures import Pictures
@@ -65,6 +66,7 @@ from server.regrades.service import Regrades
 from server.replays.routes import Desk
 from server.replays.routes import router as replays_router
 from server.replays.service import Replays
+from server.submissions.collecting import Collecting
 from server.submissions.events import Events
 from server.submissions.service import GRADE, Submissions
 from server.web import errors
@@ -90,6 +92,7 @@ ROUTERS = (
     journal_router,
     regrades_router,
     groups_router,
+    sitting_router,
     pages_router,
     reading_router,
     cells_router,
@@ -136,6 +139,14 @@ class Services:
         return Watch(self.queue, [GRADE])
 
     @cached_property
+    def submissions(self) -> Submissions:
+        return Submissions(self.settings, self.queue, lambda: self.watch.unattended)
+
+    @cached_property
+    def collecting(self) -> Collecting:
+        return Collecting(self.course, self.submissions)
+
+    @cached_property
     def personal(self) -> Personal:
         return Personal(self.database, self.settings, self.course)
 
@@ -175,11 +186,13 @@ class Services:
             log.warning("%d accounts were erased, as the settings keep them no longer", len(erased))
 
     def recover(self) -> None:
-        """Leases that have run out, or whose holder died with another server; then whether anybody takes what waits."""
+        """Leases that have run out, or whose holder died with another server; then whether anybody takes what waits;
+        then the tests whose time is over."""
         with self.database.write() as db:
             self.queue.recover(db, owner_of(os.getpid()), self.give_ups)
         with self.database.read() as db:
             self.watch.look(db)
+        self.collecting.collect(self.database, utc_now())
 
     async def keep_recovering(self) -> None:
         seconds = min(RECOVER_EVERY, self.settings.lease_seconds / 3)
@@ -260,8 +273,8 @@ def _share(app: FastAPI, services: Services) -> None:
     provide(app, services.settings, course, services.database, services.events, services.cells)
     provide(app, Accounts(services.database, services.settings, adopt=adopt))
     provide(app, services.personal, Classes(services.database, services.settings), Presence(services.database))
-    provide(app, Submissions(services.settings, services.queue, lambda: services.watch.unattended))
     provide(app, Regrades(course, services.queue))
+    provide(app, services.submissions, services.collecting)
     provide(app, services.figures, services.supervisor, Downloads(course), Desk(Replays()))
     check_provided(app)
 

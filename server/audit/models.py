@@ -22,6 +22,7 @@ class What(StrEnum):
     assignment_deleted = "assignment_deleted"
     exemption_made = "exemption_made"
     exemption_revoked = "exemption_revoked"
+    feedback_released = "feedback_released"
     staff_changed = "staff_changed"
     student_removed = "student_removed"
     student_admitted = "student_admitted"
@@ -39,6 +40,7 @@ WORDS: Mapping[What, str] = {
     What.assignment_deleted: "devoir supprimé",
     What.exemption_made: "aménagement accordé",
     What.exemption_revoked: "aménagement retiré",
+    What.feedback_released: "résultats d’un contrôle publiés",
     What.staff_changed: "équipe modifiée",
     What.student_removed: "élève sorti de la classe",
     What.student_admitted: "élève admis dans la classe",

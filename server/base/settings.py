@@ -83,6 +83,8 @@ class Settings(BaseSettings):
     sign_up_refill_seconds: Seconds = Field(default=10.0, ge=0, description="then one more after so long")
     login_burst: Count = Field(default=10, description="log-ins tried to one account from one address, at once")
     login_refill_seconds: Seconds = Field(default=30.0, ge=0, description="then one more after so long")
+    save_burst: Count = Field(default=60, description="times that an account saves its work in a test, at once")
+    save_refill_seconds: Seconds = Field(default=1.0, ge=0, description="then one more after so long")
     cell_burst: Count = Field(default=30, description="runs of a page's cells by an account at once")
     cell_refill_seconds: Seconds = Field(default=2.0, ge=0, description="then one more after so long")
     cells_at_once: int = Field(default=2, ge=1, le=64, description="cells that run at the same time")
@@ -181,6 +183,10 @@ class Settings(BaseSettings):
     @property
     def login_bucket(self) -> Bucket:
         return Bucket(self.login_burst, self.login_refill_seconds)
+
+    @property
+    def save_bucket(self) -> Bucket:
+        return Bucket(self.save_burst, self.save_refill_seconds)
 
     @property
     def cell_bucket(self) -> Bucket:

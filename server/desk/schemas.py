@@ -185,6 +185,54 @@ class SlipsPage:
 
 
 @dataclass(frozen=True)
+class SatExercise:
+    """An exercise of a test: how often one has sent something, and when something was saved last (or empty)."""
+
+    title: str
+    href: str
+    kind: str
+    sent: int
+    saved: str
+    saved_text: str
+
+
+@dataclass(frozen=True)
+class SittingPage:
+    """A test as its student sees it. Times come as ISO and in words, empty where there are none.
+
+    `ends`: of a sitting, its end; before it, the end if one began now. `now` is the server's time. `extra`: the time
+    is longer than the others'. `handed_in`: at one's own word; else time has ended it.
+    """
+
+    head: ClassHead
+    title: str
+    stage: str
+    opens: str
+    opens_text: str
+    closes: str
+    closes_text: str
+    minutes: str
+    extra: bool
+    now: str
+    ends: str
+    ends_text: str
+    handed_in: bool
+    exercises: tuple[SatExercise, ...]
+    action: str
+
+
+@dataclass(frozen=True)
+class ReleaseView:
+    """The results of a test, to be released: how many have begun, and still sit. `released` is empty before."""
+
+    action: str
+    released: str
+    released_text: str
+    begun: int
+    sitting: int
+
+
+@dataclass(frozen=True)
 class JoinPage:
     """The class of a code. `asks_name`: of a visitor or a guest; `already`: where who is in it already goes on."""
 

@@ -28,7 +28,7 @@ from server.figures.orders import MEDIA_TYPES, Theme
 from server.figures.service import Wanted
 from server.gradebook import service as gradebook
 from server.gradebook import solutions
-from server.gradebook.schemas import Attempt
+from server.gradebook.schemas import Attempt, held_text
 from server.identity.dependencies import AccountsOf, BrowserAccount, OptionalAccount, SignedIn, account_or_guest
 from server.identity.models import Account
 from server.pages import answers, service, talk
@@ -44,6 +44,7 @@ from server.web.dependencies import Reading
 from server.web.rendering import fragment, page
 from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader, exercise_href, find_exercise, find_module
+from server.web.words import moment
 
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
@@ -145,6 +146,13 @@ async def _fields(request: Request) -> FormData:
 FormFields = Annotated[FormData, Depends(_fields)]
 
 
+def _code(fields: FormData) -> str:
+    code = fields.get("code", "")
+    if not isinstance(code, str):
+        raise Invalid("Le code est attendu comme un texte, pas comme un fichier joint.")
+    return code.replace("\r\n", "\n")
+
+
 def _sent(
     store: Submissions, db: Db, account: Account, exercise: Exercise, fields: FormData, *, address: str
 ) -> tuple[Submission, bool]:
@@ -152,10 +160,7 @@ def _sent(
     if exercise.answers is not None:
         given = answers.read_form(exercise, fields)
         return store.submit_answers(db, account, exercise.id, given, address=address), False
-    code = fields.get("code", "")
-    if not isinstance(code, str):
-        raise Invalid("Le code est attendu comme un texte, pas comme un fichier joint.")
-    code = code.replace("\r\n", "\n")
+    code = _code(fields)
     before = gradebook.sent_before(db, account, exercise.id, code, exercise.version)
     return (before, True) if before else (store.submit(db, account, exercise.id, code, address=address), False)
 
@@ -180,12 +185,41 @@ def submit(
     answer = {
         "id": str(submission.id),
         "account": str(account.id),
-        "text": service.waiting_text(store.place(db, submission)),
+        "text": _first_words(store, db, account, submission),
         "page": href + query,
         "events": f"{href}/evenements",
         "verdict": f"{href}/verdict{query}",
     }
     return JSONResponse(answer, 202)
+
+
+def _first_words(store: Submissions, db: Db, account: Account, submission: Submission) -> str:
+    """What there is to say until there is more; of what a test holds back, always the same."""
+    test = gradebook.as_seen(db, account.id, submission, None).held
+    return held_text(test) if test else service.waiting_text(store.place(db, submission))
+
+
+@router.post("/{module:module}/exercices/{slug}/brouillon")
+def save(
+    request: Request,
+    module: str,
+    slug: str,
+    account: SignedIn,
+    course: CourseOf,
+    store: SubmissionsOf,
+    db: Db,
+    fields: FormFields,
+) -> Response:
+    """Keeps what is written while one sits a test; what is there at its end is sent. A script is told when it was."""
+    exercise = find_exercise(course, module, slug)
+    if exercise.answers is not None:
+        source = store.source_of_answers(answers.read_form(exercise, fields))
+    else:
+        source = store.source_of(_code(fields))
+    saved_at = store.save(db, account, exercise.id, source)
+    if "application/json" not in request.headers.get("accept", ""):
+        return RedirectResponse(f"{exercise_href(exercise)}#essai", MOVES_ON)
+    return JSONResponse({"saved_at": moment(saved_at)})
 
 
 @router.post("/{module:module}/exercices/{slug}/corrige")
@@ -270,7 +304,10 @@ async def events(
 ) -> StreamingResponse:
     def read() -> Waiting:
         with database.read() as db:
-            place = store.place(db, gradebook.find(db, account, submission_id).submission)
+            attempt = gradebook.find(db, account, submission_id)
+            if attempt.held:
+                return Waiting(State.done, "")
+            place = store.place(db, attempt.submission)
             return Waiting(place.state, service.waiting_text(place))
 
     await run_in_threadpool(read)  # a 404 must come before the stream begins

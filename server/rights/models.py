@@ -13,6 +13,7 @@ class Right(StrEnum):
 
     see_class = "voir la classe"
     leave_class = "quitter la classe"
+    sit_tests = "composer dans les contrôles de la classe"
     see_students = "voir les élèves de la classe"
     read_work = "lire les essais des élèves de la classe"
     comment = "commenter les essais des élèves de la classe"
@@ -24,6 +25,7 @@ class Right(StrEnum):
     read_marks = "lire les notes de la classe"
     change_marks = "changer les notes de la classe"
     read_log = "lire le journal de la classe"
+    release_feedback = "publier les résultats des contrôles de la classe"
     set_up = "régler la classe"
     regrade = "recorriger les essais de la classe"
     name_behaviours = "nommer une erreur pour la classe"
@@ -31,10 +33,11 @@ class Right(StrEnum):
     open_to_all = "ouvrir les corrigés à tous"
 
 
-#: Of the active members of a class; an administrator has each of them in every class.
+#: Of the active members of a class; an administrator has each of them in every class, but those of a seat.
 OF_MEMBERS: Mapping[Right, frozenset[Seat]] = {
     Right.see_class: frozenset({STUDENT, ASSISTANT, TEACHER}),
     Right.leave_class: frozenset({STUDENT, ASSISTANT, TEACHER}),
+    Right.sit_tests: frozenset({STUDENT}),
     Right.see_students: frozenset({ASSISTANT, TEACHER}),
     Right.read_work: frozenset({ASSISTANT, TEACHER}),
     Right.comment: frozenset({ASSISTANT, TEACHER}),
@@ -46,10 +49,14 @@ OF_MEMBERS: Mapping[Right, frozenset[Seat]] = {
     Right.read_marks: frozenset({ASSISTANT, TEACHER}),
     Right.change_marks: frozenset({TEACHER}),
     Right.read_log: frozenset({TEACHER}),
+    Right.release_feedback: frozenset({TEACHER}),
     Right.set_up: frozenset({TEACHER}),
     Right.regrade: frozenset({TEACHER}),
     Right.name_behaviours: frozenset({TEACHER}),
 }
+
+#: What only somebody who is a member may do, and by what they are there.
+OF_A_SEAT = frozenset({Right.leave_class, Right.sit_tests})
 
 #: Who only asks to join knows that the class is there, and may think better of it.
 OF_PENDING = frozenset({Right.see_class, Right.leave_class})

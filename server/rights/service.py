@@ -21,7 +21,7 @@ from server.classes.schemas import Member
 from server.classes.service import UNKNOWN
 from server.identity.models import Account
 from server.rights import repository
-from server.rights.models import OF_MEMBERS, OF_PENDING, Right
+from server.rights.models import OF_A_SEAT, OF_MEMBERS, OF_PENDING, Right
 
 MISSING = "Il vous manque le droit de {right}."
 ONLY = {
@@ -30,6 +30,7 @@ ONLY = {
 }
 OF_CLASS = " Dans la classe « {name} », {who}."
 WHO = {
+    frozenset({Seat.student}): "les élèves l’ont",
     frozenset({Seat.teacher}): "les enseignants l’ont",
     frozenset({Seat.assistant, Seat.teacher}): "les enseignants et les assistants l’ont",
     frozenset(Seat): "ses membres l’ont, une fois admis",
@@ -134,9 +135,13 @@ def module_of(exercise: str) -> str:
 
 def _rights(account: Account, membership: Membership | None) -> frozenset[Right]:
     if account.is_administrator:
-        everything = frozenset(OF_MEMBERS)
-        return everything if membership is not None else everything - {Right.leave_class}
+        seated = _of_seat(membership) & OF_A_SEAT if membership is not None else frozenset()
+        return (frozenset(OF_MEMBERS) - OF_A_SEAT) | seated
     assert membership is not None
+    return _of_seat(membership)
+
+
+def _of_seat(membership: Membership) -> frozenset[Right]:
     if membership.status == Status.pending:
         return OF_PENDING
     return frozenset(right for right, seats in OF_MEMBERS.items() if membership.role in seats)

@@ -5,8 +5,10 @@ from typing import Annotated
 from fastapi import Depends
 
 from server.base.provided import provided
+from server.submissions.collecting import Collecting
 from server.submissions.events import Events
 from server.submissions.service import Submissions
 
 EventsOf = Annotated[Events, Depends(provided(Events))]
+CollectingOf = Annotated[Collecting, Depends(provided(Collecting))]
 SubmissionsOf = Annotated[Submissions, Depends(provided(Submissions))]

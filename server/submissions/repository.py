@@ -1,9 +1,10 @@
 """Queries on submissions and deals."""
 
 from collections.abc import Mapping
+from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import func, select, update
+from sqlalchemy import ColumnElement, and_, func, or_, select, update
 from sqlalchemy.orm import Session
 
 from server.database import upserting, utc_now
@@ -23,6 +24,34 @@ def waiting(db: Session, account_id: UUID, exercise: str | None = None) -> Mappi
     )
     query = query if exercise is None else query.where(Submission.exercise == exercise)
     return dict(db.execute(query).all())
+
+
+def waiting_or_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
+    """How many of an account's submissions wait, or were sent from these times on, by exercise, in these alone."""
+    return _counted(db, account_id, since, Submission.grading_id.is_(None))
+
+
+def sent_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
+    """How many of an account's submissions were sent from these times on, by exercise, in these alone."""
+    return _counted(db, account_id, since)
+
+
+def _counted(
+    db: Session, account_id: UUID, since: Mapping[str, datetime], *besides: ColumnElement[bool]
+) -> Mapping[str, int]:
+    if not since:
+        return {}
+    either = [
+        and_(Submission.exercise == name, or_(*besides, Submission.created_at >= when)) for name, when in since.items()
+    ]
+    query = select(Submission.exercise, func.count()).where(Submission.account_id == account_id, or_(*either))
+    return dict(db.execute(query.group_by(Submission.exercise)).all())
+
+
+def latest(db: Session, account_id: UUID, exercise: str) -> Submission | None:
+    """What was sent last, graded or not."""
+    query = select(Submission).where(Submission.account_id == account_id, Submission.exercise == exercise)
+    return db.execute(query.order_by(Submission.created_at.desc(), Submission.id.desc()).limit(1)).scalar_one_or_none()
 
 
 def move(db: Session, old: UUID, new: UUID) -> None:

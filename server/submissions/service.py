@@ -4,16 +4,19 @@ import hashlib
 import secrets
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from datetime import datetime
 from typing import Any
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
 from graders.core.answers import canonical
+from server.assignments import sittings
 from server.base.encoding import encoded
 from server.base.errors import Invalid, NotFound, TooMany
 from server.base.settings import Settings
 from server.classes import service as classes
+from server.database import utc_now
 from server.identity.models import Account
 from server.limits import service as limits
 from server.queue.port import HeapError, Most, Queue
@@ -30,6 +33,7 @@ TOO_FAST = (
     "Vous avez envoyé beaucoup de propositions en peu de temps : la prochaine est possible dans {seconds} s. "
     "Profitez-en pour relire le dernier verdict."
 )
+TOO_MANY_SAVES = "Vous enregistrez très souvent : le prochain enregistrement est possible dans {seconds} s."
 FULL = {
     "sender": "Vos {each} dernières propositions attendent encore leur correction : la suivante sera possible dès que "
     "l’une d’elles sera corrigée.",
@@ -63,36 +67,72 @@ class Submissions:
         self._settings, self._queue, self._unattended = settings, queue, unattended
 
     def submit(self, db: Session, account: Account, exercise_id: str, code: str, *, address: str) -> Submission:
-        """Stores the submission and queues it. Raises TooLarge, TooMany or Invalid, with a sentence in French."""
-        source = encoded(code, self._settings.code_bytes)
-        return self._store(db, account, address, exercise_id, source, digest(code), secrets.randbits(SEED_BITS))
+        """Stores the submission and queues it. Raises TooLarge, TooMany, NotNow or Invalid, in French."""
+        return self._submit(db, account, address, exercise_id, self.source_of(code), answers=False)
 
     def submit_answers(
         self, db: Session, account: Account, exercise_id: str, answers: Mapping[str, Any], *, address: str
     ) -> Submission:
         """Stores answers given without code, to this account's deal, as canonical JSON. Raises as `submit` does."""
+        return self._submit(db, account, address, exercise_id, self.source_of_answers(answers), answers=True)
+
+    def submit_saved(
+        self, db: Session, account: Account, exercise_id: str, source: bytes, sent_at: datetime, *, answers: bool
+    ) -> Submission:
+        """Stores what a student had saved when their test ended, as if they had sent it then. No limit holds it up."""
+        return self._store(db, account, "", exercise_id, source, sent_at, answers=answers)
+
+    def save(self, db: Session, account: Account, exercise_id: str, source: bytes) -> datetime:
+        """Keeps what is written in a test, to be sent at its end; when. Raises NotNow or TooMany."""
+        now = utc_now()
+        sittings.save(db, account.id, exercise_id, source, now)
+        limits.take(db, f"save:{account.id}", self._settings.save_bucket, TOO_MANY_SAVES)
+        return now
+
+    def source_of(self, code: str) -> bytes:
+        """The file as it is stored. Raises TooLarge or Invalid."""
+        return encoded(code, self._settings.code_bytes)
+
+    def source_of_answers(self, answers: Mapping[str, Any]) -> bytes:
+        """Raises TooLarge or Invalid."""
         try:
             text = canonical(answers)
         except RecursionError as error:
             raise Invalid("Ces réponses sont trop imbriquées.") from error
-        source = encoded(text, self._settings.code_bytes, "Le texte des réponses")
-        seed = deals.seed_of(db, account, exercise_id)
-        return self._store(db, account, address, exercise_id, source, digest(text), seed)
+        return encoded(text, self._settings.code_bytes, "Le texte des réponses")
+
+    def _submit(
+        self, db: Session, account: Account, address: str, exercise_id: str, source: bytes, *, answers: bool
+    ) -> Submission:
+        now = utc_now()
+        sittings.require_may_send(db, account.id, exercise_id, now)
+        limits.take(db, limits.of_submissions(account.id), self._settings.submission_bucket, TOO_FAST)
+        most = Most(self._settings.waiting_each, self._settings.waiting_from_address)
+        try:
+            return self._store(db, account, address, exercise_id, source, now, answers=answers, most=most)
+        except HeapError as error:
+            raise TooMany(_full(error, account, most), retry_after=FULL_SECONDS) from error
 
     def _store(
-        self, db: Session, account: Account, address: str, exercise_id: str, source: bytes, digest: str, seed: int
+        self,
+        db: Session,
+        account: Account,
+        address: str,
+        exercise_id: str,
+        source: bytes,
+        sent_at: datetime,
+        *,
+        answers: bool,
+        most: Most | None = None,
     ) -> Submission:
-        limits.take(db, limits.of_submissions(account.id), self._settings.submission_bucket, TOO_FAST)
-        submission = Submission(account_id=account.id, exercise=exercise_id, source=source, digest=digest, seed=seed)
+        seed = deals.seed_of(db, account, exercise_id) if answers else secrets.randbits(SEED_BITS)
+        values = {"source": source, "digest": digest(source.decode()), "seed": seed, "created_at": sent_at}
+        submission = Submission(account_id=account.id, exercise=exercise_id, **values)
         db.add(submission)
         db.flush()
         classes.note_seen(db, account.id)
-        most = Most(self._settings.waiting_each, self._settings.waiting_from_address)
         sender = sender_of(account, address, member=classes.is_member(db, account.id))
-        try:
-            self._queue.put(db, GRADE, key_of(submission.id), sender=sender, most=most)
-        except HeapError as error:
-            raise TooMany(_full(error, account, most), retry_after=FULL_SECONDS) from error
+        self._queue.put(db, GRADE, key_of(submission.id), sender=sender, most=most)
         return submission
 
     def place(self, db: Session, submission: Submission) -> Place:

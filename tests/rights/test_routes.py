@@ -12,7 +12,7 @@ from fastapi.routing import iter_route_contexts
 
 from graders.core.code.plain import packed
 from graders.core.contract.findings import Judgement
-from server.assignments.models import AssignedExercise, Assignment
+from server.assignments.models import AssignedExercise, Assignment, Mode
 from server.base.paths import ROOT
 from server.base.provided import provided_to
 from server.base.request import COOKIE
@@ -70,7 +70,10 @@ FORMS: dict[str, dict[str, str]] = {
     "POST /classes/{class_id}/recalculs/{regrade_id}": {"action": "arreter"},
     "POST /rejoindre/{code}": {"given": "Ada", "family": "Lovelace"},
 }
+TEST = "/classes/{class_id}/devoirs/{assignment_id}"
 OTHER_VALUES = {
+    f"GET {TEST}/composer": {"assignment_id": "{test}"},
+    **{f"POST {TEST}/{what}": {"assignment_id": "{test}"} for what in ("commencer", "rendre", "publier")},
     "GET /{module}/kit/{name}.py": {"name": "l20"},
     "GET /static/{version}/{name:path}": {"version": "source", "name": "img/favicon.svg"},
     "GET /{module}/lire/{slug}": {"slug": "localiser"},
@@ -131,7 +134,8 @@ class Stage:
                 if who in SEATS:
                     db.add(Membership(class_id=self.made.id, account_id=account.id, role=SEATS[who]))
             self.assignment = Assignment(class_id=self.made.id, title="Séance 1", opens_at=utc_now())
-            db.add(self.assignment)
+            self.test = Assignment(class_id=self.made.id, title="Interro", mode=Mode.test, opens_at=utc_now())
+            db.add_all([self.assignment, self.test])
             db.flush()
             db.add(AssignedExercise(assignment_id=self.assignment.id, exercise=EXERCISE, position=0))
             row = {"account_id": self.accounts["student"].id, "exercise": EXERCISE, "reason": "x", "based_on": []}
@@ -176,6 +180,7 @@ class Stage:
             "name": "b",
             "class_id": str(self.made.id),
             "assignment_id": str(self.assignment.id),
+            "test": str(self.test.id),
             "code": str(self.made.join_code),
             "submission_id": str(self.sent.id),
             "regrade_id": str(self.regrade.id),

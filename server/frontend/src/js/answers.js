@@ -3,6 +3,7 @@
 import { inherited } from "./drafts.js";
 import { followToVerdict, showWaiting } from "./follow.js";
 import { setUpOrder } from "./answers/order.js";
+import { reconciled, savesOf } from "./saves.js";
 import { post } from "./send.js";
 import { setUpSplitter } from "./splitter.js";
 import { draftOfPage } from "./versions.js";
@@ -16,6 +17,8 @@ const draft = draftOfPage(keyOf(form.dataset.account), {
   again: () => form.querySelector("input, select, button")?.focus(),
 });
 
+const saves = savesOf(form, keyOf(form.dataset.account), { text: () => body().toString(), body });
+
 // A draft belongs to one draw: under other letters it would say something else.
 function keyOf(account) {
   return `balise-brouillon:${account}:${form.dataset.exercise}:${form.dataset.seed}`;
@@ -27,6 +30,7 @@ function body() {
 
 function saveDraft() {
   document.getElementById("brouillon").textContent = draft.save() ? "Brouillon enregistré" : "";
+  saves.changed();
 }
 
 function fill(text) {
@@ -79,8 +83,11 @@ if (form.dataset.taken === "true") {
   history.replaceState(null, "", location.pathname);
 } else {
   const before = inherited(form.dataset.account, keyOf);
-  if ((before ?? draft.kept) !== null) fill(before ?? draft.kept);
+  const there = body().toString();
+  const text = before ?? reconciled(form, keyOf(form.dataset.account), draft, there);
+  if (text !== there) fill(text);
   if (before !== null) saveDraft();
+  else if (text !== there) saves.changed();
 }
 for (const order of orders) order.show();
 draft.tellAnother();

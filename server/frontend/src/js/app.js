@@ -1,5 +1,6 @@
 // On every page: the theme switch, confirmations, submissions that are still waiting.
 
+import { setUpCountdowns } from "./countdown.js";
 import { noteAccount } from "./drafts.js";
 import { setUpFieldCopies } from "./fields.js";
 import { followToVerdict } from "./follow.js";
@@ -65,6 +66,10 @@ document.addEventListener("balise:refreshed", dress);
 dress();
 setUpSearchKey();
 setUpFieldCopies();
+setUpCountdowns();
+
+// Once its time is over, the page of a test says what comes next.
+document.addEventListener("balise:test-over", () => setTimeout(() => location.reload(), 3000));
 
 document.querySelector("[data-print-page]")?.addEventListener("click", () => window.print());
 

@@ -2,6 +2,7 @@
 
 import { inherited } from "./drafts.js";
 import { followToVerdict, showWaiting } from "./follow.js";
+import { reconciled, savesOf } from "./saves.js";
 import { post } from "./send.js";
 import { setUpSplitter } from "./splitter.js";
 import { draftOfPage } from "./versions.js";
@@ -15,6 +16,11 @@ const draft = draftOfPage(keyOf(form.dataset.account), {
   get: () => editor.get(),
   set: (text) => editor.set(text),
   again: () => editor.focus(),
+});
+
+const saves = savesOf(form, keyOf(form.dataset.account), {
+  text: () => editor.get(),
+  body: () => new URLSearchParams({ code: editor.get() }),
 });
 
 function keyOf(account) {
@@ -38,12 +44,14 @@ function plainEditor() {
 
 function saveDraft() {
   document.getElementById("brouillon").textContent = draft.save() ? "Brouillon enregistré" : "";
+  saves.changed();
 }
 
 async function setUpEditor() {
   const taken = form.dataset.taken === "true" ? area.value : null;
   const before = inherited(form.dataset.account, keyOf);
-  const text = draft.kept ?? area.value;
+  const there = area.value;
+  const text = reconciled(form, keyOf(form.dataset.account), draft, there);
   area.value = text;
   try {
     const { createEditor } = await import("./editor.js");
@@ -62,6 +70,7 @@ async function setUpEditor() {
     saveDraft();
     history.replaceState(null, "", location.pathname);
   }
+  if (editor.get() !== there) saves.changed();
   draft.tellAnother();
 }
 

@@ -60,6 +60,12 @@ class Draft {
     if (aside !== null && aside !== this.#known) this.divided(true);
   }
 
+  /** This text is the draft from now on; the one that was stays aside. */
+  yieldTo(text) {
+    if (this.#known !== null && this.#known !== text) keep(this.#key + ASIDE, this.#known);
+    this.#write(text);
+  }
+
   /** False where the browser keeps nothing. */
   save() {
     this.#look(); // this tab may not have been told of what another one has written

@@ -1,0 +1,84 @@
+"""From a test and who sits it to what the templates show."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from datetime import datetime
+
+from sqlalchemy.orm import Session
+
+from server.assignments import feedback, papers, repository
+from server.assignments.models import Assignment, EndedBy
+from server.assignments.sittings import Own
+from server.desk.schemas import ReleaseView, SatExercise, SittingPage
+from server.desk.views import head
+from server.gradebook import service as gradebook
+from server.identity.models import Account
+from server.rights.service import Place
+from server.web.views import Reader, exercise_href
+from server.web.words import moment, moment_text, plural
+
+
+def groups_of(place: Place) -> Sequence[str]:
+    return place.membership.groups if place.membership is not None else ()
+
+
+def page_of(test: Assignment) -> str:
+    return feedback.href_of(test.class_id, test.id)
+
+
+def sitting_page(reader: Reader, place: Place, own: Own, account: Account, now: datetime) -> SittingPage:
+    test, rules = own.assignment, own.rules
+    ends = own.ends_at if own.sitting is not None else rules.end_of_sitting(max(now, rules.opens_at))
+    minutes = None if rules.duration is None else round(rules.duration.total_seconds() / 60)
+    return SittingPage(
+        head=head(reader.course, place),
+        title=test.title,
+        stage=own.stage.value,
+        **_both("opens", rules.opens_at),
+        **_both("closes", rules.closes_at),
+        minutes="" if minutes is None else plural(minutes, "minute"),
+        extra=rules.time_factor > 1.0,
+        now=moment(now),
+        **_both("ends", ends),
+        handed_in=own.sitting is not None and own.sitting.ended_by == EndedBy.student,
+        exercises=_exercises(reader, own, account),
+        action=page_of(test).removesuffix("/composer"),
+    )
+
+
+def _both(name: str, when: datetime | None) -> dict[str, str]:
+    return {
+        name: "" if when is None else moment(when),
+        f"{name}_text": "" if when is None else moment_text(when),
+    }
+
+
+def _exercises(reader: Reader, own: Own, account: Account) -> tuple[SatExercise, ...]:
+    """Those that this server has; what was sent counts since the sitting began."""
+    assigned = repository.exercises(reader.db, [own.assignment.id])[own.assignment.id]
+    known = [reader.course.exercises[one.exercise] for one in assigned if one.exercise in reader.course.exercises]
+    saved = papers.saved_at(reader.db, own.assignment.id, account.id)
+    began = own.sitting.began_at if own.sitting is not None else own.rules.opens_at
+    sent = gradebook.sent_since(reader.db, account, {exercise.id: began for exercise in known})
+    return tuple(
+        SatExercise(
+            title=exercise.title,
+            href=exercise_href(exercise),
+            kind=exercise.kind,
+            sent=sent.get(exercise.id, 0),
+            **_both("saved", saved.get(exercise.id)),
+        )
+        for exercise in known
+    )
+
+
+def release_view(db: Session, test: Assignment) -> ReleaseView:
+    """For the page of a test, as its teacher sees it."""
+    begun, ended = papers.counts(db, test.id)
+    return ReleaseView(
+        action=f"{page_of(test).removesuffix('/composer')}/publier",
+        **_both("released", test.released_at),
+        begun=begun,
+        sitting=begun - ended,
+    )

@@ -1,0 +1,398 @@
+"""A test, from « Commencer » to the results; and every way round it that a bored student would try."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import zipfile
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from typing import Any
+
+import pytest
+from sqlalchemy import select, update
+from starlette.testclient import TestClient
+
+from graders.core.contract.findings import Judgement
+from graders.core.contract.verdict import Diagnosis
+from server.assignments.models import Assignment, Mode, SavedWork, Shown, Sitting
+from server.audit.models import AuditEvent, What
+from server.base.provided import provided_to
+from server.classes.models import SchoolClass, Seat
+from server.database import utc_now
+from server.gradebook import service as gradebook
+from server.grading.task import SentFile
+from server.identity.models import Role
+from server.submissions.collecting import Collecting
+from server.submissions.models import Submission
+from tests.support.classes import Person, assign, new_class, person, seat
+from tests.support.service import EXERCISE, Site, fake_verdict
+
+SEND = "/api/v1/submissions"
+PAGE = f"/{EXERCISE.replace('/', '/exercices/')}"
+MINUTE = timedelta(minutes=1)
+FORM = {"Accept": "application/json"}
+
+
+@dataclass
+class Room:
+    """A class that sits a test on one exercise, with its teacher. What is graded ends as `outcome` says."""
+
+    site: Site
+    teacher: Person
+    made: SchoolClass
+    test: Assignment
+    outcome: str = "ok"
+
+    @property
+    def path(self) -> str:
+        return f"/classes/{self.made.id}/devoirs/{self.test.id}"
+
+    def student(self, *, begins: bool = True) -> Person:
+        one = person(self.site)
+        seat(self.site.database, self.made, one.account)
+        if begins:
+            assert self.post(one, "commencer").status_code == 303
+        return one
+
+    def post(self, who: Person, what: str, **data: str) -> Any:
+        return who.browser(self.site).post(f"{self.path}/{what}", data=data)
+
+    def send(self, who: Person, code: str = "x = 1", **query: Any) -> Any:
+        return self.site.client.post(SEND, params=query, json={"exercise": EXERCISE, "code": code}, headers=who.headers)
+
+    def save(self, who: Person, code: str) -> Any:
+        return who.browser(self.site).post(f"{PAGE}/brouillon", data={"code": code}, headers=FORM)
+
+    def grade(self) -> None:
+        def judged(sent: SentFile) -> Judgement:
+            return Judgement(fake_verdict(f"outcome: {self.outcome}", sent.seed), {"b": {"kind": "fake"}})
+
+        while self.site.worker_with(judged).step():
+            pass
+
+    def let_time_pass(self, minutes: int = 120) -> None:
+        """All of it happened earlier by so much."""
+        earlier = timedelta(minutes=minutes)
+        with self.site.database.write() as db:
+            for column in (Sitting.began_at, SavedWork.saved_at, Submission.created_at):
+                for row in db.execute(select(column.class_)).scalars():
+                    setattr(row, column.key, getattr(row, column.key) - earlier)
+
+    def collect(self, now: datetime | None = None) -> int:
+        return provided_to(self.site.app, Collecting).collect(self.site.database, now or utc_now())
+
+    def sent(self, who: Person) -> list[Submission]:
+        query = select(Submission).where(Submission.account_id == who.id).order_by(Submission.created_at)
+        with self.site.database.read() as db:
+            return list(db.execute(query).scalars())
+
+
+@pytest.fixture
+def room(site: Site) -> Room:
+    site.tighten(submission_burst=1000)
+    teacher = person(site, Role.teacher, "Mme Martin")
+    made = new_class(site.database, teacher.account)
+    test = assign(site.database, made, EXERCISE, mode=Mode.test, duration_minutes=60)
+    return Room(site, teacher, made, test)
+
+
+def told(answer: Any) -> str:
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]*>", "", answer.text))
+
+
+def test_from_begin_to_results(room: Room) -> None:
+    ada = room.student(begins=False)
+    browser = ada.browser(room.site)
+    before = told(browser.get(f"{room.path}/composer"))
+    assert "Vous aurez 60 minutes dès que vous commencerez" in before
+    assert "Si vous commencez maintenant, il finit le" in before
+    assert "commencez-le d’abord" in room.send(ada).json()["detail"]
+    assert "Rien ne s’envoie ici avant" in told(browser.get(PAGE))
+    assert room.post(ada, "commencer").status_code == 303
+    running = browser.get(f"{room.path}/composer").text
+    assert 'data-ends="' in running
+    assert "Rendre définitivement" in running
+    answer = room.send(ada, wait=5)
+    assert (answer.status_code, answer.json()["status"], answer.json()["held"]) == (202, "running", True)
+    assert "quand l’enseignant publiera" in answer.json()["notice"]
+    room.grade()
+    assert "Pas d’indices pendant le contrôle" in told(browser.get(PAGE))
+    assert room.post(ada, "rendre").status_code == 303
+    assert "Rendu le" in told(browser.get(f"{room.path}/composer"))
+    refused = room.send(ada)
+    assert (refused.status_code, refused.headers["content-type"]) == (409, "application/problem+json")
+    assert room.post(room.teacher, "publier").headers["location"] == room.path
+    assert "Les résultats sont publiés" in told(browser.get(f"{room.path}/composer"))
+    assert "Exercice réussi" in told(browser.get(PAGE))
+    assert room.send(ada, "x = 2").status_code == 202
+    assert room.post(room.teacher, "publier").status_code == 409
+    with room.site.database.read() as db:
+        (event,) = db.execute(select(AuditEvent).where(AuditEvent.what == What.feedback_released)).scalars()
+    assert (event.by, event.about, list(event.after)) == (room.teacher.id, "Interro", ["released_at"])
+
+
+ALIKE = (
+    (
+        re.compile(r"[0-9a-f]{8}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{4}-[0-9a-f]{12}|\d{4}-\d\d-\d\d-\d{6}-[0-9a-f]{8}"),
+        "ID",
+    ),
+    (re.compile(r"\d{4}-\d\d-\d\d[T ][\d:.]+(\+00:00|Z)?|\d\d/\d\d/\d{4} à \d\d:\d\d"), "TIME"),
+    (re.compile(r'("seed": )\d+'), r"\1SEED"),
+)
+
+
+def alike(text: str) -> str:
+    for pattern, word in ALIKE:
+        text = pattern.sub(word, text)
+    return text
+
+
+def everything(room: Room, who: Person, code: str) -> dict[str, str]:
+    """All that the service tells a student, of an attempt and of where they stand."""
+    browser, found = who.browser(room.site), {}
+    first = room.sent(who)[0].id
+    asked = {"json": {"exercise": EXERCISE, "code": code}, "headers": who.headers}
+    calls: list[tuple[str, str, dict[str, Any]]] = [
+        *(("GET", f"{SEND}/{first}{end}", {"headers": who.headers}) for end in ("", "/events", "/figures/b.svg")),
+        ("POST", f"{SEND}?reuse=true&wait=5", asked),
+        ("POST", f"{PAGE}/soumissions", {"data": {"code": code}, "headers": FORM}),
+        *(("GET", f"/soumissions/{first}{end}", {}) for end in ("", "/verdict", "/evenements", "/verdict?deja=true")),
+        ("GET", f"/soumissions/{first}/figures/b.svg", {}),
+        *(("GET", path, {}) for path in ("/", "/l20", PAGE, f"{PAGE}/essais", f"{PAGE}?reprendre={first}")),
+    ]
+    for method, path, options in calls:
+        client: TestClient = room.site.client if path.startswith("/api") else browser
+        answer = client.request(method, path, **options)
+        found[f"{method} {path.replace(str(first), 'ID')}"] = f"{answer.status_code} {alike(answer.text)}"
+    archive = zipfile.ZipFile(io.BytesIO(browser.get("/compte/donnees").content))
+    for name in archive.namelist():
+        found[alike(name)] = alike(archive.read(name).decode())
+    return found
+
+
+def test_nothing_tells_how_a_held_attempt_ended_nor_whether_it_was_graded(room: Room) -> None:
+    code, seen = "x = 1", {}
+    for outcome in ("ok", "wrong_answer", "timeout", ""):
+        who = room.student()
+        assert room.send(who, code).status_code == 202
+        room.outcome = outcome
+        if outcome:
+            room.grade()
+        seen[outcome] = everything(room, who, code)
+    for outcome, told_of_it in seen.items():
+        for where, text in told_of_it.items():
+            assert text == seen["ok"][where], (outcome, where)
+        assert told_of_it.keys() == seen["ok"].keys()
+    assert not [where for where, text in seen["ok"].items() if '"points"' in text or "best_score" in text]
+    assert seen["ok"]["GET /soumissions/ID/figures/b.svg"].startswith("404")
+
+
+def test_every_door_is_shut_before_one_begins_and_after_one_has_handed_in(room: Room) -> None:
+    for who in (room.student(begins=False), room.student()):
+        browser = who.browser(room.site)
+        room.post(who, "rendre")
+        for answer in (
+            room.send(who),
+            room.send(who, reuse=True),
+            browser.post(f"{PAGE}/soumissions", data={"code": "x = 1"}, headers=FORM),
+            browser.post(f"{PAGE}/soumissions", data={"code": "x = 1"}),
+            room.save(who, "x = 1"),
+        ):
+            assert answer.status_code == 409
+        assert room.sent(who) == []
+    assert room.post(who, "commencer").status_code == 303
+    assert room.send(who).status_code == 409, "beginning again opens nothing"
+
+
+def test_leaving_the_class_frees_nothing_but_being_taken_out_of_it_does(room: Room) -> None:
+    gone, out = room.student(), room.student()
+    for who in (gone, out):
+        room.send(who)
+    room.grade()
+    assert gone.browser(room.site).post(f"/classes/{room.made.id}/quitter").status_code == 303
+    address = f"{SEND}/{room.sent(gone)[0].id}"
+    assert room.site.client.get(address, headers=gone.headers).json()["verdict"] is None
+    with room.site.database.write() as db:
+        db.execute(update(SchoolClass).values(approval=True))
+    assert gone.browser(room.site).post(f"/rejoindre/{room.made.join_code}").status_code == 303
+    assert room.site.client.get(address, headers=gone.headers).json()["verdict"] is None, "nor does asking to come back"
+    teacher = room.teacher.browser(room.site)
+    teacher.post(f"/classes/{room.made.id}/eleves", data={"action": "retirer", "eleve": str(out.id)})
+    assert room.site.client.get(f"{SEND}/{room.sent(out)[0].id}", headers=out.headers).json()["verdict"]
+
+
+def test_a_guest_s_attempts_stay_held_and_their_time_goes_on_in_the_account_that_they_open(room: Room) -> None:
+    guest = TestClient(room.site.app, follow_redirects=False)
+    assert guest.post(f"/rejoindre/{room.made.join_code}", data={"given": "Ada", "family": "L"}).status_code == 303
+    assert guest.post(f"{room.path}/commencer").status_code == 303
+    href = guest.post(f"{PAGE}/soumissions", data={"code": "x = 1"}).headers["location"]
+    room.grade()
+    with room.site.database.read() as db:
+        began = db.execute(select(Sitting.began_at)).scalar_one()
+    form = {"name": "Ada L.", "login": "ada", "password": "notes sur la machine"}
+    assert guest.post("/inscription", data=form).status_code == 303
+    assert "quand l’enseignant publiera" in told(guest.get(href))
+    assert guest.post(f"{room.path}/commencer").status_code == 303
+    with room.site.database.read() as db:
+        assert db.execute(select(Sitting.began_at)).scalars().all() == [began]
+
+
+def test_who_succeeded_before_has_neither_solution_nor_hints_in_the_test_and_keeps_what_they_had(room: Room) -> None:
+    ada = person(room.site)
+    sent = room.send(ada, "avant = 1").json()
+    room.grade()
+    with room.site.database.write() as db:
+        db.execute(update(Submission).values(created_at=utc_now() - timedelta(days=1)))
+        gradebook.recount(db, ada.id)
+    browser = ada.browser(room.site)
+    assert "Corrigé commenté" in browser.get(PAGE).text
+    seat(room.site.database, room.made, ada.account)
+    room.post(ada, "commencer")
+    page = browser.get(PAGE).text
+    assert "Corrigé commenté" not in page
+    assert "<summary>Indice" not in page
+    assert room.site.client.get(sent["url"], headers=ada.headers).json()["verdict"]["points"] == 20
+    room.outcome = "wrong_answer"
+    room.send(ada, "pendant = 1")
+    room.grade()
+    assert "Meilleure note : 20 / 20 en 2 essais" in told(browser.get(PAGE))
+    room.post(room.teacher, "publier")
+    room.post(ada, "rendre")
+    assert "Corrigé commenté" in browser.get(PAGE).text
+
+
+def test_staff_see_everything_at_once(room: Room) -> None:
+    ada, helper = room.student(), person(room.site)
+    seat(room.site.database, room.made, helper.account, Seat.assistant)
+    sent = room.send(ada).json()
+    room.grade()
+    for one in (room.teacher, helper):
+        assert room.site.client.get(sent["url"], headers=one.headers).json()["verdict"]["points"] == 20
+        assert "Exercice réussi" in told(one.browser(room.site).get(f"/soumissions/{sent['id']}"))
+
+
+def test_what_was_saved_at_the_end_counts_and_what_came_after_does_not(room: Room) -> None:
+    ada, bob, eve = (room.student() for _ in range(3))
+    room.send(ada, "envoye = 1")
+    assert room.save(ada, "enregistre = 2").status_code == 200
+    assert "enregistre = 2" in ada.browser(room.site).get(PAGE).text
+    room.save(bob, "ancien = 1")
+    room.send(bob, "envoye = 1")
+    room.save(eve, "x = 1\r\ny = 2")
+    room.send(eve, "x = 1\ny = 2")
+    room.save(eve, "x = 1\r\ny = 2")
+    assert room.collect() == 0
+    room.let_time_pass()
+    assert room.save(ada, "trop_tard = 3").status_code == 409
+    assert room.collect() == 3
+    assert room.collect() == 0, "of several processes one only"
+    codes = {who.id: [one.code for one in room.sent(who)] for who in (ada, bob, eve)}
+    assert codes == {ada.id: ["envoye = 1", "enregistre = 2"], bob.id: ["envoye = 1"], eve.id: ["x = 1\ny = 2"]}
+    with room.site.database.read() as db:
+        saved = db.get(SavedWork, (room.test.id, ada.id, EXERCISE))
+        sitting = db.get(Sitting, (room.test.id, ada.id))
+        assert saved
+        assert sitting
+        assert room.sent(ada)[-1].created_at == saved.saved_at
+        assert (sitting.handed_in_at, sitting.ended_by) == (sitting.began_at + 60 * MINUTE, "time")
+    room.grade()
+    room.post(room.teacher, "publier")
+    assert "Essai n° 2" in told(ada.browser(room.site).get(PAGE))
+
+
+def test_time_shortened_after_a_save_sends_it_as_of_the_end(room: Room) -> None:
+    ada = room.student()
+    room.save(ada, "x = 1")
+    with room.site.database.write() as db:
+        end = utc_now() - MINUTE
+        db.execute(update(Assignment).values(closes_at=end, opens_at=end - 60 * MINUTE))
+        db.execute(update(Sitting).values(began_at=end - 2 * MINUTE))
+    ada.browser(room.site).get(f"{room.path}/composer")
+    assert [one.created_at for one in room.sent(ada)] == [end], "a page that is read ends it too"
+
+
+def test_more_time_given_after_the_end_lets_one_go_on(room: Room) -> None:
+    ada = room.student()
+    room.save(ada, "x = 1")
+    room.let_time_pass(70)
+    assert room.collect() == 1
+    assert room.send(ada, "x = 2").status_code == 409
+    with room.site.database.write() as db:
+        db.execute(update(Assignment).values(duration_minutes=90))
+    assert room.save(ada, "x = 3").status_code == 200
+    room.let_time_pass(30)
+    assert room.collect() == 1
+    assert [one.code for one in room.sent(ada)] == ["x = 1", "x = 3"]
+    assert room.post(ada, "rendre").status_code == 303
+
+
+def test_what_is_saved_is_bounded_and_not_too_often(room: Room) -> None:
+    ada = room.student()
+    assert room.save(ada, "x" * 70_000).status_code == 413
+    room.site.tighten(save_burst=1, save_refill_seconds=1000)
+    assert [room.save(ada, "x = 1").status_code for _ in range(2)] == [200, 429]
+
+
+def test_without_script_one_saves_and_comes_back_to_the_exercise(room: Room) -> None:
+    browser = room.student().browser(room.site)
+    page = browser.get(PAGE).text
+    assert f'formaction="{PAGE}/brouillon"' in page
+    answer = browser.post(f"{PAGE}/brouillon", data={"code": "x = 1"})
+    assert (answer.status_code, answer.headers["location"]) == (303, f"{PAGE}#essai")
+    assert "enregistré" in browser.get(PAGE).text
+    assert "enregistré le" in told(browser.get(f"{room.path}/composer"))
+
+
+def test_answers_are_saved_and_sent_as_code_is(room: Room) -> None:
+    name, page = "l20/calcul_odometrie", "/l20/exercices/calcul_odometrie"
+    test = assign(room.site.database, room.made, name, mode=Mode.test)
+    ada = room.student()
+    browser = ada.browser(room.site)
+    path = f"/classes/{room.made.id}/devoirs/{test.id}"
+    browser.post(f"{path}/commencer")
+    field = re.search(r'name="(q\.[^"]+)"', browser.get(page).text)
+    assert field
+    assert browser.post(f"{page}/brouillon", data={field[1]: "0,25"}, headers=FORM).status_code == 200
+    assert 'value="0,25"' in browser.get(page).text
+    browser.post(f"{path}/rendre")
+    (sent,) = room.sent(ada)
+    assert json.loads(sent.source) == {field[1].removeprefix("q."): "0,25"}
+    assert sent.exercise == name
+
+
+def test_practice_holds_back_diagnosis_hints_and_solution_until_its_dates(room: Room) -> None:
+    shown = {"hints": Shown.after_due, "diagnosis": Shown.after_due, "solution": Shown.never}
+    with room.site.database.write() as db:
+        db.execute(update(Assignment).values(mode=Mode.practice, due_at=utc_now() + 60 * MINUTE, **shown))
+    ada = room.student(begins=False)
+
+    def judged(sent: SentFile) -> Judgement:
+        verdict = fake_verdict(f"outcome: {room.outcome}", sent.seed)
+        named = Diagnosis("secrete", "Une erreur nommée", "Voici.") if room.outcome != "ok" else None
+        return Judgement(type(verdict)(**{**vars(verdict), "diagnosis": named}), {})
+
+    room.outcome = "wrong_answer"
+    worker = room.site.worker_with(judged)
+    sent = room.send(ada, "x = 1").json()
+    assert worker.step()
+    browser = ada.browser(room.site)
+    verdict = room.site.client.get(sent["url"], headers=ada.headers).json()["verdict"]
+    assert (verdict["points"], verdict["diagnosis"]) == (10, None)
+    archive = zipfile.ZipFile(io.BytesIO(browser.get("/compte/donnees").content))
+    everything = b"".join(archive.read(name) for name in archive.namelist()).decode() + browser.get(PAGE).text
+    assert "nommée" not in everything
+    assert "secrete" not in everything
+    page = told(browser.get(PAGE))
+    assert "ne nomme pas les erreurs jusqu’au" in page
+    assert "garde les indices fermés jusqu’au" in page
+    room.outcome = "ok"
+    room.send(ada, "x = 2")
+    assert worker.step()
+    assert "garde le corrigé fermé." in told(browser.get(PAGE))
+    assert "Corrigé commenté" not in browser.get(PAGE).text
+    with room.site.database.write() as db:
+        db.execute(update(Assignment).values(due_at=utc_now() - MINUTE, solution=Shown.after_due))
+    assert "Une erreur nommée" in told(browser.get(f"/soumissions/{sent['id']}"))
+    assert "Corrigé commenté" in browser.get(PAGE).text
