@@ -1,1 +1,1 @@
-"""Assignments: which exercises a class is to do, until when, by which rules, and for whom they differ."""
+"""Assignments: what a class is to do, by when, by which rules, for whom they differ. See README.md in this folder."""

@@ -28,7 +28,7 @@ def test_whatever_comes_with_the_end_comes_before_it_or_not_at_all(
     made = new_class(database, new_account(database, Role.teacher))
     seat(database, made, ada)
     collecting = Collecting(course, store)
-    for round_ in range(3):
+    for round_ in range(2):
         test = assign(database, made, EXERCISE, mode=Mode.test, duration_minutes=60)
         with database.write() as db:
             sittings.begin(db, test, ada.id, (), utc_now())
