@@ -1,4 +1,4 @@
-"""The marks of a class, made anew each time that they are asked for: six queries, whatever the class."""
+"""The marks of a class, made anew each time that they are asked for: six queries, or seven, whatever the class."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from server.assignments import papers
 from server.assignments import repository as assignments
-from server.assignments.counting import Sent, result
-from server.assignments.models import AssignedExercise, Assignment, Counts, Exemption, Late, Mode
+from server.assignments.counting import Sent, in_sitting, result
+from server.assignments.models import AssignedExercise, Assignment, Counts, Exemption, Late, Mode, Sitting
 from server.assignments.rules import Rules, in_force
 from server.classes import repository as classes
 from server.classes.models import SchoolClass, Seat, Status
@@ -33,9 +34,11 @@ def of_class(
     exercises = assignments.exercises(db, [one.id for one in given])
     if not given:
         given, exercises = _without_assignment(course, school_class)
+    tests = [one.id for one in given if one.mode == Mode.test]
     material = _Material(
         exercises=exercises,
         exemptions=assignments.exemptions(db, [one.id for one in given]),
+        sittings=papers.sittings_of(db, tests) if tests else {},
         now=now,
     )
     ids = [one.id for one in students]
@@ -92,7 +95,8 @@ def outside(db: Session, school_class: SchoolClass, student: UUID, exercise: str
     sent, gradings = repository.graded(db, [student], [exercise], school_class.archived_at)
     found = _Found(sent, gradings, repository.active(db, school_class.id, [student], [exercise]))
     rules = in_force(_everything(school_class), (), student, ())
-    return found.at((student, exercise), 1.0, rules, Counts.best)
+    key = (student, exercise)
+    return found.at(key, found.sent.get(key, ()), 1.0, rules, Counts.best)
 
 
 class _Found:
@@ -103,8 +107,7 @@ class _Found:
     ) -> None:
         self.sent, self.gradings, self.overrides = sent, gradings, overrides
 
-    def at(self, key: Key, weight: float, rules: Rules, counts: Counts) -> ExerciseMark:
-        sent = self.sent.get(key, ())
+    def at(self, key: Key, sent: Sequence[Sent], weight: float, rules: Rules, counts: Counts) -> ExerciseMark:
         found = result(rules, counts, sent)
         counted = found.counted
         return ExerciseMark(
@@ -125,18 +128,28 @@ class _Material:
         self,
         exercises: Mapping[UUID, Sequence[AssignedExercise]],
         exemptions: Mapping[UUID, Sequence[Exemption]],
+        sittings: Mapping[tuple[UUID, UUID], Sitting],
         now: datetime,
     ) -> None:
-        self.exercises, self.exemptions, self.now = exercises, exemptions, now
+        self.exercises, self.exemptions, self.sittings, self.now = exercises, exemptions, sittings, now
 
     def mark(self, assignment: Assignment, member: Member, found: _Found) -> AssignmentMark:
         rules = in_force(assignment, self.exemptions.get(assignment.id, ()), member.id, member.groups)
         counts = Counts(assignment.counts)
         marks = tuple(
-            found.at((member.id, one.exercise), one.weight, rules, counts)
+            found.at(key, self._sent(assignment, key, found), one.weight, rules, counts)
             for one in self.exercises.get(assignment.id, ())
+            for key in [(member.id, one.exercise)]
         )
         return AssignmentMark(rules, state_of(rules, marks, self.now), marks)
+
+    def _sent(self, assignment: Assignment, key: Key, found: _Found) -> Sequence[Sent]:
+        """Of a test, what was sent while its student sat it."""
+        sent = found.sent.get(key, ())
+        if assignment.mode != Mode.test:
+            return sent
+        sitting = self.sittings.get((assignment.id, key[0]))
+        return in_sitting(sent, sitting.began_at, sitting.handed_in_at) if sitting else ()
 
 
 def state_of(rules: Rules, marks: Sequence[ExerciseMark], now: datetime) -> State:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
@@ -215,12 +215,15 @@ class OwnMarks:
     titles: Mapping[str, str] = field(default_factory=dict)
 
     @staticmethod
-    def of(book: Book) -> OwnMarks:
-        """Of a book of one row, or of none."""
+    def of(book: Book, held: Collection[str]) -> OwnMarks:
+        """Of a book of one row, or of none. `held`: exercises of which a test holds attempts back from this student."""
         if not book.rows:
             return OwnMarks()
         (row,) = book.rows
-        told = [not held_back(one, book.at) for one in book.assignments]
+        told = [
+            not held_back(one, book.at) and not any(row.exercise in held for row in book.exercises.get(one.id, ()))
+            for one in book.assignments
+        ]
         shown = Row(
             row.member,
             tuple(mark for mark, is_told in zip(row.marks, told, strict=True) if is_told),

@@ -18,6 +18,7 @@ from server.classes.models import SchoolClass, Seat, Status
 from server.classes.service import NOT_A_MEMBER, require_open
 from server.course import Course
 from server.database import utc_now
+from server.gradebook import service as gradebook
 from server.gradebook import standings
 from server.identity.models import Account
 from server.marks import book, repository
@@ -199,7 +200,7 @@ def own(db: Session, course: Course, school_class: SchoolClass, student: UUID, n
     The reason of an override is told: it stands in `exercises[…].override`, with who set it.
     """
     made = book.of_class(db, course, school_class, now, only=[student])
-    return OwnMarks.of(made)
+    return OwnMarks.of(made, gradebook.held_since(db, student))
 
 
 def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:

@@ -166,14 +166,21 @@ def test_a_class_without_assignments_has_its_module_s_exercises(term: Term, cour
 
 def test_what_a_student_is_told(term: Term, course: Course) -> None:
     term.assignment("DM", {POSES: 1.0})
-    term.assignment("DS", {ODOMETRY: 1.0}, mode=Mode.test, weight=3.0)
+    test = term.assignment("DS", {ODOMETRY: 1.0}, mode=Mode.test, weight=3.0)
+    term.assignment("Les deux", {POSES: 1.0, ODOMETRY: 1.0}, weight=0.0)
     ada = term.student("Ada", "Lovelace")
+    term.sit(test, ada, OPENS + 2 * DAY)
+    term.send(ada, ODOMETRY, 20, OPENS + 3 * DAY)  # as a guest, say: not while they sat it
     term.send(ada, POSES, 10)
     term.send(ada, ODOMETRY, 2)
     with term.database.read() as db:
         told = service.own(db, course, term.made, ada.id, AFTER)
         nobody = service.own(db, course, term.made, uuid4(), AFTER)
-    assert [one.mark.points if one.mark else None for one in told.marks] == [10, None]
+    assert {one.assignment.title: one.mark.points if one.mark else None for one in told.marks} == {
+        "DM": 10,
+        "DS": None,
+        "Les deux": None,  # what a test holds is held in every mark
+    }
     assert told.average == 10
     assert made(term, course).rows[0].average == 4
     assert nobody.marks == ()
@@ -181,8 +188,9 @@ def test_what_a_student_is_told(term: Term, course: Course) -> None:
 
 def test_a_column_and_what_moodle_is_given(term: Term, course: Course) -> None:
     term.assignment("DM", {POSES: 1.0})
-    term.assignment("DS", {POSES: 1.0}, mode=Mode.test)
+    test = term.assignment("DS", {POSES: 1.0}, mode=Mode.test)
     zola = term.student("Émile", "Zola", email="zola@example.org")
+    term.sit(test, zola)
     term.student("Paul", "Éluard", email="eluard@example.org")
     term.student("Ada", "Lovelace")
     for family in ("Un", "Deux"):

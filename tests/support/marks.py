@@ -7,7 +7,7 @@ from datetime import UTC, datetime, timedelta
 from typing import Any
 from uuid import UUID
 
-from server.assignments.models import AssignedExercise, Assignment, Exemption
+from server.assignments.models import AssignedExercise, Assignment, EndedBy, Exemption, Sitting
 from server.classes.models import SchoolClass
 from server.database import Database
 from server.gradebook import service as gradebook
@@ -53,6 +53,13 @@ class Term:
     def exempt(self, assignment: Assignment, student: Account, **values: Any) -> None:
         with self.database.write() as db:
             db.add(Exemption(assignment_id=assignment.id, account_id=student.id, **values))
+
+    def sit(self, test: Assignment, student: Account, ended: datetime | None = None) -> None:
+        """Has a student sit a test from its opening on."""
+        by = None if ended is None else EndedBy.student
+        row = {"began_at": test.opens_at, "handed_in_at": ended, "ended_by": by}
+        with self.database.write() as db:
+            db.add(Sitting(assignment_id=test.id, account_id=student.id, **row))
 
     def send(self, student: Account, exercise: str, points: float, at: datetime = OPENS + DAY) -> UUID:
         """An attempt that got so many points out of 20; its name."""
