@@ -259,7 +259,9 @@ def _work(
         marks=marks.of(exercise, submission, verdict, seed),
         progress=_progress(reader, exercise, attempt, verdict),
         asks=talk.may_ask(reader, exercise, submission.account_id),
-        regraded=regraded.of(reader.db, attempt.grading.id, exercise.kind) if attempt.grading else None,
+        regraded=regraded.of(reader.db, attempt.grading.id, exercise.kind)
+        if attempt.grading and not attempt.feedback.diagnosis
+        else None,
     )
 
 
