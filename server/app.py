@@ -67,7 +67,7 @@ from server.replays.routes import router as replays_router
 from server.replays.service import Replays
 from server.submissions.events import Events
 from server.submissions.service import GRADE, Submissions
-from server.web import errors
+from server.web import errors, school_time
 
 log = logging.getLogger(__name__)
 
@@ -257,6 +257,7 @@ def create_app(
 
 def _share(app: FastAPI, services: Services) -> None:
     course = services.course
+    school_time.use(services.settings.time_zone)
     provide(app, services.settings, course, services.database, services.events, services.cells)
     provide(app, Accounts(services.database, services.settings, adopt=adopt))
     provide(app, services.personal, Classes(services.database, services.settings), Presence(services.database))

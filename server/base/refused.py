@@ -32,6 +32,7 @@ REASONS = {
     "enum": "valeur inconnue",
     "path_type": "un chemin est attendu",
     "no_address": "« {address} » n’est ni une adresse IP ni un réseau",
+    "no_zone": "« {name} » n’est pas un fuseau horaire, comme « Europe/Paris »",
     "json_invalid": "JSON mal formé",
     "model_attributes_type": "un objet est attendu",
 }
