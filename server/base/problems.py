@@ -6,7 +6,7 @@ from typing import Any
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
-from server.base.errors import ServiceError
+from server.base.errors import FieldsRefused, ServiceError
 from server.base.refused import reason
 
 PROBLEM_TYPE = "urn:balise:probleme:"
@@ -31,7 +31,11 @@ def problem(
 
 
 def of_error(request: Request, error: ServiceError) -> dict[str, Any]:
-    return problem(request, int(error.status), error.title, error.detail, slug=error.slug)
+    members: dict[str, Any] = {}
+    if isinstance(error, FieldsRefused):
+        told = error.problems.items()
+        members["errors"] = [{"detail": why, "pointer": _pointer(field.split("/"))} for field, why in told]
+    return problem(request, int(error.status), error.title, error.detail, slug=error.slug, **members)
 
 
 def as_json(body: dict[str, Any], headers: Mapping[str, str] | None = None) -> Response:

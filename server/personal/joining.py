@@ -4,6 +4,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from server.assignments import exempting
 from server.audit import repository as audit
 from server.classes import service as classes
 from server.comments import service as comments
@@ -12,9 +13,10 @@ from server.marks import service as marks
 
 
 def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
-    """Attempts, deals, what is said of them, classes and marks. Works inside the caller's transaction."""
+    """Attempts, deals, what is said of them, classes, exemptions and marks. Works inside the caller's transaction."""
     comments.adopt(db, guest_id, account_id)
     gradebook.adopt(db, guest_id, account_id)
     classes.adopt(db, guest_id, account_id)
+    exempting.adopt(db, guest_id, account_id)
     marks.adopt(db, guest_id, account_id)
     audit.move(db, guest_id, account_id)

@@ -24,6 +24,8 @@ class Right(StrEnum):
     read_marks = "lire les notes de la classe"
     change_marks = "changer les notes de la classe"
     read_log = "lire le journal de la classe"
+    see_assignments = "voir les devoirs de la classe"
+    keep_assignments = "donner les devoirs de la classe"
     set_up = "régler la classe"
     regrade = "recorriger les essais de la classe"
     name_behaviours = "nommer une erreur pour la classe"
@@ -46,6 +48,8 @@ OF_MEMBERS: Mapping[Right, frozenset[Seat]] = {
     Right.read_marks: frozenset({ASSISTANT, TEACHER}),
     Right.change_marks: frozenset({TEACHER}),
     Right.read_log: frozenset({TEACHER}),
+    Right.see_assignments: frozenset({STUDENT, ASSISTANT, TEACHER}),
+    Right.keep_assignments: frozenset({TEACHER}),
     Right.set_up: frozenset({TEACHER}),
     Right.regrade: frozenset({TEACHER}),
     Right.name_behaviours: frozenset({TEACHER}),

@@ -12,7 +12,7 @@ from fastapi.routing import iter_route_contexts
 
 from graders.core.code.plain import packed
 from graders.core.contract.findings import Judgement
-from server.assignments.models import AssignedExercise, Assignment
+from server.assignments.models import AssignedExercise, Assignment, Exemption
 from server.base.paths import ROOT
 from server.base.provided import provided_to
 from server.base.request import COOKIE
@@ -50,6 +50,9 @@ JSON: dict[str, Any] = {
     "PUT /api/v1/classes/{class_id}/marks/{student}/{module}/{slug}": {"excused": True, "reason": "à l’oral"},
     "POST /api/v1/classes/{class_id}/regrades": {"exercise": EXERCISE},
     "PUT /api/v1/classes/{class_id}/names/{module}/{slug}/{group}": {"title": "Une erreur", "explanation": "Ainsi."},
+    "POST /api/v1/classes/{class_id}/assignments": {"title": "DM", "exercises": [{"exercise": EXERCISE}]},
+    "PATCH /api/v1/classes/{class_id}/assignments/{aid}": {"title": "DM 1"},
+    "POST /api/v1/classes/{class_id}/assignments/{aid}/exceptions": {"student": "{student}", "excused": True},
 }
 FORMS: dict[str, dict[str, str]] = {
     "POST /{module}/exercices/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
@@ -78,6 +81,9 @@ OTHER_VALUES = {
     "GET /{module}/rejeux/{name}": {"name": "lidar"},
     "GET /bienvenue/{token}": {"token": "{invitation}"},
     "POST /bienvenue/{token}": {"token": "{invitation}"},
+}
+QUERIES = {
+    "GET /api/v1/classes/{class_id}/assignments/{aid}/rules": "?student={student}",
 }
 
 
@@ -130,10 +136,6 @@ class Stage:
                 db.add(BrowserSession(token_digest=cookie, account_id=account.id, expires_at=later))
                 if who in SEATS:
                     db.add(Membership(class_id=self.made.id, account_id=account.id, role=SEATS[who]))
-            self.assignment = Assignment(class_id=self.made.id, title="Séance 1", opens_at=utc_now())
-            db.add(self.assignment)
-            db.flush()
-            db.add(AssignedExercise(assignment_id=self.assignment.id, exercise=EXERCISE, position=0))
             row = {"account_id": self.accounts["student"].id, "exercise": EXERCISE, "reason": "x", "based_on": []}
             db.add(Override(class_id=self.made.id, points=10.0, **row))
             self.sent = Submission(
@@ -149,6 +151,15 @@ class Stage:
             db.flush()
             db.add(NoteReader(note_id=self.note.id, account_id=ada))
             db.add(Message(thread_id=self.thread.id, author_id=ada, as_staff=False, text="Pourquoi ?"))
+            self.assignments = {who: str(uuid4()) for who in PEOPLE}  # one may delete one's own
+            for name in self.assignments.values():
+                db.add(Assignment(id=UUID(name), class_id=self.made.id, title="DM", opens_at=utc_now()))
+            db.flush()
+            db.add(AssignedExercise(assignment_id=UUID(self.assignments["teacher"]), exercise=EXERCISE, position=0))
+            exemptions = {name: Exemption(assignment_id=UUID(name), label="TP1") for name in self.assignments.values()}
+            db.add_all(exemptions.values())
+            db.flush()
+            self.exemptions = {name: str(one.id) for name, one in exemptions.items()}
             self.link = links.link_of(db, self.accounts["stranger"], timedelta(hours=1))
             self.invitation = new_token()
             db.add(Invitation(token_digest=digest(self.invitation), role=Role.teacher))
@@ -175,11 +186,13 @@ class Stage:
             "slug": "poses",
             "name": "b",
             "class_id": str(self.made.id),
-            "assignment_id": str(self.assignment.id),
+            "assignment_id": self.assignments[who],
             "code": str(self.made.join_code),
             "submission_id": str(self.sent.id),
             "regrade_id": str(self.regrade.id),
             "group": self.group,
+            "aid": self.assignments[who],
+            "eid": self.exemptions[self.assignments[who]],
             "token": self.link,
             "invitation": self.invitation,
             "student": str(self.accounts["student"].id),
@@ -196,6 +209,7 @@ class Stage:
         values = self.values(who)
         values |= {key: text.format(**values) for key, text in OTHER_VALUES.get(name, {}).items()}
         address = re.sub(r"\{(\w+)(?::\w+)?\}", lambda found: values[found[1]], path)
+        address += QUERIES.get(name, "").format(**values)
         options: dict[str, Any] = {}
         if name in JSON:
             options["json"] = {
