@@ -29,7 +29,9 @@ from server.classes.presence import Presence
 from server.classes.service import Classes
 from server.course import Course, load
 from server.database import Database, utc_now
+from server.desk.assignments import router as assignments_router
 from server.desk.classes import router as classes_router
+from server.desk.exemptions import router as exemptions_router
 from server.desk.groups import router as groups_router
 from server.desk.journal import router as journal_router
 from server.desk.keeping import router as keeping_router
@@ -90,6 +92,8 @@ ROUTERS = (
     journal_router,
     regrades_router,
     groups_router,
+    assignments_router,
+    exemptions_router,
     pages_router,
     reading_router,
     cells_router,

@@ -84,6 +84,7 @@ OTHER_VALUES = {
 }
 QUERIES = {
     "GET /api/v1/classes/{class_id}/assignments/{aid}/rules": "?student={student}",
+    "GET /classes/{class_id}/devoirs/{aid}/pourquoi": "?eleve={student}",
 }
 
 

@@ -40,7 +40,7 @@ noteAccount();
 // clock says something else is told that beside it.
 function showLocalTimes() {
   const clock = (timeZone) => new Intl.DateTimeFormat("fr-FR", { dateStyle: "short", timeStyle: "short", timeZone });
-  const [school, own] = [clock(root.dataset.zone), clock()];
+  const [school, own] = [clock(document.body.dataset.zone), clock()];
   for (const time of document.querySelectorAll("time[datetime]:not([data-own])")) {
     const when = new Date(time.dateTime);
     time.dataset.own = "";

@@ -1,0 +1,28 @@
+"""What a student's attempts come to in their assignments: the one place where the desk asks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.assignments.counting import Result, result
+from server.assignments.mine import Mine
+from server.assignments.models import Counts
+from server.desk import repository
+
+Results = Mapping[tuple[UUID, str], Result]
+
+
+def of_student(db: Session, account_id: UUID, found: Sequence[Mine]) -> Results:
+    """By assignment and exercise, the attempt that counts; one query."""
+    exercises = {row.exercise for one in found for row in one.exercises}
+    attempts = repository.sent(db, account_id, exercises) if exercises else {}
+    return {
+        (one.assignment.id, row.exercise): result(
+            one.rules, Counts(one.assignment.counts), attempts.get(row.exercise, ())
+        )
+        for one in found
+        for row in one.exercises
+    }
