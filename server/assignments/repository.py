@@ -107,3 +107,14 @@ def given_to(
         asking = select(AssignedExercise.assignment_id).where(AssignedExercise.exercise == exercise)
         query = query.where(Assignment.id.in_(asking))
     return [(assignment, membership) for assignment, membership in db.execute(query)]
+
+
+def exemptions_of(db: Session, account_id: UUID, class_id: UUID) -> Sequence[tuple[str, Exemption]]:
+    """An account's own in a class that are not revoked, each with the title of its assignment."""
+    query = (
+        select(Assignment.title, Exemption)
+        .join(Exemption, Exemption.assignment_id == Assignment.id)
+        .where(Exemption.account_id == account_id, Assignment.class_id == class_id, Exemption.revoked_at.is_(None))
+        .order_by(Exemption.created_at, Exemption.id)
+    )
+    return [(title, exemption) for title, exemption in db.execute(query)]

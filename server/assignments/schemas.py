@@ -16,6 +16,7 @@ from server.base.errors import FieldsRefused
 MOST_WEIGHT = 1000.0
 LONGEST_MINUTES = 7 * 24 * 60
 FACTORS = (1.0, 4.0)
+LEAST_PER_DAY = 0.01  # what is read as a number of points
 REASON_LENGTH = 2000
 YEARS = range(2000, 2200)
 
@@ -110,7 +111,7 @@ def _about_itself(wanted: Wanted) -> Iterator[Problem]:
     if not _positive(wanted.weight):
         yield "weight", "Le coefficient du devoir est un nombre plus grand que 0, jusqu’à 1000."
     per_day = wanted.late_per_day
-    if wanted.late is Late.penalty and (per_day is None or not 0 < per_day <= FULL):
+    if wanted.late is Late.penalty and (per_day is None or not LEAST_PER_DAY <= per_day <= FULL):
         yield "late", "Indiquez combien de points sur 20 coûte chaque jour de retard : plus de 0, et 20 au plus."
     if wanted.late is Late.penalty and wanted.due_at is None:
         yield "due_at", "Une pénalité par jour de retard demande une date de remise."
@@ -168,8 +169,8 @@ def _effects(wanted: WantedExemption) -> Iterator[Problem]:
     low, high = FACTORS
     if wanted.time_factor is not None and not low <= wanted.time_factor <= high:
         yield "time_factor", "Le temps se multiplie par 1 à 4 : par 1,33 pour un tiers-temps."
-    if len(wanted.reason) > REASON_LENGTH:
-        yield "reason", f"La raison tient en {REASON_LENGTH} caractères."
+    if len(wanted.reason) > REASON_LENGTH or not wanted.reason.isprintable():
+        yield "reason", f"La raison tient en une ligne de {REASON_LENGTH} caractères."
     yield from _years({"opens_at": wanted.opens_at, "due_at": wanted.due_at, "closes_at": wanted.closes_at})
 
 

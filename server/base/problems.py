@@ -24,17 +24,20 @@ def problem(
 ) -> dict[str, Any]:
     """The members of a problem document; extension members are added as they are."""
     kind = PROBLEM_TYPE + slug if slug else "about:blank"
-    detail = detail.encode("utf-8", "replace").decode()  # a lone surrogate of the request's cannot be sent back
-    return {
-        "type": kind, "title": title, "status": status, "detail": detail, "instance": request.url.path, **members
-    }  # fmt: skip
+    told = {"type": kind, "title": title, "status": status, "detail": _sendable(detail)}
+    return {**told, "instance": request.url.path, **members}
+
+
+def _sendable(text: str) -> str:
+    """A lone surrogate of the request's cannot be sent back."""
+    return text.encode("utf-8", "replace").decode()
 
 
 def of_error(request: Request, error: ServiceError) -> dict[str, Any]:
     members: dict[str, Any] = {}
     if isinstance(error, FieldsRefused):
         told = error.problems.items()
-        members["errors"] = [{"detail": why, "pointer": _pointer(field.split("/"))} for field, why in told]
+        members["errors"] = [{"detail": _sendable(why), "pointer": _pointer(field.split("/"))} for field, why in told]
     return problem(request, int(error.status), error.title, error.detail, slug=error.slug, **members)
 
 
