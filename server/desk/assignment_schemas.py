@@ -61,7 +61,7 @@ class WeightedRow:
 
 @dataclass(frozen=True)
 class AssignmentPage:
-    """One assignment, as its staff see it. `facts` are its rules by name; `others` have something that differs."""
+    """One assignment, as its staff see it. `facts` are its rules by name."""
 
     head: ClassHead
     row: AssignmentRow
@@ -70,6 +70,7 @@ class AssignmentPage:
     line: LateLine
     students: int
     may_keep: bool
+    may_compare: bool
 
 
 @dataclass(frozen=True)

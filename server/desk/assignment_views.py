@@ -105,6 +105,7 @@ def assignment_page(db: Session, course: Course, place: Place, one: Assignment) 
         line=line_of(common_rules(one)),
         students=classes.counts(db, [place.school_class.id])[place.school_class.id][0],
         may_keep=may_keep(place),
+        may_compare=place.may(Right.compare_codes),
     )
 
 
