@@ -5,6 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response
 
+from server.audit.members import noted
 from server.base.errors import Invalid
 from server.base.request import client_address
 from server.classes import service
@@ -146,5 +147,6 @@ def code_on_the_wall(request: Request, class_id: str, reader: Reading) -> Respon
 @router.post("/classes/{class_id}/quitter")
 def leave(class_id: str, account: SignedIn, db: Db) -> Response:
     place = rights.require(db, account, Right.leave_class, class_id)
-    service.leave(db, place.school_class, account.id)
+    with noted(db, place.school_class.id, account.id):
+        service.leave(db, place.school_class, account.id)
     return go("/classes")
