@@ -11,7 +11,7 @@ from server.assignments import mine
 from server.assignments.counting import Result
 from server.assignments.mine import Mine
 from server.assignments.models import AssignedExercise, Mode
-from server.assignments.rules import FULL
+from server.assignments.rules import FULL, Rules
 from server.assignments.states import Stage
 from server.classes import repository
 from server.classes.models import Membership, Seat, Status
@@ -92,7 +92,7 @@ def _assignment(course: Course, one: Mine, known: Results, suffix: str) -> OwnAs
         opens=when(rules.opens_at),
         due=when(rules.due_at),
         closes=when(rules.closes_at),
-        late=words.late_of(rules) if rules.due_at else "",
+        late=_late(rules),
         excused=rules.excused,
         duration="" if minutes is None else words.duration(minutes),
         why_href=href,
@@ -102,12 +102,18 @@ def _assignment(course: Course, one: Mine, known: Results, suffix: str) -> OwnAs
     )
 
 
+def _late(rules: Rules) -> str:
+    """What becomes of what comes late; empty where nothing can."""
+    ends_first = rules.closes_at is not None and rules.due_at is not None and rules.closes_at <= rules.due_at
+    return "" if rules.due_at is None or ends_first else words.late_of(rules)
+
+
 def _exercise(course: Course, one: Mine, row: AssignedExercise, known: Results) -> OwnExercise:
     exercise = course.exercises.get(row.exercise)
     title, href = (row.exercise, "") if exercise is None else (exercise.title, exercise_href(exercise))
     found = known[(one.assignment.id, row.exercise)]
     held = one.assignment.mode == Mode.test and not _released(one.assignment.released_at)
-    kind, sign, told = _standing(found, held=held)
+    kind, sign, told = _standing(found, held=held, over=one.stage is Stage.closed)
     late = found.counted.days_late if found.counted and not held else 0
     return OwnExercise(title, href, kind, sign, told, f"{plural(late, 'jour')} de retard" if late else "")
 
@@ -116,10 +122,10 @@ def _released(at: datetime | None) -> bool:
     return at is not None and at <= utc_now()
 
 
-def _standing(found: Result, *, held: bool) -> tuple[str, str, str]:
+def _standing(found: Result, *, held: bool, over: bool = False) -> tuple[str, str, str]:
     """A name for the style, a sign, words. Of a test nothing is said before its teacher releases it."""
     if not found.attempts:
-        return "new", "○", "à faire"
+        return "new", "○", "pas fait" if over else "à faire"
     if held:
         return "sent", "•", f"envoyé, {plural(found.attempts, 'essai')}"
     counted = found.counted

@@ -6,8 +6,9 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from graders.core.contract.verdict import Verdict
+from server.assignments import mine
 from server.base.errors import NotFound
-from server.database import Database
+from server.database import Database, utc_now
 from server.gradebook import repository, standings
 from server.gradebook.schemas import Attempt, AttemptLine, Attempts, Graded, Progress
 from server.gradebook.standings import Counted
@@ -112,10 +113,14 @@ def attempts(db: Session, account: Account | None, exercise_id: str, most: int, 
 def sent_before(db: Session, account: Account, exercise_id: str, code: str, version: str) -> Submission | None:
     """One's attempt with this very code, where sending it again to this version of the exercise would tell nothing new.
 
-    None too for an attempt that ended at a limit of time or of memory: it may be tried again.
+    None too for an attempt that ended at a limit of time or of memory: it may be tried again; and for one that was
+    sent before an assignment opened, which counts nothing of it: sent again it does.
     """
     source = code.encode(errors="surrogatepass")
-    return repository.sent_before(db, account.id, exercise_id, digest=digest(code), source=source, version=version)
+    found = repository.sent_before(db, account.id, exercise_id, digest=digest(code), source=source, version=version)
+    if found is not None and mine.opened_since(db, account.id, exercise_id, found.created_at, utc_now()):
+        return None
+    return found
 
 
 def verdict_before(db: Session, submission: Submission) -> Verdict | None:

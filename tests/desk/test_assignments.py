@@ -25,11 +25,14 @@ from server.classes.models import Membership, SchoolClass
 from server.database import utc_now
 from server.desk import late_line
 from server.desk.own_views import _standing
+from server.gradebook.models import Grading
 from server.identity.models import Account, Role
+from server.submissions.models import Submission
 from server.web.school_time import field
 from server.web.words import moment_words
 from tests.support.classes import Person, new_class, person, seat
 from tests.support.counting import Counted
+from tests.support.quick import the_course
 from tests.support.service import EXERCISE, Site, worker_of
 
 DAY = timedelta(days=1)
@@ -241,6 +244,29 @@ def test_what_is_due_soon_is_told_where_one_works(school: School) -> None:
         db.get_one(SchoolClass, school.made.id).archived_at = utc_now()
     assert "avant le" not in read(bob, "/l20/exercices/poses")
     assert line not in read(bob, "/")
+
+
+def test_what_was_sent_before_the_opening_counts_once_it_is_sent_again(school: School) -> None:
+    ada = school.ada.browser(school.site)
+
+    def send() -> str:
+        answer = ada.post("/l20/exercices/poses/soumissions", data={"code": "x = 1"})
+        while worker_of(school.site.database, school.site.settings).step():
+            pass
+        with school.site.database.write() as db:  # else it was graded by another version of the exercise
+            db.query(Grading).update({"exercise_version": the_course().exercises[EXERCISE].version})
+        return str(answer.headers["location"]).partition("?")[0]
+
+    early = send()
+    with school.site.database.write() as db:
+        db.query(Submission).one().created_at = NOW - 2 * DAY
+    assert send() == early, "no assignment asks for it: it is no new attempt"
+    school.give()
+    assert "○ Composer, inverser et comparer des poses à faire" in read(ada, school.href)
+    again = send()
+    assert again != early
+    assert send() == again
+    assert "✓ Composer, inverser et comparer des poses réussi" in read(ada, school.href)
 
 
 def test_pages_ask_no_more_for_more_assignments_and_students(school: School) -> None:
