@@ -23,13 +23,3 @@ def stage(rules: Rules, now: datetime) -> Stage:
     if rules.last_moment is not None and now > rules.last_moment:
         return Stage.closed
     return Stage.late if rules.due_at is not None and now > rules.due_at else Stage.open
-
-
-def next_moment(rules: Rules, now: datetime) -> datetime | None:
-    """The date that a student has to know now: when it opens, is due or closes; None where nothing is to come."""
-    at = stage(rules, now)
-    if at is Stage.upcoming:
-        return rules.opens_at
-    if at is Stage.open:
-        return rules.due_at or rules.closes_at
-    return rules.closes_at if at is Stage.late else None

@@ -106,7 +106,10 @@ class AssignmentValues:
 
 @dataclass(frozen=True)
 class AssignmentFormPage:
-    """`problems` are by the field's name; `line` is drawn where the form is good enough to draw it."""
+    """`problems` are by the field's name; `line` is drawn where the form is good enough to draw it.
+
+    `counts` and `shown` are what one may choose, each with its words.
+    """
 
     head: ClassHead
     action: str
@@ -117,6 +120,8 @@ class AssignmentFormPage:
     problems: Mapping[str, str]
     line: LateLine | None
     zone: str
+    counts: tuple[tuple[str, str], ...]
+    shown: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)

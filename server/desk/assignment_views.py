@@ -30,7 +30,7 @@ from server.desk.assignment_schemas import (
     WeightedRow,
     When,
 )
-from server.desk.late_line import LateLine, line_of
+from server.desk.late_line import line_of
 from server.rights.models import Right
 from server.rights.service import Place
 from server.web import school_time
@@ -150,13 +150,11 @@ def form_page(
         values=values,
         choices=tuple(_choices(course, place, values.weights)),
         problems=problems or {},
-        line=drawn_line(drawn),
+        line=None if drawn is None else line_of(common_rules(drawn)),
         zone=school_time.zone_name(),
+        counts=tuple((one.value, told) for one, told in words.COUNTS.items()),
+        shown=tuple((one.value, told) for one, told in words.SHOWN.items()),
     )
-
-
-def drawn_line(wanted: Wanted | None) -> LateLine | None:
-    return None if wanted is None else line_of(common_rules(wanted))
 
 
 def _choices(course: Course, place: Place, chosen: Mapping[str, str]) -> Sequence[Choice]:
