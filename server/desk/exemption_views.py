@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from uuid import UUID
@@ -30,6 +28,7 @@ from server.desk.assignment_schemas import (
 )
 from server.desk.assignment_views import TAB, href_of, may_keep, when
 from server.desk.late_line import line_of
+from server.marks.cells import french_csv
 from server.rights.models import Right
 from server.rights.service import Place
 from server.text.plain import visible
@@ -39,8 +38,6 @@ from server.web.words import moment_text
 ORDERS = ("eleve", "date")
 NOBODY = "La classe n’a pas encore d’élève."
 GONE = "n’est plus dans la classe"
-#: A spreadsheet takes what begins with one of these for a formula.
-FORMULAS = ("=", "+", "-", "@", "\t", "\r")
 
 
 def exemptions_page(
@@ -111,22 +108,16 @@ def _effects(each: Exemption) -> Iterator[tuple[str, str]]:
 
 
 def as_csv(db: Session, place: Place, one: Assignment, order: str) -> bytes:
-    """As a French spreadsheet reads it: UTF-8 with its mark, `;`, CRLF; what looks like a formula is made text."""
-    members = classes.members(db, place.school_class.id)
-    out = io.StringIO(newline="")
-    writer = csv.writer(out, delimiter=";", lineterminator="\r\n", quoting=csv.QUOTE_ALL)
+    """For a French spreadsheet."""
     names = list(words.FIELDS.values())
-    writer.writerow(["Pour", "Groupe", *names, "Raison", "Accordé par", "Accordé le", "Retiré le"])
-    for row in _rows(db, one, members, order):
+    header = ["Pour", "Groupe", *names, "Raison", "Accordé par", "Accordé le", "Retiré le"]
+    rows = []
+    for row in _rows(db, one, classes.members(db, place.school_class.id), order):
         told = dict(row.effects)
         who = ["", row.who] if row.is_group else [row.who, ""]
-        cells = [*who, *(told.get(name, "") for name in names), row.reason, row.by, row.made.text, row.revoked.text]
-        writer.writerow([_guarded(cell) for cell in cells])
-    return b"\xef\xbb\xbf" + out.getvalue().encode("utf-8", "replace")
-
-
-def _guarded(cell: str) -> str:
-    return f"'{cell}" if cell.startswith(FORMULAS) else cell
+        effects_of = [told.get(name, "") for name in names]
+        rows.append([*who, *effects_of, row.reason, row.by, row.made.text, row.revoked.text])
+    return b"".join(french_csv(header, rows))
 
 
 def why_page(db: Session, course: Course, place: Place, one: Assignment, student: Member) -> WhyPage:

@@ -156,7 +156,8 @@ class Stage:
             for name in self.assignments.values():
                 db.add(Assignment(id=UUID(name), class_id=self.made.id, title="DM", opens_at=utc_now()))
             db.flush()
-            db.add(AssignedExercise(assignment_id=UUID(self.assignments["teacher"]), exercise=EXERCISE, position=0))
+            names = map(UUID, self.assignments.values())
+            db.add_all(AssignedExercise(assignment_id=name, exercise=EXERCISE, position=0) for name in names)
             exemptions = {name: Exemption(assignment_id=UUID(name), label="TP1") for name in self.assignments.values()}
             db.add_all(exemptions.values())
             db.flush()
