@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 
 from sqlalchemy.orm import Session
@@ -25,8 +25,10 @@ from server.desk.assignment_views import stage_view, when
 from server.desk.results import Results
 from server.desk.schemas import OwnSeat
 from server.identity.models import Account
+from server.marks.schemas import Set
 from server.rights.models import Right
 from server.rights.service import Place
+from server.text.plain import visible
 from server.web import school_time
 from server.web.views import exercise_href
 from server.web.words import WHOLE, mark, plural
@@ -59,9 +61,11 @@ def _page(
     now = utc_now()
     everyone = repository.members(db, place.school_class.id)
     found = mine.of_class(db, seat.class_id, seat.account_id, seat.groups, now) if may_see else ()
-    known = results.of_student(db, seat.account_id, [one for one in found if not one.secret])
+    told = [one for one in found if not one.secret]
+    known = results.of_student(db, seat.account_id, told)
+    by_hand = results.set_by_hand(db, seat.class_id, seat.account_id, told)
     suffix = "" if watched is None else f"?eleve={seat.account_id}"
-    shown = [(one, _assignment(course, one, known, suffix)) for one in found]
+    shown = [(one, _assignment(course, one, known, by_hand, suffix)) for one in found]
     own = OwnSeat(views.ROLES[Seat(seat.role)], seat.status == Status.pending, tuple(seat.groups), may_leave)
     running = [pair for pair in shown if pair[0].stage in {Stage.open, Stage.late}]
     running.sort(key=lambda pair: (pair[0].rules.due_at is None, pair[0].rules.due_at or now))
@@ -79,9 +83,13 @@ def _page(
     )
 
 
-def _assignment(course: Course, one: Mine, known: Results, suffix: str) -> OwnAssignment:
+def _assignment(course: Course, one: Mine, known: Results, by_hand: Mapping[str, Set], suffix: str) -> OwnAssignment:
     rules, assignment = one.rules, one.assignment
-    exercises = None if one.secret else tuple(_exercise(course, one, row, known) for row in one.exercises)
+    exercises = (
+        None
+        if one.secret
+        else tuple(_exercise(course, one, row, known, by_hand.get(row.exercise)) for row in one.exercises)
+    )
     minutes = None if rules.duration is None else rules.duration.total_seconds() / 60
     href = f"/classes/{assignment.class_id}/devoirs/{assignment.id}/pourquoi{suffix}"
     return OwnAssignment(
@@ -108,14 +116,25 @@ def _late(rules: Rules) -> str:
     return "" if rules.due_at is None or ends_first else words.late_of(rules)
 
 
-def _exercise(course: Course, one: Mine, row: AssignedExercise, known: Results) -> OwnExercise:
+def _exercise(course: Course, one: Mine, row: AssignedExercise, known: Results, by_hand: Set | None) -> OwnExercise:
     exercise = course.exercises.get(row.exercise)
     title, href = (row.exercise, "") if exercise is None else (exercise.title, exercise_href(exercise))
     found = known[(one.assignment.id, row.exercise)]
     held = one.assignment.mode == Mode.test and not _released(one.assignment.released_at)
     kind, sign, told = _standing(found, held=held, over=one.stage is Stage.closed)
+    if by_hand is not None and not held:
+        kind, sign, told = _set_by_hand(by_hand)
+        return OwnExercise(title, href, kind, sign, told, f"note de votre enseignant : {visible(by_hand.reason)}")
     late = found.counted.days_late if found.counted and not held else 0
     return OwnExercise(title, href, kind, sign, told, f"{plural(late, 'jour')} de retard" if late else "")
+
+
+def _set_by_hand(found: Set) -> tuple[str, str, str]:
+    """The same as `_standing`, of a mark that a teacher has set."""
+    if found.points is None:
+        return "excused", "–", "dispensé"
+    full = found.points >= FULL - WHOLE
+    return ("done", "✓", "réussi") if full else ("begun", "½", f"{mark(found.points)} / 20")
 
 
 def _released(at: datetime | None) -> bool:

@@ -27,6 +27,7 @@ from server.desk import late_line
 from server.desk.own_views import _standing
 from server.gradebook.models import Grading
 from server.identity.models import Account, Role
+from server.marks.models import Override
 from server.submissions.models import Submission
 from server.web.school_time import field
 from server.web.words import moment_words
@@ -212,6 +213,11 @@ def test_a_student_finds_what_to_do_by_when_and_why(school: School) -> None:
     assert "Les exercices seront montrés à l’ouverture." in page
     assert f"À rendre avant {moment_words(NOW + 2 * DAY)}" in read(bob, school.href)
     assert "secret" not in page
+    row = {"account_id": school.ada.id, "based_on": []}
+    with school.site.database.write() as db:
+        db.add(Override(class_id=school.made.id, exercise=EXERCISE, points=15.0, reason="bien à l’oral", **row))
+    page = read(ada, school.href)
+    assert "½ Composer, inverser et comparer des poses 15 / 20, note de votre enseignant : bien à l’oral" in page
 
     why = read(ada, f"{href}/pourquoi")
     assert f"groupe « TP1 » : {moment_words(later)} — c’est ce qui vaut" in why
