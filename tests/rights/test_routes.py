@@ -9,6 +9,7 @@ from uuid import UUID, uuid4
 
 from fastapi import FastAPI
 from fastapi.routing import iter_route_contexts
+from sqlalchemy.orm import Session
 
 from graders.core.code.plain import packed
 from graders.core.contract.findings import Judgement
@@ -152,16 +153,7 @@ class Stage:
             db.flush()
             db.add(NoteReader(note_id=self.note.id, account_id=ada))
             db.add(Message(thread_id=self.thread.id, author_id=ada, as_staff=False, text="Pourquoi ?"))
-            self.assignments = {who: str(uuid4()) for who in PEOPLE}  # one may delete one's own
-            for name in self.assignments.values():
-                db.add(Assignment(id=UUID(name), class_id=self.made.id, title="DM", opens_at=utc_now()))
-            db.flush()
-            names = map(UUID, self.assignments.values())
-            db.add_all(AssignedExercise(assignment_id=name, exercise=EXERCISE, position=0) for name in names)
-            exemptions = {name: Exemption(assignment_id=UUID(name), label="TP1") for name in self.assignments.values()}
-            db.add_all(exemptions.values())
-            db.flush()
-            self.exemptions = {name: str(one.id) for name, one in exemptions.items()}
+            self._give(db)
             self.link = links.link_of(db, self.accounts["stranger"], timedelta(hours=1))
             self.invitation = new_token()
             db.add(Invitation(token_digest=digest(self.invitation), role=Role.teacher))
@@ -181,6 +173,19 @@ class Stage:
             db.flush()
             db.add(Fingerprint(grading_id=self.sent.grading_id, group_id=self.group))
             db.add(BehaviourName(class_id=self.made.id, group_id=self.group, title="a", explanation="b", question=""))
+
+    def _give(self, db: Session) -> None:
+        """An assignment for each, which one may delete, with something that differs of it."""
+        self.assignments = {who: str(uuid4()) for who in PEOPLE}
+        for name in self.assignments.values():
+            db.add(Assignment(id=UUID(name), class_id=self.made.id, title="DM", opens_at=utc_now()))
+        db.flush()
+        names = map(UUID, self.assignments.values())
+        db.add_all(AssignedExercise(assignment_id=name, exercise=EXERCISE, position=0) for name in names)
+        exemptions = {name: Exemption(assignment_id=UUID(name), label="TP1") for name in self.assignments.values()}
+        db.add_all(exemptions.values())
+        db.flush()
+        self.exemptions = {name: str(one.id) for name, one in exemptions.items()}
 
     def values(self, who: str) -> dict[str, str]:
         return {
