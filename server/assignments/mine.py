@@ -51,11 +51,6 @@ def running(db: Session, account_id: UUID, now: datetime, exercise: str | None =
     return sorted(found, key=lambda one: (one.rules.due_at is None, one.rules.due_at or now, one.assignment.title))
 
 
-def opened_since(db: Session, account_id: UUID, exercise: str, sent_at: datetime, now: datetime) -> bool:
-    """Whether an assignment asks for this exercise now that had not opened for them when that was sent."""
-    return any(one.rules.opens_at > sent_at for one in running(db, account_id, now, exercise))
-
-
 def due_within(found: Collection[Mine], now: datetime, soon: timedelta) -> Sequence[Mine]:
     """Those of which the due date comes soon, or has just gone by while what is sent still counts; not the excused."""
     return [

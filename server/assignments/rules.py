@@ -98,8 +98,12 @@ class Rules:
         return min((end for end in (self.closes_at, own_end) if end is not None), default=None)
 
     def worth(self, sent_at: datetime, points: float) -> Worth:
-        """What an attempt of so many points out of 20, sent then, comes to."""
-        if sent_at < self.opens_at or (self.closes_at is not None and sent_at > self.closes_at):
+        """What an attempt of so many points out of 20, sent then, comes to.
+
+        Who has worked ahead is on time: exercises may be done before somebody assigns them. Of a test only what is sent
+        while one sits it is asked about (`counting.in_sitting`).
+        """
+        if self.closes_at is not None and sent_at > self.closes_at:
             return NOTHING
         if self.due_at is None or sent_at <= self.due_at:
             return Worth(points)

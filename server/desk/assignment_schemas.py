@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from server.desk.late_line import LateLine
-from server.desk.schemas import ClassHead, OwnSeat, StaffRow
+from server.desk.schemas import ClassHead, OwnSeat, ReleaseView, StaffRow
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class WeightedRow:
 
 @dataclass(frozen=True)
 class AssignmentPage:
-    """One assignment, as its staff see it. `facts` are its rules by name."""
+    """One assignment, as its staff see it. `facts` are its rules by name; `release` is of a test, for its teachers."""
 
     head: ClassHead
     row: AssignmentRow
@@ -71,6 +71,7 @@ class AssignmentPage:
     students: int
     may_keep: bool
     may_compare: bool
+    release: ReleaseView | None
 
 
 @dataclass(frozen=True)

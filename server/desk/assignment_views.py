@@ -31,6 +31,7 @@ from server.desk.assignment_schemas import (
     When,
 )
 from server.desk.late_line import line_of
+from server.desk.sitting_views import release_view
 from server.rights.models import Right
 from server.rights.service import Place
 from server.web import school_time
@@ -106,6 +107,7 @@ def assignment_page(db: Session, course: Course, place: Place, one: Assignment) 
         students=classes.counts(db, [place.school_class.id])[place.school_class.id][0],
         may_keep=may_keep(place),
         may_compare=place.may(Right.compare_codes),
+        release=release_view(db, one) if one.mode == Mode.test and place.may(Right.release_feedback) else None,
     )
 
 

@@ -97,7 +97,7 @@ def test_a_penalty_is_for_each_day_begun_and_takes_no_more_than_all() -> None:
     assert rules.worth(due + DAY + second, 18.0) == Worth(10.0, 2)
     assert rules.worth(due + 3 * DAY, 5.0) == Worth(0.0, 3)
     assert rules.worth(due + 3 * DAY + second, 5.0) == NOTHING, "closed"
-    assert rules.worth(OPENS - second, 5.0) == NOTHING
+    assert rules.worth(OPENS - second, 5.0) == Worth(5.0), "who works ahead is on time"
 
 
 def test_refused_and_accepted() -> None:
