@@ -23,12 +23,14 @@ from server.base.provided import check_provided, provide
 from server.base.settings import Settings
 from server.behaviour import fingerprints
 from server.behaviour import repository as behaviour
+from server.board.live import Boards
 from server.cells.routes import router as cells_router
 from server.cells.supervisor import Cells
 from server.classes.presence import Presence
 from server.classes.service import Classes
 from server.course import Course, load
 from server.database import Database, utc_now
+from server.desk.board import router as board_router
 from server.desk.classes import router as classes_router
 from server.desk.groups import router as groups_router
 from server.desk.journal import router as journal_router
@@ -83,6 +85,7 @@ ROUTERS = (
     accounts_router,
     person_router,
     comments_router,
+    board_router,
     classes_router,
     keeping_router,
     likeness_router,
@@ -153,6 +156,10 @@ class Services:
     @cached_property
     def cells(self) -> Cells:
         return Cells(self.settings, self.course.kits)
+
+    @cached_property
+    def boards(self) -> Boards:
+        return Boards(self.database, self.course, self.events)
 
     @cached_property
     def figures(self) -> Figures:
@@ -275,7 +282,7 @@ def _share(app: FastAPI, services: Services) -> None:
     provide(app, services.personal, Classes(services.database, services.settings), Presence(services.database))
     provide(app, Regrades(course, services.queue))
     provide(app, services.submissions, services.collecting)
-    provide(app, services.figures, services.supervisor, Downloads(course), Desk(Replays()))
+    provide(app, services.boards, services.figures, services.supervisor, Downloads(course), Desk(Replays()))
     check_provided(app)
 
 

@@ -10,10 +10,7 @@ import pytest
 
 from graders.core.contract.outcomes import Outcome
 from server.base.provided import provided_to
-<<<<<<< HEAD
-=======
 from server.gradebook.schemas import HINT_OPENS_AFTER
->>>>>>> 29a1f92 (After how many failures hints open is known below the pages, and one event is written in one place: a class's board needs both)
 from server.submissions.service import Submissions
 from tests.support.small_site import CHECK, PAGE, SmallSite, verdict
 
