@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Collection, Iterator
 
 from pygments.lexers.python import PythonLexer
@@ -36,7 +37,7 @@ def _ends(line: str, heads: Collection[str]) -> bool:
 
 def anonymous(code: str, people: Collection[str]) -> str:
     """The same without comments, nor texts, nor words that are part of somebody's name; some lines at most."""
-    known = {word.casefold() for name in people for word in WORD.findall(name) if len(word) >= SHORTEST_NAME}
+    known = {_plain(word) for name in people for word in WORD.findall(name) if len(word) >= SHORTEST_NAME}
     text = "".join(_written(code, known))
     lines = [line.rstrip() for line in text.split("\n")]
     told = [line for line in lines if line and line.strip() != TEXT]
@@ -57,7 +58,13 @@ def _written(code: str, known: Collection[str]) -> Iterator[str]:
 def _unnamed(kind: _TokenType, value: str, known: Collection[str]) -> str:
     if not _is(kind, Name):
         return value
-    return WORD.sub(lambda word: SOMEBODY if word[0].casefold() in known else word[0], value)
+    return WORD.sub(lambda word: SOMEBODY if _plain(word[0]) in known else word[0], value)
+
+
+def _plain(word: str) -> str:
+    """As one writes it in a program: in small letters, without accents."""
+    letters = unicodedata.normalize("NFKD", word.casefold())
+    return "".join(letter for letter in letters if not unicodedata.combining(letter))
 
 
 def _is(kind: _TokenType, of: _TokenType) -> bool:

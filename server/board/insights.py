@@ -29,6 +29,8 @@ from server.submissions.service import digest
 
 LESSON, SLOT = timedelta(hours=2), timedelta(minutes=5)
 DAYS = 14
+DUST = 1e-9  # what rounding leaves where nothing varies
+Whole = tuple[float, int]
 
 
 def items(exercises: Sequence[str], standings: Mapping[Pair, Sums], trails: Trails) -> tuple[Item, ...]:
@@ -37,25 +39,25 @@ def items(exercises: Sequence[str], standings: Mapping[Pair, Sums], trails: Trai
     for (_, exercise), trail in trails.items():
         if found := first_success(trail):
             solved[exercise].append(found)
-    tried = _scores(standings)
-    return tuple(_item(name, tried.get(name, {}), solved.get(name, []), tried) for name in exercises)
+    tried, whole = _scores(standings)
+    return tuple(_item(name, tried.get(name, {}), solved.get(name, []), whole) for name in exercises)
 
 
-def _scores(standings: Mapping[Pair, Sums]) -> Mapping[str, Mapping[UUID, float]]:
-    """By exercise, the best score of each student who has tried it."""
+def _scores(standings: Mapping[Pair, Sums]) -> tuple[Mapping[str, Mapping[UUID, float]], Mapping[UUID, Whole]]:
+    """By exercise, the best score of each student who has tried it; and what these come to for each student."""
     found: dict[str, dict[UUID, float]] = defaultdict(dict)
+    whole: dict[UUID, Whole] = defaultdict(lambda: (0.0, 0))
     for (account, exercise), sums in standings.items():
         found[exercise][account] = sums.best_score
-    return found
+        total, count = whole[account]
+        whole[account] = (total + sums.best_score, count + 1)
+    return found, whole
 
 
 def _item(
-    exercise: str,
-    mine: Mapping[UUID, float],
-    solved: Sequence[tuple[int, float]],
-    tried: Mapping[str, Mapping[UUID, float]],
+    exercise: str, mine: Mapping[UUID, float], solved: Sequence[tuple[int, float]], whole: Mapping[UUID, Whole]
 ) -> Item:
-    correlation, paired = item_rest(mine, [scores for name, scores in tried.items() if name != exercise])
+    correlation, paired = item_rest(mine, whole)
     return Item(
         exercise=exercise,
         n=len(mine),
@@ -68,17 +70,20 @@ def _item(
     )
 
 
-def item_rest(mine: Mapping[UUID, float], others: Sequence[Mapping[UUID, float]]) -> tuple[float | None, int]:
-    """The correlation of scores here with the mean of the same students' scores elsewhere; over how many students."""
+def item_rest(mine: Mapping[UUID, float], whole: Mapping[UUID, Whole]) -> tuple[float | None, int]:
+    """The correlation of scores here with the mean of the same students' scores elsewhere; over how many students.
+
+    `whole`: the sum of each student's scores, this one among them, and how many there are.
+    """
     pairs = []
     for account, score in mine.items():
-        rest = [scores[account] for scores in others if account in scores]
-        if rest:
-            pairs.append((score, sum(rest) / len(rest)))
+        total, count = whole[account]
+        if count > 1:
+            pairs.append((score, (total - score) / (count - 1)))
     if len(pairs) < FEWEST_FOR_A_CORRELATION:
         return None, len(pairs)
     here, elsewhere = np.array(pairs).T
-    if np.ptp(here) < 1e-9 or np.ptp(elsewhere) < 1e-9:
+    if np.ptp(here) < DUST or np.ptp(elsewhere) < DUST:
         return None, len(pairs)
     return round(float(np.corrcoef(here, elsewhere)[0, 1]), 3), len(pairs)
 

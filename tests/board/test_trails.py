@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime, timedelta
-from uuid import UUID, uuid4
+from uuid import UUID
 
 import pytest
 
@@ -26,9 +26,7 @@ def trail(*attempts: str) -> tuple[Sent, ...]:
         ago, points, code, name = [*(part.strip() for part in text.split(",")), "", ""][:4]
         outcome = Outcome.OK if points == "20" else Outcome.WRONG_ANSWER
         sent_at = NOW - timedelta(minutes=float(ago))
-        found.append(
-            Sent(ADA, EXERCISE, sent_at, uuid4(), code or f"#{number}", outcome.value, int(points) / 20, name or None)
-        )
+        found.append(Sent(ADA, EXERCISE, sent_at, code or f"#{number}", outcome.value, int(points) / 20, name or None))
     return tuple(found)
 
 
@@ -107,8 +105,15 @@ def test_the_item_rest_correlation_is_hidden_under_twenty() -> None:
     people = [UUID(int=number) for number in range(20)]
     rising = {one: number / 20 for number, one in enumerate(people)}
     falling = {one: 1 - score for one, score in rising.items()}
-    assert item_rest(rising, [rising, rising]) == (1.0, 20)
-    assert item_rest(rising, [falling]) == (-1.0, 20)
-    assert item_rest(rising, [dict.fromkeys(people, 0.5)]) == (None, 20), "where nothing varies, nothing is told"
-    assert item_rest(rising, [dict(list(rising.items())[:19])]) == (None, 19)
-    assert item_rest(rising, []) == (None, 0)
+    flat = dict.fromkeys(people, 0.5)
+
+    def beside(*others: dict[UUID, float]) -> tuple[float | None, int]:
+        scores = [rising, *others]
+        there = {one: [score[one] for score in scores if one in score] for one in people}
+        return item_rest(rising, {one: (sum(found), len(found)) for one, found in there.items()})
+
+    assert beside(rising, rising) == (1.0, 20)
+    assert beside(falling) == (-1.0, 20)
+    assert beside(flat) == (None, 20), "where nothing varies, nothing is told"
+    assert beside(dict(list(rising.items())[:19])) == (None, 19)
+    assert beside() == (None, 0)

@@ -7,6 +7,7 @@ const page = document.querySelector("[data-stream]");
 const state = page?.querySelector("[data-live]");
 let version = page?.dataset.version;
 let reloading = false;
+let again = false;
 
 function say(kind, text) {
   if (state.dataset.kind === kind) return;
@@ -67,9 +68,7 @@ function flash(cell) {
 }
 
 function putMistakes(html) {
-  const place = page.querySelector("tbody[data-part=misconceptions]");
-  if (!place) return reload(); // the first misconception of all: the table itself is missing
-  putRows(place, parsed(html));
+  putRows(page.querySelector("[data-part=misconceptions]"), parsed(html));
 }
 
 // Each row keeps its element, so that what is focused or selected stays; rows take the order of the new ones.
@@ -97,6 +96,7 @@ function putCells(old, fresh) {
 
 // What the page shows is not what the changes begin from: it is read anew, and put in place part by part.
 async function reload() {
+  again = reloading;
   if (reloading) return;
   reloading = true;
   try {
@@ -114,7 +114,10 @@ async function reload() {
   } catch {
     say("broken", "Interrompu"); // the server cannot be reached: the stream says when it is back
   } finally {
-    setTimeout(() => (reloading = false), AGAIN_MS);
+    setTimeout(() => {
+      reloading = false;
+      if (again) reload();
+    }, AGAIN_MS);
   }
 }
 
