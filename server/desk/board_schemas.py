@@ -160,6 +160,7 @@ class BoardPage:
 @dataclass(frozen=True)
 class MistakePage:
     """A misconception in a class. `extracts` are anonymous; `may_project`: enough students had it, or `chosen`.
+    `word_href` is empty for who may not write to students, and where nobody has it now.
 
     `paragraphs` are HTML where `prose` is true, else the course's plain sentences.
     """
@@ -174,5 +175,6 @@ class MistakePage:
     after: str
     lesson: tuple[str, str] | None
     project_href: str
+    word_href: str
     may_project: bool
     fewest: int

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from urllib.parse import urlencode
 
 from sqlalchemy.orm import Session
 
@@ -19,6 +20,7 @@ from server.desk.board_views import mistake_row
 from server.desk.insight_views import share
 from server.desk.shown import Shown, mistake_href
 from server.desk.views import head, href_of
+from server.rights.models import Right
 from server.rights.service import Place
 from server.web.views import lesson_href
 
@@ -53,9 +55,15 @@ def mistake_page(
         after=_after(found),
         lesson=_lesson(course, exercise),
         project_href=f"{mistake_href(href, exercise_id, misconception)}/projeter",
+        word_href=_word_href(href, found) if place.may(Right.comment) and found.now else "",
         may_project=chosen or found.ever >= FEWEST_TO_PROJECT,
         fewest=FEWEST_TO_PROJECT,
     )
+
+
+def _word_href(class_href: str, found: Misconception) -> str:
+    """Where one writes to all who have it now."""
+    return f"{class_href}/mots?{urlencode({'exercice': found.exercise, 'erreur': found.id})}#ecrire"
 
 
 def _after(found: Misconception) -> str:

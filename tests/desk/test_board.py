@@ -6,6 +6,7 @@ import json
 import re
 from dataclasses import replace
 from datetime import timedelta
+from html import unescape
 from typing import Any
 
 import pytest
@@ -132,6 +133,9 @@ def test_a_misconception_and_its_projection(site: Site, martin: Person, made: Sc
     assert "4 élèves l’ont encore" in text
     assert "regardait toujours vers l’est" in text, "what the course says of it"
     assert "À relire" in text
+    (word,) = re.findall(r'href="([^"]+)">Dire un mot', text)
+    assert "Le dire à 4 élèves" in text_of(browser, unescape(word))
+    assert text_of(browser, f"/classes/{made.id}/eleves/{students[0]}/{EXERCISE}")
     still, freed = text.split('id="encore"')[1].split('id="surmontee"')
     assert [str(one) in still for one in students] == [True] * 4 + [False]
     assert str(students[-1]) in freed
