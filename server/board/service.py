@@ -6,7 +6,7 @@ The number of queries depends on nothing but the code: neither on students nor o
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cached_property
@@ -28,6 +28,7 @@ from server.classes.models import SchoolClass, Seat, Status
 from server.course import Course
 from server.gradebook.standings import Sums
 from server.identity.models import Account
+from server.marks.schemas import InForce
 from server.rights import service as rights
 from server.rights.models import Right
 
@@ -98,9 +99,9 @@ def _work(db: Session, course: Course, school_class: SchoolClass, now: datetime)
 def _board(db: Session, course: Course, school_class: SchoolClass, work: Work) -> Board:
     seen = {one.id: one.seen_at for one in work.students}
     stuck = going_nowhere(work.trails, work.now) | gone_quiet(work.standings, seen, work.now)
-    points = in_force(db, school_class, work.standings)
+    marks = in_force(db, work.scope, [one.id for one in work.students], work.standings)
     cells = {
-        (student.id, exercise): _cell((student.id, exercise), work.standings, points, stuck)
+        (student.id, exercise): _cell((student.id, exercise), work.standings, marks, stuck)
         for student in work.students
         for exercise in work.scope.exercises
     }
@@ -110,31 +111,35 @@ def _board(db: Session, course: Course, school_class: SchoolClass, work: Work) -
         students=work.students,
         exercises=tuple(work.scope.exercises),
         cells=cells,
-        counts=_counts(work, cells),
+        counts=_counts(work, cells, {pair for pair, mark in marks.items() if mark.excused}),
         misconceptions=_misconceptions(course, work.trails),
     )
 
 
-def _cell(pair: Pair, standings: Mapping[Pair, Sums], points: Mapping[Pair, float], stuck: frozenset[Pair]) -> Cell:
+def _cell(pair: Pair, standings: Mapping[Pair, Sums], marks: Mapping[Pair, InForce], stuck: frozenset[Pair]) -> Cell:
     sums = standings.get(pair)
     return Cell(
         student=pair[0],
         exercise=pair[1],
-        points=points.get(pair),
+        points=marks[pair].points if pair in marks else None,
         attempts=sums.attempts if sums else 0,
         state=state_of(sums, stuck=pair in stuck),
         misconception=sums.last_diagnosis if sums else None,
     )
 
 
-def _counts(work: Work, cells: Mapping[Pair, Cell]) -> Counts:
+def _counts(work: Work, cells: Mapping[Pair, Cell], excused: Collection[Pair]) -> Counts:
+    """Who is excused from an exercise finishes without it."""
     states: dict[UUID, list[State]] = defaultdict(list)
-    for (student, _), cell in cells.items():
-        states[student].append(cell.state)
+    required: dict[UUID, list[State]] = defaultdict(list)
+    for pair, cell in cells.items():
+        states[cell.student].append(cell.state)
+        if pair not in excused:
+            required[cell.student].append(cell.state)
     return Counts(
         students=len(work.students),
         started=sum(any(state is not State.none for state in one) for one in states.values()),
-        finished=sum(all(state is State.solved for state in one) for one in states.values()),
+        finished=sum(all(state is State.solved for state in one) for one in required.values()),
         stuck=sum(State.stuck in one for one in states.values()),
     )
 
