@@ -59,7 +59,7 @@ def dashboard(db: Session, course: Course, school_class: SchoolClass, now: datet
     lesson, days = insights.activity(work.trails, work.now)
     exercises = work.scope.exercises
     return shown, Insights(
-        unnamed=unnamed(db, work.scope, work.trails),
+        unnamed=unnamed(db, work.scope, [one.id for one in work.students], work.trails),
         items=insights.items(exercises, work.standings, work.trails),
         helped=insights.helped(shown.misconceptions),
         hints=insights.hints(course, exercises, work.trails),

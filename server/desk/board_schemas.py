@@ -75,10 +75,12 @@ class CountsView:
 
 @dataclass(frozen=True)
 class UnnamedView:
-    """Failures without a name: whose they are, and where they are read."""
+    """Failures that no misconception names: whose they are, and where they are read. `group_href` is empty for those
+    that answer like no other; `name` is what a teacher has called them."""
 
     exercise: str
     exercise_href: str
+    group_href: str
     name: str
     people: tuple[tuple[str, str], ...]
 

@@ -34,8 +34,14 @@ def unnamed(shown: Shown, found: Sequence[Unnamed]) -> tuple[UnnamedView, ...]:
         rows.setdefault(key, []).extend(one.students)
         names[key] = one.name or ""
     views = [
-        UnnamedView(shown.title(key[0]), shown.exercise_href(key[0]), names[key], shown.people(students, key[0]))
-        for key, students in rows.items()
+        UnnamedView(
+            exercise=shown.title(exercise),
+            exercise_href=shown.exercise_href(exercise),
+            group_href=f"{shown.href}/groupes/{exercise}/{group}" if group else "",
+            name=names[exercise, group],
+            people=shown.people(students, exercise),
+        )
+        for (exercise, group), students in rows.items()
     ]
     return tuple(sorted(views, key=lambda view: -len(view.people)))
 

@@ -11,6 +11,7 @@ from uuid import UUID
 import pytest
 
 from server.assignments.models import AssignedExercise, Assignment
+from server.behaviour.models import BehaviourGroup, Fingerprint
 from server.board import service
 from server.board.schemas import Board, Cell, Insights, State
 from server.classes.models import SchoolClass, Seat, Status
@@ -18,6 +19,7 @@ from server.course import Course
 from server.database import Database, utc_now
 from server.identity.models import Role
 from server.marks.models import Override
+from server.submissions.models import Submission
 from tests.support.classes import new_class, seat
 from tests.support.counting import Counted
 from tests.support.crowd import Sent, lessons, seated, store
@@ -183,7 +185,23 @@ def test_the_queries_do_not_grow_with_the_class(sqlite: Database, course: Course
             read(sqlite, course, made, now)
         return len(counted.statements)
 
-    assert queries(2, 1) == queries(30, 6) <= 6
+    assert queries(2, 1) == queries(30, 6) <= 7
+
+
+def test_failures_that_answer_alike_are_one_group(sqlite: Database, course: Course) -> None:
+    made = new_class(sqlite, new_account(sqlite, Role.teacher))
+    students, now = seated(sqlite, made, 3), utc_now()
+    sent = store(sqlite, [Sent(one, EXERCISE, now, 0.5) for one in students])
+    with sqlite.write() as db:
+        group = {"structure": "", "projection": 0.0, "answers": b"", "functions": [], "example": None}
+        db.add(BehaviourGroup(id="alike", exercise=EXERCISE, exercise_version="v1", **group))
+        db.flush()
+        rows = [db.get(Submission, one) for one in sent[:2]]
+        db.add_all([Fingerprint(grading_id=one.grading_id, group_id="alike") for one in rows if one is not None])
+        alike = {one.account_id for one in rows if one is not None}
+    _, insights = read(sqlite, course, made)
+    found = [(one.group, set(one.students)) for one in insights.unnamed]
+    assert found == [("alike", alike), (None, set(students) - alike)]
 
 
 def test_boards_that_show_the_same_have_one_version(sqlite: Database, course: Course) -> None:

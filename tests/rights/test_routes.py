@@ -10,6 +10,7 @@ from uuid import UUID, uuid4
 
 from fastapi import FastAPI
 from fastapi.routing import iter_route_contexts
+from sqlalchemy.orm import Session
 
 from graders.core.code.plain import packed
 from graders.core.contract.findings import Judgement
@@ -176,13 +177,17 @@ class Stage:
             db.flush()
             db.add(Fingerprint(grading_id=self.sent.grading_id, group_id=self.group))
             db.add(BehaviourName(class_id=self.made.id, group_id=self.group, title="a", explanation="b", question=""))
-            named = Submission(
-                account_id=self.accounts["student"].id, exercise=EXERCISE, source=b"x = 2\n", digest="e", seed=1
-            )
-            db.add(named)
-            db.flush()
-            verdict = replace(fake_verdict("outcome: wrong_answer", 1), diagnosis=Diagnosis(MISTAKE, "", ""))
-            gradebook.record(db, named.id, Graded(Judgement(verdict), utc_now()))
+            self._make_a_mistake(db)
+
+    def _make_a_mistake(self, db: Session) -> None:
+        """Of the student, with a name."""
+        named = Submission(
+            account_id=self.accounts["student"].id, exercise=EXERCISE, source=b"x = 2\n", digest="e", seed=1
+        )
+        db.add(named)
+        db.flush()
+        verdict = replace(fake_verdict("outcome: wrong_answer", 1), diagnosis=Diagnosis(MISTAKE, "", ""))
+        gradebook.record(db, named.id, Graded(Judgement(verdict), utc_now()))
 
     def values(self, who: str) -> dict[str, str]:
         return {
