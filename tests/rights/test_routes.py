@@ -162,8 +162,7 @@ class Stage:
             self.invitation = new_token()
             db.add(Invitation(token_digest=digest(self.invitation), role=Role.teacher))
             db.flush()
-            graded = Graded(Judgement(fake_verdict("x = 1", 1), {"b": {"kind": "fake"}}), utc_now())
-            gradebook.record(db, self.sent.id, graded)  # a stream of events ends
+            self._grade(db)
             self.regrade = Regrade(class_id=self.made.id, exercise=EXERCISE, policy="replace")
             db.add(self.regrade)
             db.refresh(self.sent)
@@ -177,10 +176,11 @@ class Stage:
             db.flush()
             db.add(Fingerprint(grading_id=self.sent.grading_id, group_id=self.group))
             db.add(BehaviourName(class_id=self.made.id, group_id=self.group, title="a", explanation="b", question=""))
-            self._make_a_mistake(db)
 
-    def _make_a_mistake(self, db: Session) -> None:
-        """Of the student, with a name."""
+    def _grade(self, db: Session) -> None:
+        """What the student has sent, and a mistake of theirs that has a name."""
+        graded = Graded(Judgement(fake_verdict("x = 1", 1), {"b": {"kind": "fake"}}), utc_now())
+        gradebook.record(db, self.sent.id, graded)  # a stream of events ends
         named = Submission(
             account_id=self.accounts["student"].id, exercise=EXERCISE, source=b"x = 2\n", digest="e", seed=1
         )
