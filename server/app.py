@@ -30,8 +30,10 @@ from server.classes.presence import Presence
 from server.classes.service import Classes
 from server.course import Course, load
 from server.database import Database, utc_now
+from server.desk.assignments import router as assignments_router
 from server.desk.board import router as board_router
 from server.desk.classes import router as classes_router
+from server.desk.exemptions import router as exemptions_router
 from server.desk.groups import router as groups_router
 from server.desk.journal import router as journal_router
 from server.desk.keeping import router as keeping_router
@@ -71,7 +73,7 @@ from server.replays.service import Replays
 from server.submissions.collecting import Collecting
 from server.submissions.events import Events
 from server.submissions.service import GRADE, Submissions
-from server.web import errors
+from server.web import errors, school_time
 
 log = logging.getLogger(__name__)
 
@@ -96,6 +98,8 @@ ROUTERS = (
     regrades_router,
     groups_router,
     sitting_router,
+    assignments_router,
+    exemptions_router,
     pages_router,
     reading_router,
     cells_router,
@@ -277,6 +281,7 @@ def create_app(
 
 def _share(app: FastAPI, services: Services) -> None:
     course = services.course
+    school_time.use(services.settings.time_zone)
     provide(app, services.settings, course, services.database, services.events, services.cells)
     provide(app, Accounts(services.database, services.settings, adopt=adopt))
     provide(app, services.personal, Classes(services.database, services.settings), Presence(services.database))

@@ -1,5 +1,6 @@
 """Classes: making them, joining them, their lists."""
 
+from functools import partial
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
@@ -7,6 +8,7 @@ from fastapi.concurrency import run_in_threadpool
 
 from server.api.class_schemas import ClassOut, ClassSeen, JoinCode, NewClass, RejectedOut, RosterOut, StudentOut
 from server.api.documentation import problems
+from server.audit.members import noted
 from server.base.errors import NotFound
 from server.base.request import client_address
 from server.classes import repository, service
@@ -114,7 +116,8 @@ def _imported(
     if dry_run:
         plan, _ = classes.preview(place.school_class, account, content)
     else:
-        plan, _ = classes.import_list(place.school_class.id, account, content)
+        around = partial(noted, class_id=place.school_class.id, by=account.id)
+        plan, _ = classes.import_list(place.school_class.id, account, content, around=around)
     return _told(plan)
 
 

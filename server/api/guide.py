@@ -181,6 +181,8 @@ def _command(guide: Guide, path: str, method: str, body: Json | None, file: str 
         "class_id": "$CLASS",
         "thread_id": "$THREAD",
         "student": "$STUDENT",
+        "aid": "$ASSIGNMENT",
+        "eid": "$EXCEPTION",
     }
     for name, value in values.items():
         path = path.replace(f"{{{name}}}", value)

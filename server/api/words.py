@@ -58,6 +58,34 @@ ROUTES: dict[tuple[str, str], str] = {
         "Ce qui change au tableau (événements `cell` et `counts`, envoyés par le serveur). Se termine au bout de "
         "quelques minutes : on revient."
     ),
+    ("post", "/api/v1/classes/{class_id}/assignments"): (
+        "Donne un devoir à la classe : des exercices, une ouverture, une date de remise, une fermeture, ce que devient "
+        "un retard."
+    ),
+    ("get", "/api/v1/classes/{class_id}/assignments"): (
+        "Les devoirs de la classe, dans l’ordre où ils ouvrent ; à un élève, avec ses dates à lui."
+    ),
+    ("get", "/api/v1/classes/{class_id}/assignments/{aid}"): "Un devoir ; à un élève, avec ses dates à lui.",
+    ("patch", "/api/v1/classes/{class_id}/assignments/{aid}"): (
+        "Change ce qui est envoyé d’un devoir, et laisse le reste. Ce que les élèves ont envoyé demeure."
+    ),
+    ("delete", "/api/v1/classes/{class_id}/assignments/{aid}"): (
+        "Retire un devoir, avec ses aménagements. Ce que les élèves ont envoyé demeure."
+    ),
+    ("post", "/api/v1/classes/{class_id}/assignments/{aid}/exceptions"): (
+        "Accorde un aménagement à un élève (`student`) ou à un groupe (`group`) : d’autres dates, plus de temps, une "
+        "dispense. La raison n’est montrée qu’à ceux qui enseignent."
+    ),
+    ("get", "/api/v1/classes/{class_id}/assignments/{aid}/exceptions"): (
+        "Les aménagements d’un devoir, du plus ancien au plus récent, ceux qui ont été retirés aussi."
+    ),
+    ("delete", "/api/v1/classes/{class_id}/assignments/{aid}/exceptions/{eid}"): (
+        "Retire un aménagement ; il reste dans la liste, avec la date de son retrait."
+    ),
+    ("get", "/api/v1/classes/{class_id}/assignments/{aid}/rules"): (
+        "Les règles en vigueur pour un élève, et pourquoi : ce qui a été dit de chacune, ce qui l’emporte d’abord. "
+        "Un élève lit les siennes."
+    ),
     ("get", "/api/v1/exercises"): "Les exercices servis, dans l’ordre du cours.",
     ("get", "/api/v1/exercises/{module}/{slug}"): (
         "Un exercice : son énoncé (en HTML), le fichier de départ, les limites d’une exécution. "
@@ -94,21 +122,36 @@ ROUTES: dict[tuple[str, str], str] = {
 PARAMETERS: dict[str, str] = {
     "module": "le module",
     "class_id": "l’identifiant de la classe (`id`)",
-    "group": "le groupe de programmes, tel que le tableau de la classe le donne (`group`)",
-    "title": "le titre, 200 caractères au plus",
+    "aid": "l’identifiant du devoir (`id`)",
+    "eid": "l’identifiant de l’aménagement (`id`)",
+    "group": "un groupe d’élèves de la classe ; d’une erreur, le groupe de programmes que le tableau donne",
+    "title": "le titre, de 1 à 200 caractères",
+    "exercises": "les exercices du module, dans l’ordre, avec leur coefficient",
+    "opens_at": "l’ouverture ; sans elle, maintenant",
+    "due_at": "la date de remise ; null : rien n’est en retard",
+    "closes_at": "la fermeture ; null : le devoir reste ouvert",
+    "late": "ce qui vient en retard : refusé, accepté et signalé, ou tant de points sur 20 par jour commencé",
+    "mode": "entraînement, ou contrôle",
+    "counts": "l’essai qui fait la note",
+    "weight": "le coefficient, plus grand que 0",
+    "hints": "quand les indices sont montrés",
+    "diagnosis": "quand le diagnostic est montré",
+    "solution": "quand le corrigé est montré",
+    "duration_minutes": "la durée d’un contrôle, depuis que l’élève le commence",
+    "time_factor": "de 1 à 4 : par combien la durée est multipliée",
     "explanation": "ce qui est faux et pourquoi, 4000 caractères au plus",
     "question": "ce qui met sur la voie, 1000 caractères au plus",
     "dry_run": "dire ce que la liste changerait, et ne rien écrire",
     "slug": "le nom court de l’exercice",
-    "student": "l’identifiant de l’élève (`id`)",
+    "student": "l’identifiant de l’élève (`id`) ; pour les règles d’un devoir, vide : soi-même",
     "format": "le format du fichier",
     "identifier": "ce à quoi Moodle reconnaît ses élèves : l’adresse électronique ou l’identifiant",
     "what": "un seul genre de changement",
     "skip": "laisser de côté tant de changements parmi les plus récents",
     "limit": "combien au plus",
     "points": "la note, sur 20 ; ou bien `excused`",
-    "excused": "dispenser de l’exercice : il ne compte dans aucune moyenne",
-    "reason": "le motif : l’élève le lit, et le journal de la classe le garde",
+    "excused": "dispenser : cela ne compte dans aucune moyenne",
+    "reason": "le motif, que le journal de la classe garde : d’une note, l’élève le lit ; d’un aménagement, non",
     "regrade_id": "l’identifiant de la recorrection (`id`)",
     "policy": "ce qui compte une fois appliqué : la meilleure des deux corrections, ou la nouvelle",
     "assignment": "seulement ce qui peut compter dans ce devoir (son `id`)",

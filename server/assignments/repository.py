@@ -5,10 +5,11 @@ from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import select
+from sqlalchemy import delete, func, select, update
 from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise, Assignment, Exemption
+from server.classes.models import Membership, SchoolClass, Seat, Status
 
 
 def by_id(db: Session, class_id: UUID, assignment_id: UUID) -> Assignment | None:
@@ -51,3 +52,69 @@ def opened_exercises(db: Session, class_id: UUID, now: datetime) -> frozenset[st
     )
     rows = db.execute(query).all()
     return frozenset(name for name, opens_at in rows if name and opens_at <= now) if rows else None
+
+
+def drop_exercises(db: Session, assignment_id: UUID) -> None:
+    db.execute(delete(AssignedExercise).where(AssignedExercise.assignment_id == assignment_id))
+
+
+def exemption(db: Session, assignment_id: UUID, exemption_id: UUID) -> Exemption | None:
+    """Of this assignment alone."""
+    query = select(Exemption).where(Exemption.id == exemption_id, Exemption.assignment_id == assignment_id)
+    return db.execute(query).scalar_one_or_none()
+
+
+def all_exemptions(db: Session, assignment_id: UUID) -> Sequence[Exemption]:
+    """Those that were revoked too, oldest first."""
+    query = select(Exemption).where(Exemption.assignment_id == assignment_id)
+    return db.execute(query.order_by(Exemption.created_at, Exemption.id)).scalars().all()
+
+
+def move_exemptions(db: Session, old: UUID, new: UUID) -> None:
+    db.execute(update(Exemption).where(Exemption.account_id == old).values(account_id=new))
+
+
+def counted_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, int]:
+    """How many of each are in force."""
+    query = select(Exemption.assignment_id, func.count()).where(
+        Exemption.assignment_id.in_(assignments), Exemption.revoked_at.is_(None)
+    )
+    return {row[0]: row[1] for row in db.execute(query.group_by(Exemption.assignment_id))}
+
+
+def given_to(
+    db: Session, account_id: UUID, opened_by: datetime, exercise: str | None = None
+) -> Sequence[tuple[Assignment, Membership]]:
+    """The assignments of the classes where this account learns, with their membership, but of archived classes.
+
+    Those that an exemption may have opened by then already, with `exercise` those that ask for it.
+    """
+    earlier = select(Exemption.assignment_id).where(Exemption.opens_at <= opened_by, Exemption.revoked_at.is_(None))
+    query = (
+        select(Assignment, Membership)
+        .join(Membership, Membership.class_id == Assignment.class_id)
+        .join(SchoolClass, SchoolClass.id == Assignment.class_id)
+        .where(
+            Membership.account_id == account_id,
+            Membership.role == Seat.student,
+            Membership.status == Status.active,
+            SchoolClass.archived_at.is_(None),
+            (Assignment.opens_at <= opened_by) | Assignment.id.in_(earlier),
+        )
+        .order_by(Assignment.opens_at, Assignment.title, Assignment.id)
+    )
+    if exercise is not None:
+        asking = select(AssignedExercise.assignment_id).where(AssignedExercise.exercise == exercise)
+        query = query.where(Assignment.id.in_(asking))
+    return [(assignment, membership) for assignment, membership in db.execute(query)]
+
+
+def exemptions_of(db: Session, account_id: UUID, class_id: UUID) -> Sequence[tuple[str, Exemption]]:
+    """An account's own in a class that are not revoked, each with the title of its assignment."""
+    query = (
+        select(Assignment.title, Exemption)
+        .join(Exemption, Exemption.assignment_id == Assignment.id)
+        .where(Exemption.account_id == account_id, Assignment.class_id == class_id, Exemption.revoked_at.is_(None))
+        .order_by(Exemption.created_at, Exemption.id)
+    )
+    return [(title, exemption) for title, exemption in db.execute(query)]

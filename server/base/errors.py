@@ -79,6 +79,14 @@ class Invalid(ServiceError):
     title = "Données refusées"
 
 
+class FieldsRefused(Invalid):
+    """Several fields may be wrong: `problems` maps the name of each to a sentence."""
+
+    def __init__(self, problems: Mapping[str, str]) -> None:
+        super().__init__(" ".join(dict.fromkeys(problems.values())))
+        self.problems = dict(problems)
+
+
 class Crowded(Later):
     """Too many people want the same thing at once."""
 

@@ -6,7 +6,7 @@ from typing import Any
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
-from server.base.errors import ServiceError
+from server.base.errors import FieldsRefused, ServiceError
 from server.base.refused import reason
 
 PROBLEM_TYPE = "urn:balise:probleme:"
@@ -24,14 +24,21 @@ def problem(
 ) -> dict[str, Any]:
     """The members of a problem document; extension members are added as they are."""
     kind = PROBLEM_TYPE + slug if slug else "about:blank"
-    detail = detail.encode("utf-8", "replace").decode()  # a lone surrogate of the request's cannot be sent back
-    return {
-        "type": kind, "title": title, "status": status, "detail": detail, "instance": request.url.path, **members
-    }  # fmt: skip
+    told = {"type": kind, "title": title, "status": status, "detail": _sendable(detail)}
+    return {**told, "instance": request.url.path, **members}
+
+
+def _sendable(text: str) -> str:
+    """A lone surrogate of the request's cannot be sent back."""
+    return text.encode("utf-8", "replace").decode()
 
 
 def of_error(request: Request, error: ServiceError) -> dict[str, Any]:
-    return problem(request, int(error.status), error.title, error.detail, slug=error.slug)
+    members: dict[str, Any] = {}
+    if isinstance(error, FieldsRefused):
+        told = error.problems.items()
+        members["errors"] = [{"detail": _sendable(why), "pointer": _pointer(field.split("/"))} for field, why in told]
+    return problem(request, int(error.status), error.title, error.detail, slug=error.slug, **members)
 
 
 def as_json(body: dict[str, Any], headers: Mapping[str, str] | None = None) -> Response:

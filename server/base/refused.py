@@ -32,6 +32,9 @@ REASONS = {
     "enum": "valeur inconnue",
     "path_type": "un chemin est attendu",
     "no_address": "« {address} » n’est ni une adresse IP ni un réseau",
+    "no_moment": "une date ISO 8601 avec son décalage est attendue, comme « 2026-03-23T18:00:00+01:00 »",
+    "no_identity": "un identifiant est attendu",
+    "no_zone": "« {name} » n’est pas un fuseau horaire, comme « Europe/Paris »",
     "json_invalid": "JSON mal formé",
     "model_attributes_type": "un objet est attendu",
 }

@@ -10,6 +10,7 @@ from difflib import get_close_matches
 from ipaddress import ip_network
 from pathlib import Path
 from typing import Annotated, Any
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from pydantic import Field, field_validator
 from pydantic_core import PydanticCustomError
@@ -123,6 +124,11 @@ class Settings(BaseSettings):
         "`X-Forwarded-Proto` are believed",
         json_schema_extra=_told("none"),
     )
+    time_zone: str = Field(
+        default="Europe/Paris",
+        description="the school's time zone, in which its dates are shown and written, by its IANA name",
+        json_schema_extra=_told("`Europe/Paris`"),
+    )
 
     lease_seconds: Seconds = Field(
         default=30.0, gt=0, description="a worker that has given no sign of life for so long loses its submission"
@@ -144,6 +150,15 @@ class Settings(BaseSettings):
             except ValueError as error:
                 raise PydanticCustomError("no_address", "not an address", {"address": address}) from error
         return text
+
+    @field_validator("time_zone")
+    @classmethod
+    def _zone(cls, name: str) -> str:
+        try:
+            ZoneInfo(name)
+        except (ValueError, OSError, ZoneInfoNotFoundError) as error:
+            raise PydanticCustomError("no_zone", "not a time zone", {"name": name}) from error
+        return name
 
     @property
     def trusted_proxies(self) -> tuple[str, ...]:

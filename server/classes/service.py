@@ -5,7 +5,8 @@ Functions that take `db` work inside the caller's transaction, on a class that t
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from datetime import timedelta
 from uuid import UUID
@@ -247,6 +248,13 @@ def _may_be_handed(member: Member, staff: Collection[UUID]) -> bool:
     return member.membership.made_here and member.account.role == Role.student and member.id not in staff
 
 
+Around = Callable[[Session], AbstractContextManager[None]]
+
+
+def _alone(_db: Session) -> AbstractContextManager[None]:
+    return nullcontext()
+
+
 @dataclass(frozen=True)
 class Classes:
     """What needs a transaction of its own: a try that fails is counted all the same."""
@@ -290,9 +298,11 @@ class Classes:
             return importing.plan(db, school_class, roster, by), as_csv(roster.rows)
 
     def import_list(
-        self, class_id: UUID, by: Account, content: bytes, expected: str | None = None
+        self, class_id: UUID, by: Account, content: bytes, expected: str | None = None, around: Around = _alone
     ) -> tuple[Plan, bool]:
         """Plans and writes it; with `expected`, only where the plan is still the one of that digest.
+
+        `around` is what the caller does before and after, in the same transaction.
 
         Raises Invalid, Conflict or Crowded.
         """
@@ -307,7 +317,8 @@ class Classes:
                 planned = importing.plan(db, school_class, roster, by)
                 written = expected is None or expected == planned.digest
                 if written:
-                    importing.apply(db, school_class, planned, utc_now())
+                    with around(db):
+                        importing.apply(db, school_class, planned, utc_now())
                 return planned, written
         except IntegrityError as error:
             raise Conflict(CHANGED) from error

@@ -5,6 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response
 
+from server.audit.members import noted
 from server.base.errors import Invalid
 from server.base.request import client_address
 from server.classes import service
@@ -12,7 +13,7 @@ from server.classes.dependencies import ClassesOf
 from server.classes.schemas import own_name
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
-from server.desk import views
+from server.desk import own_views, views
 from server.desk.board_views import BY_NAME, Asked, board_page
 from server.desk.schemas import JoinForm, JoinPage
 from server.identity.dependencies import AccountsOf, OptionalAccount, SignedIn, account_or_guest
@@ -133,7 +134,7 @@ def one(
         asked = Asked(groupe, tri, number, everything=bool(erreurs))
         board = board_page(reader, place, asked, base_of(request))
         return page(request, "classes/board.html", reader.account, page=board)
-    view = views.own_page(reader.db, reader.course, place, reader.account)
+    view = own_views.own_page(reader.db, reader.course, place, reader.account)
     return page(request, "classes/own.html", reader.account, page=view)
 
 
@@ -159,5 +160,6 @@ def code_on_the_wall(request: Request, class_id: str, reader: Reading) -> Respon
 @router.post("/classes/{class_id}/quitter")
 def leave(class_id: str, account: SignedIn, db: Db) -> Response:
     place = rights.require(db, account, Right.leave_class, class_id)
-    service.leave(db, place.school_class, account.id)
+    with noted(db, place.school_class.id, account.id):
+        service.leave(db, place.school_class, account.id)
     return go("/classes")

@@ -1,11 +1,14 @@
 """Pages by which a teacher keeps a class: its list, its passwords, its settings."""
 
+from functools import partial
 from typing import Annotated
 from uuid import UUID
 
 from fastapi import APIRouter, File, Form, Request, UploadFile
 from fastapi.responses import HTMLResponse, Response
 
+from server.assignments import keeping as assignments
+from server.audit.members import noted
 from server.base.dependencies import SettingsOf
 from server.base.errors import Invalid, NotFound, ServiceError
 from server.classes import service
@@ -14,13 +17,14 @@ from server.classes.models import Seat
 from server.classes.schemas import CODE_LASTS, DEFAULT_LASTING, name_of_class
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
-from server.desk import views
+from server.desk import shift, views
 from server.desk.classes import base_of, log_in_first
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import Place
+from server.web import school_time
 from server.web.dependencies import Reading
 from server.web.forms import Field, go
 from server.web.rendering import page
@@ -53,7 +57,8 @@ def settle(
         raise NotFound(UNKNOWN_ACTION)
     if not eleve:
         raise Invalid(NOBODY)
-    service.settle(db, place.school_class, eleve, ACTIONS[action], groupe)
+    with noted(db, place.school_class.id, account.id):
+        service.settle(db, place.school_class, eleve, ACTIONS[action], groupe)
     return go(f"{views.href_of(place.school_class)}/eleves")
 
 
@@ -99,7 +104,8 @@ def import_list(
         if not content.strip():
             raise Invalid(NOTHING)
         if attendu:
-            _, written = classes.import_list(place.school_class.id, account, content, expected=attendu)
+            around = partial(noted, class_id=place.school_class.id, by=account.id)
+            _, written = classes.import_list(place.school_class.id, account, content, attendu, around)
             if written:
                 return go(f"{views.href_of(place.school_class)}/eleves")
         plan, text = classes.preview(place.school_class, account, content)
@@ -180,10 +186,11 @@ def set_staff(
     if role not in SEATS:
         raise NotFound(UNKNOWN_ACTION)
     try:
-        if retirer is not None:
-            service.unseat(db, place.school_class, retirer)
-        else:
-            service.seat_staff(db, place.school_class, login, SEATS[role])
+        with noted(db, place.school_class.id, account.id):
+            if retirer is not None:
+                service.unseat(db, place.school_class, retirer)
+            else:
+                service.seat_staff(db, place.school_class, login, SEATS[role])
     except ServiceError as refused:
         return _settings(request, account, db, course, place, refused)
     mine = rights.may(db, account, Right.set_up, place.school_class.id)
@@ -191,11 +198,17 @@ def set_staff(
 
 
 @router.post("/classes/{class_id}/copier")
-def copy(request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, name: Field = "") -> Response:
+def copy(
+    request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, name: Field = "",
+    semaines: Field = "", rentree: Field = "",
+) -> Response:  # fmt: skip
+    """With its assignments, each date at its time of day so many weeks later, or from when the first is to open."""
     place = rights.require(db, account, Right.set_up, class_id)
     rights.require_on_server(account, Right.create)
     try:
+        days = shift.days(db, place.school_class, semaines, rentree)
         made = service.copy(db, place.school_class, account, name)
+        assignments.copy(db, place.school_class, made, account.id, lambda when: school_time.moved(when, days))
     except Invalid as refused:
         return _settings(request, account, db, course, place, refused)
     return go(views.href_of(made))

@@ -105,15 +105,6 @@ class OwnSeat:
 
 
 @dataclass(frozen=True)
-class OwnPage:
-    """A class as who learns there sees it."""
-
-    head: ClassHead
-    seat: OwnSeat
-    staff: tuple[StaffRow, ...]
-
-
-@dataclass(frozen=True)
 class PeoplePage:
     """Who is in a class, as its staff see it; `students` are those of the group `group` where one is chosen."""
 

@@ -27,8 +27,6 @@ from server.desk.schemas import (
     ImportPage,
     JoinPage,
     MemberRow,
-    OwnPage,
-    OwnSeat,
     PeoplePage,
     SettingsPage,
     SlipsPage,
@@ -127,12 +125,6 @@ def qr(address: str) -> str:
     return Markup(picture.svg_inline(border=4, dark="#000", light="#fff", omitsize=True, svgclass="qr", lineclass=None))
 
 
-def own_page(db: Session, course: Course, place: Place, account: Account) -> OwnPage:
-    """Of a member who is none of the staff."""
-    everyone = repository.members(db, place.school_class.id)
-    return OwnPage(head(course, place), _seat(place), staff_rows(everyone, place, account))
-
-
 def people_page(db: Session, course: Course, place: Place, account: Account, base: str, group: str) -> PeoplePage:
     """`group`, where it is not empty, keeps the students of this group alone."""
     school_class = place.school_class
@@ -153,13 +145,6 @@ def people_page(db: Session, course: Course, place: Place, account: Account, bas
         group=group if group in labels else "",
         without_password=sum(_without_password(one) for one in active),
     )
-
-
-def _seat(place: Place) -> OwnSeat:
-    membership = place.membership
-    assert membership is not None  # who has no seat is an administrator, who sees the class as its staff do
-    pending = membership.status == Status.pending
-    return OwnSeat(ROLES[Seat(membership.role)], pending, tuple(membership.groups), place.may(Right.leave_class))
 
 
 def staff_rows(everyone: Sequence[Member], place: Place, account: Account) -> tuple[StaffRow, ...]:

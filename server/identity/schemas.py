@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from server.base.errors import Invalid
+from server.base.errors import FieldsRefused
 from server.identity.passwords import problem
 
 LOGIN_LENGTH = range(2, 255)
@@ -10,12 +10,8 @@ NAME_LENGTH = 100
 LABEL_LENGTH = 100
 
 
-class RefusedForm(Invalid):
-    """A form that cannot be accepted; `problems` maps a field's name to a sentence."""
-
-    def __init__(self, problems: dict[str, str]) -> None:
-        super().__init__(" ".join(problems.values()))
-        self.problems = problems
+class RefusedForm(FieldsRefused):
+    """A form that cannot be accepted."""
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 from uuid import UUID
 
-from fastapi import APIRouter, Depends, Form, Query, Request, Response
+from fastapi import APIRouter, Form, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import FormData
@@ -41,6 +41,7 @@ from server.submissions.models import State, Submission
 from server.submissions.service import Submissions, key_of, parse_id
 from server.web import assets
 from server.web.dependencies import Reading
+from server.web.forms import FormFields
 from server.web.rendering import fragment, page
 from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader, exercise_href, find_exercise, find_module
@@ -137,13 +138,6 @@ def attempts(
 ) -> HTMLResponse:
     exercise = find_exercise(reader.course, module, slug)
     return page(request, "attempts.html", reader.account, page=service.attempts_page(reader, exercise, number))
-
-
-async def _fields(request: Request) -> FormData:
-    return await request.form()
-
-
-FormFields = Annotated[FormData, Depends(_fields)]
 
 
 def _code(fields: FormData) -> str:

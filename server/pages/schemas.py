@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from graders.core.contract.progress import Progress
+from server.web.deadlines import DueView
 from server.web.regraded import RegradedView
 from server.web.schemas import ModuleLink, OwnState, VerdictView
 
@@ -31,6 +32,7 @@ class ModuleCard:
 @dataclass(frozen=True)
 class HomePage:
     modules: tuple[ModuleCard, ...]
+    due: tuple[DueView, ...] = ()
 
     @property
     def begun(self) -> bool:
@@ -198,6 +200,7 @@ class ExerciseFrame:
     test: TestBanner | None
     previous: tuple[str, str] | None
     following: tuple[str, str] | None
+    due: tuple[DueView, ...]
 
 
 @dataclass(frozen=True)

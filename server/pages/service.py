@@ -35,7 +35,7 @@ from server.pages.schemas import (
 from server.submissions import deals
 from server.submissions.models import State
 from server.submissions.service import UNATTENDED, Place
-from server.web import regraded, verdicts
+from server.web import deadlines, regraded, verdicts
 from server.web.schemas import VerdictView
 from server.web.views import (
     Reader,
@@ -65,7 +65,8 @@ def attempt_at(reader: Reader, exercise: Exercise, submission_id: str) -> Attemp
 
 def home_page(reader: Reader) -> HomePage:
     progress = gradebook.progress(reader.db, reader.account)
-    return HomePage(tuple(_card(module, progress) for module in reader.course.modules.values()))
+    due = deadlines.soon(reader.db, reader.account, progress)
+    return HomePage(tuple(_card(module, progress) for module in reader.course.modules.values()), due)
 
 
 def _card(module: Module, progress: dict[str, Progress]) -> ModuleCard:
@@ -129,6 +130,7 @@ def common_parts(reader: Reader, exercise: Exercise, latest: Attempt | None, sav
         "test": held.banner(reader, exercise, saved),
         "previous": previous,
         "following": following,
+        "due": deadlines.of_exercise(reader.db, reader.account, exercise.id),
     }
 
 

@@ -11,6 +11,8 @@ from sqlalchemy.orm import Session
 
 from graders.core.contract.verdict import Verdict
 from server.assignments import feedback, papers
+from server.assignments import repository as assignments
+from server.assignments.exempting import effects
 from server.assignments.feedback import Feedback
 from server.audit import repository as audit
 from server.audit.models import AuditEvent, What
@@ -32,9 +34,11 @@ from server.submissions.models import Submission
 
 AT_ONCE = 500
 READ_ME = """Vos données sur Balise
-========compte.json      qui vous êtes ici, vos sessions ouvertes et vos jetons
+======================
+
+compte.json      qui vous êtes ici, vos sessions ouvertes et vos jetons
                  (ni mot de passe ni jeton : ils ne sont pas gardés, seule leur empreinte l’est)
-classes.json     vos classes, et ce qui y est noté de vous
+classes.json     vos classes, ce qui y est noté de vous, les aménagements en vigueur pour vous
 notes.json       les notes que des enseignants ont modifiées, et ce que les journaux des classes
                  disent de vous, ou de ce que vous y avez changé
 exercices.json   vos bilans, vos tirages et, pour un enseignant, les corrigés ouverts
@@ -191,6 +195,10 @@ def _classes(db: Session, account_id: UUID) -> list[dict[str, Any]]:
             "joined_at": _time(one.membership.joined_at),
             "left_at": _time(one.membership.left_at),
             "last_seen_at": _time(one.membership.last_seen_at),
+            "exemptions": [
+                {"assignment": title, **{name: _plain(value) for name, value in effects(exemption).items()}}
+                for title, exemption in assignments.exemptions_of(db, account_id, one.school_class.id)
+            ],
         }
         for one in classes.all_of_account(db, account_id)
     ]

@@ -4,7 +4,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import sittings
+from server.assignments import exempting, sittings
 from server.audit import repository as audit
 from server.classes import service as classes
 from server.comments import service as comments
@@ -13,10 +13,11 @@ from server.marks import service as marks
 
 
 def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
-    """Attempts, deals, tests, what is said of them, classes and marks. Works inside the caller's transaction."""
+    """Attempts, deals, what is said of them, tests, classes, exemptions, marks. Inside the caller's transaction."""
     comments.adopt(db, guest_id, account_id)
     gradebook.adopt(db, guest_id, account_id)
     sittings.adopt(db, guest_id, account_id)
     classes.adopt(db, guest_id, account_id)
+    exempting.adopt(db, guest_id, account_id)
     marks.adopt(db, guest_id, account_id)
     audit.move(db, guest_id, account_id)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
+from server.web.deadlines import DueView
 from server.web.schemas import ExerciseRow, FigureView, ModuleLink
 
 
@@ -76,6 +77,7 @@ class CourseHome:
     kit_href: str
     done: int
     total: int
+    due: tuple[DueView, ...]
 
 
 @dataclass(frozen=True)

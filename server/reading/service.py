@@ -29,6 +29,7 @@ from server.reading.schemas import (
     Shelf,
     TermView,
 )
+from server.web import deadlines
 from server.web.schemas import ExerciseRow, FigureView
 from server.web.views import Reader, exercise_row, in_order, lesson_href, module_link, on_the_way, resumed
 from server.web.words import plural
@@ -48,7 +49,8 @@ def find_lesson(module: Module, slug: str) -> Lesson:
 
 
 def course_home(reader: Reader, module: Module) -> CourseHome:
-    rows = _rows(reader, in_order(module))
+    progress = gradebook.progress(reader.db, reader.account)
+    rows = _rows(in_order(module), progress)
     way = on_the_way(module)
     sessions = tuple(
         _session(module, lesson, _following(module, rows, lesson)) for lesson in way if lesson.kind is SEANCE
@@ -81,12 +83,12 @@ def course_home(reader: Reader, module: Module) -> CourseHome:
         kit_href=f"/{module.slug}/kit/{module.slug}.py",
         done=sum(row.own.done for row in rows.values()),
         total=len(rows),
+        due=deadlines.soon(reader.db, reader.account, progress, module.slug),
     )
 
 
-def _rows(reader: Reader, exercises: Sequence[Exercise]) -> dict[str, ExerciseRow]:
+def _rows(exercises: Sequence[Exercise], progress: Mapping[str, Progress]) -> dict[str, ExerciseRow]:
     """One row for each exercise, by its slug."""
-    progress: Mapping[str, Progress] = gradebook.progress(reader.db, reader.account)
     return {exercise.slug: exercise_row(exercise, progress.get(exercise.id, NOTHING_YET)) for exercise in exercises}
 
 
@@ -154,7 +156,7 @@ def lesson_page(reader: Reader, module: Module, lesson: Lesson) -> LessonPage:
         objectives=lesson.objectives,
         html=Markup(lesson.html),
         contents=contents(lesson),
-        exercises=tuple(_rows(reader, exercises_after(module, lesson)).values()),
+        exercises=tuple(_rows(exercises_after(module, lesson), gradebook.progress(reader.db, reader.account)).values()),
         terms=_terms(module, lesson),
         previous=_link(way[place - 1]) if place else None,
         following=_link(way[place + 1]) if place + 1 < len(way) else None,

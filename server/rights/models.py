@@ -26,6 +26,8 @@ class Right(StrEnum):
     change_marks = "changer les notes de la classe"
     read_log = "lire le journal de la classe"
     release_feedback = "publier les résultats des contrôles de la classe"
+    see_assignments = "voir les devoirs de la classe"
+    keep_assignments = "donner les devoirs de la classe"
     set_up = "régler la classe"
     regrade = "recorriger les essais de la classe"
     name_behaviours = "nommer une erreur pour la classe"
@@ -50,6 +52,8 @@ OF_MEMBERS: Mapping[Right, frozenset[Seat]] = {
     Right.change_marks: frozenset({TEACHER}),
     Right.read_log: frozenset({TEACHER}),
     Right.release_feedback: frozenset({TEACHER}),
+    Right.see_assignments: frozenset({STUDENT, ASSISTANT, TEACHER}),
+    Right.keep_assignments: frozenset({TEACHER}),
     Right.set_up: frozenset({TEACHER}),
     Right.regrade: frozenset({TEACHER}),
     Right.name_behaviours: frozenset({TEACHER}),

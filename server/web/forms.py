@@ -3,14 +3,23 @@
 from typing import Annotated, Any
 from urllib.parse import urlsplit
 
-from fastapi import Form, Request
+from fastapi import Depends, Form, Request
 from fastapi.responses import HTMLResponse, RedirectResponse
+from starlette.datastructures import FormData
 
 from server.identity.models import Account
 from server.identity.schemas import RefusedForm
 from server.web.rendering import page
 
 Field = Annotated[str, Form()]
+
+
+async def _fields(request: Request) -> FormData:
+    return await request.form()
+
+
+#: All of a form, whose fields are not known beforehand.
+FormFields = Annotated[FormData, Depends(_fields)]
 SEE_OTHER = 303
 
 

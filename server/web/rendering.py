@@ -22,7 +22,7 @@ from server.identity.models import Account
 from server.text.highlight import highlight
 from server.text.plain import visible
 from server.text.said import said
-from server.web import assets, words
+from server.web import assets, school_time, words
 from server.web.schemas import AccountView, HereView
 
 
@@ -37,7 +37,9 @@ def environment() -> Environment:
         lstrip_blocks=True,
     )
     jinja.filters.update(french=french, sentence=sentence, visible=visible, ticks=ticks, python=python, said=written)
-    jinja.globals.update(static=assets.address, has_katex=assets.is_built, plural=words.plural)
+    jinja.globals.update(
+        static=assets.address, has_katex=assets.is_built, plural=words.plural, time_zone=school_time.zone
+    )
     return jinja
 
 

@@ -6,7 +6,13 @@ import math
 from datetime import UTC, datetime
 
 from graders.core.compare.words import number
+from server.web import school_time
 
+DAYS = ("lundi", "mardi", "mercredi", "jeudi", "vendredi", "samedi", "dimanche")
+MONTHS = (
+    "janvier", "février", "mars", "avril", "mai", "juin",
+    "juillet", "août", "septembre", "octobre", "novembre", "décembre",
+)  # fmt: skip
 WHOLE = 1e-9  # points that rounding may take from a full mark
 
 
@@ -32,12 +38,30 @@ def plural(count: int, singular: str, many: str | None = None) -> str:
 
 
 def moment(when: datetime) -> str:
-    """A date as ISO text for a `<time>` element: the browser's script shows it in local time."""
+    """A date as ISO text for a `<time>` element."""
     aware = when if when.tzinfo else when.replace(tzinfo=UTC)
     return aware.astimezone(UTC).isoformat(timespec="seconds")
 
 
 def moment_text(when: datetime) -> str:
-    """The same date for a reader without script: « 21/11/2026 à 12:05 (UTC) »."""
-    aware = when if when.tzinfo else when.replace(tzinfo=UTC)
-    return aware.astimezone(UTC).strftime("%d/%m/%Y à %H:%M (UTC)")
+    """The same date on the school's clock, short, for a table: « 21/11/2026 à 12:05 »."""
+    return school_time.local(when).strftime("%d/%m/%Y à %H:%M") + _which(when)
+
+
+def moment_words(when: datetime) -> str:
+    """The same in a sentence: « lundi 23 mars 2026 à 18:00 »."""
+    return f"{day_words(when)} à {school_time.local(when):%H:%M}{_which(when)}"
+
+
+def day_words(when: datetime) -> str:
+    """« lundi 23 mars 2026 », « dimanche 1er mars 2026 »."""
+    here = school_time.local(when)
+    day = "1er" if here.day == 1 else str(here.day)
+    return f"{DAYS[here.weekday()]} {day} {MONTHS[here.month - 1]} {here.year}"
+
+
+def _which(when: datetime) -> str:
+    """Which of both, of a time that comes twice in the night when the clock is put back."""
+    if not school_time.comes_twice(when):
+        return ""
+    return " (heure d’été)" if school_time.local(when).dst() else " (heure d’hiver)"

@@ -107,6 +107,10 @@ REFUSED = {
     ("BALISE_POLL_SECONDS", "inf"): "un nombre fini est attendu",
     ("BALISE_CODE_BYTES", "0"): "il faut au moins 1",
     ("BALISE_DATABASE_URL", ""): "ne peut être vide",
+    **{
+        ("BALISE_TIME_ZONE", name): f"« {name} » n’est pas un fuseau horaire, comme « Europe/Paris »"
+        for name in ("Europe/Pari", "", "Europe", "../../etc/passwd", "/etc/localtime", "é" * 300)
+    },
 }
 
 

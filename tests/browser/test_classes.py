@@ -58,6 +58,7 @@ def test_a_class_in_five_minutes(visit: NewVisit) -> None:
 
     list_and_slips(martin, visit, home)
     marks_and_log(martin, home)
+    something_to_do(martin, ada, home)
     at_the_door(martin, visit, home, code)
 
 
@@ -108,6 +109,38 @@ def list_and_slips(martin: Visit, visit: NewVisit, home: str) -> None:
     fill(alan, {"Nouveau mot de passe": "encore une phrase longue"}, "")
     alan.page.goto(home)
     expect(alan.page.get_by_role("link", name="Aller aux exercices")).to_be_visible()
+
+
+def something_to_do(martin: Visit, ada: Visit, home: str) -> None:
+    """An assignment with its line, an exemption, what a student and their teacher with their eyes see of it."""
+    page = martin.page
+    page.goto(f"{home}/devoirs/nouveau")
+    check(martin, "the form of an assignment")
+    page.get_by_label("Titre").fill("Se repérer")
+    page.get_by_role("checkbox").first.check()
+    page.get_by_label("À rendre avant").fill("2031-03-23T18:00")
+    page.get_by_label("perd, par jour commencé").check()
+    page.get_by_label("Points sur 20 perdus").fill("2,5")
+    page.get_by_role("button", name="Dessiner ce que cela donne").click()
+    expect(page.locator("svg.late-line")).to_have_attribute("aria-label", re.compile("coûte 2,5 points"))
+    page.get_by_role("button", name="Donner ce devoir").click()
+    check(martin, "an assignment")
+    page.get_by_role("link", name="Aménagements").click()
+    page.get_by_role("checkbox", name="Ada Lovelace").check()
+    page.get_by_label("À rendre avant").fill("2031-03-30T02:30")
+    page.get_by_role("button", name="Accorder").click()
+    expect(page.get_by_role("alert")).to_contain_text("il n’est jamais 2 h 30 ce jour-là")
+    page.get_by_label("À rendre avant").fill("2031-03-30T03:30")
+    page.get_by_role("button", name="Accorder").click()
+    check(martin, "exemptions")
+    page.get_by_role("row").get_by_role("link", name="Ada Lovelace").click()
+    check(martin, "why a date is what it is")
+    page.get_by_role("link", name="Voir comme cet élève").click()
+    expect(page.locator(".watched")).to_contain_text("comme Ada Lovelace")
+    check(martin, "a class as a student sees it")
+    ada.page.goto(home)
+    expect(ada.page.locator(".devoir-dates time").first).to_have_text(re.compile("^dimanche 30 mars 2031 à 03:30"))
+    check(ada, "what a student is to do")
 
 
 def at_the_door(martin: Visit, visit: NewVisit, home: str, code: str) -> None:

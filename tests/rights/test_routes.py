@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 from graders.core.code.plain import packed
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Diagnosis
-from server.assignments.models import AssignedExercise, Assignment, Mode
+from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode
 from server.base.paths import ROOT
 from server.base.provided import provided_to
 from server.base.request import COOKIE
@@ -55,6 +55,9 @@ JSON: dict[str, Any] = {
     "PUT /api/v1/classes/{class_id}/marks/{student}/{module}/{slug}": {"excused": True, "reason": "à l’oral"},
     "POST /api/v1/classes/{class_id}/regrades": {"exercise": EXERCISE},
     "PUT /api/v1/classes/{class_id}/names/{module}/{slug}/{group}": {"title": "Une erreur", "explanation": "Ainsi."},
+    "POST /api/v1/classes/{class_id}/assignments": {"title": "DM", "exercises": [{"exercise": EXERCISE}]},
+    "PATCH /api/v1/classes/{class_id}/assignments/{aid}": {"title": "DM 1"},
+    "POST /api/v1/classes/{class_id}/assignments/{aid}/exceptions": {"student": "{student}", "excused": True},
 }
 FORMS: dict[str, dict[str, str]] = {
     "POST /{module}/exercices/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
@@ -86,6 +89,10 @@ OTHER_VALUES = {
     "GET /{module}/rejeux/{name}": {"name": "lidar"},
     "GET /bienvenue/{token}": {"token": "{invitation}"},
     "POST /bienvenue/{token}": {"token": "{invitation}"},
+}
+QUERIES = {
+    "GET /api/v1/classes/{class_id}/assignments/{aid}/rules": "?student={student}",
+    "GET /classes/{class_id}/devoirs/{aid}/pourquoi": "?eleve={student}",
 }
 
 
@@ -138,11 +145,8 @@ class Stage:
                 db.add(BrowserSession(token_digest=cookie, account_id=account.id, expires_at=later))
                 if who in SEATS:
                     db.add(Membership(class_id=self.made.id, account_id=account.id, role=SEATS[who]))
-            self.assignment = Assignment(class_id=self.made.id, title="Séance 1", opens_at=utc_now())
             self.test = Assignment(class_id=self.made.id, title="Interro", mode=Mode.test, opens_at=utc_now())
-            db.add_all([self.assignment, self.test])
-            db.flush()
-            db.add(AssignedExercise(assignment_id=self.assignment.id, exercise=EXERCISE, position=0))
+            db.add(self.test)
             row = {"account_id": self.accounts["student"].id, "exercise": EXERCISE, "reason": "x", "based_on": []}
             db.add(Override(class_id=self.made.id, points=10.0, **row))
             self.sent = Submission(
@@ -158,6 +162,7 @@ class Stage:
             db.flush()
             db.add(NoteReader(note_id=self.note.id, account_id=ada))
             db.add(Message(thread_id=self.thread.id, author_id=ada, as_staff=False, text="Pourquoi ?"))
+            self._give(db)
             self.link = links.link_of(db, self.accounts["stranger"], timedelta(hours=1))
             self.invitation = new_token()
             db.add(Invitation(token_digest=digest(self.invitation), role=Role.teacher))
@@ -189,18 +194,33 @@ class Stage:
         verdict = replace(fake_verdict("outcome: wrong_answer", 1), diagnosis=Diagnosis(MISTAKE, "", ""))
         gradebook.record(db, named.id, Graded(Judgement(verdict), utc_now()))
 
+    def _give(self, db: Session) -> None:
+        """An assignment for each, which one may delete, with something that differs of it."""
+        self.assignments = {who: str(uuid4()) for who in PEOPLE}
+        for name in self.assignments.values():
+            db.add(Assignment(id=UUID(name), class_id=self.made.id, title="DM", opens_at=utc_now()))
+        db.flush()
+        names = map(UUID, self.assignments.values())
+        db.add_all(AssignedExercise(assignment_id=name, exercise=EXERCISE, position=0) for name in names)
+        exemptions = {name: Exemption(assignment_id=UUID(name), label="TP1") for name in self.assignments.values()}
+        db.add_all(exemptions.values())
+        db.flush()
+        self.exemptions = {name: str(one.id) for name, one in exemptions.items()}
+
     def values(self, who: str) -> dict[str, str]:
         return {
             "module": "l20",
             "slug": "poses",
             "name": "b",
             "class_id": str(self.made.id),
-            "assignment_id": str(self.assignment.id),
             "test": str(self.test.id),
+            "assignment_id": self.assignments[who],
             "code": str(self.made.join_code),
             "submission_id": str(self.sent.id),
             "regrade_id": str(self.regrade.id),
             "group": self.group,
+            "aid": self.assignments[who],
+            "eid": self.exemptions[self.assignments[who]],
             "token": self.link,
             "invitation": self.invitation,
             "student": str(self.accounts["student"].id),
@@ -218,6 +238,7 @@ class Stage:
         values = self.values(who)
         values |= {key: text.format(**values) for key, text in OTHER_VALUES.get(name, {}).items()}
         address = re.sub(r"\{(\w+)(?::\w+)?\}", lambda found: values[found[1]], path)
+        address += QUERIES.get(name, "").format(**values)
         options: dict[str, Any] = {}
         if name in JSON:
             options["json"] = {

@@ -37,11 +37,15 @@ prefersDark.addEventListener("change", showTheme);
 
 noteAccount();
 
-// The server knows no time zone: dates come in UTC and are shown in the reader's own.
+// Dates are those of the school's clock, as the server writes them: a deadline reads the same for everyone. Whose own
+// clock says something else is told that beside it.
 function showLocalTimes() {
-  const format = new Intl.DateTimeFormat("fr-FR", { dateStyle: "short", timeStyle: "short" });
-  for (const time of document.querySelectorAll("time[datetime]")) {
-    time.textContent = format.format(new Date(time.dateTime));
+  const clock = (timeZone) => new Intl.DateTimeFormat("fr-FR", { dateStyle: "short", timeStyle: "short", timeZone });
+  const [school, own] = [clock(document.body.dataset.zone), clock()];
+  for (const time of document.querySelectorAll("time[datetime]:not([data-own])")) {
+    const when = new Date(time.dateTime);
+    time.dataset.own = "";
+    if (school.format(when) !== own.format(when)) time.textContent += ` (chez vous : ${own.format(when)})`;
   }
 }
 

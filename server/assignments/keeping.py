@@ -1,0 +1,150 @@
+"""Making, changing, deleting and copying assignments, each noted in the class's log.
+
+Every function works inside the caller's transaction, on a class that the caller may change (`server.rights`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from datetime import datetime
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.assignments import repository
+from server.assignments.models import AssignedExercise, Assignment, Counts, Late, Mode, Shown
+from server.assignments.schemas import Wanted, Weighted, checked
+from server.audit import service as audit
+from server.audit.models import What
+from server.base.errors import NotFound
+from server.classes.models import SchoolClass
+from server.classes.service import require_open
+from server.course import Course
+
+UNKNOWN = "Ce devoir n’existe pas dans cette classe."
+
+
+def find(db: Session, school_class: SchoolClass, assignment_id: UUID | str) -> Assignment:
+    """Raises NotFound."""
+    try:
+        name = assignment_id if isinstance(assignment_id, UUID) else UUID(assignment_id)
+    except ValueError as error:
+        raise NotFound(UNKNOWN) from error
+    found = repository.by_id(db, school_class.id, name)
+    if found is None:
+        raise NotFound(UNKNOWN)
+    return found
+
+
+def wanted_of(assignment: Assignment, exercises: Sequence[AssignedExercise]) -> Wanted:
+    """What is set of an assignment, to be changed."""
+    return Wanted(
+        title=assignment.title,
+        exercises=tuple(Weighted(one.exercise, one.weight) for one in exercises),
+        opens_at=assignment.opens_at,
+        due_at=assignment.due_at,
+        closes_at=assignment.closes_at,
+        late=Late(assignment.late),
+        late_per_day=assignment.late_per_day,
+        counts=Counts(assignment.counts),
+        weight=assignment.weight,
+        mode=Mode(assignment.mode),
+        hints=Shown(assignment.hints),
+        diagnosis=Shown(assignment.diagnosis),
+        solution=Shown(assignment.solution),
+        duration_minutes=assignment.duration_minutes,
+    )
+
+
+def current(db: Session, assignment: Assignment) -> Wanted:
+    return wanted_of(assignment, repository.exercises(db, [assignment.id]).get(assignment.id, ()))
+
+
+def exercises_of(course: Course, school_class: SchoolClass) -> Mapping[str, str]:
+    """Those that one may give to the class, by their titles, in the course's order."""
+    module = course.modules.get(school_class.module)
+    return {} if module is None else {exercise.id: exercise.title for exercise in module.exercises}
+
+
+def make(db: Session, course: Course, school_class: SchoolClass, by: UUID, wanted: Wanted) -> Assignment:
+    """Raises Conflict for an archived class, FieldsRefused."""
+    require_open(school_class)
+    good = checked(wanted, exercises_of(course, school_class))
+    made = _added(db, school_class, by, good)
+    audit.note(db, school_class.id, by, What.assignment_made, about=good.title, after=_told(good))
+    return made
+
+
+def _added(db: Session, school_class: SchoolClass, by: UUID, wanted: Wanted) -> Assignment:
+    made = Assignment(class_id=school_class.id, created_by=by, **wanted.columns())
+    db.add(made)
+    db.flush()
+    _set_exercises(db, made, wanted.exercises)
+    return made
+
+
+def _set_exercises(db: Session, assignment: Assignment, chosen: Sequence[Weighted]) -> None:
+    repository.drop_exercises(db, assignment.id)
+    for position, one in enumerate(chosen):
+        row = {"exercise": one.exercise, "weight": one.weight, "position": position}
+        db.add(AssignedExercise(assignment_id=assignment.id, **row))
+    db.flush()
+
+
+def change(
+    db: Session, course: Course, school_class: SchoolClass, by: UUID, assignment: Assignment, wanted: Wanted
+) -> None:
+    """What it had of exercises that have left the course may stay. Raises Conflict, FieldsRefused."""
+    require_open(school_class)
+    before = current(db, assignment)
+    kept = {one.exercise: one.exercise for one in before.exercises}
+    good = checked(wanted, kept | dict(exercises_of(course, school_class)))
+    if good == before:
+        return
+    for name, value in good.columns().items():
+        setattr(assignment, name, value)
+    if good.exercises != before.exercises:
+        _set_exercises(db, assignment, good.exercises)
+    db.flush()
+    old, new = _told(before), _told(good)
+    audit.note(db, school_class.id, by, What.assignment_changed, about=good.title, before=old, after=new)
+
+
+def delete(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment) -> None:
+    """Its exemptions go with it; what students have sent stays. Raises Conflict."""
+    require_open(school_class)
+    before = _told(current(db, assignment))
+    lost = len(repository.exemptions(db, [assignment.id]).get(assignment.id, ()))
+    told = before | ({"exemptions": lost} if lost else {})
+    audit.note(db, school_class.id, by, What.assignment_deleted, about=assignment.title, before=told)
+    db.delete(assignment)
+    db.flush()
+
+
+def copy(db: Session, original: SchoolClass, made: SchoolClass, by: UUID, moved: Callable[[datetime], datetime]) -> int:
+    """Gives a copied class the assignments of the original, their dates moved; no exemption, nothing released.
+
+    How many there are.
+    """
+    rows = repository.of_class(db, original.id)
+    exercises = repository.exercises(db, [one.id for one in rows])
+    for one in rows:
+        wanted = wanted_of(one, exercises.get(one.id, ()))
+        columns = wanted.columns()
+        for name in ("opens_at", "due_at", "closes_at"):
+            columns[name] = None if columns[name] is None else moved(columns[name])
+        there = Wanted(exercises=wanted.exercises, **columns)
+        _added(db, made, by, there)
+        audit.note(db, made.id, by, What.assignment_made, about=there.title, after=_told(there))
+    return len(rows)
+
+
+def _told(wanted: Wanted) -> dict[str, Any]:
+    """As the log keeps it: plain values, those that say something."""
+    columns: dict[str, Any] = {
+        name: value.value if isinstance(value, Late | Counts | Mode | Shown) else value
+        for name, value in wanted.columns().items()
+        if value is not None
+    }
+    return columns | {"exercises": {one.exercise: one.weight for one in wanted.exercises}}

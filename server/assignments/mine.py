@@ -1,0 +1,81 @@
+"""What a student is to do: their assignments with the rules in force for them. Inside the caller's transaction."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.assignments import repository
+from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode
+from server.assignments.rules import Rules, in_force
+from server.assignments.states import Stage, stage
+
+
+@dataclass(frozen=True)
+class Mine:
+    """An assignment as one student has it. The exercises of a test stay unknown until it opens."""
+
+    assignment: Assignment
+    rules: Rules
+    exercises: tuple[AssignedExercise, ...]
+    exemptions: tuple[Exemption, ...]
+    stage: Stage
+
+    @property
+    def secret(self) -> bool:
+        """Whether its exercises are not to be told yet."""
+        return self.assignment.mode == Mode.test and self.stage is Stage.upcoming
+
+
+def of_class(db: Session, class_id: UUID, account_id: UUID, labels: Collection[str], now: datetime) -> Sequence[Mine]:
+    """All of a class, in the order in which they open; three queries."""
+    return _as_of(db, [(one, labels) for one in repository.of_class(db, class_id)], account_id, now)
+
+
+def one(db: Session, assignment: Assignment, account_id: UUID, labels: Collection[str], now: datetime) -> Mine:
+    return _as_of(db, [(assignment, labels)], account_id, now)[0]
+
+
+def running(db: Session, account_id: UUID, now: datetime, exercise: str | None = None) -> Sequence[Mine]:
+    """What one may still send something for, in any class where one learns; those with this exercise.
+
+    The first to be due is first; one query where one has no assignment, three else.
+    """
+    given = repository.given_to(db, account_id, now, exercise)
+    rows = [(assignment, membership.groups) for assignment, membership in given]
+    found = [one for one in _as_of(db, rows, account_id, now) if one.stage in {Stage.open, Stage.late}]
+    return sorted(found, key=lambda one: (one.rules.due_at is None, one.rules.due_at or now, one.assignment.title))
+
+
+def opened_since(db: Session, account_id: UUID, exercise: str, sent_at: datetime, now: datetime) -> bool:
+    """Whether an assignment asks for this exercise now that had not opened for them when that was sent."""
+    return any(one.rules.opens_at > sent_at for one in running(db, account_id, now, exercise))
+
+
+def due_within(found: Collection[Mine], now: datetime, soon: timedelta) -> Sequence[Mine]:
+    """Those of which the due date comes soon, or has just gone by while what is sent still counts; not the excused."""
+    return [
+        one
+        for one in found
+        if one.rules.due_at is not None and one.rules.due_at <= now + soon and not one.rules.excused
+    ]
+
+
+def _as_of(
+    db: Session, rows: Sequence[tuple[Assignment, Collection[str]]], account_id: UUID, now: datetime
+) -> Sequence[Mine]:
+    if not rows:
+        return []
+    names = [assignment.id for assignment, _ in rows]
+    exercises, exemptions = repository.exercises(db, names), repository.exemptions(db, names)
+    found = []
+    for assignment, labels in rows:
+        theirs = exemptions.get(assignment.id, ())
+        rules = in_force(assignment, theirs, account_id, labels)
+        mine = tuple(one for one in theirs if one.account_id == account_id or one.label in labels)
+        found.append(Mine(assignment, rules, tuple(exercises.get(assignment.id, ())), mine, stage(rules, now)))
+    return found

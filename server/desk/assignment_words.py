@@ -1,0 +1,80 @@
+"""How an assignment and what differs of it are told in French: pages, forms and exports take their words here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from datetime import datetime
+from typing import Any
+
+from server.assignments.models import Counts, Late, Mode, Shown
+from server.assignments.rules import Field, Rules
+from server.assignments.states import Stage
+from server.web.words import moment_words, points
+
+MODES: Mapping[Mode, str] = {Mode.practice: "entraînement", Mode.test: "contrôle"}
+STAGES: Mapping[Stage, tuple[str, str]] = {
+    Stage.upcoming: ("◷", "à venir"),
+    Stage.open: ("▶", "ouvert"),
+    Stage.late: ("!", "en retard accepté"),
+    Stage.closed: ("■", "fermé"),
+}
+COUNTS: Mapping[Counts, str] = {
+    Counts.best: "le meilleur essai",
+    Counts.last: "le dernier essai",
+    Counts.best_before_due: "le meilleur essai avant la date de remise",
+}
+SHOWN: Mapping[Shown, str] = {
+    Shown.usual: "comme d’habitude",
+    Shown.after_due: "après la date de remise",
+    Shown.after_close: "après la fermeture",
+    Shown.never: "jamais",
+}
+LATE: Mapping[Late, str] = {
+    Late.refuse: "refusé",
+    Late.accept: "accepté, et marqué en retard",
+    Late.penalty: "pénalisé",
+}
+FIELDS: Mapping[Field, str] = {
+    "opens_at": "Ouverture",
+    "due_at": "À rendre avant",
+    "closes_at": "Fermeture",
+    "time_factor": "Temps",
+    "excused": "Dispense",
+}
+NOTHING: Mapping[str, str] = {"due_at": "pas de date de remise", "closes_at": "reste ouvert"}
+
+
+def number(value: float) -> str:
+    """As a form's field holds it: 1,33."""
+    return f"{value:.10g}".replace(".", ",")
+
+
+def lateness(late: Late, per_day: float | None) -> str:
+    if late is Late.penalty and per_day:
+        return f"pénalisé : {points(per_day)} {'point' if per_day < 2 else 'points'} sur 20 par jour commencé"
+    return LATE[late]
+
+
+def late_of(rules: Rules) -> str:
+    return lateness(rules.late, rules.late_per_day)
+
+
+def duration(minutes: float) -> str:
+    """« 55 min », « 1 h 20 », « 2 j 3 h »."""
+    whole = round(minutes)
+    hours, left = divmod(whole, 60)
+    if hours >= 48:
+        days, hours = divmod(hours, 24)
+        return f"{days} j {hours} h" if hours else f"{days} j"
+    return (f"{hours} h {left:02d}" if left else f"{hours} h") if hours else f"{left} min"
+
+
+def value(name: str, said: Any) -> str:
+    """What was said of a field."""
+    if isinstance(said, datetime):
+        return moment_words(said)
+    if name == "time_factor":
+        return "× " + number(float(said)) if said != 1 else "temps ordinaire"
+    if name == "excused":
+        return "dispensé" if said else "non dispensé"
+    return NOTHING.get(name, "—")

@@ -1,0 +1,157 @@
+"""What a full mark comes to against the time at which it is sent, as a line and in sentences."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+
+from markupsafe import Markup, escape
+
+from server.assignments.models import Late
+from server.assignments.rules import DAY, FULL, Rules
+from server.web import school_time
+from server.web.words import moment_words, points
+
+WIDTH, HEIGHT = 420.0, 196.0
+LEFT, RIGHT, TOP, BOTTOM = 34.0, 410.0, 14.0, 142.0
+MOST_STEPS = 60  # beyond, steps are drawn as a slope
+BEYOND = timedelta(days=3)  # what is drawn after the last date that matters
+
+
+@dataclass(frozen=True)
+class LateLine:
+    """A drawing (SVG), and the same in sentences."""
+
+    svg: Markup
+    sentences: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """From one moment to another the best possible mark goes from `left` to `right`; None: nothing counts."""
+
+    start: datetime
+    end: datetime
+    left: float | None
+    right: float | None
+
+
+def line_of(rules: Rules) -> LateLine:
+    """Of the rules in force."""
+    sentences = tuple(_sentences(rules))
+    pieces = list(_pieces(rules))
+    return LateLine(_drawn(rules, pieces, " ".join(sentences)), sentences)
+
+
+def _pieces(rules: Rules) -> Iterator[_Piece]:
+    opens, end = rules.opens_at, _last(rules)
+    on_time = min(rules.due_at or end, rules.closes_at or end)
+    yield _Piece(opens, on_time, FULL, FULL)
+    accepted = min(rules.closes_at or end, end)
+    if rules.late is Late.accept and accepted > on_time:
+        yield _Piece(on_time, accepted, FULL, FULL)
+    elif rules.late is Late.penalty:
+        yield from _steps(on_time, accepted, rules.late_per_day)
+    shut = on_time if rules.late is Late.refuse else accepted
+    if end > shut:
+        yield _Piece(shut, end, None, None)
+
+
+def _steps(due: datetime, end: datetime, per_day: float) -> Iterator[_Piece]:
+    """A step for each day begun, down to nothing."""
+    days = min(math.ceil((end - due) / DAY), math.ceil(FULL / per_day))
+    if days > MOST_STEPS:
+        bottom = min(due + days * DAY, end)
+        yield _Piece(due, bottom, FULL, max(0.0, FULL - days * per_day))
+        days, reached = 0, bottom
+    else:
+        reached = due
+    for day in range(1, days + 1):
+        worth = max(0.0, FULL - day * per_day)
+        reached = min(due + day * DAY, end)
+        yield _Piece(due + (day - 1) * DAY, reached, worth, worth)
+    if reached < end:
+        yield _Piece(reached, end, 0.0, 0.0)
+
+
+def _last(rules: Rules) -> datetime:
+    """Until when it is drawn."""
+    if rules.closes_at is not None:
+        after = max((rules.closes_at - rules.opens_at) / 12, timedelta(hours=1))
+        return rules.closes_at + after
+    if rules.due_at is None:
+        return rules.opens_at + 7 * DAY
+    if rules.late is Late.penalty:
+        return rules.due_at + min(math.ceil(FULL / rules.late_per_day), 400) * DAY + BEYOND
+    return rules.due_at + max((rules.due_at - rules.opens_at) / 3, BEYOND)
+
+
+def _drawn(rules: Rules, pieces: Sequence[_Piece], told: str) -> Markup:
+    start, end = pieces[0].start, pieces[-1].end
+    length = (end - start) / timedelta(seconds=1) or 1.0
+
+    def x(when: datetime) -> float:
+        return LEFT + (RIGHT - LEFT) * ((when - start) / timedelta(seconds=1)) / length
+
+    def y(worth: float | None) -> float:
+        return BOTTOM - (BOTTOM - TOP) * (worth or 0.0) / FULL
+
+    parts = []
+    for mark in (0, 10, 20):
+        height = y(mark)
+        parts.append(f'<line class="late-axis" x1="{LEFT}" y1="{height:.1f}" x2="{RIGHT}" y2="{height:.1f}"/>')
+        parts.append(f'<text x="{LEFT - 6}" y="{height + 4:.1f}" text-anchor="end">{mark}</text>')
+    for row, (when, name) in enumerate(_dates(rules)):
+        place = x(when)
+        anchor = "start" if place < LEFT + 70 else "end" if place > RIGHT - 70 else "middle"
+        below = BOTTOM + 18 + 15 * row
+        label = f"{name} {school_time.local(when):%d/%m %H:%M}"
+        parts.append(f'<line class="late-date" x1="{place:.1f}" y1="{TOP}" x2="{place:.1f}" y2="{below - 11:.1f}"/>')
+        parts.append(f'<text x="{place:.1f}" y="{below:.1f}" text-anchor="{anchor}">{escape(label)}</text>')
+    path = ""
+    for piece in pieces:
+        kind = "L" if path else "M"
+        path += f"{kind}{x(piece.start):.1f} {y(piece.left):.1f}L{x(piece.end):.1f} {y(piece.right):.1f}"
+    parts.append(f'<path class="late-worth" d="{path}"/>')
+    return Markup(
+        f'<svg class="late-line" viewBox="0 0 {WIDTH:g} {HEIGHT:g}" role="img" aria-label="{escape(told)}">'
+        f"{''.join(parts)}</svg>"
+    )
+
+
+def _dates(rules: Rules) -> Iterator[tuple[datetime, str]]:
+    for when, name in ((rules.opens_at, "ouvre"), (rules.due_at, "à rendre"), (rules.closes_at, "ferme")):
+        if when is not None:
+            yield when, name
+
+
+def _sentences(rules: Rules) -> Iterator[str]:
+    opens, due, closes = rules.opens_at, rules.due_at, rules.closes_at
+    if due is None:
+        until = f"jusqu’au {moment_words(closes)}" if closes else "sans limite"
+        yield f"À partir du {moment_words(opens)}, {until}, rien n’est en retard."
+        if closes:
+            yield "Ensuite, plus rien ne compte."
+        return
+    yield f"Du {moment_words(opens)} au {moment_words(due)}, tout compte en entier."
+    if rules.late is Late.refuse or (closes is not None and closes <= due):
+        yield "Ensuite, plus rien ne compte."
+        return
+    until = f"jusqu’au {moment_words(closes)}" if closes else "sans limite"
+    if rules.late is Late.accept:
+        yield f"Ensuite, {until}, un envoi compte en entier et il est marqué en retard."
+    else:
+        yield f"Ensuite, {until}, {_costs(rules.late_per_day)}"
+    if closes:
+        yield "Après la fermeture, plus rien ne compte."
+
+
+def _costs(per_day: float) -> str:
+    first = max(0.0, FULL - per_day)
+    days = math.ceil(FULL / per_day)
+    worth = f"chaque jour de retard commencé coûte {points(per_day)} {'point' if per_day < 2 else 'points'} sur 20 : "
+    if days == 1:
+        return worth + "il ne reste rien dès le premier jour."
+    return worth + f"{points(first)} au plus le premier jour, et plus rien à partir du {days}e jour."

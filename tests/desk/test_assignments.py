@@ -1,0 +1,412 @@
+"""Pages of assignments: given, changed, exempted from by a teacher; found by students with their own dates."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from html import unescape
+from typing import Any
+from uuid import UUID, uuid4
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from starlette.testclient import TestClient
+
+from server.assignments.counting import Mark, Result
+from server.assignments.models import Assignment, Exemption, Late
+from server.assignments.rules import FULL, Rules, in_force
+from server.assignments.schemas import Wanted, Weighted
+from server.audit.models import AuditEvent, What
+from server.classes.models import Membership, SchoolClass
+from server.database import utc_now
+from server.desk import late_line
+from server.desk.own_views import _standing
+from server.gradebook.models import Grading
+from server.identity.models import Account, Role
+from server.marks.models import Override
+from server.submissions.models import Submission
+from server.web.school_time import field
+from server.web.words import moment_words
+from tests.support.classes import Person, new_class, person, seat
+from tests.support.counting import Counted
+from tests.support.quick import the_course
+from tests.support.service import EXERCISE, Site, worker_of
+
+DAY = timedelta(days=1)
+NOW = utc_now().replace(second=0, microsecond=0)
+OTHER = "l20/calcul_odometrie"
+GOOD: dict[str, Any] = {
+    "titre": "Se <repérer>",
+    "exercice": [EXERCISE, OTHER],
+    f"poids:{EXERCISE}": "2,5",
+    "ouvre": field(NOW - DAY),
+    "rendre": field(NOW + 2 * DAY),
+    "ferme": field(NOW + 6 * DAY),
+    "retard": "penalty",
+    "par_jour": "2",
+}
+
+
+@dataclass
+class School:
+    site: Site
+    made: SchoolClass
+    martin: TestClient
+    ada: Person
+    bob: Person
+
+    @property
+    def href(self) -> str:
+        return f"/classes/{self.made.id}"
+
+    def give(self, **changes: Any) -> str:
+        answer = self.martin.post(f"{self.href}/devoirs", data=GOOD | changes)
+        assert answer.status_code == 303, told(answer.text)
+        return str(answer.headers["location"])
+
+    def stored(self, table: Any) -> list[Any]:
+        with self.site.database.read() as db:
+            return list(db.query(table).all())
+
+
+def told(text: str) -> str:
+    """What a page says, without its tags."""
+    return re.sub(r"\s+", " ", unescape(re.sub(r"<[^>]+>", " ", text.rsplit("<main", maxsplit=1)[-1])))
+
+
+def read(browser: TestClient, path: str, status: int = 200) -> str:
+    answer = browser.get(path)
+    assert answer.status_code == status, answer.text
+    return told(answer.text)
+
+
+@pytest.fixture
+def school(site: Site) -> School:
+    martin, ada, bob = person(site, Role.teacher, "Mme Martin"), person(site, name="Ada"), person(site, name="Bob")
+    made = new_class(site.database, martin.account)
+    seat(site.database, made, ada.account, groups=["TP1"])
+    seat(site.database, made, bob.account)
+    return School(site, made, martin.browser(site), ada, bob)
+
+
+def test_an_assignment_is_given_shown_changed_and_taken_back(school: School) -> None:
+    assert "Aucun devoir" in read(school.martin, f"{school.href}/devoirs")
+    href = school.give()
+    page = school.martin.get(href).text
+    assert "Se &lt;repérer&gt;" in page
+    shown = told(page)
+    assert f"À rendre avant {moment_words(NOW + 2 * DAY)}" in shown
+    assert "coefficient 2,5" in shown
+    assert "chaque jour de retard commencé coûte 2 points sur 20 : 18 au plus le premier jour" in shown
+    assert '<svg class="late-line"' in page
+    assert "▶ ouvert · 2 exercices · 0 sur 2 élèves ont tout réussi" in read(school.martin, f"{school.href}/devoirs")
+
+    form = school.martin.get(f"{href}/modifier").text
+    assert f'value="{GOOD["rendre"]}"' in form
+    changed = GOOD | {"titre": "Deux", "ferme": "", "retard": "accept", "exercice": [OTHER]}
+    assert school.martin.post(f"{href}/modifier", data=changed).headers["location"] == href
+    assert "reste ouvert" in read(school.martin, href)
+    assert school.martin.post(f"{href}/supprimer").headers["location"] == f"{school.href}/devoirs"
+    assert school.stored(Assignment) == []
+
+
+def test_a_field_left_as_it_was_keeps_the_very_second(school: School) -> None:
+    href = school.give()
+    exact = datetime(2031, 10, 26, 1, 30, 17, tzinfo=UTC)  # the second 2:30 of that night in Paris
+    with school.site.database.write() as db:
+        db.query(Assignment).one().closes_at = exact
+    assert school.martin.post(f"{href}/modifier", data=GOOD | {"ferme": field(exact)}).status_code == 303
+    assert school.stored(Assignment)[0].closes_at == exact
+
+
+WRONG: list[tuple[dict[str, Any], str]] = [
+    ({"titre": " "}, "Donnez au devoir un titre"),
+    ({"exercice": []}, "Choisissez au moins un exercice."),
+    ({"exercice": ["l20/rien"]}, "n’est pas du module"),
+    ({f"poids:{EXERCISE}": "beaucoup"}, "« beaucoup » n’est pas un nombre"),
+    ({f"poids:{EXERCISE}": "0"}, "plus grand que 0"),
+    ({"par_jour": ""}, "combien de points"),
+    ({"par_jour": "inf"}, "« inf » n’est pas un nombre"),
+    ({"par_jour": "1e9"}, "n’est pas un nombre"),
+    ({"rendre": ""}, "demande une date de remise"),
+    ({"rendre": field(NOW - 2 * DAY)}, "La date de remise vient avant l’ouverture."),
+    ({"ferme": "2031-03-30T02:30"}, "il n’est jamais 2 h 30 ce jour-là"),
+    ({"ferme": "<script>"}, "« <script> » n’est pas une date"),
+    ({"retard": "peut-être"}, "Ce choix n’est pas proposé."),
+    ({"mode": "test", "duree": "12,5"}, "nombre entier de minutes"),
+    ({"duree": "60"}, "Seul un contrôle a une durée"),
+]
+
+
+def test_what_is_refused_is_told_at_its_field_and_nothing_typed_is_lost(school: School) -> None:
+    for change, why in WRONG:
+        answer = school.martin.post(f"{school.href}/devoirs", data=GOOD | change)
+        assert (answer.status_code, why in told(answer.text)) == (422, True), change
+        assert "<script>" not in answer.text.split("<main")[1]
+        assert f'value="{(GOOD | change)["ouvre"]}"' in answer.text
+    assert school.stored(Assignment) == []
+    drawn = school.martin.post(f"{school.href}/devoirs", data=GOOD | {"apercu": "oui"})
+    assert (drawn.status_code, '<svg class="late-line"' in drawn.text) == (200, True)
+    assert school.stored(Assignment) == []
+    files = {"titre": ("a.txt", b"x"), "exercice": ("b.txt", b"y")}
+    assert school.martin.post(f"{school.href}/devoirs", files=files).status_code == 422
+
+
+def test_several_students_are_exempted_at_once_and_it_is_listed_exported_revoked(school: School) -> None:
+    page = school.give() + "/amenagements"
+    both = [str(school.ada.id), str(school.bob.id)]
+    later = NOW + 9 * DAY
+    granted = {"eleve": both, "rendre": field(later), "raison": "=SOMME(1)"}
+    assert school.martin.post(page, data=granted).headers["location"] == page
+    assert school.martin.post(page, data={"groupe": "TP1", "dispense": "oui", "raison": "voyage"}).status_code == 303
+    shown = read(school.martin, page)
+    assert shown.index("groupe TP1") < shown.index("Ada À rendre avant") < shown.index("Bob À rendre avant")
+    assert moment_words(later) in shown
+    newest = read(school.martin, f"{page}?tri=date")
+    assert newest.index("groupe TP1") < newest.index("Bob")
+
+    exported = school.martin.get(f"{page}.csv")
+    assert exported.content.startswith(b"\xef\xbb\xbf")
+    assert exported.content.count(b"\r\n") == 4
+    rows = list(csv.DictReader(io.StringIO(exported.content.decode("utf-8-sig")), delimiter=";"))
+    assert [(row["Pour"], row["Groupe"], row["Raison"]) for row in rows] == [
+        ("", "TP1", "voyage"), ("Ada", "", "'=SOMME(1)"), ("Bob", "", "'=SOMME(1)"),
+    ]  # fmt: skip
+
+    sooner = {"eleve": both[0], "rendre": field(NOW + 3 * DAY), "remplacer": "oui"}
+    school.martin.post(page, data=sooner)
+    held = [one for one in school.stored(Exemption) if one.account_id == school.ada.id and one.revoked_at is None]
+    assert [one.due_at for one in held] == [NOW + 3 * DAY]
+    assert school.martin.post(f"{page}/{held[0].id}/retirer").status_code == 303
+    assert school.martin.post(f"{page}/{uuid4()}/retirer").status_code == 404
+    kinds = [one.what for one in school.stored(AuditEvent) if "exemption" in one.what]
+    assert (kinds.count(What.exemption_made), kinds.count(What.exemption_revoked)) == (4, 2)
+    for refused in (
+        {}, {"eleve": both}, {"eleve": "zut", "rendre": field(later)}, {"groupe": "TP9", "dispense": "oui"},
+        {"eleve": both, "groupe": "TP1", "dispense": "oui"}, {"eleve": both, "temps": "5"},
+        {"eleve": both, "dispense": "peut-être"}, {"eleve": str(uuid4()), "dispense": "oui"},
+    ):  # fmt: skip
+        answer = school.martin.post(page, data=refused)
+        assert (answer.status_code, "Rien n’est encore accordé" in told(answer.text)) == (422, True), refused
+
+
+def test_a_student_finds_what_to_do_by_when_and_why(school: School) -> None:
+    href = school.give()
+    soon = {"titre": "Contrôle", "mode": "test", "ouvre": field(NOW + DAY), "rendre": "", "ferme": field(NOW + 3 * DAY)}
+    school.give(**soon, retard="accept", duree="60")
+    later = NOW + 9 * DAY
+    grant = {"groupe": "TP1", "rendre": field(later), "raison": "secret médical"}
+    school.martin.post(f"{href}/amenagements", data=grant)
+    ada, bob = school.ada.browser(school.site), school.bob.browser(school.site)
+    school.site.submit(school.ada.headers, code="x  # outcome: wrong_answer")
+    assert worker_of(school.site.database, school.site.settings).step()
+
+    page = read(ada, school.href)
+    assert f"À rendre avant {moment_words(later)}" in page
+    assert "Un aménagement vous a été accordé." in page
+    assert "½ Composer, inverser et comparer des poses 10 / 20" in page
+    assert "○ Un pas d’odométrie, à la main à faire" in page
+    assert "Les exercices seront montrés à l’ouverture." in page
+    assert f"À rendre avant {moment_words(NOW + 2 * DAY)}" in read(bob, school.href)
+    assert "secret" not in page
+    row = {"account_id": school.ada.id, "based_on": []}
+    with school.site.database.write() as db:
+        db.add(Override(class_id=school.made.id, exercise=EXERCISE, points=15.0, reason="bien à l’oral", **row))
+    page = read(ada, school.href)
+    assert "½ Composer, inverser et comparer des poses 15 / 20, note de votre enseignant : bien à l’oral" in page
+
+    why = read(ada, f"{href}/pourquoi")
+    assert f"groupe « TP1 » : {moment_words(later)} — c’est ce qui vaut" in why
+    assert "secret" not in why
+    assert "secret médical" in read(school.martin, f"{href}/pourquoi?eleve={school.ada.id}")
+    read(ada, f"{href}/pourquoi?eleve={school.bob.id}", 403)
+    read(school.martin, f"{href}/pourquoi?eleve={uuid4()}", 404)
+
+    seen = school.martin.get(f"{school.href}/eleves/{school.ada.id}/comme")
+    assert "Vous voyez cette page comme Ada la voit" in told(seen.text)
+    assert "<form" not in seen.text.split("<main")[1]
+    same = page.split("À faire maintenant")[1].split("Votre place")[0]
+    assert same == told(seen.text).split("À faire maintenant")[1].split("Votre place")[0]
+
+    assert ada.get(href).headers["location"] == f"{school.href}#devoir-{href.rpartition('/')[2]}"
+    assert ada.get(f"{school.href}/devoirs").headers["location"] == school.href
+
+
+def test_what_is_due_soon_is_told_where_one_works(school: School) -> None:
+    school.give()
+    bob, stranger = school.bob.browser(school.site), person(school.site).browser(school.site)
+    line = f"à rendre avant le {moment_words(NOW + 2 * DAY)} (encore 2 exercices)"
+    for path in ("/", "/l20"):
+        assert line in read(bob, path)
+        for nobody in (stranger, school.site.client, school.martin):
+            assert "à rendre avant" not in read(nobody, path)
+    of_exercise = read(bob, "/l20/exercices/poses")
+    assert f"À rendre avant le {moment_words(NOW + 2 * DAY)} (devoir « Se <repérer> »)" in of_exercise
+    with school.site.database.write() as db:
+        db.get_one(SchoolClass, school.made.id).archived_at = utc_now()
+    assert "avant le" not in read(bob, "/l20/exercices/poses")
+    assert line not in read(bob, "/")
+
+
+def test_what_was_sent_before_the_opening_counts_once_it_is_sent_again(school: School) -> None:
+    ada = school.ada.browser(school.site)
+
+    def send() -> str:
+        answer = ada.post("/l20/exercices/poses/soumissions", data={"code": "x = 1"})
+        while worker_of(school.site.database, school.site.settings).step():
+            pass
+        with school.site.database.write() as db:  # else it was graded by another version of the exercise
+            db.query(Grading).update({"exercise_version": the_course().exercises[EXERCISE].version})
+        return str(answer.headers["location"]).partition("?")[0]
+
+    early = send()
+    with school.site.database.write() as db:
+        db.query(Submission).one().created_at = NOW - 2 * DAY
+    assert send() == early, "no assignment asks for it: it is no new attempt"
+    school.give()
+    assert "○ Composer, inverser et comparer des poses à faire" in read(ada, school.href)
+    again = send()
+    assert again != early
+    assert send() == again
+    assert "✓ Composer, inverser et comparer des poses réussi" in read(ada, school.href)
+
+
+def test_pages_ask_no_more_for_more_assignments_and_students(school: School) -> None:
+    href = school.give()
+    bob = school.bob.browser(school.site)
+    pages = [(school.martin, f"{school.href}/devoirs"), (school.martin, f"{href}/amenagements"), (bob, school.href)]
+    pages += [(bob, "/"), (bob, "/l20/exercices/poses"), (school.martin, f"{href}/pourquoi?eleve={school.bob.id}")]
+
+    def asked() -> list[int]:
+        counts = []
+        for browser, path in pages:
+            with Counted(school.site.database) as counted:
+                read(browser, path)
+            counts.append(len(counted.statements))
+        return counts
+
+    school.martin.post(f"{href}/amenagements", data={"groupe": "TP1", "dispense": "oui"})
+    asked()
+    few = asked()
+    with school.site.database.write() as db:
+        for number in range(12):
+            account = Account(role=Role.student, name=f"Élève {number}")
+            db.add(account)
+            db.flush()
+            db.add(Membership(class_id=school.made.id, account_id=account.id, groups=["TP2"]))
+            db.add(Exemption(assignment_id=UUID(href.rpartition("/")[2]), account_id=account.id, excused=True))
+    for number in range(5):
+        school.give(titre=f"Devoir {number}")
+    assert asked() == few
+    assert max(few) <= 14
+
+
+def test_a_copy_takes_the_assignments_along_at_their_time_of_day(school: School) -> None:
+    summer = {"ouvre": "2031-03-24T08:00", "rendre": "2031-03-31T18:00", "ferme": "", "retard": "accept"}
+    href = school.give(**summer)
+    school.martin.post(f"{href}/amenagements", data={"groupe": "TP1", "dispense": "oui"})
+    for fields, opens, due in (
+        ({"semaines": "52"}, "2032-03-22T08:00", "2032-03-29T18:00"),
+        ({"semaines": "-3"}, "2031-03-03T08:00", "2031-03-10T18:00"),
+        ({"rentree": "2031-09-01", "semaines": "7"}, "2031-09-01T08:00", "2031-09-08T18:00"),
+        ({}, "2032-03-22T08:00", "2032-03-29T18:00"),
+    ):
+        copied = school.martin.post(f"{school.href}/copier", data={"name": "PSI", **fields})
+        assert copied.status_code == 303
+        there = copied.headers["location"].rpartition("/")[2]
+        (one,) = [one for one in school.stored(Assignment) if str(one.class_id) == there]
+        assert (field(one.opens_at), field(one.due_at), one.closes_at) == (opens, due, None)
+    assert len(school.stored(Exemption)) == 1
+    before = len(school.stored(SchoolClass))
+    for fields in ({"semaines": "9999"}, {"semaines": "un an"}, {"rentree": "demain"}, {"rentree": "2131-09-01"}):
+        assert school.martin.post(f"{school.href}/copier", data={"name": "PSI", **fields}).status_code == 422
+    assert len(school.stored(SchoolClass)) == before
+
+
+def test_who_comes_goes_and_teaches_is_in_the_log(school: School) -> None:
+    with school.site.database.write() as db:
+        db.add(Account(role=Role.student, name="Carl", login="carl"))
+    school.martin.post(f"{school.href}/eleves", data={"action": "retirer", "eleve": str(school.bob.id)})
+    school.martin.post(f"{school.href}/eleves", data={"action": "retirer", "eleve": str(school.bob.id)})
+    school.martin.post(f"{school.href}/eleves", data={"action": "reprendre", "eleve": str(school.bob.id)})
+    school.martin.post(f"{school.href}/equipe", data={"login": "carl", "role": "assistant"})
+    school.martin.post(f"{school.href}/equipe", data={"login": "carl", "role": "enseignant"})
+    found = school.stored(AuditEvent)
+    assert [(one.what, one.before, one.after) for one in sorted(found, key=lambda one: one.at)] == [
+        (What.student_removed, {"status": "active"}, {"status": "left"}),
+        (What.student_admitted, {"status": "left"}, {"status": "active"}),
+        (What.staff_changed, {"role": None}, {"role": "assistant"}),
+        (What.staff_changed, {"role": "assistant"}, {"role": "teacher"}),
+    ]
+    assert {one.student for one in found[:2]} == {school.bob.id}
+    listed = "nom,prenom\nLovelace,Grace\n"
+    answer = school.site.client.post(
+        f"/api/v1/classes/{school.made.id}/roster",
+        content=listed,
+        headers={"Content-Type": "text/csv", **school.ada.headers},
+    )
+    assert answer.status_code == 403
+    assert len(school.stored(AuditEvent)) == len(found)
+    shown = school.martin.post(f"{school.href}/liste", data={"texte": listed}).text
+    digest = re.search(r'name="attendu" value="(\w+)"', shown)
+    assert digest
+    school.martin.post(f"{school.href}/liste", data={"texte": listed, "attendu": digest[1]})
+    new = [one.what for one in school.stored(AuditEvent)][len(found) :]
+    assert sorted(new) == sorted([What.student_admitted, What.student_removed, What.student_removed])
+
+
+rules = st.builds(
+    lambda opens, due, more, late, per_day: in_force(
+        Wanted(
+            "x",
+            (Weighted("a"),),
+            opens,
+            opens + timedelta(hours=due) if due is not None or late is Late.penalty else None,
+            None if more is None else opens + timedelta(hours=(due or 0) + more),
+            late,
+            per_day,
+        ),
+        (),
+        UUID(int=0),
+        (),
+    ),
+    st.datetimes(datetime(2020, 1, 1), datetime(2030, 1, 1), timezones=st.just(UTC)),
+    st.integers(0, 900),
+    st.none() | st.integers(0, 900),
+    st.sampled_from(list(Late)),
+    st.sampled_from([0.01, 0.3, 1.0, 2.5, 7.0, 20.0]),
+)
+
+
+@given(rules, st.floats(0.01, 0.99))
+def test_the_line_goes_through_what_the_rules_give(found: Rules, share: float) -> None:
+    line = late_line.line_of(found)
+    assert "nan" not in line.svg
+    assert len(line.svg) < 12_000
+    pieces = list(late_line._pieces(found))
+    for piece, following in zip(pieces, [*pieces[1:], None], strict=True):
+        assert piece.start <= piece.end
+        assert following is None or following.start == piece.end, "the line has no gap"
+        if piece.start == piece.end:
+            continue
+        worth = found.worth(piece.start + share * (piece.end - piece.start), FULL).points
+        if piece.left is None or piece.right is None:
+            assert worth is None
+            continue
+        assert worth is not None
+        drawn = piece.left + share * (piece.right - piece.left)
+        assert worth == pytest.approx(drawn, abs=0 if piece.left == piece.right else found.late_per_day)
+
+
+def test_of_a_test_nothing_is_said_before_it_is_released() -> None:
+    full = Result(Mark(uuid4(), 20.0, 20.0, 0), None, 3)
+    late = Result(Mark(uuid4(), 14.0, 20.0, 3), None, 1)
+    assert _standing(full, held=True) == ("sent", "•", "envoyé, 3 essais")
+    assert _standing(full, held=False) == ("done", "✓", "réussi")
+    assert _standing(late, held=False) == ("done", "✓", "réussi : 14 / 20")
+    assert _standing(Result(None, None, 0), held=True)[0] == "new"
+    assert _standing(Result(None, None, 2), held=False)[2] == "rien avant la date de remise"
