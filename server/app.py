@@ -23,6 +23,7 @@ from server.base.provided import check_provided, provide
 from server.base.settings import Settings
 from server.behaviour import fingerprints
 from server.behaviour import repository as behaviour
+from server.board.live import Boards
 from server.cells.routes import router as cells_router
 from server.cells.supervisor import Cells
 from server.classes.presence import Presence
@@ -30,6 +31,7 @@ from server.classes.service import Classes
 from server.course import Course, load
 from server.database import Database, utc_now
 from server.desk.assignments import router as assignments_router
+from server.desk.board import router as board_router
 from server.desk.classes import router as classes_router
 from server.desk.exemptions import router as exemptions_router
 from server.desk.groups import router as groups_router
@@ -85,6 +87,7 @@ ROUTERS = (
     accounts_router,
     person_router,
     comments_router,
+    board_router,
     classes_router,
     keeping_router,
     likeness_router,
@@ -157,6 +160,10 @@ class Services:
     @cached_property
     def cells(self) -> Cells:
         return Cells(self.settings, self.course.kits)
+
+    @cached_property
+    def boards(self) -> Boards:
+        return Boards(self.database, self.course, self.events)
 
     @cached_property
     def figures(self) -> Figures:
@@ -280,7 +287,7 @@ def _share(app: FastAPI, services: Services) -> None:
     provide(app, services.personal, Classes(services.database, services.settings), Presence(services.database))
     provide(app, Regrades(course, services.queue))
     provide(app, services.submissions, services.collecting)
-    provide(app, services.figures, services.supervisor, Downloads(course), Desk(Replays()))
+    provide(app, services.boards, services.figures, services.supervisor, Downloads(course), Desk(Replays()))
     check_provided(app)
 
 

@@ -2,7 +2,7 @@
 
 from fastapi import APIRouter
 
-from server.api import assignments, classes, comments, exercises, marks, me, names, regrades, submissions
+from server.api import assignments, board, classes, comments, exercises, marks, me, names, regrades, submissions
 
 router = APIRouter(prefix="/api/v1")
 router.include_router(exercises.router)
@@ -13,4 +13,5 @@ router.include_router(classes.router)
 router.include_router(marks.router)
 router.include_router(regrades.router)
 router.include_router(names.router)
+router.include_router(board.router)
 router.include_router(assignments.router)

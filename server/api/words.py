@@ -50,6 +50,14 @@ ROUTES: dict[tuple[str, str], str] = {
     ("delete", "/api/v1/classes/{class_id}/names/{module}/{slug}/{group}"): (
         "Retire ce nom : plus personne ne le lit."
     ),
+    ("get", "/api/v1/classes/{class_id}/dashboard"): (
+        "Les chiffres du tableau de la classe, pour qui y enseigne : élèves et exercices, erreurs reconnues, échecs "
+        "sans nom, statistiques des exercices."
+    ),
+    ("get", "/api/v1/classes/{class_id}/events"): (
+        "Ce qui change au tableau (événements `cell` et `counts`, envoyés par le serveur). Se termine au bout de "
+        "quelques minutes : on revient."
+    ),
     ("post", "/api/v1/classes/{class_id}/assignments"): (
         "Donne un devoir à la classe : des exercices, une ouverture, une date de remise, une fermeture, ce que devient "
         "un retard."

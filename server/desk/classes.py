@@ -14,6 +14,7 @@ from server.classes.schemas import own_name
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
 from server.desk import own_views, views
+from server.desk.board_views import BY_NAME, Asked, board_page
 from server.desk.schemas import JoinForm, JoinPage
 from server.identity.dependencies import AccountsOf, OptionalAccount, SignedIn, account_or_guest
 from server.rights import service as rights
@@ -28,6 +29,7 @@ router = APIRouter(include_in_schema=False)
 Code = Annotated[str, Query(max_length=100)]
 EMPTY = JoinForm("", "", "")
 Group = Annotated[str, Query(max_length=100)]
+Number = Annotated[int, Query(alias="page", ge=1, le=10**6)]
 
 
 def base_of(request: Request) -> str:
@@ -115,12 +117,23 @@ def join(
 
 
 @router.get("/classes/{class_id}")
-def one(request: Request, class_id: str, reader: Reading) -> Response:
+def one(
+    request: Request,
+    class_id: str,
+    reader: Reading,
+    groupe: Group = "",
+    tri: Group = BY_NAME,
+    number: Number = 1,
+    erreurs: Group = "",
+) -> Response:
+    """The board, for who teaches or helps; else one's own page."""
     if reader.account is None:
         return log_in_first(request)
     place = rights.require(reader.db, reader.account, Right.see_class, class_id)
-    if place.may(Right.see_students):
-        return go(f"{views.href_of(place.school_class)}/eleves")
+    if place.may(Right.read_work):
+        asked = Asked(groupe, tri, number, everything=bool(erreurs))
+        board = board_page(reader, place, asked, base_of(request))
+        return page(request, "classes/board.html", reader.account, page=board)
     view = own_views.own_page(reader.db, reader.course, place, reader.account)
     return page(request, "classes/own.html", reader.account, page=view)
 

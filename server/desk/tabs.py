@@ -9,6 +9,7 @@ from server.rights.models import Right
 
 #: For who sees the class as its staff do, and for who learns there: what it takes, what the tab says, where it leads.
 STAFF: tuple[tuple[Right, str, str], ...] = (
+    (Right.read_work, "Tableau", ""),
     (Right.see_students, "Devoirs", "/devoirs"),
     (Right.read_marks, "Carnet", "/carnet"),
     (Right.read_work, "Questions", "/questions"),

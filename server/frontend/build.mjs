@@ -12,6 +12,7 @@ await build({
     "src/js/app.js",
     "src/js/exercise.js",
     "src/js/answers.js",
+    "src/js/board.js",
     "src/js/reading.js",
     "src/js/replays/index.js",
     "src/css/app.css",

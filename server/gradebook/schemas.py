@@ -11,6 +11,9 @@ from server.database import utc_now
 from server.gradebook.models import Grading
 from server.submissions.models import Submission
 
+#: Each hint of an exercise opens after so many changed attempts without success.
+HINT_OPENS_AFTER = (1, 2, 4)
+
 
 @dataclass(frozen=True)
 class Graded:

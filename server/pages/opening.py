@@ -7,14 +7,12 @@ from markupsafe import Markup
 from server.course import Exercise
 from server.gradebook import service as gradebook
 from server.gradebook import solutions
-from server.gradebook.schemas import Progress
+from server.gradebook.schemas import HINT_OPENS_AFTER, Progress
 from server.gradebook.solutions import Access, Because, Door
 from server.pages.schemas import DoorView, HintView, SolutionView
 from server.web.rendering import python
 from server.web.views import Reader, exercise_href
 from server.web.words import plural
-
-HINT_OPENS_AFTER = (1, 2, 4)  # changed attempts without success
 
 
 def hints(reader: Reader, exercise: Exercise, progress: Progress, access: Access) -> tuple[HintView, ...]:

@@ -107,6 +107,11 @@ async def as_sse(
 ) -> AsyncIterator[str]:
     """Snapshots as server-sent events; `encode` gives text of any number of lines."""
     async for snapshot in snapshots:
-        # A client takes a line up to CR or LF, and no other character that `splitlines` knows of.
-        lines = "".join(f"data: {line}\n" for line in LINE_END.split(encode(snapshot)))
-        yield f"event: {name}\n{lines}\n"
+        yield sse(name, encode(snapshot))
+
+
+def sse(name: str, text: str) -> str:
+    """One server-sent event; `text` may have any number of lines."""
+    # A client takes a line up to CR or LF, and no other character that `splitlines` knows of.
+    lines = "".join(f"data: {line}\n" for line in LINE_END.split(text))
+    return f"event: {name}\n{lines}\n"

@@ -415,6 +415,7 @@ def test_openapi_documents_every_route_and_its_problems(site: Site) -> None:
         "/api/v1/classes/{class_id}/regrades/{regrade_id}/apply",
         "/api/v1/classes/{class_id}/regrades/{regrade_id}/undo",
         "/api/v1/classes/{class_id}/names/{module}/{slug}/{group}",
+        "/api/v1/classes/{class_id}/dashboard", "/api/v1/classes/{class_id}/events",
         "/api/v1/classes/{class_id}/assignments", "/api/v1/classes/{class_id}/assignments/{aid}",
         "/api/v1/classes/{class_id}/assignments/{aid}/exceptions",
         "/api/v1/classes/{class_id}/assignments/{aid}/exceptions/{eid}",

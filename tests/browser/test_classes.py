@@ -154,6 +154,8 @@ def at_the_door(martin: Visit, visit: NewVisit, home: str, code: str) -> None:
     fill(bob, {"Prénom": "Bob", "Nom": "Noyce"}, "Demander à entrer")
     expect(bob.page.locator(".notice")).to_contain_text("attend l’accord")
     page.goto(home)
+    check(martin, "a board with somebody at the door")
+    page.get_by_role("link", name="1 demande d’entrée").click()
     check(martin, "a class with somebody at its door")
     page.get_by_role("button", name="Accepter").click()
     expect(page.get_by_role("heading", name="3 élèves")).to_be_visible()

@@ -10,7 +10,7 @@ import pytest
 
 from graders.core.contract.outcomes import Outcome
 from server.base.provided import provided_to
-from server.pages.opening import HINT_OPENS_AFTER
+from server.gradebook.schemas import HINT_OPENS_AFTER
 from server.submissions.service import Submissions
 from tests.support.small_site import CHECK, PAGE, SmallSite, verdict
 

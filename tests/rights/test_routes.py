@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from datetime import timedelta
 from typing import Any
 from uuid import UUID, uuid4
@@ -13,11 +14,13 @@ from sqlalchemy.orm import Session
 
 from graders.core.code.plain import packed
 from graders.core.contract.findings import Judgement
+from graders.core.contract.verdict import Diagnosis
 from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode
 from server.base.paths import ROOT
 from server.base.provided import provided_to
 from server.base.request import COOKIE
 from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
+from server.board.live import Boards
 from server.classes.codes import new_code
 from server.classes.models import Membership, SchoolClass, Seat
 from server.comments.models import Message, Note, NoteReader, State, Thread
@@ -39,6 +42,7 @@ ROLES = {"teacher": Role.teacher, "other teacher": Role.teacher, "administrator"
 SEATS = {"student": Seat.student, "assistant": Seat.assistant, "teacher": Seat.teacher}
 API = "/api/v1"
 LEADS_TO_LOG_IN = "log in"
+MISTAKE = "rotation_oubliee"
 REFUSED = (401, 403, 404)
 
 #: What a route needs to be reached: else its form is refused before anybody's rights are asked.
@@ -163,8 +167,7 @@ class Stage:
             self.invitation = new_token()
             db.add(Invitation(token_digest=digest(self.invitation), role=Role.teacher))
             db.flush()
-            graded = Graded(Judgement(fake_verdict("x = 1", 1), {"b": {"kind": "fake"}}), utc_now())
-            gradebook.record(db, self.sent.id, graded)  # a stream of events ends
+            self._grade(db)
             self.regrade = Regrade(class_id=self.made.id, exercise=EXERCISE, policy="replace")
             db.add(self.regrade)
             db.refresh(self.sent)
@@ -178,6 +181,18 @@ class Stage:
             db.flush()
             db.add(Fingerprint(grading_id=self.sent.grading_id, group_id=self.group))
             db.add(BehaviourName(class_id=self.made.id, group_id=self.group, title="a", explanation="b", question=""))
+
+    def _grade(self, db: Session) -> None:
+        """What the student has sent, and a mistake of theirs that has a name."""
+        graded = Graded(Judgement(fake_verdict("x = 1", 1), {"b": {"kind": "fake"}}), utc_now())
+        gradebook.record(db, self.sent.id, graded)  # a stream of events ends
+        named = Submission(
+            account_id=self.accounts["student"].id, exercise=EXERCISE, source=b"x = 2\n", digest="e", seed=1
+        )
+        db.add(named)
+        db.flush()
+        verdict = replace(fake_verdict("outcome: wrong_answer", 1), diagnosis=Diagnosis(MISTAKE, "", ""))
+        gradebook.record(db, named.id, Graded(Judgement(verdict), utc_now()))
 
     def _give(self, db: Session) -> None:
         """An assignment for each, which one may delete, with something that differs of it."""
@@ -213,6 +228,7 @@ class Stage:
             "thread_id": str(self.thread.id),
             "note_id": str(self.note.id),
             "phrase_id": str(uuid4()),
+            "mistake": MISTAKE,
             "token_id": self.own_tokens.get(who, str(uuid4())),
         }
 
@@ -252,6 +268,7 @@ def test_the_table_has_every_route_and_no_other(site: Site) -> None:
 def test_every_route_does_for_everybody_what_the_table_says(site: Site) -> None:
     site.tighten(sign_up_burst=1000, guest_burst=10_000)
     provided_to(site.app, Figures).pictures._drawer = Drawer()  # type: ignore[assignment]
+    provided_to(site.app, Boards).stays_open = 0.0
     found = {}
     for name in expected():
         stage = Stage(site)

@@ -1,0 +1,138 @@
+"""The board of a class, and what changes on it."""
+
+import json
+from collections.abc import AsyncIterator
+from dataclasses import asdict
+from functools import partial
+from typing import Any
+
+from fastapi import APIRouter
+from fastapi.responses import Response, StreamingResponse
+from starlette.concurrency import run_in_threadpool
+
+from server.api.board_schemas import DashboardOut
+from server.api.documentation import events, problems
+from server.board import service
+from server.board.dependencies import BoardsOf
+from server.board.schemas import Board, Cell, Insights
+from server.course.dependencies import CourseOf
+from server.database import Database, utc_now
+from server.database.dependencies import DatabaseOf, Db
+from server.identity.dependencies import ApiAccount
+from server.identity.models import Account
+from server.rights import service as rights
+from server.rights.models import Right
+from server.rights.service import Place
+from server.submissions.events import sse
+
+router = APIRouter(tags=["classes"])
+
+STREAM = events("`counts` at first; then `cell` and `counts`, as in the dashboard, each time that one changes.", "cell")
+STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+SIGN_OF_LIFE = ":\n\n"
+
+
+@router.get("/classes/{class_id}/dashboard", response_model=DashboardOut, responses=problems(401, 403, 404))
+def dashboard(class_id: str, account: ApiAccount, course: CourseOf, db: Db) -> Response:
+    """The figures behind the class's page, for who teaches or helps there."""
+    place = rights.require(db, account, Right.read_work, class_id)
+    shown, insights = service.dashboard(db, course, place.school_class, utc_now())
+    return Response(_text(_members(shown, insights)), media_type="application/json")
+
+
+def _text(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+
+
+def _members(shown: Board, insights: Insights) -> dict[str, Any]:
+    return {
+        "class": str(shown.class_id),
+        "generated_at": shown.generated_at.isoformat(),
+        "counts": asdict(shown.counts),
+        "misconceptions": [
+            {
+                "exercise": one.exercise,
+                "id": one.id,
+                "title": one.title,
+                "now": one.now,
+                "ever": one.ever,
+                "overcome": one.overcome,
+                "median_attempts": one.median_attempts,
+                "students": [str(student) for student in one.students],
+            }
+            for one in shown.misconceptions
+        ],
+        "cells": [cell_json(cell) for cell in shown.cells.values()],
+        "unnamed": [
+            {
+                "exercise": one.exercise,
+                "group": one.group,
+                "students": [str(student) for student in one.students],
+                "submission": str(one.submission),
+            }
+            for one in insights.unnamed
+        ],
+        "items": [
+            {
+                "exercise": one.exercise,
+                "success": one.success,
+                "median_attempts": one.median_attempts,
+                "discrimination": one.discrimination,
+                "n": one.n,
+            }
+            for one in insights.items
+        ],
+    }
+
+
+def cell_json(cell: Cell) -> dict[str, Any]:
+    return {
+        "student": str(cell.student),
+        "exercise": cell.exercise,
+        "points": cell.points,
+        "attempts": cell.attempts,
+        "state": cell.state.value,
+        "misconception": cell.misconception,
+    }
+
+
+@router.get(
+    "/classes/{class_id}/events",
+    response_class=Response,
+    responses={200: STREAM, **problems(401, 403, 404, 429)},
+)
+async def follow(class_id: str, account: ApiAccount, database: DatabaseOf, boards: BoardsOf) -> Response:
+    """What changes on the board, as server-sent events. Ends after some minutes: come back, or when one may not see it
+    any more."""
+    place = await run_in_threadpool(_place, database, account, class_id)  # refusals come before the stream begins
+    boards.require_room(account.id)
+    allowed = partial(_allowed, database, account, place)
+    stream = _told(boards.follow(place.school_class.id, account.id, allowed))
+    return StreamingResponse(stream, headers=STREAM_HEADERS, media_type="text/event-stream")
+
+
+def _place(database: Database, account: Account, class_id: str) -> Place:
+    with database.read() as db:
+        return rights.require(db, account, Right.read_work, class_id)
+
+
+def _allowed(database: Database, account: Account, place: Place) -> bool:
+    with database.read() as db:
+        return service.may_watch(db, account.id, place.school_class.id)
+
+
+async def _told(boards: AsyncIterator[Board | None]) -> AsyncIterator[str]:
+    before: Board | None = None
+    async for shown in boards:
+        yield SIGN_OF_LIFE if shown is None else changes(before, shown)
+        before = shown or before
+
+
+def changes(before: Board | None, shown: Board) -> str:
+    """As events; `counts` alone where there was nothing before."""
+    told = []
+    if before is not None:
+        told = [sse("cell", _text(cell_json(cell))) for cell in shown.changed_since(before)]
+    if before is None or before.counts != shown.counts:
+        told.append(sse("counts", _text(asdict(shown.counts))))
+    return "".join(told) or SIGN_OF_LIFE

@@ -1,0 +1,10 @@
+"""What routes ask of this room: the boards that are watched."""
+
+from typing import Annotated
+
+from fastapi import Depends
+
+from server.base.provided import provided
+from server.board.live import Boards
+
+BoardsOf = Annotated[Boards, Depends(provided(Boards))]

@@ -1,0 +1,72 @@
+"""Pieces of students' programs that may be shown to others: without what says whose they are."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Collection, Iterator
+
+from pygments.lexers.python import PythonLexer
+from pygments.token import Comment, Name, String, _TokenType
+
+MOST_LINES = 16
+LONGEST_LINE = 100
+MOST_CHARACTERS = 8_000  # of a function, before anything is read in it
+SHORTEST_NAME = 3
+TEXT, SOMEBODY, MORE = "'…'", "nom", "# …"
+WORD = re.compile(r"[^\W\d_]+")
+_LEXER = PythonLexer(stripnl=False, ensurenl=False)
+
+
+def function_of(code: str, names: Collection[str]) -> str:
+    """The text of the first of these functions that is defined at the beginning of a line; empty where none is."""
+    lines = code.split("\n")
+    heads = tuple(f"{word} {name}" for name in names for word in ("def", "class"))
+    starts = [place for place, line in enumerate(lines) if line.startswith(heads) and _ends(line, heads)]
+    if not starts:
+        return ""
+    body = lines[starts[0] + 1 :]
+    ends = (place for place, line in enumerate(body) if line and not line[0].isspace() and line[0] not in ")]}#")
+    return "\n".join([lines[starts[0]], *body[: next(ends, len(body))]])[:MOST_CHARACTERS].rstrip()
+
+
+def _ends(line: str, heads: Collection[str]) -> bool:
+    """Whether what follows the name is not more of a name."""
+    return any(line.startswith(head) and not line[len(head) :][:1].isidentifier() for head in heads)
+
+
+def anonymous(code: str, people: Collection[str]) -> str:
+    """The same without comments, nor texts, nor words that are part of somebody's name; some lines at most."""
+    known = {_plain(word) for name in people for word in WORD.findall(name) if len(word) >= SHORTEST_NAME}
+    text = "".join(_written(code, known))
+    lines = [line.rstrip() for line in text.split("\n")]
+    told = [line for line in lines if line and line.strip() != TEXT]
+    cut = [line if len(line) <= LONGEST_LINE else line[:LONGEST_LINE] + " …" for line in told[:MOST_LINES]]
+    return "\n".join([*cut, *([MORE] if len(told) > MOST_LINES else [])])
+
+
+def _written(code: str, known: Collection[str]) -> Iterator[str]:
+    in_text = False
+    for kind, value in _LEXER.get_tokens(code):
+        if _is(kind, String):
+            yield "" if in_text else TEXT
+        elif not _is(kind, Comment):
+            yield _unnamed(kind, value, known)
+        in_text = _is(kind, String)
+
+
+def _unnamed(kind: _TokenType, value: str, known: Collection[str]) -> str:
+    if not _is(kind, Name):
+        return value
+    return WORD.sub(lambda word: SOMEBODY if _plain(word[0]) in known else word[0], value)
+
+
+def _plain(word: str) -> str:
+    """As one writes it in a program: in small letters, without accents."""
+    letters = unicodedata.normalize("NFKD", word.casefold())
+    return "".join(letter for letter in letters if not unicodedata.combining(letter))
+
+
+def _is(kind: _TokenType, of: _TokenType) -> bool:
+    """Whether a token is of a kind, or of one below it."""
+    return kind[: len(of)] == of

@@ -1,0 +1,177 @@
+"""The boards that are watched at present: one reader for each class, whoever watches it.
+
+State lives on the web process's event loop; nothing here holds a thread or a database session while it waits.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from collections import Counter
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from uuid import UUID
+
+from starlette.concurrency import run_in_threadpool
+
+from server.base.errors import TooMany
+from server.board import repository
+from server.board.schemas import Board
+from server.board.service import board
+from server.classes import repository as classes
+from server.course import Course
+from server.database import Database, utc_now
+from server.submissions.events import Events
+
+log = logging.getLogger(__name__)
+
+MOST_EACH = 8  # streams of one account
+LEAST_REST = 1.0  # seconds between two readings of a class
+SHARE = 10  # a class is read for a tenth of the time at most, however large it is
+AS_TIME_GOES = 30.0  # seconds: who is stuck changes by itself
+STAYS_OPEN = 600.0  # seconds: then a browser comes back by itself, and shows again who it is
+SIGN_OF_LIFE = 15.0  # seconds
+TOO_MANY = "Ce tableau est déjà ouvert dans beaucoup d’onglets : fermez-en, ou actualisez la page à la main."
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """A class as it was read; `done` when it is no more. The same as another that shows the same."""
+
+    pulse: tuple[object, ...]
+    board: Board | None
+    read_at: float
+    took: float
+
+    @property
+    def done(self) -> bool:
+        return self.board is None
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Reading) and self.version == other.version
+
+    def __hash__(self) -> int:
+        return hash(self.version)
+
+    @property
+    def version(self) -> str:
+        return self.board.version if self.board else ""
+
+
+@dataclass(eq=False)
+class Channel:
+    """A class that is watched: what its watchers are shown, what was read last, and who is to be woken."""
+
+    reading: Reading | None = None
+    last: Reading | None = None
+    ended: bool = False
+    watchers: set[asyncio.Event] = field(default_factory=set)
+    task: asyncio.Task[None] | None = None
+
+    def wake(self) -> None:
+        for watcher in self.watchers:
+            watcher.set()
+
+
+class Boards:
+    """Reads each class that is watched, when something was graded, and tells all who watch it."""
+
+    def __init__(self, database: Database, course: Course, events: Events) -> None:
+        self._database, self._course, self._events = database, course, events
+        self._channels: dict[UUID, Channel] = {}
+        self._streams: Counter[UUID] = Counter()
+        self.stays_open = STAYS_OPEN
+
+    def require_room(self, account: UUID) -> None:
+        """Raises TooMany for an account that watches enough already."""
+        if self._streams[account] >= MOST_EACH:
+            raise TooMany(TOO_MANY, retry_after=60)
+
+    async def follow(self, class_id: UUID, account: UUID, allowed: Callable[[], bool]) -> AsyncIterator[Board | None]:
+        """The board at first, then each time that it has changed; None now and then, as a sign of life.
+
+        Ends once `allowed` (asked in a thread each time) is False, the class is gone, or the time is over.
+        """
+        with self._stream(account), self._watch(class_id) as (channel, woken):
+            ends, sent = time.monotonic() + self.stays_open, ""
+            while not channel.ended and await run_in_threadpool(allowed):
+                reading = channel.reading
+                if reading is not None and reading.board is not None and reading.version != sent:
+                    sent = reading.version
+                    yield reading.board
+                elif reading is not None:
+                    yield None
+                left = ends - time.monotonic()
+                if left <= 0 and reading is not None:
+                    return
+                await _wait(woken, min(SIGN_OF_LIFE, max(left, LEAST_REST)))
+
+    @contextmanager
+    def _stream(self, account: UUID) -> Iterator[None]:
+        self._streams[account] += 1
+        try:
+            yield
+        finally:
+            self._streams[account] -= 1
+            if not self._streams[account]:
+                del self._streams[account]
+
+    @contextmanager
+    def _watch(self, class_id: UUID) -> Iterator[tuple[Channel, asyncio.Event]]:
+        channel = self._channels.get(class_id)
+        if channel is None:
+            channel = self._channels[class_id] = Channel()
+            channel.task = asyncio.create_task(self._keep_reading(class_id, channel))
+        woken = asyncio.Event()
+        channel.watchers.add(woken)
+        try:
+            yield channel, woken
+        finally:
+            channel.watchers.discard(woken)
+            if not channel.watchers:
+                self._close(class_id, channel)
+
+    def _close(self, class_id: UUID, channel: Channel) -> None:
+        if self._channels.get(class_id) is channel:
+            del self._channels[class_id]
+        if channel.task is not None:
+            channel.task.cancel()
+
+    async def _keep_reading(self, class_id: UUID, channel: Channel) -> None:
+        """Until nobody watches any more, or the server stops. Whatever goes wrong ends the streams: browsers return."""
+        try:
+            async for reading in self._events.follow(f"class:{class_id}", lambda: self._read(class_id, channel)):
+                channel.reading = reading
+                channel.wake()
+                await asyncio.sleep(max(LEAST_REST, SHARE * reading.took))
+        except Exception:
+            log.exception("class %s could not be read for those who watch it", class_id)
+        finally:
+            channel.ended = True
+            if self._channels.get(class_id) is channel:
+                del self._channels[class_id]
+            channel.wake()
+
+    def _read(self, class_id: UUID, channel: Channel) -> Reading:
+        """The same reading again where nothing of the class was graded meanwhile; in a thread."""
+        last, began = channel.last, time.monotonic()
+        with self._database.read() as db:
+            pulse = repository.pulse(db, class_id)
+            if last is not None and last.pulse == pulse and began - last.read_at < AS_TIME_GOES:
+                return last
+            school_class = classes.by_id(db, class_id)
+            shown = None if school_class is None else board(db, self._course, school_class, utc_now())
+        ended = time.monotonic()
+        channel.last = Reading(pulse, shown, ended, ended - began)
+        return channel.last
+
+
+async def _wait(event: asyncio.Event, seconds: float) -> None:
+    try:
+        async with asyncio.timeout(seconds):
+            await event.wait()
+    except TimeoutError:
+        return
+    event.clear()

@@ -1,0 +1,44 @@
+"""A board, and where things of it are: what its pages' views share."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from urllib.parse import quote
+from uuid import UUID
+
+from server.board.schemas import Board
+from server.course import Course
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A board, with what its page needs to name things: the course, and where the class is."""
+
+    course: Course
+    href: str
+    board: Board
+
+    def title(self, exercise: str) -> str:
+        found = self.course.exercises.get(exercise)
+        return found.title if found else exercise
+
+    def exercise_href(self, exercise: str) -> str:
+        """Empty for an exercise that has left the course."""
+        return f"/{exercise.replace('/', '/exercices/', 1)}" if exercise in self.course.exercises else ""
+
+    def people(self, students: Collection[UUID], exercise: str) -> tuple[tuple[str, str], ...]:
+        """Name, and address of what they did at the exercise, in the order of the list."""
+        wanted = set(students)
+        return tuple(
+            (one.name, work_href(self.href, one.id, exercise)) for one in self.board.students if one.id in wanted
+        )
+
+
+def work_href(class_href: str, student: UUID, exercise: str) -> str:
+    """What a student of a class has sent to an exercise."""
+    return f"{class_href}/eleves/{student}/{exercise}"
+
+
+def mistake_href(class_href: str, exercise: str, misconception: str) -> str:
+    return f"{class_href}/erreurs/{exercise}/{quote(misconception, safe='')}"

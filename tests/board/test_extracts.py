@@ -1,0 +1,60 @@
+"""What is shown of a student's program to others says nothing of whose it is."""
+
+from __future__ import annotations
+
+import pytest
+
+from server.board.extracts import MORE, MOST_LINES, anonymous, function_of
+
+CODE = '''"""Devoir d'Évariste Galois."""
+import numpy as np
+
+AUTEUR = "Galois"
+
+def composer_bis(a, b):
+    return a
+
+def composer(
+    a,
+    b,
+):  # par Évariste
+    """Composer, par Galois."""
+    galois_evariste = a + b
+    x = f"{galois_evariste} de {AUTEUR}"
+
+    return galois_evariste
+
+class Reste:
+    pass
+'''
+
+
+def test_a_function_is_found_whole_and_alone() -> None:
+    found = function_of(CODE, ["composer"])
+    assert found.startswith("def composer(\n")
+    assert found.endswith("return galois_evariste")
+    assert function_of(CODE, ["relatif", "Reste"]) == "class Reste:\n    pass"
+    assert function_of(CODE, ["compose"]) == ""
+    assert function_of("", ["composer"]) == ""
+
+
+def test_comments_texts_and_names_are_left_out() -> None:
+    told = anonymous(function_of(CODE, ["composer"]), ["Évariste Galois", "Li Wu"])
+    assert "nom_nom = a + b" in told
+    assert "return nom_nom" in told
+    for word in ("Galois", "variste", "par", "#", '"'):
+        assert word.casefold() not in told.casefold()
+    assert anonymous("def f(li):\n    return li", ["Li Wu"]) == "def f(li):\n    return li", (
+        "a name of two letters is a word"
+    )
+
+
+@pytest.mark.parametrize(
+    "code", ["(" * 50_000, "'" * 50_001, "\x00def f(:", 'f"{' * 20_000, "-" * 60_000 + "1", "é" * 9000]
+)
+def test_whatever_was_sent_is_read_within_bounds(code: str) -> None:
+    told = anonymous(function_of(f"def composer(a, b):\n    {code}\n", ["composer"]), ["Ada Lovelace"])
+    assert len(told) < 250
+    long = anonymous("def f(x):\n" + "    x = x + 1\n" * 500, [])
+    assert long.endswith(MORE)
+    assert long.count("\n") == MOST_LINES

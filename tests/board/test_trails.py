@@ -1,0 +1,119 @@
+"""What attempts come to, case by case; and against a second reckoning of the definitions, on simulated classes."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime, timedelta
+from uuid import UUID
+
+import pytest
+
+from graders.core.contract.outcomes import Outcome
+from server.board.insights import item_rest
+from server.board.repository import Sent
+from server.board.states import going_nowhere, gone_quiet
+from server.board.trails import Had, after_hints, first_success, misconceptions, sums, trails, unexplained
+from server.gradebook.schemas import HINT_OPENS_AFTER
+
+NOW = datetime(2026, 11, 23, 10, 0, tzinfo=UTC)
+ADA = UUID(int=1)
+EXERCISE = "l20/poses"
+
+
+def trail(*attempts: str) -> tuple[Sent, ...]:
+    """Each `minutes ago, points[, code[, misconception]]`; 20 points are a success."""
+    found = []
+    for number, text in enumerate(attempts):
+        ago, points, code, name = [*(part.strip() for part in text.split(",")), "", ""][:4]
+        outcome = Outcome.OK if points == "20" else Outcome.WRONG_ANSWER
+        sent_at = NOW - timedelta(minutes=float(ago))
+        found.append(Sent(ADA, EXERCISE, sent_at, code or f"#{number}", outcome.value, int(points) / 20, name or None))
+    return tuple(found)
+
+
+STUCK = {
+    "three different failures without a better score": (["9,5", "5,5", "1,5"], True),
+    "the first attempt is no better score than nothing": (["9,5", "5,0", "1,0"], True),
+    "two only": (["9,5", "1,5"], False),
+    "the same code three times": (["9,5,a", "5,5,a", "1,5,a"], False),
+    "one of them is too old": (["11,5", "5,5", "1,5"], False),
+    "a better score begins anew": (["9,0", "5,5", "3,5", "1,5"], False),
+    "three since the better score": (["9,0", "8,5", "5,5", "3,5", "1,5"], True),
+    "no better than an older score": (["300,10", "9,0", "5,5", "1,10"], True),
+    "better than an older score": (["300,4", "9,0", "5,5", "1,0"], False),
+    "long ago": (["300,5", "299,5", "298,5"], False),
+}
+
+
+@pytest.mark.parametrize(("attempts", "stuck"), STUCK.values(), ids=STUCK.keys())
+def test_who_goes_nowhere(attempts: list[str], stuck: bool) -> None:
+    found = going_nowhere({(ADA, EXERCISE): trail(*attempts)}, NOW)
+    assert found == (frozenset({(ADA, EXERCISE)}) if stuck else frozenset())
+
+
+@pytest.mark.parametrize(
+    ("sent", "seen", "quiet"),
+    [(7, 1, False), (9, 1, True), (39, 14, True), (39, 16, False), (41, 1, False), (9, None, False)],
+)
+def test_who_has_gone_quiet_after_a_failure(sent: int, seen: int | None, quiet: bool) -> None:
+    standings = {(ADA, EXERCISE): sums(trail(f"{sent},5"))}
+    there = {ADA: None if seen is None else NOW - timedelta(minutes=seen)}
+    assert bool(gone_quiet(standings, there, NOW)) is quiet
+    elsewhere = {**standings, (ADA, "l20/kabsch"): sums(trail("1,5"))}
+    assert not gone_quiet(elsewhere, there, NOW), "who works at something else is not held up here"
+
+
+@pytest.mark.parametrize(
+    ("attempts", "expected"),
+    [
+        (["9,5,,a"], {"a": Had(ADA, None, False, False)}),
+        (["9,5,,a", "8,5,,a", "7,6"], {"a": Had(ADA, 2, True, False)}),
+        (["9,5,,a", "8,6", "7,5,,a", "6,20"], {"a": Had(ADA, 3, True, True)}),
+        (["9,5,,a", "8,6,,b"], {"a": Had(ADA, 1, True, True), "b": Had(ADA, None, False, False)}),
+        (["9,5", "8,20"], {}),
+    ],
+)
+def test_misconceptions_had_and_overcome(attempts: list[str], expected: dict[str, Had]) -> None:
+    assert dict(misconceptions(trail(*attempts))) == expected
+
+
+def test_the_first_success_is_counted_and_timed() -> None:
+    assert first_success(trail("30,0", "20,20", "10,0", "5,20")) == (2, 10.0)
+    assert first_success(trail("30,0")) is None
+
+
+def test_hints_open_after_different_failures_and_only_what_followed_is_told() -> None:
+    codes = trail("9,0,start", "8,0,a", "7,0,a", "6,5,b", "5,4,c", "4,9,d")
+    assert list(after_hints(codes, "start", HINT_OPENS_AFTER)) == [(1, False), (2, False)]
+    assert list(after_hints(trail("9,0,a", "8,5,b", "7,20,c"), None, HINT_OPENS_AFTER)) == [(1, True), (2, True)]
+
+
+def test_a_failure_is_unexplained_when_it_runs_and_has_no_name() -> None:
+    assert unexplained(trail("9,5"))
+    assert not unexplained(trail("9,5,,a"))
+    assert not unexplained(trail("9,20"))
+    (one,) = trail("9,5")
+    assert not unexplained((one._replace(outcome=Outcome.SYNTAX_ERROR.value),)), "it says of itself what it is"
+
+
+def test_attempts_are_put_together_by_student_and_exercise() -> None:
+    first, second = trail("9,5", "8,5")
+    found = trails([first, second, first._replace(exercise="l20/z"), first._replace(account=UUID(int=2))])
+    assert [len(one) for one in found.values()] == [2, 1, 1]
+
+
+def test_the_item_rest_correlation_is_hidden_under_twenty() -> None:
+    people = [UUID(int=number) for number in range(20)]
+    rising = {one: number / 20 for number, one in enumerate(people)}
+    falling = {one: 1 - score for one, score in rising.items()}
+    flat = dict.fromkeys(people, 0.5)
+
+    def beside(*others: dict[UUID, float]) -> tuple[float | None, int]:
+        scores = [rising, *others]
+        there = {one: [score[one] for score in scores if one in score] for one in people}
+        return item_rest(rising, {one: (sum(found), len(found)) for one, found in there.items()})
+
+    assert beside(rising, rising) == (1.0, 20)
+    assert beside(falling) == (-1.0, 20)
+    assert beside(flat) == (None, 20), "where nothing varies, nothing is told"
+    assert beside(dict(list(rising.items())[:19])) == (None, 19)
+    assert beside() == (None, 0)
