@@ -30,19 +30,20 @@ from server.classes.presence import Presence
 from server.classes.service import Classes
 from server.course import Course, load
 from server.database import Database, utc_now
-from server.desk.assignments import router as assignments_router
-from server.desk.board import router as board_router
-from server.desk.classes import router as classes_router
-from server.desk.exemptions import router as exemptions_router
-from server.desk.groups import router as groups_router
-from server.desk.journal import router as journal_router
-from server.desk.keeping import router as keeping_router
-from server.desk.likeness import router as likeness_router
-from server.desk.marks import router as marks_router
-from server.desk.regrades import router as regrades_router
-from server.desk.sitting import router as sitting_router
-from server.desk.students import router as students_router
-from server.desk.talking import router as talking_router
+from server.desk.assignments.exemptions import router as exemptions_router
+from server.desk.assignments.routes import router as assignments_router
+from server.desk.board.routes import router as board_router
+from server.desk.groups.routes import router as groups_router
+from server.desk.likeness.routes import router as likeness_router
+from server.desk.marks.journal import router as journal_router
+from server.desk.marks.routes import router as marks_router
+from server.desk.own.routes import router as own_router
+from server.desk.people.keeping import router as keeping_router
+from server.desk.people.routes import router as classes_router
+from server.desk.regrades.routes import router as regrades_router
+from server.desk.sitting.routes import router as sitting_router
+from server.desk.talk.routes import router as talking_router
+from server.desk.talk.students import router as students_router
 from server.figures.pictures import Pictures
 from server.figures.program import program
 from server.figures.service import Figures
@@ -100,6 +101,7 @@ ROUTERS = (
     sitting_router,
     assignments_router,
     exemptions_router,
+    own_router,
     pages_router,
     reading_router,
     cells_router,

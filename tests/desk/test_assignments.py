@@ -23,8 +23,8 @@ from server.assignments.schemas import Wanted, Weighted
 from server.audit.models import AuditEvent, What
 from server.classes.models import Membership, SchoolClass
 from server.database import utc_now
-from server.desk import late_line
-from server.desk.own_views import _standing
+from server.desk.assignments import late_line
+from server.desk.own.views import _standing
 from server.identity.models import Account, Role
 from server.marks.models import Override
 from server.submissions.models import Submission

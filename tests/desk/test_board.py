@@ -18,7 +18,7 @@ from server.board.schemas import Board
 from server.classes.models import SchoolClass
 from server.course import Course
 from server.database import utc_now
-from server.desk.board_changes import Page, changes
+from server.desk.board.changes import Page, changes
 from server.identity.models import Account, Role
 from tests.desk.test_classes import text_of
 from tests.support.classes import Person, new_class, person, seat

@@ -73,7 +73,7 @@ def test_the_table_is_sorted_filtered_and_escaped(
     assert names_in(detail)[0] == "Alan <i>Turing"
     text_of(martin, f"{href}/carnet?devoir=zut", 404)
     assert "MPSI" in text_of(martin, f"{href}/carnet?tri=zut&groupe=zut&colonne=zut")
-    monkeypatch.setattr("server.desk.mark_views.A_PAGE", 2)
+    monkeypatch.setattr("server.desk.marks.views.A_PAGE", 2)
     assert names_in(text_of(martin, f"{href}/carnet?tri=moyenne&p=2"))[0] == "Grace Hopper"
     assert names_in(text_of(martin, f"{href}/carnet?p=99"))[0] == "Ada Lovelace", "the last page there is"
     copied = re.search(r"readonly[^>]*>(.*?)</textarea>", text_of(martin, f"{href}/carnet?colonne=moyenne"))

@@ -1,0 +1,182 @@
+"""From exemptions and rules to what the templates show: their list, its export, why a date is what it is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.assignments import repository
+from server.assignments.exempting import NO_STUDENT, Told, effects, explained, labels_of, students_of
+from server.assignments.models import Assignment, Exemption
+from server.assignments.rules import in_force
+from server.base.errors import NotFound
+from server.classes import repository as classes
+from server.classes.schemas import Member
+from server.course import Course
+from server.desk import views
+from server.desk.assignments import words
+from server.desk.assignments.late_line import line_of
+from server.desk.assignments.schemas import (
+    ExemptionRow,
+    ExemptionsPage,
+    ExemptionValues,
+    Step,
+    WhyField,
+    WhyPage,
+)
+from server.desk.assignments.views import TAB, href_of, may_keep, when
+from server.marks.cells import french_csv
+from server.rights.models import Right
+from server.rights.service import Place
+from server.text.plain import visible
+from server.web import school_time
+from server.web.words import moment_text
+
+ORDERS = ("eleve", "date")
+NOBODY = "La classe n’a pas encore d’élève."
+GONE = "n’est plus dans la classe"
+
+
+def exemptions_page(
+    db: Session,
+    course: Course,
+    place: Place,
+    one: Assignment,
+    order: str,
+    values: ExemptionValues | None = None,
+    problems: Mapping[str, str] | None = None,
+) -> ExemptionsPage:
+    """A bounded number of queries, however many there are."""
+    members = classes.members(db, place.school_class.id)
+    order = order if order in ORDERS else ORDERS[0]
+    return ExemptionsPage(
+        head=views.head(course, place, TAB),
+        title=one.title,
+        href=href_of(one),
+        rows=tuple(_rows(db, one, members, order)),
+        order=order,
+        students=tuple((str(each.id), each.name) for each in students_of(members)),
+        groups=tuple(labels_of(members)),
+        values=values or ExemptionValues(),
+        problems=problems or {},
+        may_keep=may_keep(place),
+        zone=school_time.zone_name(),
+        own=tuple(
+            (words.FIELDS[name], words.value(name, getattr(one, name))) for name in ("opens_at", "due_at", "closes_at")
+        ),
+    )
+
+
+def _rows(db: Session, one: Assignment, members: Sequence[Member], order: str) -> Sequence[ExemptionRow]:
+    """Those that hold first, then those revoked; by the class's list, groups before, or the newest first."""
+    places = {each.id: (place, each) for place, each in enumerate(members)}
+
+    def key(each: Exemption) -> tuple[object, ...]:
+        seat = places.get(each.account_id) if each.account_id else None
+        held = each.revoked_at is not None
+        if order == "date":
+            return held, -each.created_at.timestamp()
+        return held, seat is not None, seat[0] if seat else 0, (each.label or "").casefold(), each.created_at
+
+    return [_row(one, each, places) for each in sorted(repository.all_exemptions(db, one.id), key=key)]
+
+
+def _row(one: Assignment, each: Exemption, places: Mapping[UUID, tuple[int, Member]]) -> ExemptionRow:
+    seat = places.get(each.account_id) if each.account_id else None
+    member = seat[1] if seat else None
+    author = places.get(each.created_by) if each.created_by else None
+    why = f"{href_of(one)}/pourquoi?eleve={each.account_id}" if member and not each.label else ""
+    return ExemptionRow(
+        id=str(each.id),
+        who=each.label or (member.name if member else GONE),
+        is_group=each.label is not None,
+        why_href=why,
+        effects=tuple(_effects(each)),
+        reason=each.reason,
+        by=author[1].name if author else "",
+        made=replace(when(each.created_at), text=moment_text(each.created_at)),
+        revoked=when(each.revoked_at),
+    )
+
+
+def _effects(each: Exemption) -> Iterator[tuple[str, str]]:
+    for name, said in effects(each).items():
+        yield words.FIELDS[name], words.value(name, said)  # type: ignore[index]
+
+
+def as_csv(db: Session, place: Place, one: Assignment, order: str) -> bytes:
+    """For a French spreadsheet."""
+    names = list(words.FIELDS.values())
+    header = ["Pour", "Groupe", *names, "Raison", "Accordé par", "Accordé le", "Retiré le"]
+    rows = []
+    for row in _rows(db, one, classes.members(db, place.school_class.id), order):
+        told = dict(row.effects)
+        who = ["", row.who] if row.is_group else [row.who, ""]
+        effects_of = [told.get(name, "") for name in names]
+        rows.append([*who, *effects_of, row.reason, row.by, row.made.text, row.revoked.text])
+    return b"".join(french_csv(header, rows))
+
+
+def why_page(db: Session, course: Course, place: Place, one: Assignment, student: Member) -> WhyPage:
+    """For the staff with the reasons; for the student themself without."""
+    staff = place.may(Right.see_students)
+    exemptions = repository.exemptions(db, [one.id]).get(one.id, ())
+    seat = student.membership
+    rules = in_force(one, exemptions, seat.account_id, seat.groups)
+    told = explained(rules, exemptions, seat.account_id)
+    asked = [name for name in words.FIELDS if name != "time_factor" or one.duration_minutes or len(told[name]) > 1]
+    members = classes.members(db, place.school_class.id) if staff else ()
+    return WhyPage(
+        head=views.head(course, place, TAB),
+        title=one.title,
+        href=href_of(one) if staff else f"{views.href_of(place.school_class)}#devoir-{one.id}",
+        student=str(student.id),
+        name=student.name,
+        fields=tuple(
+            WhyField(words.FIELDS[name], words.value(name, told[name][0].value), _steps(name, told[name], staff=staff))
+            for name in asked
+        ),
+        late=words.late_of(rules) if rules.due_at else "",
+        line=line_of(rules),
+        people=tuple((str(each.id), each.name) for each in students_of(members)),
+        for_staff=staff,
+    )
+
+
+WHO = {
+    "assignment": "Le devoir, pour tous",
+    "adjusted": "Reportée d’elle-même",
+    "student": "Un aménagement pour l’élève",
+}
+ADJUSTED = "la fermeture ne vient ni avant la date de remise, ni avant la fin du temps en plus"
+
+
+def _steps(name: str, told: Sequence[Told], *, staff: bool) -> tuple[Step, ...]:
+    """From what is said to all to what holds."""
+    steps = [
+        Step(
+            who=_who(each, staff=staff),
+            value=words.value(name, each.value),
+            reason=ADJUSTED if each.origin == "adjusted" else each.reason if staff else "",
+            holds=each is told[0],
+        )
+        for each in reversed(told)
+    ]
+    return tuple(steps)
+
+
+def _who(told: Told, *, staff: bool) -> str:
+    if told.origin == "label":
+        return f"Un aménagement pour le groupe « {visible(told.label)} »"
+    return WHO[told.origin] if staff or told.origin != "student" else "Un aménagement pour vous"
+
+
+def find_student(db: Session, place: Place, name: str) -> Member:
+    """A student who is in the class now; the first, where none is named. Raises NotFound."""
+    for each in students_of(classes.members(db, place.school_class.id)):
+        if not name or str(each.id) == name.lower():
+            return each
+    raise NotFound(NO_STUDENT if name else NOBODY)

@@ -1,0 +1,134 @@
+"""Pages by which a teacher gives assignments: their list, one of them, the form."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse, Response
+
+from server.assignments import keeping
+from server.assignments.models import Assignment
+from server.assignments.schemas import Wanted, checked
+from server.base.errors import FieldsRefused
+from server.classes.service import require_open
+from server.course.dependencies import CourseOf
+from server.database.dependencies import Db
+from server.desk import views
+from server.desk.asking import log_in_first
+from server.desk.assignments import forms as assignment_forms
+from server.desk.assignments import views as assignment_views
+from server.desk.assignments.schemas import AssignmentFormPage, AssignmentValues
+from server.identity.dependencies import SignedIn
+from server.rights import service as rights
+from server.rights.models import Right
+from server.web.dependencies import Reading
+from server.web.forms import FormFields, go
+from server.web.rendering import page
+
+router = APIRouter(include_in_schema=False)
+
+LIST, ONE = "/classes/{class_id}/devoirs", "/classes/{class_id}/devoirs/{aid}"
+
+
+@router.get(LIST)
+def all_of_class(request: Request, class_id: str, reader: Reading) -> Response:
+    """A student has theirs on the class's page."""
+    if reader.account is None:
+        return log_in_first(request)
+    place = rights.require(reader.db, reader.account, Right.see_assignments, class_id)
+    if not place.may(Right.see_students):
+        return go(views.href_of(place.school_class))
+    view = assignment_views.assignments_page(reader.db, reader.course, place)
+    return page(request, "classes/assignments.html", reader.account, page=view)
+
+
+@router.get(f"{LIST}/nouveau")
+def new(request: Request, class_id: str, reader: Reading) -> Response:
+    if reader.account is None:
+        return log_in_first(request)
+    place = rights.require(reader.db, reader.account, Right.keep_assignments, class_id)
+    require_open(place.school_class)
+    view = assignment_views.form_page(reader.course, place, AssignmentValues())
+    return page(request, "classes/assignment_form.html", reader.account, page=view)
+
+
+@router.post(LIST)
+def create(
+    request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, fields: FormFields
+) -> Response:
+    """With `apercu`, only draws what the form says of lateness."""
+    place = rights.require(db, account, Right.keep_assignments, class_id)
+    values = assignment_forms.assignment_values(fields)
+    drawn: Wanted | None = None
+    try:
+        wanted = assignment_forms.assignment(fields, None)
+        if not fields.get("apercu"):
+            made = keeping.make(db, course, place.school_class, account.id, wanted)
+            return go(assignment_views.href_of(made))
+        drawn = checked(wanted, keeping.exercises_of(course, place.school_class))
+        problems = {}
+    except FieldsRefused as refused:
+        problems = refused.problems
+    view = assignment_views.form_page(course, place, values, problems=problems, drawn=drawn)
+    return _form(request, account, view)
+
+
+def _form(request: Request, account: SignedIn, view: AssignmentFormPage) -> HTMLResponse:
+    return page(request, "classes/assignment_form.html", account, status=422 if view.problems else 200, page=view)
+
+
+@router.get(ONE)
+def one(request: Request, class_id: str, aid: str, reader: Reading) -> Response:
+    """A student has it on the class's page."""
+    if reader.account is None:
+        return log_in_first(request)
+    place = rights.require(reader.db, reader.account, Right.see_assignments, class_id)
+    found = keeping.find(reader.db, place.school_class, aid)
+    if not place.may(Right.see_students):
+        return go(f"{views.href_of(place.school_class)}#devoir-{found.id}")
+    view = assignment_views.assignment_page(reader.db, reader.course, place, found)
+    return page(request, "classes/assignment.html", reader.account, page=view)
+
+
+@router.get(f"{ONE}/modifier")
+def form(request: Request, class_id: str, aid: str, reader: Reading) -> Response:
+    if reader.account is None:
+        return log_in_first(request)
+    place = rights.require(reader.db, reader.account, Right.keep_assignments, class_id)
+    require_open(place.school_class)
+    found = keeping.find(reader.db, place.school_class, aid)
+    wanted = keeping.current(reader.db, found)
+    values = assignment_forms.values_of(wanted)
+    view = assignment_views.form_page(reader.course, place, values, one=found, drawn=wanted)
+    return page(request, "classes/assignment_form.html", reader.account, page=view)
+
+
+@router.post(f"{ONE}/modifier")
+def change(
+    request: Request, class_id: str, aid: str, account: SignedIn, db: Db, course: CourseOf, fields: FormFields
+) -> Response:
+    """With `apercu`, only draws what the form says of lateness."""
+    place = rights.require(db, account, Right.keep_assignments, class_id)
+    found = keeping.find(db, place.school_class, aid)
+    values = assignment_forms.assignment_values(fields)
+    drawn: Wanted | None = None
+    try:
+        before = keeping.current(db, found)
+        wanted = assignment_forms.assignment(fields, before)
+        if not fields.get("apercu"):
+            keeping.change(db, course, place.school_class, account.id, found, wanted)
+            return go(assignment_views.href_of(found))
+        known = {each.exercise: each.exercise for each in before.exercises}
+        drawn = checked(wanted, known | dict(keeping.exercises_of(course, place.school_class)))
+        problems = {}
+    except FieldsRefused as refused:
+        problems = refused.problems
+    view = assignment_views.form_page(course, place, values, one=found, problems=problems, drawn=drawn)
+    return _form(request, account, view)
+
+
+@router.post(f"{ONE}/supprimer")
+def delete(class_id: str, aid: str, account: SignedIn, db: Db) -> Response:
+    place = rights.require(db, account, Right.keep_assignments, class_id)
+    found: Assignment = keeping.find(db, place.school_class, aid)
+    keeping.delete(db, place.school_class, account.id, found)
+    return go(f"{views.href_of(place.school_class)}/devoirs")

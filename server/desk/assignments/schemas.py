@@ -1,0 +1,264 @@
+"""What the templates of assignments receive: every page's context is one of these types, and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from server.desk.assignments.late_line import LateLine
+from server.desk.schemas import ClassHead, OwnSeat, ReleaseView, StaffRow
+
+
+@dataclass(frozen=True)
+class When:
+    """A date as ISO text, and on the school's clock; both empty for none."""
+
+    iso: str = ""
+    text: str = ""
+
+
+@dataclass(frozen=True)
+class StageView:
+    """Where an assignment stands: a name for the style, a sign, words."""
+
+    kind: str
+    sign: str
+    words: str
+
+
+@dataclass(frozen=True)
+class AssignmentRow:
+    """An assignment as its staff see it in the list; `finished` students have solved all of it."""
+
+    href: str
+    title: str
+    mode: str
+    is_test: bool
+    stage: StageView
+    opens: When
+    due: When
+    closes: When
+    exercises: int
+    exemptions: int
+    finished: int
+
+
+@dataclass(frozen=True)
+class AssignmentsPage:
+    head: ClassHead
+    rows: tuple[AssignmentRow, ...]
+    students: int
+    may_keep: bool
+    zone: str
+
+
+@dataclass(frozen=True)
+class WeightedRow:
+    title: str
+    href: str
+    weight: str
+
+
+@dataclass(frozen=True)
+class AssignmentPage:
+    """One assignment, as its staff see it. `facts` are its rules by name; `release` is of a test, for its teachers."""
+
+    head: ClassHead
+    row: AssignmentRow
+    exercises: tuple[WeightedRow, ...]
+    facts: tuple[tuple[str, str], ...]
+    line: LateLine
+    students: int
+    may_keep: bool
+    may_compare: bool
+    release: ReleaseView | None
+
+
+@dataclass(frozen=True)
+class Choice:
+    """An exercise that one may give. `after` names the lesson that it begins to follow, where it is another."""
+
+    id: str
+    title: str
+    checked: bool
+    weight: str
+    after: str = ""
+
+
+@dataclass(frozen=True)
+class AssignmentValues:
+    """What the fields of the form hold, as text."""
+
+    title: str = ""
+    opens: str = ""
+    due: str = ""
+    closes: str = ""
+    late: str = "accept"
+    per_day: str = ""
+    weight: str = "1"
+    counts: str = "best"
+    hints: str = "usual"
+    diagnosis: str = "usual"
+    solution: str = "usual"
+    mode: str = "practice"
+    duration: str = ""
+    weights: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class AssignmentFormPage:
+    """`problems` are by the field's name; `line` is drawn where the form is good enough to draw it.
+
+    `counts` and `shown` are what one may choose, each with its words.
+    """
+
+    head: ClassHead
+    action: str
+    back: str
+    is_new: bool
+    values: AssignmentValues
+    choices: tuple[Choice, ...]
+    problems: Mapping[str, str]
+    line: LateLine | None
+    zone: str
+    counts: tuple[tuple[str, str], ...]
+    shown: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class ExemptionRow:
+    """`who` is a student or a group; `effects` by the field's name; `revoked` is empty while it holds."""
+
+    id: str
+    who: str
+    is_group: bool
+    why_href: str
+    effects: tuple[tuple[str, str], ...]
+    reason: str
+    by: str
+    made: When
+    revoked: When
+
+
+@dataclass(frozen=True)
+class ExemptionValues:
+    """What the fields of the form hold, as text."""
+
+    students: tuple[str, ...] = ()
+    group: str = ""
+    opens: str = ""
+    due: str = ""
+    closes: str = ""
+    factor: str = ""
+    excused: str = ""
+    reason: str = ""
+    replace: bool = True
+
+
+@dataclass(frozen=True)
+class ExemptionsPage:
+    """`order` is how the list is sorted: by `eleve` or by `date`."""
+
+    head: ClassHead
+    title: str
+    href: str
+    rows: tuple[ExemptionRow, ...]
+    order: str
+    students: tuple[tuple[str, str], ...]
+    groups: tuple[str, ...]
+    values: ExemptionValues
+    problems: Mapping[str, str]
+    may_keep: bool
+    zone: str
+    own: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class Step:
+    """What somebody has said of a field; `holds` is what is in force. `reason` is empty for a student."""
+
+    who: str
+    value: str
+    reason: str
+    holds: bool
+
+
+@dataclass(frozen=True)
+class WhyField:
+    name: str
+    value: str
+    steps: tuple[Step, ...]
+
+
+@dataclass(frozen=True)
+class WhyPage:
+    """The rules in force for one student, and where each comes from. `people` are whom one may choose."""
+
+    head: ClassHead
+    title: str
+    href: str
+    student: str
+    name: str
+    fields: tuple[WhyField, ...]
+    late: str
+    line: LateLine
+    people: tuple[tuple[str, str], ...]
+    for_staff: bool
+
+
+@dataclass(frozen=True)
+class OwnExercise:
+    """`kind` is for the style; `mark` in words, empty where there is nothing to say yet."""
+
+    title: str
+    href: str
+    kind: str
+    sign: str
+    words: str
+    late: str
+
+
+@dataclass(frozen=True)
+class OwnAssignment:
+    """An assignment with the rules in force for who looks; `exercises` is None while they are not told."""
+
+    id: str
+    title: str
+    is_test: bool
+    stage: StageView
+    opens: When
+    due: When
+    closes: When
+    late: str
+    excused: bool
+    duration: str
+    why_href: str
+    exercises: tuple[OwnExercise, ...] | None
+    done: int
+    differs: bool
+
+
+@dataclass(frozen=True)
+class NextThing:
+    """What to do next: an exercise of the assignment that is due first."""
+
+    href: str
+    title: str
+    assignment: str
+    begun: bool
+
+
+@dataclass(frozen=True)
+class OwnPage:
+    """A class as who learns there sees it; `watched` names them where their teacher looks with their eyes."""
+
+    head: ClassHead
+    seat: OwnSeat
+    staff: tuple[StaffRow, ...]
+    current: tuple[OwnAssignment, ...]
+    upcoming: tuple[OwnAssignment, ...]
+    past: tuple[OwnAssignment, ...]
+    next: NextThing | None
+    zone: str
+    watched: str = ""
+    watched_href: str = ""

@@ -1,0 +1,87 @@
+"""Beside the board of a class: what changes on it, one misconception, and what is projected of that."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from functools import partial
+from typing import Annotated
+
+from fastapi import APIRouter, Header, Query, Request
+from fastapi.responses import Response, StreamingResponse
+from starlette.concurrency import run_in_threadpool
+
+from server.board import service
+from server.board.dependencies import BoardsOf
+from server.board.schemas import Board
+from server.course.dependencies import CourseOf
+from server.database import Database
+from server.database.dependencies import DatabaseOf
+from server.desk.asking import log_in_first
+from server.desk.board.changes import Page, changes
+from server.desk.board.mistake_views import mistake_page
+from server.desk.views import href_of
+from server.identity.dependencies import SignedIn
+from server.identity.models import Account
+from server.rights import service as rights
+from server.rights.models import Right
+from server.rights.service import Place
+from server.web.dependencies import Reading
+from server.web.rendering import page
+
+router = APIRouter(include_in_schema=False)
+
+Text = Annotated[str, Query(max_length=200)]
+STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+SIGN_OF_LIFE = ":\n\n"
+
+
+@router.get("/classes/{class_id}/erreurs/{module}/{slug}/{mistake}")
+def mistake(request: Request, class_id: str, module: str, slug: str, mistake: str, reader: Reading) -> Response:
+    if reader.account is None:
+        return log_in_first(request)
+    place = rights.require(reader.db, reader.account, Right.read_work, class_id)
+    view = mistake_page(reader.db, reader.course, place, f"{module}/{slug}", mistake)
+    return page(request, "classes/mistake.html", reader.account, page=view)
+
+
+@router.get("/classes/{class_id}/erreurs/{module}/{slug}/{mistake}/projeter")
+def project(
+    request: Request, class_id: str, module: str, slug: str, mistake: str, reader: Reading, choix: Text = ""
+) -> Response:
+    """For all to see: without any name. Of few students, only if the teacher says so."""
+    if reader.account is None:
+        return log_in_first(request)
+    place = rights.require(reader.db, reader.account, Right.read_work, class_id)
+    view = mistake_page(reader.db, reader.course, place, f"{module}/{slug}", mistake, chosen=bool(choix))
+    return page(request, "classes/projection.html", reader.account, page=view)
+
+
+@router.get("/classes/{class_id}/evenements")
+async def events(
+    class_id: str, account: SignedIn, database: DatabaseOf, course: CourseOf, boards: BoardsOf, version: Text = "",
+    erreurs: Text = "", last_event_id: Annotated[str, Header()] = "",
+) -> StreamingResponse:  # fmt: skip
+    """What changes on the page, as HTML. `version`, or the id of the last event: what the page shows already."""
+    place = await run_in_threadpool(_place, database, account, class_id)  # refusals come before the stream begins
+    boards.require_room(account.id)
+    allowed = partial(_allowed, database, account, place)
+    view = Page(course, href_of(place.school_class), last_event_id or version, bool(erreurs))
+    stream = _told(boards.follow(place.school_class.id, account.id, allowed), view)
+    return StreamingResponse(stream, media_type="text/event-stream", headers=STREAM_HEADERS)
+
+
+def _place(database: Database, account: Account, class_id: str) -> Place:
+    with database.read() as db:
+        return rights.require(db, account, Right.read_work, class_id)
+
+
+def _allowed(database: Database, account: Account, place: Place) -> bool:
+    with database.read() as db:
+        return service.may_watch(db, account.id, place.school_class.id)
+
+
+async def _told(boards: AsyncIterator[Board | None], view: Page) -> AsyncIterator[str]:
+    before: Board | None = None
+    async for shown in boards:
+        yield SIGN_OF_LIFE if shown is None else await run_in_threadpool(changes, view, before, shown)
+        before = shown or before

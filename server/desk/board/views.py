@@ -1,0 +1,210 @@
+"""From the board of a class to what its page shows."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from urllib.parse import urlencode
+
+from server.board import service
+from server.board.schemas import Cell, Misconception, State, Student
+from server.board.states import RULE
+from server.classes import repository as classes
+from server.database import utc_now
+from server.desk.board import insight_views as told
+from server.desk.board.schemas import BoardPage, CellView, Choice, CountsView, MistakeRow, RowView, Sorter
+from server.desk.board.shown import Shown, mistake_href, work_href
+from server.desk.views import code_view, head, href_of
+from server.rights.models import Right
+from server.rights.service import Place
+from server.web.views import Reader
+from server.web.words import mark, moment, moment_text, plural, points
+
+STUDENTS_A_PAGE = 60
+MISTAKES_AT_FIRST = 12
+BY_NAME, BY_SUCCESS, BY_TROUBLE = "nom", "reussis", "bloques"
+SIGNS = {State.none: "·", State.trying: "…", State.stuck: "!", State.solved: "✓"}
+WORDS = {
+    State.none: "pas commencé",
+    State.trying: "essayé, pas encore réussi",
+    State.stuck: "bloqué en ce moment",
+    State.solved: "réussi",
+}
+#: What comes first in a column: who needs help.
+TROUBLE = {State.stuck: 0, State.trying: 1, State.none: 2, State.solved: 3}
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What one wants to see of a board: of which group, in which order, which page; all misconceptions or some."""
+
+    group: str = ""
+    sort: str = BY_NAME
+    page: int = 1
+    everything: bool = False
+
+    @property
+    def backwards(self) -> bool:
+        return self.sort.startswith("-")
+
+    @property
+    def column(self) -> str:
+        return self.sort.removeprefix("-")
+
+
+def board_page(reader: Reader, place: Place, asked: Asked, base: str) -> BoardPage:
+    """`base` is the address of the service."""
+    db, course, school_class = reader.db, reader.course, place.school_class
+    board, insights = service.dashboard(db, course, school_class, utc_now())
+    shown = Shown(course, href_of(school_class), board)
+    chosen = [one for one in board.students if not asked.group or asked.group in one.groups]
+    ordered = _ordered(shown, chosen, asked)
+    first = (asked.page - 1) * STUDENTS_A_PAGE
+    query = "?erreurs=toutes" if asked.everything else ""
+    return BoardPage(
+        head=head(course, place, ""),
+        counts=CountsView(**vars(board.counts)),
+        rule=RULE,
+        waiting=classes.counts(db, [school_class.id])[school_class.id][1],
+        code=code_view(school_class, base) if not board.students and place.may(Right.see_code) else None,
+        version=board.version,
+        stream=f"{shown.href}/evenements{query}",
+        again=_href(shown, asked),
+        generated=moment(board.generated_at),
+        generated_text=moment_text(board.generated_at),
+        mistakes=mistake_rows(shown, everything=asked.everything),
+        more_mistakes=_more(shown, asked),
+        names=_sorter(shown, asked, BY_NAME, "Élève"),
+        solved=_sorter(shown, asked, BY_SUCCESS, "Réussis"),
+        columns=tuple(_sorter(shown, asked, name, shown.title(name)) for name in board.exercises),
+        sorts=tuple(
+            Choice(label, _href(shown, asked, sort=sort, page=1), asked.sort == sort)
+            for sort, label in ((BY_NAME, "par nom"), (BY_TROUBLE, "bloqués d’abord"), (BY_SUCCESS, "par réussites"))
+        ),
+        groups=_groups(shown, asked),
+        rows=tuple(_row(shown, one) for one in ordered[first : first + STUDENTS_A_PAGE]),
+        found=len(ordered),
+        pages=tuple(
+            Choice(str(number), _href(shown, asked, page=number), number == asked.page)
+            for number in range(1, -(-len(ordered) // STUDENTS_A_PAGE) + 1)
+        ),
+        unnamed=told.unnamed(shown, insights.unnamed),
+        helped=told.helped(shown, insights.helped),
+        helped_hidden=sum(one.share is None for one in insights.helped),
+        hints=told.hints(shown, insights.hints),
+        items=told.items(shown, insights.items),
+        charts=told.charts(insights),
+    )
+
+
+def _href(shown: Shown, asked: Asked, **changed: str | int) -> str:
+    """The address of the board as it is asked for, but for what is changed."""
+    wanted = {"groupe": asked.group, "tri": asked.sort, "page": asked.page}
+    wanted |= {{"sort": "tri", "group": "groupe"}.get(name, name): value for name, value in changed.items()}
+    usual = {"groupe": "", "tri": BY_NAME, "page": 1}
+    query = {name: value for name, value in wanted.items() if value != usual[name]}
+    query |= {"erreurs": "toutes"} if asked.everything else {}
+    return f"{shown.href}?{urlencode(query)}#avancement" if query else f"{shown.href}#avancement"
+
+
+def _sorter(shown: Shown, asked: Asked, column: str, label: str) -> Sorter:
+    """Leads to the other order where the column sorts already."""
+    here = asked.column == column
+    order = "none" if not here else "descending" if asked.backwards else "ascending"
+    wanted = f"-{column}" if order == "ascending" else column
+    return Sorter(label, _href(shown, asked, sort=wanted, page=1), order)
+
+
+def _ordered(shown: Shown, students: Sequence[Student], asked: Asked) -> Sequence[Student]:
+    cells = shown.board.cells
+    rows = {one.id: [cells[one.id, name] for name in shown.board.exercises] for one in students}
+    if asked.column == BY_SUCCESS:
+        ordered = sorted(students, key=lambda one: -_solved(rows[one.id]))
+    elif asked.column == BY_TROUBLE:
+        ordered = sorted(students, key=lambda one: -sum(cell.state is State.stuck for cell in rows[one.id]))
+    elif asked.column in shown.board.exercises:
+        ordered = sorted(students, key=lambda one: _trouble(cells[one.id, asked.column]))
+    else:
+        ordered = list(students)
+    return ordered[::-1] if asked.backwards else ordered
+
+
+def _trouble(cell: Cell) -> tuple[int, float]:
+    return TROUBLE[cell.state], cell.points or 0.0
+
+
+def _solved(cells: Sequence[Cell]) -> int:
+    return sum(cell.state is State.solved for cell in cells)
+
+
+def _groups(shown: Shown, asked: Asked) -> tuple[Choice, ...]:
+    sizes: dict[str, int] = defaultdict(int)
+    for one in shown.board.students:
+        for label in one.groups:
+            sizes[label] += 1
+    labels = sorted(sizes, key=str.casefold)
+    if not labels:
+        return ()
+    every = Choice("Tous", _href(shown, asked, group="", page=1), not asked.group)
+    return every, *(
+        Choice(f"{label} ({sizes[label]})", _href(shown, asked, group=label, page=1), asked.group == label)
+        for label in labels
+    )
+
+
+def _row(shown: Shown, student: Student) -> RowView:
+    cells = [shown.board.cells[student.id, name] for name in shown.board.exercises]
+    return RowView(
+        key=str(student.id),
+        name=student.name,
+        href=f"{shown.href}/eleves/{student.id}",
+        groups=student.groups,
+        solved=_solved(cells),
+        cells=tuple(cell_view(shown.href, cell, shown.board.titles) for cell in cells),
+    )
+
+
+def cell_view(class_href: str, cell: Cell, titles: Mapping[tuple[str, str], str]) -> CellView:
+    """`titles`: those of misconceptions, by exercise and id."""
+    tried = cell.attempts > 0
+    label = WORDS[cell.state] + (f", {plural(cell.attempts, 'essai')}" if tried else "")
+    if cell.misconception is not None and cell.state is not State.solved:
+        label += f" : {titles.get((cell.exercise, cell.misconception), cell.misconception)}"
+    return CellView(
+        key=f"{cell.student} {cell.exercise}",
+        kind=cell.state.value,
+        sign=SIGNS[cell.state],
+        text="" if cell.points is None else mark(cell.points),
+        label=label,
+        href=work_href(class_href, cell.student, cell.exercise) if tried else "",
+    )
+
+
+def mistake_rows(shown: Shown, *, everything: bool) -> tuple[MistakeRow, ...]:
+    rows = shown.board.misconceptions
+    return tuple(mistake_row(shown, one) for one in (rows if everything else rows[:MISTAKES_AT_FIRST]))
+
+
+def mistake_row(shown: Shown, one: Misconception) -> MistakeRow:
+    return MistakeRow(
+        key=f"{one.exercise} {one.id}",
+        title=one.title,
+        href=mistake_href(shown.href, one.exercise, one.id),
+        exercise=shown.title(one.exercise),
+        exercise_href=shown.exercise_href(one.exercise),
+        now=one.now,
+        share=round(100 * one.now / max(1, shown.board.counts.students), 1),
+        ever=one.ever,
+        overcome=one.overcome,
+        attempts="—" if one.median_attempts is None else points(one.median_attempts),
+    )
+
+
+def _more(shown: Shown, asked: Asked) -> Choice | None:
+    total = len(shown.board.misconceptions)
+    if total <= MISTAKES_AT_FIRST:
+        return None
+    if asked.everything:
+        return Choice("Ne montrer que les premières", f"{shown.href}#erreurs", False)
+    return Choice(f"Montrer les {total} erreurs reconnues", f"{shown.href}?erreurs=toutes#erreurs", False)

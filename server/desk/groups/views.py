@@ -1,0 +1,123 @@
+"""From a group of programs that answer alike to what its page shows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from graders.core.code.grading import CodeGrader
+from graders.core.contract.verdict import Verdict
+from server.behaviour import service as behaviour
+from server.behaviour.models import BehaviourName
+from server.behaviour.schemas import GroupOfClass, MemberLine
+from server.classes import repository as classes
+from server.course import Course, Exercise
+from server.desk import views
+from server.desk.groups.schemas import ExampleView, GroupPage, NameForm, ProgramRow, Suggestion
+from server.gradebook import service as gradebook
+from server.identity.models import Account
+from server.rights.models import Right
+from server.rights.service import Place
+from server.submissions.models import Submission
+from server.web import values
+from server.web.views import exercise_href
+from server.web.words import mark, moment, moment_text
+
+UNKNOWN_STUDENT = "élève"
+
+
+def href_of(class_id: UUID, exercise: str, group: str) -> str:
+    """The address of a group's page."""
+    return f"/classes/{class_id}/groupes/{exercise}/{group}"
+
+
+def page_of(
+    db: Session,
+    course: Course,
+    place: Place,
+    account: Account,
+    found: GroupOfClass,
+    earlier: Sequence[BehaviourName],
+    wanted: UUID | None,
+) -> GroupPage:
+    """`wanted` is the attempt to read, None for the shortest program. Raises NotFound."""
+    school_class, group = place.school_class, found.group
+    exercise = course.exercises.get(group.exercise)
+    read = behaviour.program_to_read(db, school_class, group.id, wanted)
+    names = {one.id: one.name for one in classes.members(db, school_class.id)}
+    href = href_of(school_class.id, group.exercise, group.id)
+    may_name = place.may(Right.name_behaviours) and school_class.archived_at is None
+    return GroupPage(
+        head=views.head(course, place, "/groupes"),
+        href=href,
+        exercise=exercise.title if exercise else group.exercise,
+        exercise_href=exercise_href(exercise) if exercise else "",
+        outdated=exercise is None or exercise.version != group.exercise_version,
+        functions=tuple(group.functions),
+        students=found.students,
+        total=found.total,
+        known=found.known,
+        still=len({line.student for line in found.lines if line.latest}),
+        example=_example(group.example, exercise) if group.example else None,
+        code=read.code,
+        code_href=f"/soumissions/{read.id}",
+        named=found.name is not None,
+        may_name=may_name,
+        earlier=tuple(Suggestion(f"{href}?depuis={one.group_id}#nommer", one.title) for one in earlier if may_name),
+        questions=_questions(db, account, read) if may_name else (),
+        titles=_titles(exercise) if may_name else (),
+        rows=tuple(_row(line, names, href, read) for line in found.lines),
+    )
+
+
+def form_of(name: BehaviourName | None) -> NameForm:
+    return NameForm("", "", "") if name is None else NameForm(name.title, name.explanation, name.question)
+
+
+def _example(example: Mapping[str, Any], exercise: Exercise | None) -> ExampleView:
+    expected, got, inputs = example["expected"], example["got"], example["inputs"]
+    parts = next((one.parts for one in exercise.functions if one.name == example["function"]), ()) if exercise else ()
+    return ExampleView(
+        function=example["function"],
+        inputs=tuple((name, values.view(value)) for name, value in inputs.items()),
+        expected=None if expected is None else values.named(values.view(expected), parts),
+        got=values.named(values.view(got, expected=expected), parts),
+        code=values.as_code(inputs),
+    )
+
+
+def _questions(db: Session, account: Account, read: Submission) -> tuple[str, ...]:
+    grading = gradebook.find(db, account, read.id).grading
+    checks = Verdict.from_json(grading.verdict).checks if grading else ()
+    return tuple(dict.fromkeys(check.hint for check in checks if not check.passed and check.hint))
+
+
+def _titles(exercise: Exercise | None) -> tuple[str, ...]:
+    if exercise is None or not isinstance(exercise.grader, CodeGrader):
+        return ()
+    return tuple(dict.fromkeys(one.title for one in exercise.grader.misconceptions))
+
+
+def _row(line: MemberLine, names: Mapping[UUID, str], href: str, read: Submission) -> ProgramRow:
+    return ProgramRow(
+        name=names.get(line.student, UNKNOWN_STUDENT),
+        href=f"/soumissions/{line.submission}",
+        read_href=f"{href}?essai={line.submission}#programme",
+        sent=moment(line.sent_at),
+        sent_text=moment_text(line.sent_at),
+        points="" if line.score is None else mark(20 * line.score),
+        latest=line.latest,
+        shown=line.submission == read.id,
+    )
+
+
+def author_s_names(db: Session, place: Place, account_id: UUID) -> Sequence[str]:
+    """Every word of the author's names, as the account and the class's list have them."""
+    found = next((one for one in classes.members(db, place.school_class.id) if one.id == account_id), None)
+    if found is None:
+        return ()
+    given = (found.name, found.account.name, found.membership.family_name, found.membership.given_name)
+    return [word for text in (*given, found.account.login or "") for word in text.split()]

@@ -1,0 +1,108 @@
+"""The page of the codes of an assignment that look alike: a question, never an answer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated
+from uuid import UUID
+
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import Response
+
+from server.assignments import repository as assignments
+from server.assignments.models import Assignment
+from server.base.errors import NotFound
+from server.classes import repository as classes
+from server.course import Course, Exercise
+from server.course.dependencies import CourseOf
+from server.database.dependencies import DatabaseOf
+from server.desk import views
+from server.desk.asking import log_in_first
+from server.desk.likeness.schemas import CodeLine, ExerciseChoice, LikenessPage, PairView, Side
+from server.identity.dependencies import OptionalAccount
+from server.rights import service as rights
+from server.rights.models import Right
+from server.rights.service import Place
+from server.similarity import service
+from server.similarity.service import Comparison, Copy
+from server.web.rendering import page
+
+router = APIRouter(include_in_schema=False)
+
+NO_SUCH_EXERCISE = "Cet exercice n’est pas dans ce devoir."
+NO_ASSIGNMENT = "Ce devoir n’existe pas."
+
+
+@router.get("/classes/{class_id}/devoirs/{assignment_id}/ressemblances")
+def likeness(
+    request: Request,
+    class_id: str,
+    assignment_id: UUID,
+    account: OptionalAccount,
+    database: DatabaseOf,
+    course: CourseOf,
+    exercice: Annotated[str, Query(max_length=200)] = "",
+) -> Response:
+    """Compares when an exercise is chosen, outside of any transaction: it takes a second or more."""
+    if account is None:
+        return log_in_first(request)
+    with database.read() as db:
+        place = rights.require(db, account, Right.compare_codes, class_id)
+        assignment = assignments.by_id(db, place.school_class.id, assignment_id)
+        if assignment is None:
+            raise NotFound(NO_ASSIGNMENT)
+        assigned = assignments.exercises(db, [assignment.id])[assignment.id]
+        exercises = [course.exercises[one.exercise] for one in assigned if one.exercise in course.exercises]
+        chosen = _chosen(exercises, exercice)
+        sent = service.copies(db, assignment, chosen) if chosen else []
+        names = {member.id: member.name for member in classes.members(db, place.school_class.id)}
+    found = service.compare(course, chosen, sent) if chosen else Comparison(0, False, ())
+    view = _view(course, place, assignment, exercises, chosen, found, names)
+    return page(request, "classes/likeness.html", account, page=view)
+
+
+def _chosen(exercises: list[Exercise], name: str) -> Exercise | None:
+    if not name:
+        return None
+    chosen = next((one for one in exercises if one.id == name), None)
+    if chosen is None:
+        raise NotFound(NO_SUCH_EXERCISE)
+    return chosen
+
+
+def _view(
+    course: Course,
+    place: Place,
+    assignment: Assignment,
+    exercises: list[Exercise],
+    chosen: Exercise | None,
+    found: Comparison,
+    names: Mapping[UUID, str],
+) -> LikenessPage:
+    head = views.head(course, place, "/devoirs")
+    return LikenessPage(
+        head=head,
+        title=assignment.title,
+        href=f"{head.href}/devoirs/{assignment.id}/ressemblances",
+        choices=tuple(ExerciseChoice(one.id, one.title, one is chosen) for one in exercises if one.answers is None),
+        chosen=chosen.title if chosen else "",
+        compared=found.compared,
+        too_short=found.too_short,
+        pairs=tuple(
+            PairView(
+                _side(pair.first, pair.shares[0], pair.lines[0], names),
+                _side(pair.second, pair.shares[1], pair.lines[1], names),
+            )
+            for pair in found.pairs
+        ),
+    )
+
+
+def _side(copy: Copy, share: float, shared: tuple[int, ...], names: Mapping[UUID, str]) -> Side:
+    lines = copy.code.split("\n")
+    return Side(
+        name=names.get(copy.student, "élève sorti de la classe"),
+        href=f"/soumissions/{copy.submission}",
+        share=int(100 * share),
+        lines=tuple(CodeLine(number, text, number in shared) for number, text in enumerate(lines, 1)),
+    )

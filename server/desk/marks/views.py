@@ -1,0 +1,311 @@
+"""From the marks of a class to what the templates show."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from datetime import datetime
+from urllib.parse import urlencode
+from uuid import UUID
+
+from server.assignments.models import Assignment
+from server.base.errors import NotFound
+from server.course import Course
+from server.desk.marks.schemas import (
+    CellView,
+    Choice,
+    ColumnView,
+    ExerciseView,
+    GradebookPage,
+    MarkPage,
+    MoodleView,
+    OverrideView,
+    RowView,
+    TableView,
+)
+from server.desk.views import head, href_of
+from server.marks.files import ABSENT, EXCUSED, NOTES, Identifier, cell, column, for_moodle, titles
+from server.marks.means import number, rounded, written
+from server.marks.schemas import AssignmentMark, Book, ExerciseMark, Row, State, Summary, held_back, summary
+from server.rights.models import Right
+from server.rights.service import Place
+from server.web.words import moment, moment_text, plural
+
+NONE = "—"
+TOTAL = "moyenne"
+A_PAGE = 200  # students
+UNKNOWN = "La classe n’a pas ce devoir, ou cet élève."
+STATES = {
+    State.upcoming: "pas encore ouvert",
+    State.open: "en cours",
+    State.done: "fini",
+    State.absent: "fini, rien n’a été envoyé",
+    State.excused: "dispensé",
+}
+BY = {Identifier.email: "par adresse électronique", Identifier.id: "par identifiant"}
+
+Score = Callable[[Row], float | None]
+
+
+def _shown(points: float | None) -> str:
+    return NONE if points is None else written(points)
+
+
+class Gradebook:
+    """The page of a book, as somebody asks for it: a group, one assignment or all, an order, a column to copy.
+
+    `number`, from 1, is that of the page, where the class has more students than one shows.
+    """
+
+    def __init__(
+        self, place: Place, book: Book, group: str, assignment: str, order: str, to_copy: str, number: int = 1
+    ) -> None:
+        self.place, self.path = place, f"{href_of(place.school_class)}/carnet"
+        self.everyone = book
+        labels = Counter(label for row in book.rows for label in row.member.groups)
+        self.labels = sorted(labels.items(), key=lambda one: one[0].casefold())
+        self.group = group if group in labels else ""
+        rows = [row for row in book.rows if not self.group or self.group in row.member.groups]
+        self.book = replace(book, rows=tuple(rows))
+        self.titles = titles(book.assignments)
+        self.place_of = {str(one.id): place for place, one in enumerate(book.assignments)}
+        if assignment and assignment not in self.place_of:
+            raise NotFound(UNKNOWN)
+        self.assignment, self.order, self.to_copy = assignment, order, to_copy
+        self.number = min(number, max(1, math.ceil(len(rows) / A_PAGE)))
+
+    def asked(self, **changes: str) -> dict[str, str]:
+        asked = {"groupe": self.group, "devoir": self.assignment, "tri": self.order, **changes}
+        return {name: value for name, value in asked.items() if value}
+
+    def address(self, **changes: str) -> str:
+        """This page with something else asked for."""
+        query = urlencode(self.asked(**changes))
+        return f"{self.path}?{query}" if query else self.path
+
+    def page(self, course: Course) -> GradebookPage:
+        book = self.book
+        chosen = self.place_of.get(self.assignment)
+        copied = {TOTAL: None, **self.place_of}
+        text = column(book, copied[self.to_copy]) if self.to_copy in copied else None
+        return GradebookPage(
+            head=head(course, self.place, "/carnet"),
+            at=moment(book.at),
+            at_text=moment_text(book.at),
+            total=len(book.rows),
+            table=self._overview() if chosen is None else self._of_exercises(chosen),
+            assignment="" if chosen is None else self.titles[chosen],
+            back=self.address(devoir="", tri=""),
+            everyone=self.address(groupe=""),
+            everyone_count=len(self.everyone.rows),
+            groups=tuple(
+                Choice(self.address(groupe=label), f"{label} ({count})", label == self.group)
+                for label, count in self.labels
+            ),
+            group=self.group,
+            kept=tuple(self.asked().items()),
+            pages=self._pages(),
+            assignments=tuple(
+                Choice(name, title, name == self.assignment)
+                for name, title in zip(self.place_of, self.titles, strict=True)
+            ),
+            columns=tuple(
+                Choice(name, title, name == self.to_copy)
+                for name, title in zip([*self.place_of, TOTAL], [*self.titles, "Moyenne"], strict=True)
+            ),
+            column=text,
+            moodle=tuple(MoodleView(one.value, BY[one], for_moodle(self.everyone, one).left_out) for one in Identifier),
+            notes=NOTES,
+        )
+
+    def _pages(self) -> tuple[Choice, ...]:
+        """None where one page is enough."""
+        numbers = range(1, math.ceil(len(self.book.rows) / A_PAGE) + 1)
+        pages = [Choice(self.address(p=str(number)), str(number), number == self.number) for number in numbers]
+        return tuple(pages) if len(pages) > 1 else ()
+
+    def _overview(self) -> TableView:
+        book = self.book
+        columns = [
+            self._column(
+                str(one.id),
+                title,
+                book.summary_of(place),
+                href=self.address(devoir=str(one.id), tri=""),
+                notes=_notes(one, book.at),
+            )
+            for place, (one, title) in enumerate(zip(book.assignments, self.titles, strict=True))
+        ]
+        columns.append(self._column(TOTAL, "Moyenne", book.averages))
+        scores = {name: _at(place) for name, place in self.place_of.items()}
+        rows = self._sorted({**scores, TOTAL: lambda row: row.average})
+        return self._table("Notes des devoirs", columns, [(row, self._cells(row)) for row in rows])
+
+    def _cells(self, row: Row) -> tuple[CellView, ...]:
+        cells = [
+            _cell(mark, self._detail(row, one)) for mark, one in zip(row.marks, self.book.assignments, strict=True)
+        ]
+        return (*cells, CellView(_shown(row.average)))
+
+    def _detail(self, row: Row, assignment: Assignment) -> str:
+        return f"{self.path}/{row.member.id}/{assignment.id}"
+
+    def _of_exercises(self, place: int) -> TableView:
+        book = self.book
+        assignment = book.assignments[place]
+        exercises = book.exercises[assignment.id]
+        columns = [
+            self._column(
+                one.exercise,
+                book.title_of(one.exercise),
+                summary([points for row in book.rows if (points := row.marks[place].exercises[n].points) is not None]),
+                notes=(f"coefficient {number(one.weight)}",),
+            )
+            for n, one in enumerate(exercises)
+        ]
+        columns.append(self._column(TOTAL, "Note du devoir", book.summary_of(place)))
+        scores = {one.exercise: _at(place, n) for n, one in enumerate(exercises)}
+        rows = self._sorted({**scores, TOTAL: _at(place)})
+        told = []
+        for row in rows:
+            mark, href = row.marks[place], self._detail(row, assignment)
+            told.append((row, (*(_exercise_cell(one, mark, href) for one in mark.exercises), _cell(mark, href))))
+        return self._table(f"Notes du devoir « {self.titles[place]} »", columns, told)
+
+    def _column(
+        self, key: str, title: str, found: Summary, *, href: str = "", notes: tuple[str, ...] = ()
+    ) -> ColumnView:
+        return ColumnView(
+            title=title,
+            href=href,
+            sort_href=self.address(tri=key),
+            is_sorted=key == self.order,
+            notes=notes,
+            count=found.count,
+            mean=_shown(found.mean),
+            median=_shown(found.median),
+        )
+
+    def _sorted(self, scores: dict[str, Score]) -> Sequence[Row]:
+        """The best first, who has no mark last; the order of the list between equals, and without a known order."""
+        first = (self.number - 1) * A_PAGE
+        return self._all_sorted(scores)[first : first + A_PAGE]
+
+    def _all_sorted(self, scores: dict[str, Score]) -> Sequence[Row]:
+        if self.order not in scores:
+            return self.book.rows
+        score = scores[self.order]
+
+        def key(row: Row) -> tuple[bool, float]:
+            points = score(row)
+            return points is None, -(points or 0.0)
+
+        return sorted(self.book.rows, key=key)
+
+    def _table(
+        self, caption: str, columns: Sequence[ColumnView], rows: Sequence[tuple[Row, tuple[CellView, ...]]]
+    ) -> TableView:
+        return TableView(
+            caption=caption,
+            columns=tuple(columns),
+            rows=tuple(RowView(row.member.name, row.member.groups, cells) for row, cells in rows),
+            name_href=self.address(tri=""),
+            by_name=not any(one.is_sorted for one in columns),
+        )
+
+
+def _at(place: int, exercise: int | None = None) -> Score:
+    """The points of an assignment, or of one of its exercises."""
+
+    def score(row: Row) -> float | None:
+        mark = row.marks[place]
+        return mark.points if exercise is None else mark.exercises[exercise].points
+
+    return score
+
+
+def _notes(one: Assignment, now: datetime) -> tuple[str, ...]:
+    notes = [f"coefficient {number(one.weight)}"]
+    if one.due_at is not None:
+        notes.append(f"pour le {moment_text(one.due_at).partition(' ')[0]}")
+    if held_back(one, now):
+        notes.append("contrôle, pas encore rendu aux élèves")
+    return tuple(notes)
+
+
+def _cell(mark: AssignmentMark, href: str) -> CellView:
+    found = cell(mark)
+    text = found if isinstance(found, str) else NONE if found is None else number(found)
+    pending = mark.state is State.open and found is not None
+    excused = mark.state is State.excused
+    return CellView(text, href, 0 if excused else mark.days_late, mark.overridden, mark.stale, pending)
+
+
+def _exercise_cell(one: ExerciseMark, mark: AssignmentMark, href: str) -> CellView:
+    if one.excused or mark.state is State.excused:
+        return CellView(EXCUSED, href, changed=one.override is not None, stale=one.stale)
+    text = ABSENT if mark.state is State.absent else _shown(one.points)
+    return CellView(text, href, one.days_late, one.override is not None, one.stale)
+
+
+def mark_page(course: Course, place: Place, book: Book, assignment: str) -> MarkPage:
+    """Of one student at one assignment. Raises NotFound."""
+    at = next((n for n, one in enumerate(book.assignments) if str(one.id) == assignment), None)
+    if at is None or not book.rows:
+        raise NotFound(UNKNOWN)
+    (row,) = book.rows
+    mark = row.marks[at]
+    path = f"{href_of(place.school_class)}/carnet"
+    return MarkPage(
+        head=head(course, place, "/carnet"),
+        student=row.member.name,
+        assignment=titles(book.assignments)[at],
+        path=f"{path}/{row.member.id}/{assignment}",
+        mark=_cell(mark, ""),
+        state=STATES[mark.state],
+        notes=_rules(mark),
+        exercises=tuple(_exercise(book, one) for one in mark.exercises),
+        may_change=place.may(Right.change_marks) and place.school_class.archived_at is None,
+    )
+
+
+def _rules(mark: AssignmentMark) -> tuple[str, ...]:
+    """The dates in force for this student."""
+    dates = (("Ouvre", mark.rules.opens_at), ("À rendre", mark.rules.due_at), ("Ferme", mark.rules.closes_at))
+    told = [f"{word} le {moment_text(at)}" for word, at in dates if at is not None]
+    return (*told, plural(mark.days_late, "jour de retard", "jours de retard")) if mark.days_late else tuple(told)
+
+
+def _exercise(book: Book, one: ExerciseMark) -> ExerciseView:
+    counted, sent = one.counted, one.sent_at
+    return ExerciseView(
+        exercise=one.exercise,
+        title=book.title_of(one.exercise),
+        weight=number(one.weight),
+        points=EXCUSED if one.excused else _shown(one.points),
+        automatic=_shown(one.in_force.automatic),
+        late=0 if counted is None else counted.days_late,
+        attempts=one.attempts,
+        attempt="" if counted is None else f"/soumissions/{counted.attempt}",
+        sent="" if sent is None else moment(sent),
+        sent_text="" if sent is None else moment_text(sent),
+        override=_override(one),
+    )
+
+
+def _override(one: ExerciseMark) -> OverrideView | None:
+    found = one.override
+    if found is None:
+        return None
+    text = "dispense" if found.points is None else f"{number(rounded(found.points))} / 20"
+    return OverrideView(text, found.by, moment(found.at), moment_text(found.at), found.reason, one.stale)
+
+
+def parsed(name: str) -> UUID:
+    """Raises NotFound."""
+    try:
+        return UUID(name)
+    except ValueError as error:
+        raise NotFound(UNKNOWN) from error

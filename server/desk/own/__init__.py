@@ -1,0 +1,1 @@
+"""A class as one of its students has it."""

@@ -1,0 +1,225 @@
+"""Pages by which a teacher keeps a class: its list, its passwords, its settings."""
+
+from functools import partial
+from typing import Annotated
+from uuid import UUID
+
+from fastapi import APIRouter, File, Form, Request, UploadFile
+from fastapi.responses import HTMLResponse, Response
+
+from server.assignments import keeping as assignments
+from server.audit.members import noted
+from server.base.dependencies import SettingsOf
+from server.base.errors import Invalid, NotFound, ServiceError
+from server.classes import service
+from server.classes.dependencies import ClassesOf
+from server.classes.models import Seat
+from server.classes.schemas import CODE_LASTS, DEFAULT_LASTING, name_of_class
+from server.course.dependencies import CourseOf
+from server.database.dependencies import DatabaseOf, Db
+from server.desk import views
+from server.desk.asking import UNKNOWN_ACTION, base_of, log_in_first
+from server.desk.people import shift
+from server.identity.dependencies import SignedIn
+from server.identity.models import Account
+from server.rights import service as rights
+from server.rights.models import Right
+from server.rights.service import Place
+from server.web import school_time
+from server.web.dependencies import Reading
+from server.web.forms import Field, go
+from server.web.rendering import page
+
+router = APIRouter(include_in_schema=False)
+
+Ids = Annotated[list[UUID] | None, Form()]
+ACTIONS = {
+    "accepter": "accept", "refuser": "refuse", "retirer": "remove", "reprendre": "take_back",
+    "grouper": "group", "degrouper": "ungroup",
+}  # fmt: skip
+NOBODY = "Cochez d’abord des élèves."
+NOTHING = "Collez une liste, ou choisissez un fichier."
+SEATS = {"assistant": Seat.assistant, "enseignant": Seat.teacher}
+LASTS = tuple(zip(CODE_LASTS, ("un mois", "une semaine", "un jour", "trois heures"), strict=True))
+
+
+@router.post("/classes/{class_id}/eleves")
+def settle(
+    class_id: str,
+    account: SignedIn,
+    db: Db,
+    action: Field = "",
+    eleve: Ids = None,
+    groupe: Field = "",
+) -> Response:
+    place = rights.require(db, account, Right.keep_list, class_id)
+    if action not in ACTIONS:
+        raise NotFound(UNKNOWN_ACTION)
+    if not eleve:
+        raise Invalid(NOBODY)
+    with noted(db, place.school_class.id, account.id):
+        service.settle(db, place.school_class, eleve, ACTIONS[action], groupe)
+    return go(f"{views.href_of(place.school_class)}/eleves")
+
+
+@router.get("/classes/{class_id}/liste")
+def list_form(request: Request, class_id: str, reader: Reading) -> Response:
+    if reader.account is None:
+        return log_in_first(request)
+    place = rights.require(reader.db, reader.account, Right.keep_list, class_id)
+    service.require_open(place.school_class)
+    return _list_form(request, reader.account, reader.course, place)
+
+
+def _list_form(
+    request: Request, account: Account, course: CourseOf, place: Place, text: str = "", problem: str = ""
+) -> HTMLResponse:
+    head, status = views.head(course, place, "/eleves"), 422 if problem else 200
+    return page(request, "classes/list.html", account, status=status, head=head, text=text, problem=problem)
+
+
+@router.post("/classes/{class_id}/liste")
+def import_list(
+    request: Request,
+    class_id: str,
+    account: SignedIn,
+    database: DatabaseOf,
+    course: CourseOf,
+    classes: ClassesOf,
+    texte: Field = "",
+    attendu: Field = "",
+    reprendre: Field = "",
+    fichier: Annotated[UploadFile | None, File()] = None,
+) -> Response:
+    """Shows what the list would change; with `attendu`, the digest of what was shown, writes it.
+
+    With `reprendre`, goes back to the list.
+    """
+    with database.read() as db:
+        place = rights.require(db, account, Right.keep_list, class_id)
+    if reprendre:
+        return _list_form(request, account, course, place, texte)
+    content = fichier.file.read() if fichier is not None and fichier.filename else texte.encode()
+    try:
+        if not content.strip():
+            raise Invalid(NOTHING)
+        if attendu:
+            around = partial(noted, class_id=place.school_class.id, by=account.id)
+            _, written = classes.import_list(place.school_class.id, account, content, attendu, around)
+            if written:
+                return go(f"{views.href_of(place.school_class)}/eleves")
+        plan, text = classes.preview(place.school_class, account, content)
+    except Invalid as refused:
+        return _list_form(request, account, course, place, texte, refused.detail)
+    view = views.import_page(course, place, plan, text)
+    return page(request, "classes/preview.html", account, page=view, again=bool(attendu))
+
+
+@router.post("/classes/{class_id}/acces")
+def hand_passwords(
+    request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, settings: SettingsOf,
+    eleve: Ids = None,
+    choix: Field = "",
+) -> HTMLResponse:  # fmt: skip
+    """Slips to print: for those who were chosen, else for all whose account has no password yet."""
+    place = rights.require(db, account, Right.hand_passwords, class_id)
+    if choix and not eleve:
+        raise Invalid(NOBODY)
+    given, refused = service.slips(db, place.school_class, eleve or None, settings)
+    view = views.slips_page(course, place, given, refused, settings.first_password_days, base_of(request))
+    return page(request, "classes/slips.html", account, headers={"Cache-Control": "private, no-store"}, page=view)
+
+
+@router.get("/classes/{class_id}/reglages")
+def settings_form(request: Request, class_id: str, reader: Reading) -> Response:
+    if reader.account is None:
+        return log_in_first(request)
+    place = rights.require(reader.db, reader.account, Right.set_up, class_id)
+    return _settings(request, reader.account, reader.db, reader.course, place)
+
+
+def _settings(
+    request: Request, account: Account, db: Db, course: CourseOf, place: Place, refused: ServiceError | None = None
+) -> HTMLResponse:
+    view = views.settings_page(db, course, place, account, base_of(request))
+    problem, status = (refused.detail, int(refused.status)) if refused else ("", 200)
+    return page(request, "classes/settings.html", account, status=status, page=view, problem=problem, lasts=LASTS)
+
+
+@router.post("/classes/{class_id}/reglages")
+def set_up(
+    request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, name: Field = "",
+    approbation: Field = "",
+) -> Response:  # fmt: skip
+    place = rights.require(db, account, Right.set_up, class_id)
+    service.require_open(place.school_class)
+    try:
+        place.school_class.name = name_of_class(name)
+    except Invalid as refused:
+        return _settings(request, account, db, course, place, refused)
+    place.school_class.approval = bool(approbation)
+    return go(f"{views.href_of(place.school_class)}/reglages")
+
+
+@router.post("/classes/{class_id}/code")
+def set_code(
+    class_id: str, account: SignedIn, db: Db, action: Field = "renouveler", duree: Field = DEFAULT_LASTING
+) -> Response:
+    """Renews the code, or closes it."""
+    place = rights.require(db, account, Right.set_up, class_id)
+    if action == "fermer":
+        service.close_code(place.school_class)
+    elif action == "renouveler":
+        service.renew_code(db, place.school_class, duree)
+    else:
+        raise NotFound(UNKNOWN_ACTION)
+    return go(f"{views.href_of(place.school_class)}/reglages#code")
+
+
+@router.post("/classes/{class_id}/equipe")
+def set_staff(
+    request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, login: Field = "",
+    role: Field = "assistant", retirer: Annotated[UUID | None, Form()] = None,
+) -> Response:  # fmt: skip
+    """Has somebody teach or help in the class, or no more."""
+    place = rights.require(db, account, Right.set_up, class_id)
+    if role not in SEATS:
+        raise NotFound(UNKNOWN_ACTION)
+    try:
+        with noted(db, place.school_class.id, account.id):
+            if retirer is not None:
+                service.unseat(db, place.school_class, retirer)
+            else:
+                service.seat_staff(db, place.school_class, login, SEATS[role])
+    except ServiceError as refused:
+        return _settings(request, account, db, course, place, refused)
+    mine = rights.may(db, account, Right.set_up, place.school_class.id)
+    return go(f"{views.href_of(place.school_class)}/reglages#equipe" if mine else "/classes")
+
+
+@router.post("/classes/{class_id}/copier")
+def copy(
+    request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, name: Field = "",
+    semaines: Field = "", rentree: Field = "",
+) -> Response:  # fmt: skip
+    """With its assignments, each date at its time of day so many weeks later, or from when the first is to open."""
+    place = rights.require(db, account, Right.set_up, class_id)
+    rights.require_on_server(account, Right.create)
+    try:
+        days = shift.days(db, place.school_class, semaines, rentree)
+        made = service.copy(db, place.school_class, account, name)
+        assignments.copy(db, place.school_class, made, account.id, lambda when: school_time.moved(when, days))
+    except Invalid as refused:
+        return _settings(request, account, db, course, place, refused)
+    return go(views.href_of(made))
+
+
+@router.post("/classes/{class_id}/archiver")
+def archive(class_id: str, account: SignedIn, db: Db, archiver: Annotated[bool, Form()]) -> Response:
+    """Archives the class, or opens it again."""
+    place = rights.require(db, account, Right.set_up, class_id)
+    if archiver:
+        service.archive(place.school_class)
+    else:
+        service.reopen(place.school_class)
+    return go(views.href_of(place.school_class))

@@ -1,0 +1,157 @@
+"""Pages of classes as their members see them: one's own, joining, one class, its code on the wall."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import HTMLResponse, Response
+
+from server.audit.members import noted
+from server.base.errors import Invalid
+from server.base.request import client_address
+from server.classes import service
+from server.classes.dependencies import ClassesOf
+from server.classes.schemas import own_name
+from server.course.dependencies import CourseOf
+from server.database.dependencies import DatabaseOf, Db
+from server.desk import views
+from server.desk.asking import Group, base_of, log_in_first
+from server.desk.board.views import BY_NAME, Asked, board_page
+from server.desk.own import views as own_views
+from server.desk.schemas import JoinForm, JoinPage
+from server.identity.dependencies import AccountsOf, OptionalAccount, SignedIn, account_or_guest
+from server.rights import service as rights
+from server.rights.models import Right
+from server.web.dependencies import Reading
+from server.web.forms import Field, go
+from server.web.rendering import page
+from server.web.views import find_module
+
+router = APIRouter(include_in_schema=False)
+
+Code = Annotated[str, Query(max_length=100)]
+EMPTY = JoinForm("", "", "")
+Number = Annotated[int, Query(alias="page", ge=1, le=10**6)]
+
+
+@router.get("/classes")
+def mine(request: Request, reader: Reading) -> HTMLResponse:
+    return _mine(request, reader.db, reader.course, reader.account)
+
+
+def _mine(
+    request: Request, db: Db, course: CourseOf, account: OptionalAccount, name: str = "", problem: str = ""
+) -> HTMLResponse:
+    view = views.classes_page(db, course, account)
+    status = 422 if problem else 200
+    return page(request, "classes/mine.html", account, status=status, page=view, name=name, problem=problem)
+
+
+@router.post("/classes")
+def create(
+    request: Request, account: SignedIn, db: Db, course: CourseOf, name: Field = "", module: Field = ""
+) -> Response:
+    rights.require_on_server(account, Right.create)
+    try:
+        made = service.create(db, account, name, find_module(course, module).slug)
+    except Invalid as refused:
+        return _mine(request, db, course, account, name, refused.detail)
+    return go(views.href_of(made))
+
+
+@router.get("/rejoindre")
+def to_code(code: Code = "") -> Response:
+    """From the form where one types a code, to the class that has it."""
+    return go(f"/rejoindre/{''.join(letter for letter in code if letter.isalnum())[:40] or '-'}")
+
+
+@router.get("/rejoindre/{code}")
+def join_form(
+    request: Request, code: str, account: OptionalAccount, classes: ClassesOf, course: CourseOf, database: DatabaseOf
+) -> HTMLResponse:
+    found = classes.look_up(code, by=account, address=client_address(request))
+    with database.read() as db:
+        view = views.join_page(db, course, found, account)
+    return _join_form(request, account, view)
+
+
+def _join_form(request: Request, account: OptionalAccount, view: JoinPage, filled: JoinForm = EMPTY) -> HTMLResponse:
+    status = 422 if filled.problem else 200
+    return page(request, "classes/join.html", account, status=status, page=view, form=filled)
+
+
+@router.post("/rejoindre/{code}")
+def join(
+    request: Request,
+    code: str,
+    account: OptionalAccount,
+    accounts: AccountsOf,
+    classes: ClassesOf,
+    course: CourseOf,
+    database: DatabaseOf,
+    given: Field = "",
+    family: Field = "",
+) -> Response:
+    """A visitor becomes a guest, once the code and the name are good."""
+    address = client_address(request)
+    named = None
+    if account is None or account.is_guest:
+        try:
+            named = own_name(given, family)
+        except Invalid as refused:
+            found = classes.look_up(code, by=account, address=address)
+            with database.read() as db:
+                view = views.join_page(db, course, found, account)
+            return _join_form(request, account, view, JoinForm(given, family, refused.detail))
+    if account is None:
+        classes.look_up(code, by=None, address=address)
+    joined = classes.join(code, account_or_guest(request, account, accounts), address=address, named=named)
+    return go(views.href_of(joined.school_class))
+
+
+@router.get("/classes/{class_id}")
+def one(
+    request: Request,
+    class_id: str,
+    reader: Reading,
+    groupe: Group = "",
+    tri: Group = BY_NAME,
+    number: Number = 1,
+    erreurs: Group = "",
+) -> Response:
+    """The board, for who teaches or helps; else one's own page."""
+    if reader.account is None:
+        return log_in_first(request)
+    place = rights.require(reader.db, reader.account, Right.see_class, class_id)
+    if place.may(Right.read_work):
+        asked = Asked(groupe, tri, number, everything=bool(erreurs))
+        board = board_page(reader, place, asked, base_of(request))
+        return page(request, "classes/board.html", reader.account, page=board)
+    view = own_views.own_page(reader.db, reader.course, place, reader.account)
+    return page(request, "classes/own.html", reader.account, page=view)
+
+
+@router.get("/classes/{class_id}/eleves")
+def people(request: Request, class_id: str, reader: Reading, groupe: Group = "") -> Response:
+    if reader.account is None:
+        return log_in_first(request)
+    place = rights.require(reader.db, reader.account, Right.see_students, class_id)
+    view = views.people_page(reader.db, reader.course, place, reader.account, base_of(request), groupe)
+    return page(request, "classes/people.html", reader.account, page=view)
+
+
+@router.get("/classes/{class_id}/code")
+def code_on_the_wall(request: Request, class_id: str, reader: Reading) -> Response:
+    if reader.account is None:
+        return log_in_first(request)
+    place = rights.require(reader.db, reader.account, Right.see_code, class_id)
+    code = views.code_view(place.school_class, base_of(request))
+    head = views.head(reader.course, place)
+    return page(request, "classes/wall.html", reader.account, head=head, code=code)
+
+
+@router.post("/classes/{class_id}/quitter")
+def leave(class_id: str, account: SignedIn, db: Db) -> Response:
+    place = rights.require(db, account, Right.leave_class, class_id)
+    with noted(db, place.school_class.id, account.id):
+        service.leave(db, place.school_class, account.id)
+    return go("/classes")

@@ -1,0 +1,1 @@
+"""Regrades: begun, looked at, applied, undone."""

@@ -1,0 +1,156 @@
+"""Pages of regrades: what was sent is graded anew, shown, then applied or undone."""
+
+import json
+from collections.abc import AsyncIterator
+from typing import Annotated
+from uuid import UUID
+
+from fastapi import APIRouter, Form, Query, Request
+from fastapi.responses import HTMLResponse, Response, StreamingResponse
+from starlette.concurrency import run_in_threadpool
+
+from server.base.errors import NotFound, ServiceError
+from server.classes.service import require_open
+from server.course.dependencies import CourseOf
+from server.database import Database
+from server.database.dependencies import DatabaseOf, Db
+from server.desk.asking import UNKNOWN_ACTION, log_in_first
+from server.desk.regrades.schemas import Chosen
+from server.desk.regrades.views import progress_text, regrade_href, regrade_page, regrades_page
+from server.identity.dependencies import OptionalAccount, SignedIn
+from server.identity.models import Account
+from server.regrades import applying, service
+from server.regrades.dependencies import RegradesOf
+from server.regrades.models import Policy, Regrade
+from server.regrades.schemas import Advance, Wanted
+from server.rights import service as rights
+from server.rights.models import Right
+from server.submissions.dependencies import EventsOf
+from server.submissions.events import as_sse
+from server.web.dependencies import Reading
+from server.web.forms import Field, go
+from server.web.rendering import page
+
+router = APIRouter(include_in_schema=False)
+
+STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+NOT_OFFERED = "Ce choix n’est pas proposé."
+Text = Annotated[str, Query(max_length=200)]
+
+
+@router.get("/classes/{class_id}/recalculs")
+def regrades(request: Request, class_id: str, reader: Reading, store: RegradesOf, exercice: Text = "") -> Response:
+    """`exercice` is chosen in the form, for who comes from a page about it."""
+    if reader.account is None:
+        return log_in_first(request)
+    place = rights.require(reader.db, reader.account, Right.regrade, class_id)
+    view = regrades_page(reader.db, reader.course, place, store)
+    return page(request, "classes/regrades.html", reader.account, page=view, chosen=Chosen(exercice))
+
+
+@router.post("/classes/{class_id}/recalculs")
+def prepare(
+    request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, store: RegradesOf,
+    exercice: Field = "",
+    regle: Field = "keep_best",
+    devoir: Field = "",
+    eleve: Field = "",
+) -> Response:  # fmt: skip
+    place = rights.require(db, account, Right.regrade, class_id)
+    try:
+        if regle not in set(Policy):
+            raise NotFound(NOT_OFFERED)
+        wanted = Wanted(exercice, Policy(regle), _chosen(devoir), _chosen(eleve))
+        made = store.start(db, place.school_class, account.id, wanted)
+    except ServiceError as refused:
+        chosen = Chosen(exercice, regle, devoir, eleve, refused.detail)
+        view, status = regrades_page(db, course, place, store), int(refused.status)
+        return page(request, "classes/regrades.html", account, status=status, page=view, chosen=chosen)
+    return go(regrade_href(made))
+
+
+def _chosen(name: str) -> UUID | None:
+    """Raises NotFound."""
+    try:
+        return UUID(name) if name else None
+    except ValueError as error:
+        raise NotFound(NOT_OFFERED) from error
+
+
+@router.get("/classes/{class_id}/recalculs/{regrade_id}")
+def one(request: Request, class_id: str, regrade_id: str, reader: Reading) -> Response:
+    if reader.account is None:
+        return log_in_first(request)
+    place = rights.require(reader.db, reader.account, Right.regrade, class_id)
+    regrade = service.find(reader.db, place.school_class.id, regrade_id)
+    view = regrade_page(reader.db, reader.course, place, regrade)
+    return page(request, "classes/regrade.html", reader.account, page=view, problem="")
+
+
+@router.post("/classes/{class_id}/recalculs/{regrade_id}")
+def settle(
+    request: Request, class_id: str, regrade_id: str, account: SignedIn, db: Db, course: CourseOf,
+    action: Annotated[str, Form()] = "",
+) -> Response:  # fmt: skip
+    """Applies it, undoes it, or stops it."""
+    place = rights.require(db, account, Right.regrade, class_id)
+    regrade = service.find(db, place.school_class.id, regrade_id)
+    try:
+        require_open(place.school_class)
+        _do(action, db, course, regrade, account)
+    except ServiceError as refused:
+        if isinstance(refused, NotFound):
+            raise
+        view, status = regrade_page(db, course, place, regrade), int(refused.status)
+        return _refused(request, account, view, refused, status)
+    return go(regrade_href(regrade))
+
+
+def _refused(request: Request, account: Account, view: object, refused: ServiceError, status: int) -> HTMLResponse:
+    return page(request, "classes/regrade.html", account, status=status, page=view, problem=refused.detail)
+
+
+def _do(action: str, db: Db, course: CourseOf, regrade: Regrade, account: Account) -> None:
+    """Raises NotFound or Conflict."""
+    if action == "appliquer":
+        applying.apply(db, course, regrade.id, account.id)
+    elif action == "annuler":
+        applying.undo(db, course, regrade.id, account.id)
+    elif action == "arreter":
+        service.stop(db, regrade.id)
+    else:
+        raise NotFound(UNKNOWN_ACTION)
+
+
+@router.get("/classes/{class_id}/recalculs/{regrade_id}/evenements")
+async def events(
+    class_id: str, regrade_id: str, account: OptionalAccount, database: DatabaseOf, hub: EventsOf
+) -> StreamingResponse:
+    """How far it is, until it is over."""
+
+    def read() -> Advance:
+        return _advance(database, account, class_id, regrade_id)
+
+    await run_in_threadpool(read)  # a refusal must come before the stream begins
+    snapshots = hub.follow(str(UUID(regrade_id)), read)
+    lines: AsyncIterator[str] = as_sse(snapshots, _told, name="progress")
+    return StreamingResponse(lines, media_type="text/event-stream", headers=STREAM_HEADERS)
+
+
+def _advance(database: Database, account: Account | None, class_id: str, regrade_id: str) -> Advance:
+    if account is None:
+        raise NotFound(service.UNKNOWN)
+    with database.read() as db:
+        place = rights.require(db, account, Right.regrade, class_id)
+        return service.advance(db, service.find(db, place.school_class.id, regrade_id))
+
+
+def _told(advance: Advance) -> str:
+    return json.dumps(
+        {
+            "done": advance.done,
+            "graded": advance.graded,
+            "total": advance.total,
+            "text": progress_text(advance),
+        }
+    )

@@ -1,0 +1,192 @@
+"""From regrades to what the templates show."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Literal
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from graders.core.contract.outcomes import Kind
+from server.assignments import repository as assignments
+from server.classes import repository as classes
+from server.classes.models import Seat, Status
+from server.course import Course
+from server.desk.regrades.schemas import ChangeRow, Group, OutdatedRow, RegradePage, RegradeRow, RegradesPage, Tone
+from server.desk.views import head
+from server.marks import repository as marks
+from server.regrades import service
+from server.regrades.models import Policy, Regrade, Scope
+from server.regrades.schemas import Advance, Change, Fate, Outdated, State
+from server.regrades.service import Regrades
+from server.rights.service import Place
+from server.web import regraded
+from server.web.words import moment, moment_text, plural, points
+
+PATH = "/recalculs"
+DUST = 1e-6
+POLICIES: Mapping[Policy, str] = {
+    Policy.keep_best: "garder la meilleure note",
+    Policy.renew: "remplacer la note",
+}
+STATES: Mapping[State, tuple[str, Literal["", "good", "warn"]]] = {
+    State.running: ("en cours", "warn"),
+    State.ready: ("prête, pas encore appliquée", "warn"),
+    State.applied: ("appliquée", "good"),
+    State.undone: ("annulée", ""),
+    State.stopped: ("arrêtée", ""),
+}
+GONE_STUDENT, GONE_ASSIGNMENT = "un élève dont le compte n’existe plus", "un devoir supprimé"
+BY_HAND = "note modifiée à la main : elle reste celle qui compte, et sera à revoir"
+NOBODY = "Élève sorti de la classe"
+#: Of each fate, for one student and for several: what it is while it is to come, and once it is applied.
+COMING: Mapping[Fate, tuple[str, str]] = {
+    Fate.loses: ("élève perdrait des points", "élèves perdraient des points"),
+    Fate.gains: ("élève gagnerait des points", "élèves gagneraient des points"),
+    Fate.kept: (
+        "élève garderait sa note, que la nouvelle version baisserait",
+        "élèves garderaient leur note, que la nouvelle version baisserait",
+    ),
+    Fate.same: ("élève aurait la même note", "élèves auraient la même note"),
+}
+APPLIED: Mapping[Fate, tuple[str, str]] = {
+    Fate.loses: ("élève a perdu des points", "élèves ont perdu des points"),
+    Fate.gains: ("élève a gagné des points", "élèves ont gagné des points"),
+    Fate.kept: (
+        "élève a gardé sa note, que la nouvelle version baissait",
+        "élèves ont gardé leur note, que la nouvelle version baissait",
+    ),
+    Fate.same: ("élève a la même note", "élèves ont la même note"),
+}
+SIGNS: Mapping[Fate, tuple[str, Tone]] = {
+    Fate.loses: ("▼", "bad"),
+    Fate.gains: ("▲", "good"),
+    Fate.kept: ("=", "plain"),
+    Fate.same: ("=", "plain"),
+}
+
+
+def regrade_href(regrade: Regrade) -> str:
+    return f"/classes/{regrade.class_id}{PATH}/{regrade.id}"
+
+
+def regrades_page(db: Session, course: Course, place: Place, regrades: Regrades) -> RegradesPage:
+    school_class = place.school_class
+    titles = regrades.exercises(school_class)
+    names = _Names(db, course, school_class.id)
+    return RegradesPage(
+        head=head(course, place, PATH),
+        outdated=tuple(_outdated(one, titles[one.exercise]) for one in regrades.outdated(db, school_class)),
+        exercises=tuple(titles.items()),
+        assignments=tuple((str(name), title) for name, title in names.assignments.items()),
+        students=tuple((str(name), names.people[name]) for name in names.active),
+        rows=tuple(names.row(one, state) for one, state in service.history(db, school_class.id)),
+    )
+
+
+def _outdated(one: Outdated, title: str) -> OutdatedRow:
+    attempts = plural(one.attempts, "copie", "copies")
+    was = "a été corrigée" if one.attempts < 2 else "ont été corrigées"
+    words = f"{attempts} de {plural(one.students, 'élève')} {was} par une version plus ancienne"
+    return OutdatedRow(one.exercise, title, words)
+
+
+class _Names:
+    """Of whom and of what regrades of a class speak, read once for a page."""
+
+    def __init__(self, db: Session, course: Course, class_id: UUID) -> None:
+        self._course = course
+        self.overridden: frozenset[UUID] = frozenset()
+        everyone = classes.members(db, class_id)
+        students = [one for one in everyone if one.seat is Seat.student]
+        self.people = {one.id: one.name for one in everyone}
+        self.active = [one.id for one in students if one.status is Status.active]
+        self.assignments = {one.id: one.title for one in assignments.of_class(db, class_id)}
+
+    def row(self, regrade: Regrade, advance: Advance) -> RegradeRow:
+        exercise = self._course.exercises.get(regrade.exercise)
+        words, tone = STATES[advance.state]
+        return RegradeRow(
+            href=regrade_href(regrade),
+            title=exercise.title if exercise else regrade.exercise,
+            scope=self._scope(regrade),
+            policy=POLICIES[Policy(regrade.policy)],
+            when=moment(regrade.created_at),
+            when_text=moment_text(regrade.created_at),
+            state=words,
+            tone=tone,
+        )
+
+    def _scope(self, regrade: Regrade) -> str:
+        if regrade.scope == Scope.assignment:
+            title = self.assignments.get(regrade.assignment_id) if regrade.assignment_id else None
+            return f"devoir « {title} »" if title else GONE_ASSIGNMENT
+        if regrade.scope == Scope.student:
+            return (self.people.get(regrade.student_id) if regrade.student_id else None) or GONE_STUDENT
+        return "toute la classe"
+
+
+def regrade_page(db: Session, course: Course, place: Place, regrade: Regrade) -> RegradePage:
+    found = service.preview(db, regrade)
+    names = _Names(db, course, regrade.class_id)
+    set_by_hand = marks.active(db, regrade.class_id, [one.student for one in found.changes], [regrade.exercise])
+    names.overridden = frozenset(student for student, _ in set_by_hand)
+    exercise = course.exercises.get(regrade.exercise)
+    advance = found.advance
+    return RegradePage(
+        head=head(course, place, PATH),
+        regrade=names.row(regrade, advance),
+        state=advance.state,
+        graded=advance.graded,
+        total=advance.total,
+        progress=progress_text(advance),
+        failed=sum(change.failed for change in found.changes),
+        groups=tuple(_groups(found.changes, names, advance, "code" if exercise is None else exercise.kind)),
+        texts=None if exercise is None or exercise.answers is None else exercise,
+    )
+
+
+def progress_text(advance: Advance) -> str:
+    return f"{advance.graded} sur {plural(advance.total, 'copie', 'copies')}"
+
+
+def _groups(changes: Sequence[Change], names: _Names, advance: Advance, kind: Kind) -> Iterator[Group]:
+    words = APPLIED if advance.state is State.applied else COMING
+    for fate, (sign, tone) in SIGNS.items():
+        rows = tuple(_change(one, names, kind) for one in changes if one.fate is fate)
+        if rows:
+            title = plural(len(rows), *words[fate])
+            yield Group(fate.value, title, sign, tone, fate is Fate.same, rows)
+
+
+def _change(one: Change, names: _Names, kind: Kind) -> ChangeRow:
+    shown = one.anew if one.fate is Fate.kept else one.after
+    before, after = regraded.pair(one.before, shown)
+    difference = _signed((shown or 0.0) - (one.before or 0.0))
+    return ChangeRow(
+        student=names.people.get(one.student, NOBODY),
+        before=before,
+        after=after,
+        difference=difference,
+        why=regraded.sentences(one.why, kind),
+        notes=(*_notes(one), *((BY_HAND,) if one.student in names.overridden else ())),
+        attempt="" if one.submission_id is None else f"/soumissions/{one.submission_id}",
+    )
+
+
+def _signed(difference: float) -> str:
+    if abs(difference) < DUST:
+        return ""
+    return f"{'+' if difference > 0 else '−'}{points(abs(difference))}"
+
+
+def _notes(one: Change) -> Iterator[str]:
+    if one.waiting:
+        yield f"{plural(one.waiting, 'copie attend', 'copies attendent')} encore"
+    if one.failed:
+        failed = plural(one.failed, "copie n’a pas pu être recorrigée", "copies n’ont pas pu être recorrigées")
+        yield f"{failed} (incident de notre côté) : l’ancienne correction reste"
+    if one.since:
+        sent = plural(one.since, "essai envoyé", "essais envoyés")
+        yield f"{sent} depuis : la version actuelle s’y applique déjà"

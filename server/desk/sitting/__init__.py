@@ -1,0 +1,1 @@
+"""Tests: students sit them, teachers release what was found."""

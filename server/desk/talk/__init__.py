@@ -1,0 +1,1 @@
+"""One student's work, and what is said of it."""

@@ -1,0 +1,105 @@
+"""Pages of one student, for who teaches them: each exercise, and the attempts at one with what each changed."""
+
+from __future__ import annotations
+
+from typing import Annotated
+from uuid import UUID
+
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import HTMLResponse, Response
+
+from server.base.dependencies import SettingsOf
+from server.base.errors import Conflict, Invalid, TooMany
+from server.comments import service, words
+from server.desk.asking import log_in_first
+from server.desk.talk import work_views
+from server.identity.dependencies import SignedIn
+from server.identity.models import Account
+from server.rights import service as rights
+from server.rights.models import Right
+from server.web.dependencies import Reading
+from server.web.forms import Field, go
+from server.web.rendering import page
+from server.web.threads import NO_DRAFT, Draft
+from server.web.views import Reader
+
+router = APIRouter(include_in_schema=False)
+
+MOST = 10**6
+Number = Annotated[int, Query(ge=1, le=MOST)]
+
+
+@router.get("/classes/{class_id}/eleves/{student}")
+def student(request: Request, class_id: str, student: UUID, reader: Reading) -> Response:
+    if reader.account is None:
+        return log_in_first(request)
+    place = rights.require(reader.db, reader.account, Right.read_work, class_id)
+    view = work_views.student_page(reader, work_views.student_of(reader, place, student))
+    return page(request, "classes/student.html", reader.account, page=view)
+
+
+@router.get("/classes/{class_id}/eleves/{student}/{module}/{slug}")
+def attempts(
+    request: Request,
+    class_id: str,
+    student: UUID,
+    module: str,
+    slug: str,
+    reader: Reading,
+    essai: Annotated[int | None, Query(ge=1, le=MOST)] = None,
+    number: Annotated[int, Query(alias="page", ge=1, le=MOST)] = 1,
+) -> Response:
+    """`essai` is the attempt of which one wants to see what it changed."""
+    if reader.account is None:
+        return log_in_first(request)
+    where = (class_id, student, module, slug)
+    return _work(request, reader, reader.account, where, Right.read_work, essai, number)
+
+
+def _work(
+    request: Request,
+    reader: Reader,
+    account: Account,
+    where: tuple[str, UUID, str, str],
+    right: Right,
+    chosen: int | None = None,
+    number: int = 1,
+    draft: Draft = NO_DRAFT,
+    status: int = 200,
+) -> HTMLResponse:
+    class_id, student, module, slug = where
+    place = rights.require(reader.db, account, right, class_id)
+    exercise = work_views.exercise_of(reader, place, module, slug)
+    of_whom = work_views.student_of(reader, place, student)
+    view = work_views.work_page(reader, of_whom, exercise, account, chosen, number, draft)
+    return page(request, "classes/work.html", account, status=status, page=view)
+
+
+@router.post("/classes/{class_id}/eleves/{student}/{module}/{slug}")
+def comment(
+    request: Request,
+    class_id: str,
+    student: UUID,
+    module: str,
+    slug: str,
+    account: SignedIn,
+    reader: Reading,
+    settings: SettingsOf,
+    texte: Field = "",
+    phrase: Field = "",
+    garder: Field = "",
+) -> Response:
+    """Says something of a student's work in an exercise, whatever the attempt."""
+    place = rights.require(reader.db, account, Right.comment, class_id)
+    exercise = work_views.exercise_of(reader, place, module, slug)
+    of_whom = work_views.student_of(reader, place, student)
+    try:
+        text = words.with_phrase(reader.db, account, words.phrase_id(phrase), texte)
+        thread = service.begin_whole(reader.db, account, student, exercise.id, text, settings)
+    except (Invalid, Conflict, TooMany) as refused:
+        reader.db.rollback()
+        draft, where = Draft(texte, refused.detail), (class_id, student, module, slug)
+        return _work(request, reader, account, where, Right.comment, draft=draft, status=int(refused.status))
+    if garder and texte.strip():
+        words.keep(reader.db, account, texte, exercise.id, None)
+    return go(f"{of_whom.in_exercise(exercise.id)}#fil-{thread.id}")

@@ -1,0 +1,153 @@
+"""From the questions of a class, and words to its students, to what the templates show of them."""
+
+from __future__ import annotations
+
+from urllib.parse import quote
+
+from server.base.errors import Invalid
+from server.comments import service, words_repository
+from server.comments.models import State
+from server.comments.schemas import Question, Told
+from server.course import Course, Exercise, Module
+from server.desk.talk.schemas import FilterView, QuestionRow, QuestionsPage, ToldRow, WordForm, WordsPage
+from server.desk.talk.work_views import exercise_of
+from server.desk.views import head, href_of
+from server.rights.service import Place
+from server.web.news import title_of_link
+from server.web.threads import Draft, about, label_of, short
+from server.web.threads import href_of as href_of_thread
+from server.web.views import Reader, exercise_href, in_order, lesson_href, on_the_way
+from server.web.words import moment, moment_text
+
+#: In the address of the page; the first is what it shows unasked.
+FILTERS: dict[str, tuple[State | None, str]] = {
+    "ouvertes": (State.open, "À répondre"),
+    "repondues": (State.answered, "Répondus"),
+    "reglees": (State.settled, "Réglés"),
+    "toutes": (None, "Tous les fils"),
+}
+UNASKED = "ouvertes"
+ELSEWHERE = "Choisissez une page ou un exercice de ce module."
+
+
+def questions_page(reader: Reader, place: Place, wanted: str, number: int) -> QuestionsPage:
+    """`wanted` is one of FILTERS."""
+    school_class = place.school_class
+    state, _ = FILTERS[wanted]
+    found = service.questions(reader.db, school_class, state, number)
+    href = f"{href_of(school_class)}/questions"
+    page = f"{href}?etat={wanted}&page="
+    total = sum(found.counts.values())
+    return QuestionsPage(
+        head=head(reader.course, place, "/questions"),
+        filters=tuple(
+            FilterView(f"{label} ({found.counts[one] if one else total})", f"{href}?etat={name}", name == wanted)
+            for name, (one, label) in FILTERS.items()
+        ),
+        rows=tuple(_question(reader.course, place, one) for one in found.lines),
+        newer=f"{page}{number - 1}" if number > 1 else "",
+        older=f"{page}{number + 1}" if found.more else "",
+    )
+
+
+def _question(course: Course, place: Place, one: Question) -> QuestionRow:
+    thread = one.thread
+    return QuestionRow(
+        href=href_of_thread(thread),
+        student=one.student,
+        student_href=f"{href_of(place.school_class)}/eleves/{thread.account_id}/{thread.exercise}",
+        exercise=_title(course, thread.exercise),
+        about=about(thread),
+        state=thread.state,
+        label=label_of(thread, by_staff_alone=thread.by_staff and one.messages == 1),
+        text=short(one.text),
+        messages=one.messages,
+        when=moment(thread.changed_at),
+        when_text=moment_text(thread.changed_at),
+    )
+
+
+def _title(course: Course, exercise: str) -> str:
+    found = course.exercises.get(exercise)
+    return found.title if found else exercise
+
+
+def words_page(
+    reader: Reader, place: Place, exercise: str, mistake: str, link: str = "", draft: Draft | None = None
+) -> WordsPage:
+    """`exercise` and `mistake`, where they are not empty, are what the next word is about. Raises NotFound."""
+    school_class = place.school_class
+    module = reader.course.modules.get(school_class.module)
+    chosen = exercise_of(reader, place, *exercise.split("/", 1)) if "/" in exercise else None
+    now = words_repository.mistakes_now(reader.db, school_class.id, chosen.id) if chosen else []
+    titles = {name: title for name, title, _ in now}
+    href = f"{href_of(school_class)}/mots?exercice="
+    return WordsPage(
+        head=head(reader.course, place, "/questions"),
+        exercises=tuple((one.id, one.title) for one in in_order(module)) if module else (),
+        exercise=chosen.id if chosen else "",
+        mistakes=tuple(
+            (f"{href}{quote(exercise, safe='')}&erreur={quote(name, safe='')}#ecrire", title, count, name == mistake)
+            for name, title, count in now
+        ),
+        form=_form(reader, place, module, chosen, mistake, titles, link, draft or Draft())
+        if chosen and module
+        else None,
+        told=tuple(_told(reader.course, one) for one in words_repository.told_in(reader.db, school_class.id)),
+    )
+
+
+def _form(
+    reader: Reader,
+    place: Place,
+    module: Module,
+    exercise: Exercise,
+    mistake: str,
+    titles: dict[str, str],
+    link: str,
+    draft: Draft,
+) -> WordForm:
+    class_id = place.school_class.id
+    concerned = words_repository.concerned(reader.db, class_id, exercise.id, mistake or None)
+    members = words_repository.members(reader.db, class_id, concerned)
+    return WordForm(
+        exercise=exercise.id,
+        exercise_title=exercise.title,
+        mistake=mistake,
+        mistake_title=titles.get(mistake, mistake),
+        students=tuple(one.name for one in members),
+        links=_links(module),
+        link=link,
+        draft=draft,
+    )
+
+
+def _links(module: Module) -> tuple[tuple[str, tuple[tuple[str, str], ...]], ...]:
+    lessons = tuple((lesson_href(one), one.title) for one in on_the_way(module))
+    exercises = tuple((exercise_href(one), one.title) for one in in_order(module))
+    return tuple(group for group in (("Pages du cours", lessons), ("Exercices", exercises)) if group[1])
+
+
+def good_link(course: Course, place: Place, link: str) -> str:
+    """Where a word may send students: a page or an exercise of the class's module, or nowhere. Raises Invalid."""
+    module = course.modules.get(place.school_class.module)
+    known = {address for _, group in _links(module) for address, _ in group} if module else set()
+    if link and link not in known:
+        raise Invalid(ELSEWHERE)
+    return link
+
+
+def _told(course: Course, one: Told) -> ToldRow:
+    note = one.note
+    return ToldRow(
+        exercise=_title(course, note.exercise),
+        mistake=note.misconception or "",
+        author=one.author or "un enseignant",
+        text=note.text,
+        link=note.link,
+        link_title=title_of_link(course, note.link),
+        readers=one.readers,
+        seen=one.seen,
+        when=moment(note.created_at),
+        when_text=moment_text(note.created_at),
+    )
