@@ -269,8 +269,8 @@ def test_every_route_does_for_everybody_what_the_table_says(site: Site) -> None:
     site.tighten(sign_up_burst=1000, guest_burst=10_000)
     provided_to(site.app, Figures).pictures._drawer = Drawer()  # type: ignore[assignment]
     provided_to(site.app, Boards).stays_open = 0.0
-    found = {}
+    found, read_only = {}, Stage(site)
     for name in expected():
-        stage = Stage(site)
+        stage = read_only if name.startswith("GET ") else Stage(site)
         found[name] = {who: stage.ask(name, who) for who in PEOPLE}
     assert found == expected()
