@@ -22,9 +22,11 @@ BETWEEN_LESSONS = timedelta(days=7)
 LASTING = timedelta(minutes=90)
 SINCE = timedelta(minutes=35)  # how long the last lesson has gone on
 ABSENT = 0.06
-KEPT = 0.35  # a misconception is kept for one more attempt
-OTHER = 0.2  # a mistake that has no name: of syntax, of form, or an odd one
-POPULAR = 4  # misconceptions that most of the named mistakes of an exercise are
+KEPT = 0.45  # a misconception is kept for one more attempt
+OTHER = 0.25  # a mistake that has no name: of syntax, of form, or an odd one
+POPULAR = 1.8  # misconceptions that most of the named mistakes of an exercise are
+SEEN = (0.1, 0.55)  # how soon the right program is found: for whom all is hard, and what ease adds
+LEFT = 0.16  # an exercise is left unsolved after an attempt, by whom all is hard
 UNNAMED = (Outcome.WRONG_ANSWER, Outcome.RUNTIME_ERROR, Outcome.SYNTAX_ERROR, Outcome.INVALID_OUTPUT)
 
 
@@ -111,7 +113,7 @@ def _lesson(
 
 def _attempts(of: Repertoire, ease: float, random: Random) -> Iterator[Known]:
     """Wrong ones while the exercise is not understood, then the right one; who finds it hard may leave it."""
-    while random.random() > 0.25 + 0.7 * ease:
+    while random.random() > SEEN[0] + SEEN[1] * ease:
         if of.unnamed and (not of.named or random.random() < OTHER):
             yield random.choice(of.unnamed)
         elif of.named:
@@ -119,6 +121,6 @@ def _attempts(of: Repertoire, ease: float, random: Random) -> Iterator[Known]:
             yield random.choice(popular)
             while random.random() < KEPT:
                 yield random.choice(popular)
-        if random.random() < 0.1 * (1 - ease):
+        if random.random() < LEFT * (1 - ease):
             return
     yield random.choice(of.right)
