@@ -15,6 +15,8 @@ from reference.localisation.grid_filter import Cell, Grid
 FEW = 6
 LIKELIEST = 10
 VISIBLE = 5e-10
+#: Two cells as likely as each other are not told apart by this much.
+ROUNDING = 1e-6
 DIGITS = 6
 MOST_DIGITS = 17
 
@@ -87,7 +89,7 @@ class SumsToOne(SameBelief):
 
 @dataclass(frozen=True)
 class SameLikeliest(SameBelief):
-    """The greatest value in the cell where it is expected."""
+    """The greatest value in the cell where it is expected, and by more than rounding."""
 
     def __call__(self, expected: Value, got: Value) -> Mismatch | None:
         wanted = read_array(expected)
@@ -99,7 +101,7 @@ class SameLikeliest(SameBelief):
             return super().__call__(expected, got)
         best = spot(int(np.argmax(wanted)), wanted.shape)
         others = np.delete(belief.ravel(), int(np.argmax(wanted)))
-        if belief[best] > others.max():
+        if belief[best] > (1.0 + ROUNDING) * others.max():
             return None
         return Mismatch(f"La case la plus probable devrait être {at(best)}.")
 

@@ -21,6 +21,14 @@ Rng = np.random.Generator
 TELLING = 0
 
 
+#: Neighbours (y, x) on the module's map whose scans differ by two opposite beams alone, which read the same two numbers
+#: the other way round: side by side, then one above the other. Whoever forgets a beam, or its direction, or looks from
+#: an edge of the cell, finds them as likely, or more alike than they are.
+OPPOSED: tuple[tuple[Cell, Cell], ...] = (((3, 16), (3, 17)), ((1, 18), (2, 18)))
+#: Three cells (y, x) of that map that see the same: of a third each, no rounded result adds up to 1.
+ALIKE: tuple[Cell, ...] = ((3, 21), (12, 2), (12, 7))
+
+
 def telling_then(rng: Rng) -> tuple[Rng, Rng]:
     """The generator of what is always drawn, then this one."""
     return np.random.default_rng(TELLING), rng
@@ -35,16 +43,25 @@ def module_world() -> GridWorld:
 
 
 def open_world(rng: Rng, height: int = 5, width: int = 7) -> GridWorld:
-    """A small map without walls around it, where leaving by one side and coming back by the other would be possible."""
+    """A small map without walls around it, where leaving by one side and coming back by the other would be possible.
+
+    On both diagonals two free cells meet at a corner between two walls: a robot slips there all the same.
+    """
     while True:
         free = world.random_map(rng, height + 2, width + 2, fill=0.25)[1:-1, 1:-1]
-        if np.count_nonzero(free) >= 0.5 * free.size and _wraps(free) and _wraps(free.T):
+        roomy_enough = np.count_nonzero(free) >= 0.5 * free.size
+        if roomy_enough and _wraps(free) and _wraps(free.T) and _pinches(free) and _pinches(free[:, ::-1]):
             return GridWorld.of(free, world.RANGE)
 
 
 def _wraps(free: Grid) -> bool:
     """Does some row have both its ends free?"""
     return bool(np.any(free[:, 0] & free[:, -1]))
+
+
+def _pinches(free: Grid) -> bool:
+    """Do some two cells down a diagonal have walls on both sides?"""
+    return bool(np.any(free[:-1, :-1] & free[1:, 1:] & ~free[:-1, 1:] & ~free[1:, :-1]))
 
 
 def pick(rng: Rng, mask: Grid) -> Cell:
@@ -130,6 +147,7 @@ def doubts(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
     shape = grid.free.shape
     yield one_hot(shape, (1, 1), (1, 2)), grid.scans[1, 1], 0.5
     yield one_hot(shape, (1, 1), (1, 2)), grid.scans[1, 1], 1.0
+    yield one_hot(shape, *ALIKE), grid.scans[ALIKE[0]], 0.5
     for sigma in (1.5, 1.0, 0.5):
         cell = pick(rng, grid.free)
         other = neighbour(rng, grid, cell)
@@ -139,10 +157,19 @@ def doubts(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
         yield grid.uniform(), grid.scans[pick(rng, grid.free)], sigma
 
 
+def _opposed(grid: GridWorld) -> Iterator[tuple[Floats, Cell]]:
+    """The doubts between two opposed cells of the module's map, and the one of the two where the robot is."""
+    for pair in OPPOSED:
+        for cell in pair:
+            yield one_hot(grid.free.shape, *pair), cell
+
+
 def plain_doubts(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
     """Between two neighbours, equally likely before: the scan is exactly that of one of them."""
     shape = grid.free.shape
     yield one_hot(shape, (1, 1), (1, 2)), grid.scans[1, 1], 0.5
+    for belief, cell in _opposed(grid):
+        yield belief, grid.scans[cell], 0.5
     for source in telling_then(rng):
         for sigma in (0.5, 1.0, 1.5):
             cell = pick(source, grid.free)
@@ -174,6 +201,8 @@ def without_sigma(rng: Rng, grid: GridWorld) -> Iterator[Arguments]:
     """The same doubts, sigma being left out."""
     shape = grid.free.shape
     yield one_hot(shape, (1, 1), (1, 2)), grid.scans[1, 1]
+    for belief, cell in _opposed(grid):
+        yield belief, grid.scans[cell]
     for source in telling_then(rng):
         for _ in range(3):
             cell = pick(source, grid.free)
