@@ -117,7 +117,7 @@ CHECKS = (
         functions=("n_eff", FUNCTION),
         names={"n_eff": ("poids",), FUNCTION: ("particules", "poids")},
         inputs=trials.arguments_to_keep,
-        times=8,
+        chance=(FUNCTION,),
         hint="Votre code écrit-il dans le tableau reçu, ou dans un nouveau tableau ?",
     ),
 )

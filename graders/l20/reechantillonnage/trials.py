@@ -160,9 +160,12 @@ def _raise(objection: Objection | None) -> None:
 def arguments_to_keep(rng: np.random.Generator) -> dict[str, Arguments]:
     """Weights whose sum differs from 1 by rounding alone, so that normalising them in place shows.
 
-    The last one has a tooth in it at each call: whether an index leaves the cloud there is not left to chance.
+    They are not in order, and the last one has two teeth in it at each call: whether sorting in place shows, an index
+    leaves the cloud or a particle is written over another is not left to chance.
     """
     while True:
         weights = uneven_weights(rng, 6)
-        if weights[-1] > 1 / 6 and float(np.sum(weights)) != 1.0 and sum(weights.tolist()) != 1.0:
+        weights = np.roll(weights, -1 - int(np.argmax(weights)))
+        unsorted = weights[-1] > 2 / 6 and bool(np.any(np.diff(weights) < 0))
+        if unsorted and float(np.sum(weights)) != 1.0 and sum(weights.tolist()) != 1.0:
             return {"n_eff": (weights,), FUNCTION: (particles(rng, 6, 3), weights)}
