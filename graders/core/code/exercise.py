@@ -63,6 +63,10 @@ def code(file: str, *, checks: Sequence[Check], kit: KitMaker, probes: Sequence[
     solution = read_solution(folder)
     misconceptions = tuple(read_misconceptions(folder, solution))
     model = read_model(folder)
-    whole = [Mutant((m.id,), m.source, (Edit(m.id, (), frozenset(m.functions)),)) for m in misconceptions if m.whole]
+    whole = [
+        Mutant((m.id,), m.source, (Edit(m.id, (), frozenset(m.functions)),))
+        for m in misconceptions
+        if m.whole and not m.ruled
+    ]
     prober = Prober(model, probes, whole) if model is not None else None
     return CodeDefinition(folder, tuple(checks), kit, solution, misconceptions, prober)

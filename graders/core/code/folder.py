@@ -25,7 +25,7 @@ class Misconception:
 
     Several may share an id: the same mistake leaves other outputs in code that, say, forgets to wrap angles besides.
     `line` is its place in the catalogue; `whole` says that its source is no edit of the model, `edited` that it
-    is made by edits too, `ruled` that a rule of the probes alone knows it: its outputs in the checks say too little.
+    is made by edits too, `ruled` that a rule of the probes alone knows it: its outputs say too little elsewhere.
     """
 
     id: str

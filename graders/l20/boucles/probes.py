@@ -1,8 +1,4 @@
-"""What both functions are asked by hand. A signature is free: it is judged by what it does with scans made on purpose.
-
-The walks of `candidats_boucle` hold the same few scans again and again: their distances are zero or far from it, in
-every norm and for every signature that tells places apart.
-"""
+"""What both functions are asked by hand. A signature is free: it is judged by what it does with scans made for it."""
 
 from __future__ import annotations
 
@@ -13,87 +9,9 @@ import numpy as np
 from graders.core.code.probes import Probes, Seen, Shown, as_array
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, read_indices
 from graders.l20 import world
-from graders.l20.boucles.calibration import HUGE
+from graders.l20.boucles.asked import AKIN, AT_END, LOOKED, MIDDLE, SAME, SIGNED, TIED, TINY, TURNED, A
 from graders.l20.boucles.readings import Unsuitable, is_complex, is_mask, read_signature
-from graders.l20.boucles.trials import BOWL, RAMP, TIED_SHIFTS, TIES
-
-A, B, C = RAMP, BOWL + 0.37, 12.5 - RAMP[::-1] ** 0.9
-TINY = 1e-7
-
-
-def _walk(pattern: str) -> Floats:
-    return np.array([{"A": A, "B": B, "C": C, "a": np.roll(A, 7)}[place] for place in pattern])
-
-
-LONG = "ABCABBCAABCBACBBACABCABA"
-LOOKED: tuple[Arguments, ...] = (
-    (_walk(LONG), 23, TINY),
-    (_walk(LONG), 23, HUGE),
-    (_walk(LONG), 15, TINY),
-    (_walk(LONG[:16]), 12, HUGE),
-    (_walk(LONG), 10, TINY),
-    (_walk("BACABBCAABCBB"), 11, TINY),
-    (_walk(LONG[:14]), 9, HUGE),
-    (_walk(LONG[:14]), 4, HUGE),
-    (_walk(LONG[:14]), 0, HUGE),
-    (_walk("C" + LONG[1:]), 23, TINY),
-    (_walk("C" + LONG[1:]), 23, HUGE),
-)
-TURNED: tuple[Arguments, ...] = ((_walk("aBCaBBCAaBCBaCBBaCaBCAbA".replace("b", "B")), 23, TINY),)
-
-
-def _same_norm() -> Floats:
-    """A scan unlike A, of the same norm, and so are their spectra by Parseval, whole or half; nothing else is the same.
-
-    For the half, the sum and the last harmonic are two numbers whose squares add up to the same.
-    """
-    alternate = (-1.0) ** np.arange(36)
-    shape = np.random.default_rng(5).permutation(C)
-    shape -= shape.mean()
-    shape -= alternate * (shape @ alternate) / 36
-    total, last = A.sum(), A @ alternate
-    middle = (0.96 * total + alternate * np.sqrt(last**2 + (1.0 - 0.96**2) * total**2)) / 36
-    return np.asarray(middle + np.sqrt((A @ A - middle @ middle) / (shape @ shape)) * shape)
-
-
-RIPPLE = 0.05 * np.sin(np.arange(36))
-LOWER = [0.4 * A + RIPPLE, 0.55 * A + 2.0 * RIPPLE, np.minimum(0.7 * A, 5.0)]
-HIGHER = [1.2 * A + RIPPLE, 1.1 * A + 2.0 * RIPPLE, 1.15 * A + np.roll(RIPPLE, 9)]
-#: Lower in sum alone, higher in sum alone, then as spread out as the last scan, and nearly the same.
-NEITHER = [
-    np.concatenate([0.7 * A[:30], np.full(6, 11.5)]),
-    np.concatenate([1.1 * A[:30] + 2.0, np.full(6, 0.7)]),
-    0.9 * A + 0.7,
-    0.99 * A - 0.2 * (-1.0) ** np.arange(36),
-]
-#: Places 1 to 3 are lower in all than the last scan, 4 to 6 higher, 7 of the same norm, 8 to 11 none of these.
-AKIN: tuple[Arguments, ...] = (
-    (np.array([A, *LOWER, *HIGHER, _same_norm(), *NEITHER, np.roll(A, 7), *[B] * 9, A]), 22, TINY),
-)
-
-RAISED = RAMP.copy()
-RAISED[17] += 0.6
-
-
-def _with(ray: int, distance: float) -> Floats:
-    """The ramp, one ray of which is another one."""
-    return np.where(np.arange(36) == ray, distance, RAMP)
-
-
-ENDS: dict[int, tuple[Floats, ...]] = {
-    0: (_with(0, 0.5), _with(0, 5.3), _with(0, 20.0), np.concatenate([RAMP[:1], np.roll(RAMP[1:], 9)])),
-    35: (_with(35, 0.5), _with(35, 5.3), _with(35, 20.0), np.concatenate([np.roll(RAMP[:-1], 9), RAMP[-1:]])),
-}
-"""By the ray at an end of the scan: scans that are the same to a signature that overlooks it, and forgets the order."""
-SIGNED: tuple[Arguments, ...] = tuple(
-    (scan,)
-    for scan in (
-        RAMP, np.roll(RAMP, 1), np.roll(RAMP, 9), BOWL, TIES, *(np.roll(TIES, k) for k in TIED_SHIFTS), RAISED,
-        _with(17, 20.0), *ENDS[0], *ENDS[35],
-    )
-)  # fmt: skip
-SAME, TIED, MIDDLE = (0, 1, 2), (4, 5, 6, 7), 9
-AT_END = {0: range(10, 14), 35: range(14, 18)}
+from graders.l20.boucles.trials import RAMP
 
 
 def read_found(args: Arguments, value: Value) -> Value:
@@ -291,14 +209,22 @@ def raw_scans(shown: Shown) -> str | None:
 
 
 def compared_badly(shown: Shown) -> str | None:
-    """What is found, and should not be: the place of the same norm, or all that are lower, or higher; no other."""
+    """What is found, and should not be: the place of the same norm, or all that are lower, or higher; no other.
+
+    Whoever takes lower places for the same does not take a higher one for it: from a lower place A is not found, from
+    a higher one it is. A distance that is the same both ways, and finds these by chance, gets no name.
+    """
     found, right = _indices(shown.got[0]), _indices(shown.right[0])
     if found is None or right is None or not set(right) <= set(found):
         return None
+    from_lower, from_higher = (0 in (_indices(one) or ()) for one in shown.got[1:3])
     extra = sorted(set(found) - set(right))
-    if extra == [7]:
-        return "normes_comparees"
-    return "plus_grand_ecart_signe" if extra in ([1, 2, 3], [4, 5, 6]) else None
+    match extra, from_lower, from_higher:
+        case [7], False, False:
+            return "normes_comparees"
+        case ([1, 2, 3], False, True) | ([4, 5, 6], True, False):
+            return "plus_grand_ecart_signe"
+    return None
 
 
 PROBES = (

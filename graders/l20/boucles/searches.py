@@ -23,7 +23,7 @@ from graders.l20.boucles.lookalikes import lookalikes
 from graders.l20.boucles.places import STILL, Rng, module_pool, two_places
 from graders.l20.boucles.readings import apart, signature, tolerance
 from graders.l20.boucles.stories import comparison, places_figure, tell
-from graders.l20.boucles.trials import changed, kit_seed
+from graders.l20.boucles.trials import changed, kit_seed, must_ignore_ties
 from graders.l20.boucles.walks import Walk, draw_trap
 
 Draw = Callable[[int], Walk]
@@ -72,9 +72,11 @@ def _conclude(bench: Bench, search: Search, remark: str = "") -> None:
 def traps(bench: Bench) -> None:
     """Places that share a number: two of this grading, the look-alikes that never change, which are told first.
 
-    For a signature that is one number, two places that share that one, too.
+    For a signature that is one number, two places that share that one, too. One that starts from an extreme ray, of
+    which noise makes another, escapes from some traps and not from others: it is turned away before.
     """
     _must_ignore_heading(bench)
+    must_ignore_ties(bench)
     drawn = _search(bench, "signature", partial(scenes.trap, kit_seed(bench), _draw_seed(bench.rng)))
     search = _search(bench, "signature", lookalikes, drawn.threshold if drawn.found_one else None)
     own = _own_trap(bench) if search.found_one and drawn.found_one else None
