@@ -64,7 +64,7 @@ class CodeGrader:
         kit = self.kit(stream(seed, "kit"))
         runner = Runner(programs, source, kit, budget=self.budget)
         try:
-            findings = _run(self.checks, runner, kit, seed)
+            findings = run_checks(self.checks, runner, kit, seed)
             checked = time.perf_counter()
             diagnosis = self._diagnosis(findings, runner, kit, seed)
         finally:
@@ -153,7 +153,8 @@ def _always(source: bytes) -> Callable[[int], bytes]:
     return lambda _seed: source
 
 
-def _run(checks: Sequence[Check], runner: Runner, kit: KitSettings, seed: int) -> list[Finding]:
+def run_checks(checks: Sequence[Check], runner: Runner, kit: KitSettings, seed: int) -> list[Finding]:
+    """What each of the checks finds of the runner's program, with the same draws for the same seed."""
     try:
         _ = runner.program
     except StudentFault as fault:
