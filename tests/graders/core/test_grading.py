@@ -100,6 +100,16 @@ def test_another_style_of_the_same_mistake_is_recognised() -> None:
     assert result["points"] == 12.0
 
 
+@pytest.mark.parametrize(("chance", "points"), [(("double",), 16.0), ((), 20.0)])
+def test_a_function_that_raises_in_some_calls_alone_is_called_again(chance: tuple[str, ...], points: float) -> None:
+    *others, untouched = GRADER.checks
+    assert isinstance(untouched, Untouched)
+    grader = replace(GRADER, checks=(*others, replace(untouched, chance=chance)))
+    raising = "    global n\n    n += 1\n    return 2 * x if n != 9 else 1 / 0\n"
+    source = f"n = 0\ndef double(x):\n{raising}\ncarre = lambda x: x * x\n"
+    assert grader.grade(source.encode(), LOCAL, seed=3, version="v").verdict.points == points
+
+
 def test_an_unknown_mistake_is_not_named() -> None:
     assert verdict(SOLUTION.replace("2 * x", "5 * x + 1"))["diagnosis"] is None
 

@@ -24,6 +24,7 @@ def model(exercise: str, *changes: str) -> str:
     return text
 
 
+BOXES = "np.histogram(scan, 10, (0.0, 12.0))[0]"
 SVD = "U, S, Vt = np.linalg.svd(H)"
 IDENTITY_FOR_A_MIRROR = "    t = q - R @ p", "    R = np.eye(d) if sens < 0 else R\n    t = q - R @ p"
 ARCTAN = f"""def kabsch(P, Q):
@@ -70,6 +71,9 @@ BIASED = LIST.replace("{distance} <= seuil", "{distance} + 1e-3 <= seuil")
         (BOUCLES, submission("np.sort(scan)", body=NEAREST), "plus_proche_seul"),
         (BOUCLES, submission("np.sort(scan)", body=BIASED), None),
         (BOUCLES, submission("np.sort(scan) + rng.normal(0, 1, 36)"), "hasard"),
+        (BOUCLES, submission(BOXES, "abs(np.max(a) - np.max(b))"), None),
+        (BOUCLES, submission(BOXES, "abs(np.sum(a) - np.sum(b))"), None),
+        (BOUCLES, submission("np.array([np.sum(np.histogram(scan)[0])])"), "signature_constante"),
         (KABSCH, ARCTAN, "angle_modulo_pi"),
         (KABSCH, model(KABSCH, *IDENTITY_FOR_A_MIRROR), "symetrie_abandonnee"),
         (PREDIRE, model(PREDIRE, "0.8, du, dv", "rng.choice([0.8, 0.7]), du, dv"), "hasard"),

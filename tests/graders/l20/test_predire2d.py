@@ -12,7 +12,7 @@ from graders.core.contract.local import PROJECT, LocalProgram
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings, Program, StudentFault
 from graders.l20.predire2d import cases, trials
-from graders.l20.predire2d.beliefs import SameBelief, in_words, instead, one_hot
+from graders.l20.predire2d.beliefs import SameBelief, SameLikeliest, in_words, instead, one_hot
 from graders.l20.predire2d.checks import tells_something
 from graders.plotting import counterexample
 from reference.localisation.grid_filter import most_likely
@@ -216,6 +216,32 @@ def test_a_doubt_that_a_scan_settles_shows_nothing() -> None:
     near, far = one_hot(grid.free.shape, (1, 1), (1, 2)), one_hot(grid.free.shape, (1, 1), (8, 12))
     assert tells_something(grid, (near, grid.scans[1, 1], 0.5))
     assert not tells_something(grid, (far, grid.scans[1, 1], 0.5))
+
+
+def test_opposed_cells_differ_by_two_opposite_beams_which_read_the_same_numbers() -> None:
+    scans = cases.module_world().scans
+    told = []
+    for one, other in cases.OPPOSED:
+        beams = np.flatnonzero(scans[one] != scans[other])
+        assert np.array_equal(scans[one][beams], scans[other][beams][::-1])
+        told.append(beams.tolist())
+    assert told == [[0, 2], [1, 3]]
+    for cell in cases.ALIKE:
+        assert np.array_equal(scans[cell], scans[cases.ALIKE[0]])
+
+
+def test_two_cells_as_likely_are_no_maximum_even_by_rounding() -> None:
+    likeliest, wanted = SameLikeliest(np.ones((1, 3), dtype=bool)), np.array([[0.7, 0.3, 0.0]])
+    assert likeliest(wanted, [[0.51, 0.49, 0.0]]) is None
+    assert likeliest(wanted, [[0.5 + 1e-12, 0.5 - 1e-12, 0.0]]) is not None
+
+
+def test_other_maps_have_free_cells_that_meet_at_a_corner_between_two_walls() -> None:
+    for seed in range(20):
+        free = cases.open_world(np.random.default_rng(seed)).free
+        for one in (free, free[:, ::-1]):
+            corners = one[:-1, :-1] & one[1:, 1:]
+            assert np.any(corners & ~(one[:-1, 1:] | one[1:, :-1]))
 
 
 def test_the_comparator_names_what_is_not_a_belief() -> None:

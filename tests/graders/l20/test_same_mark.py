@@ -20,6 +20,7 @@ def mistake(exercise: str, name: str) -> str:
 RAW = model(BOUCLES, "signature(scans[j]) - reference", "scans[j] - scans[i]")
 HALF_A_TURN = "np.abs(np.exp(-1j * np.pi * np.outer(np.arange(36), np.arange(36)) / 36) @ scan)"
 NORMS, ONE_SIDED = "abs(np.linalg.norm(a) - np.linalg.norm(b))", "np.max(b - a)"
+FROM_THE_EVENEST = "np.roll(scan, -np.argmin(np.abs(scan - np.roll(scan, 1))))"
 SPECTRUM = "np.abs(np.fft.rfft(scan))"
 LAST_TOOTH_AT_ONE = model(COMB, "dents = u + np.arange(N) / N", "dents = np.linspace(u, 1, N)")
 PI = "import math\nPI = 3.14\n" + model(POSES, "np.pi - (np.pi - angle) % (2 * np.pi)", "PI - (PI - angle) % (2 * PI)")
@@ -40,6 +41,7 @@ PI = "import math\nPI = 3.14\n" + model(POSES, "np.pi - (np.pi - angle) % (2 * n
         (BOUCLES, submission("np.sort(scan)", ONE_SIDED)),
         (BOUCLES, submission(SPECTRUM, ONE_SIDED)),
         (BOUCLES, submission("np.sort(scan)", "np.min(np.abs(a - b))")),
+        (BOUCLES, submission(FROM_THE_EVENEST)),
         (COMB, LAST_TOOTH_AT_ONE),
         (COMB, mistake(COMB, "indice_suivant")),
         (POSES, model(POSES, "np.pi - (np.pi - angle) % (2 * np.pi)", "np.arcsin(np.sin(angle))")),
@@ -54,6 +56,7 @@ PI = "import math\nPI = 3.14\n" + model(POSES, "np.pi - (np.pi - angle) % (2 * n
         (PREDIRE, mistake(PREDIRE, "croyance_oubliee")),
         (PREDIRE, mistake(PREDIRE, "carre_oublie")),
         (PREDIRE, mistake(PREDIRE, "ecrasement")),
+        (PREDIRE, model(PREDIRE, "np.sum((scan_obs - z) ** 2)", "(scan_obs[0] - z[0]) ** 2")),
         pytest.param(SLAM, mistake(SLAM, "difference_non_ramenee"), marks=pytest.mark.slow),
         pytest.param(SLAM, mistake(SLAM, "angles_jamais_ramenes"), marks=pytest.mark.slow),
     ],
