@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 from server.behaviour import service as behaviour
 from server.database import Database
 from server.gradebook import service as gradebook
-from server.gradebook.schemas import Attempt, held_text
+from server.gradebook.schemas import Attempt
 from server.identity.models import Account
 from server.submissions.models import State
 from server.submissions.service import UNATTENDED, Place, Submissions
@@ -45,7 +45,7 @@ def resource(db: Session, store: Submissions, attempt: Attempt) -> Resource:
         "id": str(submission.id),
         "status": place.state,
         "position": place.position,
-        "notice": held_text(attempt.held) if attempt.held else UNATTENDED if place.unattended else None,
+        "notice": attempt.held_text if attempt.held else UNATTENDED if place.unattended else None,
         "held": attempt.held is not None,
         "verdict": verdict.to_json() if verdict else None,
         "url": url_of(submission.id),

@@ -32,16 +32,23 @@ class Graded:
 class Attempt:
     """A submission as it is seen: what was sent, and the grading that counts.
 
-    None while it waits, and while a test holds it back from who looks (`held`): nothing tells these two apart.
+    None while it waits, and while a test holds it back from who looks (`held`): nothing tells these two apart, but that
+    an error of ours has left it ungraded (`failed`).
     """
 
     submission: Submission
     grading: Grading | None
     feedback: Feedback = NOTHING_HELD
+    failed: bool = False
 
     @property
     def held(self) -> Test | None:
         return self.feedback.holds(self.submission.created_at)
+
+    @property
+    def held_text(self) -> str:
+        """What there is to say of an attempt whose verdict a test holds back; empty of another one."""
+        return "" if self.held is None else (FAILED if self.failed else HELD).format(title=self.held.title)
 
     @property
     def verdict(self) -> Verdict | None:
@@ -50,16 +57,18 @@ class Attempt:
 
 
 HELD = "Reçu. Le résultat paraîtra quand l’enseignant publiera ceux du contrôle « {title} »."
-
-
-def held_text(test: Test) -> str:
-    """What there is to say of an attempt whose verdict a test holds back."""
-    return HELD.format(title=test.title)
+FAILED = (
+    "Reçu, mais pas corrigé : c’est une erreur de notre côté, elle ne compte pas contre vous et sera regardée. Tant "
+    "que dure le contrôle « {title} », vous pouvez envoyer de nouveau."
+)
 
 
 @dataclass(frozen=True)
 class AttemptLine:
-    """An attempt in a list: `outcome` and `score` are None while it waits, and while a test holds them back."""
+    """An attempt in a list: `outcome` and `score` are None while it waits, and while a test holds them back.
+
+    `failed`: held back, and an error of ours has left it ungraded.
+    """
 
     id: UUID
     number: int
@@ -67,6 +76,7 @@ class AttemptLine:
     outcome: str | None
     score: float | None
     held: bool = False
+    failed: bool = False
 
 
 @dataclass(frozen=True)

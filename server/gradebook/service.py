@@ -6,6 +6,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
 from server.assignments import feedback
 from server.base.errors import NotFound
@@ -99,7 +100,10 @@ def as_seen(db: Session, account_id: UUID, submission: Submission, grading: Grad
     if submission.account_id != account_id:
         return Attempt(submission, grading)
     known = feedback.of(db, account_id, submission.exercise)
-    return Attempt(submission, None if known.holds(submission.created_at) else grading, known)
+    if known.holds(submission.created_at) is None:
+        return Attempt(submission, grading, known)
+    failed = grading is not None and grading.outcome == Outcome.INTERNAL_ERROR
+    return Attempt(submission, None, known, failed)
 
 
 def latest(db: Session, account: Account | None, exercise_id: str) -> Attempt | None:
@@ -115,7 +119,7 @@ def attempts(db: Session, account: Account | None, exercise_id: str, most: int, 
     rows = repository.attempts(db, account.id, exercise_id, most=most, skipped=skipped)
     known = feedback.of(db, account.id, exercise_id)
     lines = (
-        AttemptLine(name, total - place, sent_at, None, None, held=True)
+        AttemptLine(name, total - place, sent_at, None, None, True, outcome == Outcome.INTERNAL_ERROR)
         if known.holds(sent_at)
         else AttemptLine(name, total - place, sent_at, outcome, score)
         for place, (total, name, sent_at, outcome, score) in enumerate(rows, skipped)
@@ -180,9 +184,14 @@ def held_since(db: Session, account_id: UUID, exercise_id: str | None = None) ->
     return {name: one.held_from for name, one in known.items() if one.held_from is not None}
 
 
-def sent_since(db: Session, account: Account, since: Mapping[str, datetime]) -> Mapping[str, int]:
-    """How many attempts one has sent from these times on, graded or not, by exercise, in these alone."""
-    return stored.sent_since(db, account.id, since)
+def sent_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
+    """How many attempts somebody has sent from these times on, graded or not, by exercise, in these alone."""
+    return stored.sent_since(db, account_id, since)
+
+
+def failed_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
+    """How many of these we have failed to grade: the one thing that may be told of what a test holds back."""
+    return repository.failed_since(db, account_id, since)
 
 
 def distinct_failed_attempts(

@@ -28,7 +28,7 @@ from server.figures.orders import MEDIA_TYPES, Theme
 from server.figures.service import Wanted
 from server.gradebook import service as gradebook
 from server.gradebook import solutions
-from server.gradebook.schemas import Attempt, held_text
+from server.gradebook.schemas import Attempt
 from server.identity.dependencies import AccountsOf, BrowserAccount, OptionalAccount, SignedIn, account_or_guest
 from server.identity.models import Account
 from server.pages import answers, service, talk
@@ -189,8 +189,8 @@ def submit(
 
 def _first_words(store: Submissions, db: Db, account: Account, submission: Submission) -> str:
     """What there is to say until there is more; of what a test holds back, always the same."""
-    test = gradebook.as_seen(db, account.id, submission, None).held
-    return held_text(test) if test else service.waiting_text(store.place(db, submission))
+    held = gradebook.as_seen(db, account.id, submission, None)
+    return held.held_text or service.waiting_text(store.place(db, submission))
 
 
 @router.post("/{module:module}/exercices/{slug}/brouillon")

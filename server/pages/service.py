@@ -16,7 +16,7 @@ from server.behaviour import service as behaviour
 from server.course import Exercise, Module
 from server.gradebook import service as gradebook
 from server.gradebook import solutions
-from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts, Progress, held_text
+from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts, Progress
 from server.pages import held, marks, opening, talk
 from server.pages.policy import policy_lines
 from server.pages.schemas import (
@@ -53,6 +53,7 @@ from server.web.words import mark, moment, moment_text, plural
 RECENT_ATTEMPTS = 8
 ATTEMPTS_A_PAGE = 50
 HELD = "Reçu, résultat à paraître"
+FAILED = "Pas corrigé, erreur de notre côté"
 
 
 def attempt_at(reader: Reader, exercise: Exercise, submission_id: str) -> Attempt:
@@ -252,7 +253,7 @@ def _work(
         number=number,
         status=place.state.value,
         waiting=waiting_text(place),
-        held=held_text(attempt.held) if attempt.held else "",
+        held=attempt.held_text,
         verdict=_verdict_view(exercise, verdict, href, attempt.grading.id) if verdict and attempt.grading else None,
         page=href,
         events=f"{href}/evenements",
@@ -307,5 +308,5 @@ def _row(exercise: Exercise, line: AttemptLine) -> AttemptRow:
         when=moment(line.sent_at),
         when_text=moment_text(line.sent_at),
         points="" if line.score is None else mark(20 * line.score),
-        outcome=HELD if line.held else verdicts.title_of(line.outcome, exercise.kind),
+        outcome=(FAILED if line.failed else HELD) if line.held else verdicts.title_of(line.outcome, exercise.kind),
     )
