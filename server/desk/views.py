@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from datetime import datetime
+from urllib.parse import urlencode
 
 import segno
 from markupsafe import Markup
@@ -49,6 +50,11 @@ LEAVES = "n’est pas dans la liste : sort de la classe, son travail est gardé"
 
 def href_of(school_class: SchoolClass) -> str:
     return f"/classes/{school_class.id}"
+
+
+def regrade_href(class_href: str, exercise: str) -> str:
+    """Where the attempts of a class at an exercise are graded again."""
+    return f"{class_href}/recalculs?{urlencode({'exercice': exercise})}"
 
 
 def module_name(course: Course, slug: str) -> str:

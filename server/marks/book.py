@@ -141,7 +141,8 @@ class _Material:
             for one in self.exercises.get(assignment.id, ())
             for key in [(member.id, one.exercise)]
         )
-        return AssignmentMark(rules, state_of(rules, marks, self.now), marks)
+        sat = (assignment.id, member.id) in self.sittings
+        return AssignmentMark(rules, state_of(rules, marks, self.now, sat=sat), marks)
 
     def _sent(self, assignment: Assignment, key: Key, found: _Found) -> Sequence[Sent]:
         """Of a test, what was sent while its student sat it."""
@@ -152,12 +153,15 @@ class _Material:
         return in_sitting(sent, sitting.began_at, sitting.handed_in_at) if sitting else ()
 
 
-def state_of(rules: Rules, marks: Sequence[ExerciseMark], now: datetime) -> State:
-    """Excused goes before all else; a mark that was set counts as something sent."""
+def state_of(rules: Rules, marks: Sequence[ExerciseMark], now: datetime, *, sat: bool = False) -> State:
+    """Excused goes before all else; a mark that was set counts as something sent.
+
+    `sat`: a test that one has begun, which has opened for them whatever its dates have become.
+    """
     if rules.excused or (marks and all(one.excused for one in marks)):
         return State.excused
     begun = any(one.points is not None for one in marks)
-    if now < rules.opens_at:
+    if now < rules.opens_at and not sat:
         return State.upcoming
     end = rules.last_moment or rules.due_at
     if end is None:

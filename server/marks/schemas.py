@@ -96,7 +96,10 @@ class State(StrEnum):
 
 @dataclass(frozen=True)
 class AssignmentMark:
-    """A student's mark at an assignment. Over, what was not sent counts 0; before, only what was sent counts."""
+    """A student's mark at an assignment. Over, what was not sent counts 0; before, only what was sent counts.
+
+    Who works ahead has sent something before the opening.
+    """
 
     rules: Rules
     state: State
@@ -105,7 +108,7 @@ class AssignmentMark:
     @property
     def points(self) -> float | None:
         """The weighted mean of its exercises, excused ones left out; None where there is nothing to say."""
-        if self.state in {State.upcoming, State.excused}:
+        if self.state is State.excused:
             return None
         over = self.state in {State.done, State.absent} and not self.endless
         known = [(0.0 if one.points is None else one.points, one.weight) for one in self._asked(missing=over)]
@@ -199,11 +202,15 @@ def held_back(assignment: Assignment, now: datetime) -> bool:
 
 @dataclass(frozen=True)
 class OwnMark:
-    """A mark as its student sees it: None while the test is held back."""
+    """A mark as its student sees it: None while the test is held back, or a test holds one of its exercises back.
+
+    `exercises`: those of which the marks are told all the same.
+    """
 
     assignment: Assignment
     rules: Rules
     mark: AssignmentMark | None
+    exercises: Mapping[str, ExerciseMark] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -230,7 +237,15 @@ class OwnMarks:
             tuple(weight for weight, is_told in zip(row.weights, told, strict=True) if is_told),
         )
         marks = tuple(
-            OwnMark(assignment, mark.rules, mark if is_told else None)
+            OwnMark(assignment, mark.rules, mark if is_told else None, _told(assignment, mark, held, book.at))
             for assignment, mark, is_told in zip(book.assignments, row.marks, told, strict=True)
         )
         return OwnMarks(marks, shown.average, book.titles)
+
+
+def _told(
+    assignment: Assignment, mark: AssignmentMark, held: Collection[str], now: datetime
+) -> dict[str, ExerciseMark]:
+    if held_back(assignment, now):
+        return {}
+    return {one.exercise: one for one in mark.exercises if one.exercise not in held}

@@ -17,6 +17,7 @@ from server.board.schemas import (
 )
 from server.desk.board.schemas import BarView, ChartView, HelpedRow, ItemView, UnnamedView
 from server.desk.board.shown import Shown
+from server.desk.views import regrade_href
 from server.web.words import moment, moment_text, points
 
 HEIGHT, BAR, GAP = 60.0, 18.0, 4.0
@@ -72,11 +73,12 @@ def percent(value: float) -> str:
     return f"{round(100 * value)}{NO_BREAK}%"
 
 
-def items(shown: Shown, found: Sequence[Item]) -> tuple[ItemView, ...]:
+def items(shown: Shown, found: Sequence[Item], *, may_regrade: bool) -> tuple[ItemView, ...]:
     return tuple(
         ItemView(
             exercise=shown.title(one.exercise),
             href=shown.exercise_href(one.exercise),
+            regrade_href=regrade_href(shown.href, one.exercise) if may_regrade else "",
             n=one.n,
             success=_success(one),
             attempts=_or_nothing(one.median_attempts),

@@ -96,8 +96,11 @@ class HelpedRow:
 
 @dataclass(frozen=True)
 class ItemView:
+    """`regrade_href` is empty for who may not have the class's attempts graded again."""
+
     exercise: str
     href: str
+    regrade_href: str
     n: int
     success: str
     attempts: str

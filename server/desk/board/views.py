@@ -93,7 +93,7 @@ def board_page(reader: Reader, place: Place, asked: Asked, base: str) -> BoardPa
         helped=told.helped(shown, insights.helped),
         helped_hidden=sum(one.share is None for one in insights.helped),
         hints=told.hints(shown, insights.hints),
-        items=told.items(shown, insights.items),
+        items=told.items(shown, insights.items, may_regrade=place.may(Right.regrade)),
         charts=told.charts(insights),
     )
 

@@ -22,7 +22,10 @@ class CellView:
 
 @dataclass(frozen=True)
 class ColumnView:
-    """`href` leads to what the column is made of, `sort_href` sorts by it; `notes` are said below its title."""
+    """`href` leads to what the column is made of, `sort_href` sorts by it; `notes` are said below its title.
+
+    `about`: words and address of another page about it, where there is one.
+    """
 
     title: str
     href: str
@@ -32,6 +35,7 @@ class ColumnView:
     count: int
     mean: str
     median: str
+    about: tuple[str, str] | None = None
 
 
 @dataclass(frozen=True)
@@ -81,6 +85,7 @@ class GradebookPage:
     total: int
     table: TableView
     assignment: str
+    assignment_href: str
     back: str
     everyone: str
     everyone_count: int

@@ -25,7 +25,7 @@ from server.desk.marks.schemas import (
     RowView,
     TableView,
 )
-from server.desk.views import head, href_of
+from server.desk.views import head, href_of, regrade_href
 from server.marks.files import ABSENT, EXCUSED, NOTES, Identifier, cell, column, for_moodle, titles
 from server.marks.means import number, rounded, written
 from server.marks.schemas import AssignmentMark, Book, ExerciseMark, Row, State, Summary, held_back, summary
@@ -44,6 +44,7 @@ STATES = {
     State.absent: "fini, rien n’a été envoyé",
     State.excused: "dispensé",
 }
+AHEAD = ", et déjà travaillé"
 BY = {Identifier.email: "par adresse électronique", Identifier.id: "par identifiant"}
 
 Score = Callable[[Row], float | None]
@@ -88,6 +89,7 @@ class Gradebook:
     def page(self, course: Course) -> GradebookPage:
         book = self.book
         chosen = self.place_of.get(self.assignment)
+        about = None if chosen is None else self._about(book.assignments[chosen])
         copied = {TOTAL: None, **self.place_of}
         text = column(book, copied[self.to_copy]) if self.to_copy in copied else None
         return GradebookPage(
@@ -97,6 +99,7 @@ class Gradebook:
             total=len(book.rows),
             table=self._overview() if chosen is None else self._of_exercises(chosen),
             assignment="" if chosen is None else self.titles[chosen],
+            assignment_href="" if about is None else about[1],
             back=self.address(devoir="", tri=""),
             everyone=self.address(groupe=""),
             everyone_count=len(self.everyone.rows),
@@ -135,6 +138,7 @@ class Gradebook:
                 book.summary_of(place),
                 href=self.address(devoir=str(one.id), tri=""),
                 notes=_notes(one, book.at),
+                about=self._about(one),
             )
             for place, (one, title) in enumerate(zip(book.assignments, self.titles, strict=True))
         ]
@@ -156,12 +160,16 @@ class Gradebook:
         book = self.book
         assignment = book.assignments[place]
         exercises = book.exercises[assignment.id]
+        regrades = self.place.may(Right.regrade)
         columns = [
             self._column(
                 one.exercise,
                 book.title_of(one.exercise),
                 summary([points for row in book.rows if (points := row.marks[place].exercises[n].points) is not None]),
                 notes=(f"coefficient {number(one.weight)}",),
+                about=("recorriger", regrade_href(self.path.removesuffix("/carnet"), one.exercise))
+                if regrades
+                else None,
             )
             for n, one in enumerate(exercises)
         ]
@@ -174,8 +182,21 @@ class Gradebook:
             told.append((row, (*(_exercise_cell(one, mark, href) for one in mark.exercises), _cell(mark, href))))
         return self._table(f"Notes du devoir « {self.titles[place]} »", columns, told)
 
+    def _about(self, assignment: Assignment) -> tuple[str, str] | None:
+        """The page of an assignment; none of what a class without assignments has to do."""
+        if assignment.id == self.place.school_class.id:
+            return None
+        return "le devoir", f"{href_of(self.place.school_class)}/devoirs/{assignment.id}"
+
     def _column(
-        self, key: str, title: str, found: Summary, *, href: str = "", notes: tuple[str, ...] = ()
+        self,
+        key: str,
+        title: str,
+        found: Summary,
+        *,
+        href: str = "",
+        notes: tuple[str, ...] = (),
+        about: tuple[str, str] | None = None,
     ) -> ColumnView:
         return ColumnView(
             title=title,
@@ -186,6 +207,7 @@ class Gradebook:
             count=found.count,
             mean=_shown(found.mean),
             median=_shown(found.median),
+            about=about,
         )
 
     def _sorted(self, scores: dict[str, Score]) -> Sequence[Row]:
@@ -238,7 +260,7 @@ def _notes(one: Assignment, now: datetime) -> tuple[str, ...]:
 def _cell(mark: AssignmentMark, href: str) -> CellView:
     found = cell(mark)
     text = found if isinstance(found, str) else NONE if found is None else number(found)
-    pending = mark.state is State.open and found is not None
+    pending = mark.state in {State.open, State.upcoming} and found is not None
     excused = mark.state is State.excused
     return CellView(text, href, 0 if excused else mark.days_late, mark.overridden, mark.stale, pending)
 
@@ -264,7 +286,7 @@ def mark_page(course: Course, place: Place, book: Book, assignment: str) -> Mark
         assignment=titles(book.assignments)[at],
         path=f"{path}/{row.member.id}/{assignment}",
         mark=_cell(mark, ""),
-        state=STATES[mark.state],
+        state=STATES[mark.state] + (AHEAD if mark.state is State.upcoming and mark.points is not None else ""),
         notes=_rules(mark),
         exercises=tuple(_exercise(book, one) for one in mark.exercises),
         may_change=place.may(Right.change_marks) and place.school_class.archived_at is None,
