@@ -13,7 +13,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import repository
+from server.assignments import keeping_tests, repository
 from server.assignments.models import Assignment, Exemption
 from server.assignments.rules import Field, Origin, Rules
 from server.assignments.schemas import WantedExemption, Whom, checked_exemption
@@ -52,7 +52,7 @@ def grant(
 ) -> Sequence[Exemption]:
     """One for the label, or one for each student; `replacing` revokes those that each had for this assignment.
 
-    Raises Conflict for an archived class, FieldsRefused.
+    Raises Conflict for an archived class, or where it would cut short who sits a test; FieldsRefused.
     """
     require_open(school_class)
     known = {one.id for one in students_of(members)}
@@ -62,11 +62,17 @@ def grant(
     targets: list[dict[str, Any]] = [{"account_id": one} for one in dict.fromkeys(whom.students)]
     if whom.label:
         targets = [{"label": whom.label}]
-    if replacing:
-        for one in repository.exemptions(db, [assignment.id]).get(assignment.id, ()):
-            if {"account_id": one.account_id} in targets or {"label": one.label} in targets:
-                revoke(db, school_class, by, assignment, one)
     made = [Exemption(assignment_id=assignment.id, created_by=by, **target, **wanted.columns()) for target in targets]
+    before = repository.exemptions(db, [assignment.id]).get(assignment.id, ())
+    replaced = [
+        one
+        for one in before
+        if replacing and ({"account_id": one.account_id} in targets or {"label": one.label} in targets)
+    ]
+    kept = [one for one in before if one not in replaced]
+    keeping_tests.require_exempted_go_on(db, assignment, before, [*kept, *made], utc_now())
+    for one in replaced:
+        _revoke(db, school_class, by, assignment, one)
     db.add_all(made)
     db.flush()
     for one in made:
@@ -114,6 +120,13 @@ def revoke(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignm
     require_open(school_class)
     if one.revoked_at is not None:
         return
+    before = repository.exemptions(db, [assignment.id]).get(assignment.id, ())
+    after = [each for each in before if each.id != one.id]
+    keeping_tests.require_exempted_go_on(db, assignment, before, after, utc_now())
+    _revoke(db, school_class, by, assignment, one)
+
+
+def _revoke(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment, one: Exemption) -> None:
     one.revoked_at = utc_now()
     db.flush()
     _note(db, school_class, by, What.exemption_revoked, assignment, one)

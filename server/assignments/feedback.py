@@ -7,7 +7,7 @@ it; an assignment may hold back hints, diagnosis or solution for a time. Staff a
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from enum import StrEnum
@@ -137,6 +137,18 @@ def _remembered(db: Session, account_id: UUID, exercise: str | None) -> Mapping[
         known[key] = _by_exercise(db, account_id, exercise, utc_now())
     found: Mapping[str, Feedback] = known[key]
     return found
+
+
+def of_students(db: Session, accounts: Collection[UUID], exercise: str) -> Mapping[UUID, Feedback]:
+    """Of many in one exercise, those from whom something is held back; two queries."""
+    now = utc_now()
+    rows = held.of_students(db, accounts, exercise, now) if accounts else ()
+    differences = repository.exemptions(db, {row.assignment.id for row in rows}) if rows else {}
+    grouped: dict[UUID, list[tuple[Row, Rules]]] = defaultdict(list)
+    for row in rows:
+        told = differences.get(row.assignment.id, ())
+        grouped[row.account_id].append((row, in_force(row.assignment, told, row.account_id, row.groups)))
+    return {account_id: feedback(pairs, now) for account_id, pairs in grouped.items()}
 
 
 def forget(db: Session) -> None:

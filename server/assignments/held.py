@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
 
+from sqlalchemy import Row as Found
 from sqlalchemy import Select, and_, bindparam, exists, or_, select
 from sqlalchemy.orm import Session
 
@@ -19,6 +20,7 @@ from server.database.base import UtcDateTime
 class Row:
     """One exercise of one assignment of one of a student's classes, with what that student is there and has done."""
 
+    account_id: UUID
     assignment: Assignment
     exercise: str
     groups: Sequence[str]
@@ -26,11 +28,12 @@ class Row:
     sitting: Sitting | None
 
 
-def _asked() -> Select[Assignment, str, list[str], str, Sitting]:
-    """Of the classes where the account learns, or which it has left of its own accord: nobody leaves a test so, nor by
+def _asked() -> Select[UUID, Assignment, str, list[str], str, Sitting]:
+    """Of the classes where an account learns, or which it has left of its own accord: nobody leaves a test so, nor by
     asking to come back.
 
-    An assignment that holds nothing back is left out, and so is a test that is over for everyone.
+    An assignment that holds nothing back is left out, and so is a test that is over for everyone. A class that is
+    archived holds nothing back but the tests that were sat in it and are not released.
     """
     now = bindparam("now", type_=UtcDateTime())
     later = exists().where(
@@ -42,7 +45,9 @@ def _asked() -> Select[Assignment, str, list[str], str, Sitting]:
     unreleased = or_(Assignment.released_at.is_(None), Assignment.released_at > now, sits, later)
     hides = or_(*(column != Shown.usual for column in (Assignment.hints, Assignment.diagnosis, Assignment.solution)))
     return (
-        select(Assignment, AssignedExercise.exercise, Membership.groups, Membership.status, Sitting)
+        select(
+            Membership.account_id, Assignment, AssignedExercise.exercise, Membership.groups, Membership.status, Sitting
+        )
         .select_from(Membership)
         .join(Assignment, Assignment.class_id == Membership.class_id)
         .join(SchoolClass, SchoolClass.id == Membership.class_id)
@@ -52,21 +57,21 @@ def _asked() -> Select[Assignment, str, list[str], str, Sitting]:
             and_(Sitting.assignment_id == Assignment.id, Sitting.account_id == Membership.account_id),
         )
         .where(
-            Membership.account_id == bindparam("account"),
             Membership.role == Seat.student,
             or_(
                 Membership.status == Status.active,
                 and_(Membership.status == Status.left, Membership.went),
                 and_(Membership.status == Status.pending, Sitting.began_at.is_not(None)),
             ),
-            SchoolClass.archived_at.is_(None),
-            or_(and_(Assignment.mode == Mode.test, unreleased), hides),
+            or_(SchoolClass.archived_at.is_(None), Sitting.began_at.is_not(None)),
+            or_(and_(Assignment.mode == Mode.test, unreleased), and_(hides, SchoolClass.archived_at.is_(None))),
         )
     )
 
 
 #: Asked with every page and every attempt: made once.
-OF_ALL = _asked()
+OF_EVERYONE = _asked()
+OF_ALL = OF_EVERYONE.where(Membership.account_id == bindparam("account"))
 OF_ONE = OF_ALL.where(AssignedExercise.exercise == bindparam("exercise"))
 
 
@@ -74,7 +79,17 @@ def of_student(db: Session, account_id: UUID, exercise: str | None, now: datetim
     """In one exercise, or in all."""
     values = {"account": account_id, "now": now}
     found = db.execute(OF_ALL, values) if exercise is None else db.execute(OF_ONE, {**values, "exercise": exercise})
+    return _rows(found)
+
+
+def of_students(db: Session, accounts: Collection[UUID], exercise: str, now: datetime) -> Sequence[Row]:
+    """In one exercise, of many."""
+    query = OF_EVERYONE.where(AssignedExercise.exercise == exercise, Membership.account_id.in_(accounts))
+    return _rows(db.execute(query, {"now": now}))
+
+
+def _rows(found: Iterable[Found[UUID, Assignment, str, list[str], str, Sitting]]) -> Sequence[Row]:
     return [
-        Row(assignment, name, groups, status == Status.active, sitting)
-        for assignment, name, groups, status, sitting in found
+        Row(account_id, assignment, name, groups, status == Status.active, sitting)
+        for account_id, assignment, name, groups, status, sitting in found
     ]

@@ -12,7 +12,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import repository
+from server.assignments import keeping_tests, repository
 from server.assignments.models import AssignedExercise, Assignment, Counts, Late, Mode, Shown
 from server.assignments.schemas import Wanted, Weighted, checked
 from server.audit import service as audit
@@ -21,6 +21,7 @@ from server.base.errors import NotFound
 from server.classes.models import SchoolClass
 from server.classes.service import require_open
 from server.course import Course
+from server.database import utc_now
 
 UNKNOWN = "Ce devoir n’existe pas dans cette classe."
 
@@ -97,11 +98,13 @@ def change(
 ) -> None:
     """What it had of exercises that have left the course may stay. Raises Conflict, FieldsRefused."""
     require_open(school_class)
+    keeping_tests.lock(db, assignment)
     before = current(db, assignment)
     kept = {one.exercise: one.exercise for one in before.exercises}
     good = checked(wanted, kept | dict(exercises_of(course, school_class)))
     if good == before:
         return
+    keeping_tests.require_coherent(db, assignment, before, good, utc_now())
     for name, value in good.columns().items():
         setattr(assignment, name, value)
     if good.exercises != before.exercises:
@@ -112,8 +115,10 @@ def change(
 
 
 def delete(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignment) -> None:
-    """Its exemptions go with it; what students have sent stays. Raises Conflict."""
+    """Its exemptions go with it; what students have sent stays. Raises Conflict, also while a test holds something."""
     require_open(school_class)
+    keeping_tests.lock(db, assignment)
+    keeping_tests.require_nothing_held(db, assignment)
     before = _told(current(db, assignment))
     lost = len(repository.exemptions(db, [assignment.id]).get(assignment.id, ()))
     told = before | ({"exemptions": lost} if lost else {})

@@ -86,8 +86,8 @@ def all_sittings(db: Session, account_id: UUID) -> Sequence[tuple[Sitting, str]]
     ]
 
 
-def unfinished(db: Session) -> Sequence[Unfinished]:
-    """Of every class."""
+def unfinished(db: Session, assignment_id: UUID | None = None) -> Sequence[Unfinished]:
+    """Of one test, or of every class."""
     query = (
         select(Sitting, Assignment, Membership.groups)
         .join(Assignment, Assignment.id == Sitting.assignment_id)
@@ -97,6 +97,7 @@ def unfinished(db: Session) -> Sequence[Unfinished]:
         )
         .where(Sitting.handed_in_at.is_(None))
     )
+    query = query if assignment_id is None else query.where(Sitting.assignment_id == assignment_id)
     return [Unfinished(one, assignment, groups or ()) for one, assignment, groups in db.execute(query)]
 
 

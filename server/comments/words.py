@@ -10,6 +10,7 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from server.assignments import feedback
 from server.base.errors import Conflict, NotFound
 from server.base.settings import Settings
 from server.classes.models import SchoolClass
@@ -28,6 +29,10 @@ UNKNOWN_PHRASE = "Cette phrase n’est pas parmi celles que vous gardez."
 UNKNOWN_WORD = "Ce mot n’existe pas."
 TOO_MANY_PHRASES = f"Vous gardez déjà {MOST_PHRASES} phrases : effacez-en d’abord."
 NO_READERS = "Aucun élève de la classe n’a cette erreur en ce moment : le mot n’a pas été envoyé."
+ALL_HELD = (
+    "Qui a cette erreur ne le sait pas encore : un devoir retient ce diagnostic. Le mot n’a pas été envoyé ; il pourra "
+    "l’être quand les résultats seront publiés."
+)
 
 
 def suggested(db: Session, by: Account, exercise: str, misconception: str | None) -> Sequence[Phrase]:
@@ -85,14 +90,16 @@ def tell(
 ) -> tuple[Note, int]:
     """A word to all active students of the class whose latest attempt has this misconception: how many they are.
 
-    To all of them where no misconception is named. Raises Invalid, Conflict or TooMany.
+    To all of them where no misconception is named. Whoever a test holds that attempt back from is not told of what is
+    found of it. Raises Invalid, Conflict or TooMany.
     """
     require_open(school_class)
     said = text_of(text)
     limits.take(db, f"comment:{by.id}", settings.comment_bucket, TOO_FAST)
-    readers = repository.concerned(db, school_class.id, exercise, misconception)
+    concerned = repository.concerned(db, school_class.id, exercise, misconception)
+    readers = concerned if misconception is None else _told(db, concerned, exercise)
     if not readers:
-        raise Conflict(NO_READERS)
+        raise Conflict(ALL_HELD if concerned else NO_READERS)
     note = Note(
         class_id=school_class.id,
         exercise=exercise,
@@ -104,6 +111,12 @@ def tell(
     )
     repository.tell(db, note, readers)
     return note, len(readers)
+
+
+def _told(db: Session, accounts: Sequence[UUID], exercise: str) -> Sequence[UUID]:
+    """Those from whom no diagnosis is held back there: a word to all who share one would tell it."""
+    held = feedback.of_students(db, accounts, exercise)
+    return [one for one in accounts if one not in held or held[one].diagnosis is None]
 
 
 def note_read(db: Session, account: Account, note_id: UUID) -> None:

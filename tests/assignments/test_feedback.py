@@ -51,7 +51,7 @@ def seen(
         sitting = Sitting(assignment_id=one.id, account_id=ADA, began_at=at(began), handed_in_at=end, ended_by=ended_by)
     rules = in_force(one, told, ADA, ())
     stage = stage_of(one, rules, sitting, at(now))
-    return stage, feedback([(Row(one, "l20/poses", (), active, sitting), rules)], at(now))
+    return stage, feedback([(Row(ADA, one, "l20/poses", (), active, sitting), rules)], at(now))
 
 
 def own(**values: Any) -> tuple[Exemption, ...]:
@@ -147,7 +147,7 @@ def test_practice_holds_back_what_it_says_for_as_long(
 @given(st.lists(st.none() | st.integers(1, 9), min_size=1, max_size=4))
 def test_of_several_assignments_the_most_restrictive_holds(hours: list[int | None]) -> None:
     ones = [made(mode=Mode.practice, hints=Shown.after_close, closes_at=None if h is None else at(h)) for h in hours]
-    pairs = [(Row(one, "l20/poses", (), True, None), in_force(one, (), ADA, ())) for one in ones]
+    pairs = [(Row(ADA, one, "l20/poses", (), True, None), in_force(one, (), ADA, ())) for one in ones]
     known = feedback(pairs, at(0.5))
     assert known.hints
     assert known.hints.until == (None if None in hours else max(at(h) for h in hours if h is not None))
