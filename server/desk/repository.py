@@ -1,35 +1,14 @@
-"""Queries of the desk across rooms. Lists never read a source, a verdict or a figure."""
+"""Queries of the desk across rooms."""
 
-from collections import defaultdict
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from uuid import UUID
 
 from sqlalchemy import and_, func, select
 from sqlalchemy.orm import Session
 
-from server.assignments.counting import Sent
 from server.assignments.models import AssignedExercise
 from server.classes.models import Membership, Seat, Status
-from server.gradebook.models import Grading, Standing
-from server.submissions.models import Submission
-
-
-def sent(db: Session, account_id: UUID, exercises: Collection[str]) -> Mapping[str, Sequence[Sent]]:
-    """The graded attempts of an account at each of these exercises, but errors of ours."""
-    query = (
-        select(Submission.exercise, Submission.id, Submission.created_at, Grading.score)
-        .join(Grading, Grading.id == Submission.grading_id)
-        .where(
-            Submission.account_id == account_id,
-            Submission.exercise.in_(exercises),
-            Grading.score.is_not(None),  # an error of ours has none
-        )
-    )
-    found: dict[str, list[Sent]] = defaultdict(list)
-    for exercise, name, sent_at, score in db.execute(query):
-        if score is not None:
-            found[exercise].append(Sent(name, sent_at, score))
-    return found
+from server.gradebook.models import Standing
 
 
 def finished(db: Session, class_id: UUID, assignments: Collection[UUID]) -> Mapping[UUID, int]:

@@ -177,12 +177,16 @@ class SlipsPage:
 
 @dataclass(frozen=True)
 class SatExercise:
-    """An exercise of a test: how often one has sent something, and when something was saved last (or empty)."""
+    """An exercise of a test: how often one has sent something, and when something was saved last (or empty).
+
+    `failed`: how many of what was sent an error of ours has left ungraded.
+    """
 
     title: str
     href: str
     kind: str
     sent: int
+    failed: int
     saved: str
     saved_text: str
 

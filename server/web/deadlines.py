@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from typing import Literal
 
 from sqlalchemy.orm import Session
 
-from server.assignments import mine
+from server.assignments import feedback, mine, papers
 from server.assignments.mine import Mine
+from server.assignments.models import Mode, Sitting
 from server.assignments.states import Stage
 from server.database import utc_now
 from server.gradebook.schemas import NOTHING_YET, Progress
@@ -24,7 +26,8 @@ MOST = 5  # lines on a page
 class DueView:
     """An assignment that is due; `late`: its due date has gone by, and until `when` what is sent counts still.
 
-    `left` is how many of its exercises are not solved. Without a date both of `when` are empty.
+    `left` is how many of its exercises are not solved. Without a date both of `when` are empty. Of a test that is to be
+    begun, or that one sits, `when` is its end, and nothing is counted.
     """
 
     title: str
@@ -33,18 +36,48 @@ class DueView:
     when_text: str
     late: bool
     left: int
+    test: Literal["", "may_begin", "running"] = ""
 
 
 def soon(
     db: Session, account: Account | None, progress: Mapping[str, Progress], module: str | None = None
 ) -> tuple[DueView, ...]:
-    """What is due within a week, or late, and not done yet; of one module, or of all. Three queries at most."""
+    """Tests that are open, then what is due within a week, or late, and not done yet; of one module, or of all.
+
+    Three queries at most, four where there is a test.
+    """
     if account is None:
         return ()
     now = utc_now()
-    found = mine.due_within(mine.running(db, account.id, now), now, SOON)
-    views = _views((one for one in found if _is_of(one, module)), progress)
+    running = [one for one in mine.running(db, account.id, now) if _is_of(one, module)]
+    found = mine.due_within([one for one in running if one.assignment.mode != Mode.test], now, SOON)
+    views = [*_tests(db, account, running, now), *(_view(one, progress) for one in found)]
     return tuple(view for view in views if view.left)[:MOST]
+
+
+def _tests(db: Session, account: Account, running: Iterable[Mine], now: datetime) -> Iterator[DueView]:
+    """Those that one sits first. Who has handed in has nothing left to do there, nor who is excused."""
+    tests = [one for one in running if one.assignment.mode == Mode.test]
+    sat = {one.assignment_id: one for one, _ in papers.all_sittings(db, account.id)} if tests else {}
+    for wanted in (feedback.Stage.running, feedback.Stage.may_begin):
+        for one in tests:
+            sitting = sat.get(one.assignment.id)
+            stage = feedback.stage_of(one.assignment, one.rules, sitting, now)
+            if stage is wanted and (sitting is not None or not one.rules.excused):
+                yield _test(one, sitting)
+
+
+def _test(one: Mine, sitting: Sitting | None) -> DueView:
+    end = one.rules.closes_at if sitting is None else feedback.end_of(one.rules, sitting)
+    return DueView(
+        title=one.assignment.title,
+        href=feedback.href_of(one.assignment.class_id, one.assignment.id),
+        when="" if end is None else moment(end),
+        when_text="" if end is None else moment_words(end),
+        late=False,
+        left=len(one.exercises),
+        test="may_begin" if sitting is None else "running",
+    )
 
 
 def _is_of(one: Mine, module: str | None) -> bool:
@@ -52,15 +85,15 @@ def _is_of(one: Mine, module: str | None) -> bool:
 
 
 def of_exercise(db: Session, account: Account | None, exercise: str) -> tuple[DueView, ...]:
-    """The assignments that ask one for this exercise now. Three queries at most, one where there is none."""
+    """The assignments that ask one for this exercise now. Three queries at most, one where there is none.
+
+    A test says so itself, over the exercise, as one stands in it.
+    """
     if account is None:
         return ()
     found = mine.running(db, account.id, utc_now(), exercise)
-    return tuple(_views((one for one in found if not one.rules.excused), {}))[:MOST]
-
-
-def _views(found: Iterable[Mine], progress: Mapping[str, Progress]) -> Sequence[DueView]:
-    return [_view(one, progress) for one in found]
+    asking = [one for one in found if not one.rules.excused and one.assignment.mode != Mode.test]
+    return tuple(_view(one, {}) for one in asking)[:MOST]
 
 
 def _view(one: Mine, progress: Mapping[str, Progress]) -> DueView:

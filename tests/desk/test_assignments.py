@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from starlette.testclient import TestClient
 
-from server.assignments.counting import Mark, Result
+from server.assignments.counting import Mark
 from server.assignments.models import Assignment, Exemption, Late
 from server.assignments.rules import FULL, Rules, in_force
 from server.assignments.schemas import Wanted, Weighted
@@ -24,9 +24,10 @@ from server.audit.models import AuditEvent, What
 from server.classes.models import Membership, SchoolClass
 from server.database import utc_now
 from server.desk.assignments import late_line
-from server.desk.own.views import _standing
+from server.desk.own.views import standing
 from server.identity.models import Account, Role
 from server.marks.models import Override
+from server.marks.schemas import ExerciseMark
 from server.submissions.models import Submission
 from server.web.school_time import field
 from server.web.words import moment_words
@@ -388,11 +389,12 @@ def test_the_line_goes_through_what_the_rules_give(found: Rules, share: float) -
         assert worth == pytest.approx(drawn, abs=0 if piece.left == piece.right else found.late_per_day)
 
 
-def test_of_a_test_nothing_is_said_before_it_is_released() -> None:
-    full = Result(Mark(uuid4(), 20.0, 20.0, 0), None, 3)
-    late = Result(Mark(uuid4(), 14.0, 20.0, 3), None, 1)
-    assert _standing(full, held=True) == ("sent", "•", "envoyé, 3 essais")
-    assert _standing(full, held=False) == ("done", "✓", "réussi")
-    assert _standing(late, held=False) == ("done", "✓", "réussi : 14 / 20")
-    assert _standing(Result(None, None, 0), held=True)[0] == "new"
-    assert _standing(Result(None, None, 2), held=False)[2] == "rien avant la date de remise"
+def test_what_a_student_is_told_of_an_exercise() -> None:
+    def marked(counted: Mark | None, attempts: int) -> ExerciseMark:
+        return ExerciseMark(EXERCISE, 1.0, counted, None, None, attempts, None)
+
+    full, late = marked(Mark(uuid4(), 20.0, 20.0, 0), 3), marked(Mark(uuid4(), 14.0, 20.0, 3), 1)
+    assert standing(full, over=False) == ("done", "✓", "réussi")
+    assert standing(late, over=True) == ("done", "✓", "réussi : 14 / 20")
+    assert standing(marked(None, 2), over=False)[2] == "rien avant la date de remise"
+    assert [standing(marked(None, 0), over=over)[2] for over in (False, True)] == ["à faire", "pas fait"]

@@ -44,4 +44,3 @@ def test_who_has_finished_is_counted_once_and_among_the_students_alone(database:
     with database.read() as db:
         found = repository.finished(db, made.id, [one.id for one in given])
         assert [found.get(one.id, 0) for one in given] == [1, 2, 1]
-        assert repository.sent(db, accounts["all"].id, BOTH) == {}

@@ -6,7 +6,7 @@ import io
 import json
 import re
 import zipfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from typing import Any
 
@@ -16,16 +16,19 @@ from starlette.testclient import TestClient
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Diagnosis
-from server.assignments.models import Assignment, Mode, SavedWork, Shown, Sitting
+from server.assignments.models import Assignment, Exemption, Mode, SavedWork, Shown, Sitting
 from server.audit.models import AuditEvent, What
+from server.base.errors import Conflict
 from server.base.provided import provided_to
 from server.classes.models import SchoolClass, Seat
+from server.comments import words
 from server.database import utc_now
 from server.gradebook import service as gradebook
 from server.grading.task import SentFile
 from server.identity.models import Role
 from server.submissions.collecting import Collecting
 from server.submissions.models import Submission
+from server.web import school_time
 from tests.support.classes import Person, assign, new_class, person, seat
 from tests.support.service import EXERCISE, Site, fake_verdict
 
@@ -396,3 +399,144 @@ def test_practice_holds_back_diagnosis_hints_and_solution_until_its_dates(room: 
         db.execute(update(Assignment).values(due_at=utc_now() - MINUTE, solution=Shown.after_due))
     assert "Une erreur nommée" in told(browser.get(f"/soumissions/{sent['id']}"))
     assert "Corrigé commenté" in browser.get(PAGE).text
+
+
+def own_page(room: Room, who: Person) -> str:
+    return told(who.browser(room.site).get(f"/classes/{room.made.id}"))
+
+
+def test_the_class_s_page_leads_to_the_test_and_says_no_more_than_what_was_sent(room: Room) -> None:
+    ada, eve = room.student(begins=False), room.student(begins=False)
+    seen, watching = [], f"/classes/{room.made.id}/eleves/{ada.id}/comme"
+    teacher = room.teacher.browser(room.site)
+
+    def look() -> str:
+        page = ada.browser(room.site).get(f"/classes/{room.made.id}").text
+        watched = teacher.get(watching).text
+        assert f'href="{room.path}/composer"' in page
+        assert f'href="{room.path}/composer"' not in watched
+        at = '<p class="button-row">'
+        ends = 'id="place"'
+        same = [told_in(text.split(at)[1].split(ends)[0]) for text in (page, watched)]
+        assert same[0] == same[1]
+        seen.append(same[0])
+        return same[0]
+
+    assert "Commencer le contrôle : Interro" in look()
+    room.post(ada, "commencer")
+    for _ in range(2):
+        room.send(ada, f"x = {len(seen)}")
+    waiting = look()
+    assert "Reprendre le contrôle : Interro" in waiting
+    assert "• Composer, inverser et comparer des poses envoyé" in waiting
+    room.grade()
+    assert look() == waiting, "nor whether it was graded"
+    assert "Interro&nbsp;: vous composez jusqu’au" in told(ada.browser(room.site).get("/"))
+    room.post(room.teacher, "publier")
+    assert look() == waiting, "published while they still sit it"
+    room.post(ada, "rendre")
+    assert "note&nbsp;: 20 / 20" in look()
+    assert "vous composez" not in told(ada.browser(room.site).get("/"))
+    assert "Les résultats du contrôle" in own_page(room, eve)
+    why = told(ada.browser(room.site).get(f"{room.path}/pourquoi"))
+    assert "Commencé le" in why
+    assert "rendu le" in why
+
+
+def told_in(text: str) -> str:
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]*>", "", text))
+
+
+def test_archiving_a_class_tells_nothing_that_a_test_holds_and_frees_who_never_began(room: Room) -> None:
+    ada, bob = room.student(), room.student(begins=False)
+    sent = room.send(ada).json()
+    room.grade()
+    room.teacher.browser(room.site).post(f"/classes/{room.made.id}/archiver", data={"archiver": "true"})
+    assert room.site.client.get(sent["url"], headers=ada.headers).json()["verdict"] is None
+    assert room.send(bob).status_code == 202
+    assert room.post(room.teacher, "publier").status_code == 303
+    room.post(ada, "rendre")
+    assert room.site.client.get(sent["url"], headers=ada.headers).json()["verdict"]["points"] == 20
+
+
+def test_a_test_that_holds_something_is_released_before_it_is_let_go(room: Room) -> None:
+    ada, teacher = room.student(), room.teacher.browser(room.site)
+    room.send(ada)
+    room.grade()
+
+    def changed(**fields: str) -> Any:
+        form = {"titre": "Interro", "exercice": EXERCISE, "mode": "test", "duree": "60", "retard": "accept"}
+        return teacher.post(f"{room.path}/modifier", data=form | fields)
+
+    for refused in (changed(mode="practice", duree=""), changed(exercice="l20/calcul_odometrie")):
+        assert refused.status_code == 422
+        assert "publiez d’abord ses résultats" in told(refused)
+    assert teacher.post(f"{room.path}/supprimer").status_code == 409
+    address = f"{SEND}/{room.sent(ada)[0].id}"
+    assert room.site.client.get(address, headers=ada.headers).json()["verdict"] is None
+    room.post(room.teacher, "publier")
+    assert "composent encore" in told(teacher.post(f"{room.path}/supprimer"))
+    room.post(ada, "rendre")
+    assert teacher.post(f"{room.path}/supprimer").status_code == 303
+
+
+def test_nobody_s_time_is_ended_in_the_past(room: Room) -> None:
+    ada, teacher = room.student(), room.teacher.browser(room.site)
+    room.let_time_pass(30)
+    room.send(ada)
+    form = {"titre": "Interro", "exercice": EXERCISE, "mode": "test", "duree": "60", "retard": "accept"}
+    form["ouvre"] = school_time.field(room.test.opens_at)
+    past = school_time.field(utc_now() - 5 * MINUTE)
+    for fields in ({"duree": "20"}, {"ferme": past}):
+        refused = teacher.post(f"{room.path}/modifier", data=form | fields)
+        assert (refused.status_code, "finirait dans le passé" in told(refused)) == (422, True)
+    longer = {"eleve": str(ada.id), "temps": "1,33"}
+    assert teacher.post(f"{room.path}/amenagements", data=longer).status_code == 303
+    room.let_time_pass(40)
+    with room.site.database.read() as db:
+        (one,) = db.query(Exemption).all()
+    assert teacher.post(f"{room.path}/amenagements/{one.id}/retirer").status_code == 409
+    later = school_time.field(utc_now() + 60 * MINUTE)
+    assert teacher.post(f"{room.path}/modifier", data=form | {"ouvre": later}).status_code == 303
+    assert "vous composez" in own_page(room, ada), "whatever the dates become, who has begun goes on"
+    assert room.send(ada, "x = 2").status_code == 202
+
+
+def test_an_error_of_ours_is_told_and_one_may_send_again(room: Room) -> None:
+    ada = room.student()
+    room.outcome = "internal_error"
+    sent = room.send(ada).json()
+    room.grade()
+    browser = ada.browser(room.site)
+    answer = room.site.client.get(sent["url"], headers=ada.headers).json()
+    assert (answer["verdict"], answer["held"]) == (None, True)
+    assert "pas corrigé" in answer["notice"]
+    for path in (f"/soumissions/{sent['id']}", PAGE):
+        assert "mais pas corrigé : c’est une erreur de notre côté" in told(browser.get(path))
+    assert "Pas corrigé, erreur de notre côté" in told(browser.get(f"{PAGE}/essais"))
+    assert "1 envoi n’a pas été corrigé" in told(browser.get(f"{room.path}/composer"))
+    room.outcome = "ok"
+    again = room.send(ada, reuse=True)
+    assert again.status_code == 202
+    assert again.json()["id"] != sent["id"]
+    room.grade()
+    assert "pas corrigé" not in room.site.client.get(again.json()["url"], headers=ada.headers).json()["notice"]
+
+
+def test_a_word_to_who_makes_a_mistake_waits_until_the_test_is_released(room: Room) -> None:
+    ada = room.student()
+    judged = replace(fake_verdict("outcome: wrong_answer", 1), diagnosis=Diagnosis("signe", "Signe", "…"))
+    room.send(ada)
+    while room.site.worker_with(lambda _: Judgement(judged)).step():
+        pass
+
+    def tell() -> int:
+        with room.site.database.write() as db:
+            teacher = db.merge(room.teacher.account)
+            return words.tell(db, teacher, room.made, EXERCISE, "signe", "Relisez.", "", room.site.settings)[1]
+
+    with pytest.raises(Conflict, match="retient ce diagnostic"):
+        tell()
+    room.post(room.teacher, "publier")
+    room.post(ada, "rendre")
+    assert tell() == 1

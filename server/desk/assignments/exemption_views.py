@@ -8,14 +8,15 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import repository
+from server.assignments import feedback, papers, repository
 from server.assignments.exempting import NO_STUDENT, Told, effects, explained, labels_of, students_of
-from server.assignments.models import Assignment, Exemption
-from server.assignments.rules import in_force
+from server.assignments.models import Assignment, EndedBy, Exemption, Mode, Sitting
+from server.assignments.rules import Rules, in_force
 from server.base.errors import NotFound
 from server.classes import repository as classes
 from server.classes.schemas import Member
 from server.course import Course
+from server.database import utc_now
 from server.desk import views
 from server.desk.assignments import words
 from server.desk.assignments.late_line import line_of
@@ -143,7 +144,19 @@ def why_page(db: Session, course: Course, place: Place, one: Assignment, student
         line=line_of(rules),
         people=tuple((str(each.id), each.name) for each in students_of(members)),
         for_staff=staff,
+        sitting=_sitting(papers.sitting(db, one.id, seat.account_id), rules) if one.mode == Mode.test else "",
     )
+
+
+def _sitting(found: Sitting | None, rules: Rules) -> str:
+    """A sentence on a test: what the rules come to for who has begun it."""
+    if found is None:
+        return "Pas encore commencé."
+    began, end = f"Commencé le {moment_text(found.began_at)}", feedback.end_of(rules, found)
+    if feedback.is_running(rules, found, utc_now()):
+        return f"{began} ; fin le {moment_text(end)}." if end else f"{began} ; sans heure de fin."
+    ended = "rendu" if found.ended_by == EndedBy.student else "temps écoulé"
+    return f"{began} ; {ended} le {moment_text(end)}." if end else f"{began}."
 
 
 WHO = {

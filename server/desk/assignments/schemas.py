@@ -192,7 +192,10 @@ class WhyField:
 
 @dataclass(frozen=True)
 class WhyPage:
-    """The rules in force for one student, and where each comes from. `people` are whom one may choose."""
+    """The rules in force for one student, and where each comes from. `people` are whom one may choose.
+
+    `sitting`: of a test, when they began it, and its end.
+    """
 
     head: ClassHead
     title: str
@@ -204,6 +207,7 @@ class WhyPage:
     line: LateLine
     people: tuple[tuple[str, str], ...]
     for_staff: bool
+    sitting: str = ""
 
 
 @dataclass(frozen=True)
@@ -219,8 +223,21 @@ class OwnExercise:
 
 
 @dataclass(frozen=True)
+class OwnTest:
+    """Where somebody stands in a test: what the way to its page says, `href` empty for who only watches."""
+
+    href: str
+    link: str
+    running: bool
+    ends: When
+
+
+@dataclass(frozen=True)
 class OwnAssignment:
-    """An assignment with the rules in force for who looks; `exercises` is None while they are not told."""
+    """An assignment with the rules in force for who looks; `exercises` is None while they are not told.
+
+    `mark`: points out of 20 once it is over and they are told.
+    """
 
     id: str
     title: str
@@ -236,16 +253,19 @@ class OwnAssignment:
     exercises: tuple[OwnExercise, ...] | None
     done: int
     differs: bool
+    test: OwnTest | None = None
+    mark: str = ""
 
 
 @dataclass(frozen=True)
 class NextThing:
-    """What to do next: an exercise of the assignment that is due first."""
+    """What to do next: a test that is open, or an exercise of the assignment that is due first."""
 
     href: str
     title: str
     assignment: str
     begun: bool
+    is_test: bool = False
 
 
 @dataclass(frozen=True)
@@ -259,6 +279,7 @@ class OwnPage:
     upcoming: tuple[OwnAssignment, ...]
     past: tuple[OwnAssignment, ...]
     next: NextThing | None
+    average: str
     zone: str
     watched: str = ""
     watched_href: str = ""

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from datetime import datetime
+from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import mine
-from server.assignments.counting import Result
+from server.assignments import mine, papers
 from server.assignments.mine import Mine
-from server.assignments.models import AssignedExercise, Mode
+from server.assignments.models import AssignedExercise, Mode, Sitting
 from server.assignments.rules import FULL, Rules
-from server.assignments.states import Stage
 from server.classes import repository
 from server.classes.models import Membership, Seat, Status
 from server.classes.schemas import Member
@@ -22,17 +22,33 @@ from server.desk import views
 from server.desk.assignments import words
 from server.desk.assignments.schemas import NextThing, OwnAssignment, OwnExercise, OwnPage
 from server.desk.assignments.views import stage_view, when
-from server.desk.own import results
-from server.desk.own.results import Results
+from server.desk.own import sitting as tests
 from server.desk.schemas import OwnSeat
+from server.gradebook import service as gradebook
 from server.identity.models import Account
-from server.marks.schemas import Set
+from server.marks import service as marks
+from server.marks.means import written
+from server.marks.schemas import ExerciseMark, OwnMark, Set
 from server.rights.models import Right
 from server.rights.service import Place
 from server.text.plain import visible
 from server.web import school_time
 from server.web.views import exercise_href
 from server.web.words import WHOLE, mark, plural
+
+OPEN = ("open", "late")
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What there is to say of a student's work: marks and sittings by assignment; what was sent of what is held."""
+
+    marks: Mapping[UUID, OwnMark]
+    sittings: Mapping[UUID, Sitting]
+    sent: Mapping[str, int]
+    average: float | None
+    now: datetime
+    watched: bool
 
 
 def own_page(db: Session, course: Course, place: Place, account: Account) -> OwnPage:
@@ -62,42 +78,67 @@ def _page(
     now = utc_now()
     everyone = repository.members(db, place.school_class.id)
     found = mine.of_class(db, seat.class_id, seat.account_id, seat.groups, now) if may_see else ()
-    told = [one for one in found if not one.secret]
-    known = results.of_student(db, seat.account_id, told)
-    by_hand = results.set_by_hand(db, seat.class_id, seat.account_id, told)
+    known = _known(db, course, place, seat.account_id, found, now, watched=watched is not None) if found else None
     suffix = "" if watched is None else f"?eleve={seat.account_id}"
-    shown = [(one, _assignment(course, one, known, by_hand, suffix)) for one in found]
+    shown = [] if known is None else [(one, _assignment(course, one, known, suffix)) for one in found]
     own = OwnSeat(views.ROLES[Seat(seat.role)], seat.status == Status.pending, tuple(seat.groups), may_leave)
-    running = [pair for pair in shown if pair[0].stage in {Stage.open, Stage.late}]
-    running.sort(key=lambda pair: (pair[0].rules.due_at is None, pair[0].rules.due_at or now))
+    running = sorted((pair for pair in shown if pair[1].stage.kind in OPEN), key=_urgency)
     return OwnPage(
         head=views.head(course, place, "/eleves" if watched else ""),
         seat=own,
         staff=views.staff_rows(everyone, place, account),
         current=tuple(view for _, view in running),
-        upcoming=tuple(view for one, view in shown if one.stage is Stage.upcoming),
-        past=tuple(view for one, view in reversed(shown) if one.stage is Stage.closed),
+        upcoming=tuple(view for _, view in shown if view.stage.kind == "upcoming"),
+        past=tuple(view for _, view in reversed(shown) if view.stage.kind == "closed"),
         next=_next(running),
+        average="" if known is None or known.average is None else written(known.average),
         zone=school_time.zone_name(),
         watched=watched.name if watched else "",
         watched_href=f"{views.href_of(place.school_class)}/eleves/{seat.account_id}/comme" if watched else "",
     )
 
 
-def _assignment(course: Course, one: Mine, known: Results, by_hand: Mapping[str, Set], suffix: str) -> OwnAssignment:
+def _known(
+    db: Session, course: Course, place: Place, account_id: UUID, found: Sequence[Mine], now: datetime, *, watched: bool
+) -> _Known:
+    """What a student may know, asked of their account whoever looks: who watches sees no more."""
+    own = marks.own(db, course, place.school_class, account_id, now)
+    held = gradebook.held_since(db, account_id)
+    sat = papers.all_sittings(db, account_id) if any(one.assignment.mode == Mode.test for one in found) else ()
+    return _Known(
+        marks={one.assignment.id: one for one in own.marks},
+        sittings={one.assignment_id: one for one, _ in sat},
+        sent=gradebook.sent_since(db, account_id, held) if held else {},
+        average=own.average,
+        now=now,
+        watched=watched,
+    )
+
+
+def _urgency(pair: tuple[Mine, OwnAssignment]) -> tuple[bool, bool, str]:
+    """Whoever sits a test finishes it; then what is due first."""
+    view = pair[1]
+    date = view.due.iso or (view.closes.iso if view.is_test else "")
+    return not (view.test and view.test.running), not date, date
+
+
+def _assignment(course: Course, one: Mine, known: _Known, suffix: str) -> OwnAssignment:
     rules, assignment = one.rules, one.assignment
+    sitting = known.sittings.get(assignment.id)
+    test = tests.view(assignment, rules, sitting, known.now) if assignment.mode == Mode.test else None
+    stage = stage_view(one.stage) if test is None else test.stage
     exercises = (
         None
-        if one.secret
-        else tuple(_exercise(course, one, row, known, by_hand.get(row.exercise)) for row in one.exercises)
+        if one.secret and sitting is None
+        else tuple(_exercise(course, one, row, known, over=stage.kind == "closed") for row in one.exercises)
     )
     minutes = None if rules.duration is None else rules.duration.total_seconds() / 60
     href = f"/classes/{assignment.class_id}/devoirs/{assignment.id}/pourquoi{suffix}"
     return OwnAssignment(
         id=str(assignment.id),
         title=assignment.title,
-        is_test=assignment.mode == Mode.test,
-        stage=stage_view(one.stage),
+        is_test=test is not None,
+        stage=stage,
         opens=when(rules.opens_at),
         due=when(rules.due_at),
         closes=when(rules.closes_at),
@@ -108,7 +149,15 @@ def _assignment(course: Course, one: Mine, known: Results, by_hand: Mapping[str,
         exercises=exercises,
         done=sum(row.kind == "done" for row in exercises or ()),
         differs=bool(one.exemptions),
+        test=test.as_seen(watched=known.watched) if test else None,
+        mark=_mark(known.marks.get(assignment.id)) if stage.kind == "closed" else "",
     )
+
+
+def _mark(found: OwnMark | None) -> str:
+    """Of an assignment that is over; empty where there is none to tell."""
+    points = None if found is None or found.mark is None else found.mark.points
+    return "" if points is None else written(points)
 
 
 def _late(rules: Rules) -> str:
@@ -117,37 +166,39 @@ def _late(rules: Rules) -> str:
     return "" if rules.due_at is None or ends_first else words.late_of(rules)
 
 
-def _exercise(course: Course, one: Mine, row: AssignedExercise, known: Results, by_hand: Set | None) -> OwnExercise:
+def _exercise(course: Course, one: Mine, row: AssignedExercise, known: _Known, *, over: bool) -> OwnExercise:
     exercise = course.exercises.get(row.exercise)
     title, href = (row.exercise, "") if exercise is None else (exercise.title, exercise_href(exercise))
-    found = known[(one.assignment.id, row.exercise)]
-    held = one.assignment.mode == Mode.test and not _released(one.assignment.released_at)
-    kind, sign, told = _standing(found, held=held, over=one.stage is Stage.closed)
-    if by_hand is not None and not held:
-        kind, sign, told = _set_by_hand(by_hand)
-        return OwnExercise(title, href, kind, sign, told, f"note de votre enseignant : {visible(by_hand.reason)}")
-    late = found.counted.days_late if found.counted and not held else 0
-    return OwnExercise(title, href, kind, sign, told, f"{plural(late, 'jour')} de retard" if late else "")
+    own = known.marks.get(one.assignment.id)
+    found = None if own is None else own.exercises.get(row.exercise)
+    if found is None:
+        asked = one.assignment.mode != Mode.test or one.assignment.id in known.sittings
+        sent = known.sent.get(row.exercise, 0) if asked else 0
+        return OwnExercise(title, href, *held_standing(sent, over=over), "")
+    if found.override is not None:
+        reason = visible(found.override.reason)
+        return OwnExercise(title, href, *_set_by_hand(found.override), f"note de votre enseignant : {reason}")
+    late = found.days_late
+    return OwnExercise(title, href, *standing(found, over=over), f"{plural(late, 'jour')} de retard" if late else "")
 
 
 def _set_by_hand(found: Set) -> tuple[str, str, str]:
-    """The same as `_standing`, of a mark that a teacher has set."""
+    """The same as `standing`, of a mark that a teacher has set."""
     if found.points is None:
         return "excused", "–", "dispensé"
     full = found.points >= FULL - WHOLE
     return ("done", "✓", "réussi") if full else ("begun", "½", f"{mark(found.points)} / 20")
 
 
-def _released(at: datetime | None) -> bool:
-    return at is not None and at <= utc_now()
+def held_standing(sent: int, *, over: bool) -> tuple[str, str, str]:
+    """The same, of an exercise of which a test holds back what was found."""
+    return ("sent", "•", "envoyé") if sent else ("new", "○", "pas fait" if over else "à faire")
 
 
-def _standing(found: Result, *, held: bool, over: bool = False) -> tuple[str, str, str]:
-    """A name for the style, a sign, words. Of a test nothing is said before its teacher releases it."""
+def standing(found: ExerciseMark, *, over: bool) -> tuple[str, str, str]:
+    """A name for the style, a sign, words."""
     if not found.attempts:
         return "new", "○", "pas fait" if over else "à faire"
-    if held:
-        return "sent", "•", f"envoyé, {plural(found.attempts, 'essai')}"
     counted = found.counted
     if counted is None:  # the best before the due date, where all came after it
         return "begun", "½", "rien avant la date de remise"
@@ -158,9 +209,13 @@ def _standing(found: Result, *, held: bool, over: bool = False) -> tuple[str, st
 
 
 def _next(running: Sequence[tuple[Mine, OwnAssignment]]) -> NextThing | None:
-    """The first exercise that is not solved, of the assignment that is due first."""
+    """The test that is open; the first exercise that is not solved, of the assignment that is due first."""
     for one, view in running:
-        for row in () if one.rules.excused else view.exercises or ():
+        if one.rules.excused and not (view.test and view.test.running):
+            continue
+        if view.test is not None:
+            return NextThing(view.test.href, view.title, view.title, view.test.running, is_test=True)
+        for row in view.exercises or ():
             if row.kind in {"new", "begun"} and row.href:
                 return NextThing(row.href, row.title, view.title, row.kind == "begun")
     return None

@@ -60,13 +60,16 @@ def _exercises(reader: Reader, own: Own, account: Account) -> tuple[SatExercise,
     known = [reader.course.exercises[one.exercise] for one in assigned if one.exercise in reader.course.exercises]
     saved = papers.saved_at(reader.db, own.assignment.id, account.id)
     began = own.sitting.began_at if own.sitting is not None else own.rules.opens_at
-    sent = gradebook.sent_since(reader.db, account, {exercise.id: began for exercise in known})
+    since = {exercise.id: began for exercise in known}
+    sent = gradebook.sent_since(reader.db, account.id, since)
+    failed = gradebook.failed_since(reader.db, account.id, since)
     return tuple(
         SatExercise(
             title=exercise.title,
             href=exercise_href(exercise),
             kind=exercise.kind,
             sent=sent.get(exercise.id, 0),
+            failed=failed.get(exercise.id, 0),
             **_both("saved", saved.get(exercise.id)),
         )
         for exercise in known
