@@ -69,7 +69,7 @@ def _loaded(settings: Settings, course: Course, probing: Probing, seed: int, stu
         print("Une classe fictive s’écrit (quelques dizaines de secondes)…", file=sys.stderr, flush=True)
         module = next(iter(course.modules.values()))
         with local_grader(course, probing) as grader:
-            return load(database, course, module, grader.grade, seed=seed, students=students, told=_tell)
+            return load(database, course, module, grader.grade, settings, seed=seed, students=students, told=_tell)
     finally:
         database.close()
 

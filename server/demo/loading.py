@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
 from random import Random
 from uuid import UUID
@@ -11,14 +11,16 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from graders.core.contract.findings import Judgement
-from server.assignments.models import AssignedExercise, Assignment, Exemption, Late, Mode
+from server.assignments.models import Assignment
+from server.base.settings import Settings
 from server.classes import repository as classes_stored
 from server.classes import service as classes
 from server.classes.models import Membership, SchoolClass, Seat
-from server.course import Course, Exercise, Module
+from server.course import Course, Module
 from server.database import Database, utc_now
-from server.demo.people import GROUPS, Pupil, pupils
-from server.demo.story import Step, lesson_starts, programme, story
+from server.demo import teaching
+from server.demo.people import Pupil, pupils
+from server.demo.story import Step, lesson_starts, story
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import Graded
 from server.identity import secrets
@@ -50,7 +52,15 @@ class Loaded:
 
 
 def load(
-    database: Database, course: Course, module: Module, grade: Grade, *, seed: int, students: int, told: Told
+    database: Database,
+    course: Course,
+    module: Module,
+    grade: Grade,
+    settings: Settings,
+    *,
+    seed: int,
+    students: int,
+    told: Told,
 ) -> Loaded:
     """Into an empty database. `grade` says the judgement of a file; `told` hears how many attempts are written."""
     random, now = Random(seed), utc_now()
@@ -58,16 +68,21 @@ def load(
     steps = story(module, everyone, random, now)
     seeds = {exercise.id: random.getrandbits(50) for exercise in module.exercises}
     with database.write() as db:
-        class_id, accounts, logins = _people(db, module, everyone, now)
-        _assignments(db, module, class_id, accounts, now)
+        made, teacher, accounts, logins = _people(db, module, everyone, now)
+        room = teaching.Classroom(course, module, made, teacher, accounts)
+        test = teaching.give(db, room, now)
     past = [step for step in steps if step.sent_at <= now]
     _history(database, course, past, accounts, seeds, grade, told)
-    return Loaded(class_id, logins, [step for step in steps if step.sent_at > now], accounts, seeds)
+    with database.write() as db:
+        room = replace(room, made=db.get_one(SchoolClass, made.id), teacher=db.get_one(Account, teacher.id))
+        teaching.sat(db, room, db.get_one(Assignment, test.id), past)
+        teaching.say(db, room, past, settings)
+    return Loaded(made.id, logins, [step for step in steps if step.sent_at > now], accounts, seeds)
 
 
 def _people(
     db: Session, module: Module, everyone: Sequence[Pupil], now: datetime
-) -> tuple[UUID, list[UUID], dict[str, str]]:
+) -> tuple[SchoolClass, Account, list[UUID], dict[str, str]]:
     first = lesson_starts(now)[0]
     logins = {login: secrets.new_token()[:12] for login in (TEACHER[0], everyone[0].login)}
     teacher = _account(db, *TEACHER, Role.teacher, logins)
@@ -76,7 +91,7 @@ def _people(
     made.created_at = first - WEEK
     db.add(Membership(class_id=made.id, account_id=assistant.id, role=Seat.assistant))
     accounts = [_student(db, made, pupil, first, logins) for pupil in everyone]
-    return made.id, accounts, logins
+    return made, teacher, accounts, logins
 
 
 def _account(db: Session, login: str, name: str, role: Role, passwords: Mapping[str, str]) -> Account:
@@ -101,40 +116,6 @@ def _student(db: Session, made: SchoolClass, pupil: Pupil, since: datetime, pass
     )
     db.add(row)
     return account.id
-
-
-def _assignments(db: Session, module: Module, class_id: UUID, accounts: Sequence[UUID], now: datetime) -> None:
-    """One for each lesson, due a week after; a test to come, with more time for one student."""
-    for number, (start, exercises) in enumerate(zip(lesson_starts(now), programme(module), strict=True), 1):
-        lateness = {"late": Late.penalty, "late_per_day": 2.0} if number % 2 else {"late": Late.accept}
-        due = start + WEEK
-        made = _assignment(
-            db, class_id, f"Séance {number}", exercises, opens_at=start, due_at=due, closes_at=due + WEEK, **lateness
-        )
-    db.add(Exemption(assignment_id=made, label=GROUPS[-1], due_at=due + timedelta(days=2), reason="sortie de classe"))
-    opens = (now + WEEK).replace(minute=0, second=0, microsecond=0)
-    test = _assignment(
-        db,
-        *(class_id, "Contrôle de fin de module", [programme(module)[0][-1], programme(module)[-1][-1]]),
-        opens_at=opens,
-        closes_at=opens + timedelta(hours=2),
-        mode=Mode.test,
-        duration_minutes=55,
-        late=Late.refuse,
-        weight=2.0,
-    )
-    db.add(Exemption(assignment_id=test, account_id=accounts[-1], time_factor=4 / 3))
-
-
-def _assignment(db: Session, class_id: UUID, title: str, exercises: Iterable[Exercise], **values: object) -> UUID:
-    made = Assignment(class_id=class_id, title=title, **values)
-    db.add(made)
-    db.flush()
-    db.add_all(
-        AssignedExercise(assignment_id=made.id, exercise=exercise.id, position=place)
-        for place, exercise in enumerate(exercises)
-    )
-    return made.id
 
 
 def source_of(step: Step, seed: int, *, code: bool) -> bytes:

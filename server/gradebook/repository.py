@@ -102,10 +102,12 @@ def sent_before(db: Session, file: File, version: str, held_from: datetime | Non
 
 def failed_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
     """How many attempts sent from these times on we have failed to grade, by exercise, in these alone."""
+    if not since:
+        return {}
     sent = [and_(Submission.exercise == name, Submission.created_at >= when) for name, when in since.items()]
     query = select(Submission.exercise, func.count()).join(Grading, Grading.id == Submission.grading_id)
     query = query.where(Submission.account_id == account_id, Grading.outcome == Outcome.INTERNAL_ERROR, or_(*sent))
-    return {row[0]: row[1] for row in db.execute(query.group_by(Submission.exercise))} if sent else {}
+    return {row[0]: row[1] for row in db.execute(query.group_by(Submission.exercise))}
 
 
 def before(db: Session, submission: Submission) -> dict[str, Any] | None:

@@ -8,8 +8,13 @@ from random import Random
 
 from graders.core.contract.findings import Judgement
 from server.assignments import service as assignments
+from server.assignments.models import Exemption
+from server.audit.models import AuditEvent, What
+from server.base.settings import Settings
 from server.classes import repository as classes
 from server.classes.models import Seat
+from server.comments import service as comments
+from server.comments.models import Note, Phrase, State
 from server.course import Course
 from server.database import Database, utc_now
 from server.demo.living import Lesson
@@ -17,6 +22,7 @@ from server.demo.loading import load
 from server.demo.people import FAMILY, GIVEN, pupils
 from server.demo.story import LASTING, lesson_starts, programme, story
 from server.gradebook import standings
+from server.marks import book as marks
 from server.submissions.models import Submission
 from server.submissions.service import Submissions
 from tests.support.service import fake_verdict
@@ -66,7 +72,7 @@ def test_what_is_written_is_a_class_whose_standings_are_right(
         return Judgement(fake_verdict("# outcome: wrong_answer" if b"essai" in source else "", seed))
 
     module = course.modules["l20"]
-    loaded = load(database, course, module, grade, seed=3, students=4, told=lambda _done, _all: None)
+    loaded = load(database, course, module, grade, Settings(), seed=3, students=4, told=lambda _done, _all: None)
     with database.read() as db:
         made = classes.by_id(db, loaded.class_id)
         assert made is not None
@@ -75,6 +81,18 @@ def test_what_is_written_is_a_class_whose_standings_are_right(
         opened = assignments.counting_exercises(db, course, made, utc_now())
         assert list(opened) == [exercise.id for exercise in module.exercises]
         sent = db.query(Submission).count()
+        book = marks.of_class(db, course, made, utc_now())
+        (tested,) = [place for place, one in enumerate(book.assignments) if one.released_at is not None]
+        assert [row.marks[tested].state for row in book.rows if row.marks[tested].points], "a test with its marks"
+        assert sum(mark.overridden for row in book.rows for mark in row.marks) >= 1
+        assert {one.label is None for one in db.query(Exemption)} == {True, False}
+        asked = comments.questions(db, made, None, 1)
+        assert asked.counts[State.open] >= 1
+        assert asked.counts[State.answered] >= 1
+        assert db.query(Phrase).count() == db.query(Note).count() == 1
+        assert {What.assignment_made, What.exemption_made, What.feedback_released, What.mark_overridden} == {
+            one.what for one in db.query(AuditEvent)
+        }
         latest = max(one.created_at for one in db.query(Submission))
         assert latest <= utc_now()
     codes = [one for one in graded if course.exercises[one[0]].kind == "code"]

@@ -1,0 +1,141 @@
+"""What those who teach the class have done of it: assignments, a test and its results, a mark, what was said.
+
+Each through the service that a teacher's click takes, so that it stands in the class's log.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from uuid import UUID
+
+from sqlalchemy.orm import Session
+
+from server.assignments import exempting, keeping, papers
+from server.assignments import service as assignments
+from server.assignments.models import Assignment, EndedBy, Late, Mode
+from server.assignments.schemas import Wanted, WantedExemption, Weighted, Whom
+from server.base.settings import Settings
+from server.classes import repository as classes
+from server.classes.models import SchoolClass
+from server.classes.schemas import Member
+from server.comments import service as comments
+from server.comments import words, words_repository
+from server.comments.carrying import Place
+from server.comments.schemas import WHOLE, Target
+from server.course import Course, Exercise, Module
+from server.demo.people import GROUPS
+from server.demo.story import LASTING, Step, lesson_starts, programme
+from server.gradebook import service as gradebook
+from server.identity.models import Account
+from server.marks import service as marks
+
+WEEK = timedelta(days=7)
+DAY = timedelta(days=1)
+TESTED = 1  # the lesson at the end of which there was a test
+IN_TEST = 2  # its last exercises
+PHRASE = "Le calcul est juste, mais relisez l’unité : un angle s’écrit ici en radians."
+LINE = "Cette ligne mérite un nom plus parlant : on doit comprendre sans lire la suite."
+ANSWERED = "Je ne comprends pas cette remarque, pouvez-vous m’expliquer ?"
+ANSWER = "Faites le calcul à la main sur le premier exemple, et comparez avec ce que rend votre fonction."
+OPEN = "Mon programme marche chez moi, mais pas ici : où est la différence ?"
+WORD = "Beaucoup d’entre vous ont la même difficulté : relisez la définition, puis l’exemple du cours."
+
+
+@dataclass(frozen=True)
+class Classroom:
+    """The class, who teaches it and who learns there."""
+
+    course: Course
+    module: Module
+    made: SchoolClass
+    teacher: Account
+    students: Sequence[UUID]
+
+
+def give(db: Session, room: Classroom, now: datetime) -> Assignment:
+    """One for each lesson, due a week after, and a test in one of them; a test to come. The test that is past."""
+    starts, lessons = lesson_starts(now), programme(room.module)
+    for number, (start, exercises) in enumerate(zip(starts, lessons, strict=True)):
+        late, per_day = (Late.accept, None) if number % 2 else (Late.penalty, 2.0)
+        given = exercises[:-IN_TEST] if number == TESTED and len(exercises) > IN_TEST else exercises
+        due = start + WEEK
+        last = _made(db, room, Wanted(f"Séance {number + 1}", _all(given), start, due, due + WEEK, late, per_day))
+    grant = WantedExemption(due_at=starts[-1] + WEEK + 2 * DAY, reason="sortie de classe")
+    _exempt(db, room, last, Whom(label=GROUPS[-1]), grant)
+    opens = (now + WEEK).replace(minute=0, second=0, microsecond=0)
+    asked = (lessons[0][-1], lessons[-1][-1])
+    end = _made(db, room, _test("Contrôle de fin de module", asked, opens, opens + timedelta(hours=2), 55))
+    _exempt(db, room, end, Whom((room.students[-1],)), WantedExemption(time_factor=4 / 3))
+    start = starts[TESTED]
+    test = _test("Contrôle de mi-parcours", lessons[TESTED][-IN_TEST:], start, start + LASTING, None)
+    return _made(db, room, test)
+
+
+def _all(exercises: Sequence[Exercise]) -> tuple[Weighted, ...]:
+    return tuple(Weighted(one.id) for one in exercises)
+
+
+def _test(title: str, asked: Sequence[Exercise], opens: datetime, closes: datetime, minutes: int | None) -> Wanted:
+    return Wanted(
+        *(title, _all(asked), opens, None, closes),
+        late=Late.refuse,
+        weight=2.0,
+        mode=Mode.test,
+        duration_minutes=minutes,
+    )
+
+
+def _made(db: Session, room: Classroom, wanted: Wanted) -> Assignment:
+    return keeping.make(db, room.course, room.made, room.teacher.id, wanted)
+
+
+def _exempt(db: Session, room: Classroom, one: Assignment, whom: Whom, wanted: WantedExemption) -> None:
+    exempting.grant(db, room.made, room.teacher.id, one, _members(db, room), whom, wanted)
+
+
+def _members(db: Session, room: Classroom) -> Sequence[Member]:
+    return classes.members(db, room.made.id)
+
+
+def sat(db: Session, room: Classroom, test: Assignment, steps: Sequence[Step]) -> None:
+    """Those who came to that lesson sat the test, which is released since."""
+    end = test.opens_at + LASTING
+    came = sorted({step.pupil for step in steps if test.opens_at <= step.sent_at <= end})
+    for pupil in came:
+        papers.begin(db, test.id, room.students[pupil], test.opens_at)
+        sitting = papers.sitting(db, test.id, room.students[pupil])
+        assert sitting is not None
+        papers.end(db, sitting, end, EndedBy.time)
+    assignments.release(db, test, room.teacher.id, test.opens_at + 2 * DAY)
+
+
+def say(db: Session, room: Classroom, steps: Sequence[Step], settings: Settings) -> None:
+    """A mark that is set, a comment on a line, a kept phrase, questions answered and open, a word to several.
+
+    About what the first students have sent last to code exercises.
+    """
+    code = [step for step in steps if room.course.exercises[step.exercise].kind == "code"]
+    latest = list({step.pupil: step for step in code}.values())[:3]
+    for place, step in enumerate(latest):
+        author = db.get_one(Account, room.students[step.pupil])
+        attempt = gradebook.latest(db, author, step.exercise)
+        assert attempt is not None
+        if place == 0:
+            marks.override(
+                *(db, room.course, room.made, room.teacher, author.id, step.exercise),
+                points=15.0,
+                excused=False,
+                reason="Le raisonnement a été expliqué à l’oral.",
+            )
+            comments.begin(db, room.teacher, attempt, Target(Place(1, 1)), LINE, settings)
+            words.keep(db, room.teacher, PHRASE, step.exercise, None)
+        thread = comments.begin(db, author, attempt, WHOLE, OPEN if place == 1 else ANSWERED, settings)
+        if place != 1:
+            comments.reply(db, room.teacher, thread, ANSWER, settings)
+    if latest:
+        exercise = latest[-1].exercise
+        known = words_repository.mistakes_now(db, room.made.id, exercise)
+        misconception = known[0][0] if known else None
+        words.tell(db, room.teacher, room.made, exercise, misconception, WORD, "", settings)
