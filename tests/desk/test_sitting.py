@@ -422,12 +422,14 @@ def test_the_class_s_page_leads_to_the_test_and_says_no_more_than_what_was_sent(
         seen.append(same[0])
         return same[0]
 
+    assign(room.site.database, room.made, EXERCISE, title="DM")
     assert "Commencer le contrôle : Interro" in look()
     room.post(ada, "commencer")
     for _ in range(2):
         room.send(ada, f"x = {len(seen)}")
     waiting = look()
     assert "Reprendre le contrôle : Interro" in waiting
+    assert "• Composer, inverser et comparer des poses retenu le temps d’un contrôle" in waiting, "in practice too"
     assert "• Composer, inverser et comparer des poses envoyé" in waiting
     room.grade()
     assert look() == waiting, "nor whether it was graded"

@@ -37,6 +37,8 @@ from server.web.views import exercise_href
 from server.web.words import WHOLE, mark, plural
 
 OPEN = ("open", "late")
+#: Of an exercise that a test asks for too: neither that it was done before nor that it was not.
+HELD = ("sent", "•", "retenu le temps d’un contrôle")
 
 
 @dataclass(frozen=True)
@@ -172,8 +174,9 @@ def _exercise(course: Course, one: Mine, row: AssignedExercise, known: _Known, *
     own = known.marks.get(one.assignment.id)
     found = None if own is None else own.exercises.get(row.exercise)
     if found is None:
-        asked = one.assignment.mode != Mode.test or one.assignment.id in known.sittings
-        sent = known.sent.get(row.exercise, 0) if asked else 0
+        if one.assignment.mode != Mode.test:
+            return OwnExercise(title, href, *HELD, "")
+        sent = known.sent.get(row.exercise, 0) if one.assignment.id in known.sittings else 0
         return OwnExercise(title, href, *held_standing(sent, over=over), "")
     if found.override is not None:
         reason = visible(found.override.reason)
