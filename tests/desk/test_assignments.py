@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from html import unescape
 from typing import Any
+from urllib.parse import quote
 from uuid import UUID, uuid4
 
 import pytest
@@ -260,6 +261,15 @@ def test_who_has_worked_ahead_has_done_it(school: School) -> None:
         db.query(Submission).one().created_at = NOW - 2 * DAY
     school.give()
     assert "✓ Composer, inverser et comparer des poses réussi" in read(ada, school.href)
+    dates = {"ouvre": field(NOW + DAY), "rendre": "", "ferme": field(NOW + 3 * DAY), "retard": "accept"}
+    href = school.give(titre="Bientôt", exercice=EXERCISE, **dates)
+    assert "◷ à venir · déjà fait" in read(ada, school.href)
+    gradebook = school.martin.get(f"{school.href}/carnet").text
+    assert f'href="{href}">le devoir' in gradebook
+    assert "20 en cours" in told(gradebook)
+    detail = school.martin.get(f"{school.href}/carnet?devoir={href.rpartition('/')[2]}").text
+    for page in (detail, school.martin.get(school.href).text):
+        assert f'href="{school.href}/recalculs?exercice={quote(EXERCISE, safe="")}">recorriger' in page
 
 
 def test_pages_ask_no_more_for_more_assignments_and_students(school: School) -> None:
