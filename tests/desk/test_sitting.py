@@ -19,7 +19,7 @@ from graders.core.contract.verdict import Diagnosis
 from server.assignments.models import Assignment, Mode, SavedWork, Shown, Sitting
 from server.audit.models import AuditEvent, What
 from server.base.provided import provided_to
-from server.classes.models import SchoolClass, Seat
+from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.database import utc_now
 from server.gradebook import service as gradebook
 from server.grading.task import SentFile
@@ -55,6 +55,10 @@ class Room:
         if begins:
             assert self.post(one, "commencer").status_code == 303
         return one
+
+    def take_out(self, who: Person) -> None:
+        with self.site.database.write() as db:
+            db.execute(update(Membership).where(Membership.account_id == who.id).values(status=Status.left))
 
     def post(self, who: Person, what: str, **data: str) -> Any:
         return who.browser(self.site).post(f"{self.path}/{what}", data=data)
@@ -149,6 +153,22 @@ def alike(text: str) -> str:
     return text
 
 
+#: Questions on what the verdict has, and on what it has not.
+ASKED: tuple[dict[str, Any], ...] = ({"text": "?", "check": "b"}, {"text": "?", "check": "zz"}, {"text": "?"})
+
+
+def _class_pages(room: Room, who: Person) -> list[str]:
+    own = f"/classes/{room.made.id}"
+    return ["/classes", f"{own}/devoirs", f"{room.path}/composer", room.path, f"{room.path}/pourquoi", "/compte"]
+
+
+def _class_calls(room: Room) -> list[str]:
+    own = f"/api/v1/classes/{room.made.id}"
+    there = f"{own}/assignments/{room.test.id}"
+    return ["/api/v1/classes", own, f"{own}/assignments", there, f"{there}/rules", "/api/v1/exercises",
+            f"/api/v1/exercises/{EXERCISE}"]  # fmt: skip
+
+
 def everything(room: Room, who: Person, code: str) -> dict[str, str]:
     """All that the service tells a student, of an attempt and of where they stand."""
     browser, found = who.browser(room.site), {}
@@ -161,6 +181,9 @@ def everything(room: Room, who: Person, code: str) -> dict[str, str]:
         *(("GET", f"/soumissions/{first}{end}", {}) for end in ("", "/verdict", "/evenements", "/verdict?deja=true")),
         ("GET", f"/soumissions/{first}/figures/b.svg", {}),
         *(("GET", path, {}) for path in ("/", "/l20", PAGE, f"{PAGE}/essais", f"{PAGE}?reprendre={first}")),
+        *(("GET", path, {}) for path in _class_pages(room, who)),
+        *(("GET", path, {"headers": who.headers}) for path in _class_calls(room)),
+        *(("POST", f"{SEND}/{first}/comments", {"json": body, "headers": who.headers}) for body in ASKED),
     ]
     for method, path, options in calls:
         client: TestClient = room.site.client if path.startswith("/api") else browser
@@ -181,6 +204,7 @@ def test_nothing_tells_how_a_held_attempt_ended_nor_whether_it_was_graded(room: 
         if outcome:
             room.grade()
         seen[outcome] = everything(room, who, code)
+        room.take_out(who)  # the next one's class is as large
     for outcome, told_of_it in seen.items():
         for where, text in told_of_it.items():
             assert text == seen["ok"][where], (outcome, where)
@@ -396,3 +420,19 @@ def test_practice_holds_back_diagnosis_hints_and_solution_until_its_dates(room: 
         db.execute(update(Assignment).values(due_at=utc_now() - MINUTE, solution=Shown.after_due))
     assert "Une erreur nommée" in told(browser.get(f"/soumissions/{sent['id']}"))
     assert "Corrigé commenté" in browser.get(PAGE).text
+
+
+def test_another_assignment_with_the_same_exercise_tells_nothing_of_the_test(room: Room) -> None:
+    assign(room.site.database, room.made, EXERCISE, title="Devoir maison")
+    seen = {}
+    for outcome in ("ok", "wrong_answer"):
+        who = room.student()
+        assert room.send(who).status_code == 202
+        room.outcome = outcome
+        room.grade()
+        browser = who.browser(room.site)
+        paths = ("/", "/l20", "/classes", *(f"/classes/{room.made.id}{end}" for end in ("", "/devoirs")))
+        seen[outcome] = {path: told(browser.get(path)) for path in paths}
+        room.take_out(who)
+    for path, text in seen["ok"].items():
+        assert alike(text) == alike(seen["wrong_answer"][path]), path
