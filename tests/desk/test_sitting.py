@@ -17,6 +17,7 @@ from starlette.testclient import TestClient
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Diagnosis
 from server.assignments.models import Assignment, Mode, SavedWork, Shown, Sitting
+from server.audit import service as audit
 from server.audit.models import AuditEvent, What
 from server.base.provided import provided_to
 from server.classes.models import Membership, SchoolClass, Seat, Status
@@ -211,6 +212,27 @@ def test_nothing_tells_how_a_held_attempt_ended_nor_whether_it_was_graded(room: 
         assert told_of_it.keys() == seen["ok"].keys()
     assert not [where for where, text in seen["ok"].items() if '"points"' in text or "best_score" in text]
     assert seen["ok"]["GET /soumissions/ID/figures/b.svg"].startswith("404")
+
+
+def test_what_one_takes_away_has_no_mark_that_a_test_holds_back(room: Room) -> None:
+    ada, made = room.student(), room.made.id
+    mark = {"points": 13.0, "reason": "Très bien vu."}
+    path = f"/api/v1/classes/{made}/marks/{ada.id}/{EXERCISE}"
+    assert room.send(ada).status_code == 202
+    room.grade()
+    assert room.site.client.put(path, json=mark, headers=room.teacher.headers).status_code == 200
+    with room.site.database.write() as db:
+        points = {"before": {"points": 13.0}, "after": {"points": 7.5}}
+        audit.note(db, made, room.teacher.id, What.regrade_applied, student=ada.id, **points)
+
+    def taken() -> str:
+        archive = ada.browser(room.site).get("/compte/donnees").content
+        return zipfile.ZipFile(io.BytesIO(archive)).read("notes.json").decode()
+
+    assert not re.search(r"13\.0|7\.5|bien vu", taken())
+    assert room.post(ada, "rendre").status_code == 303
+    assert room.post(room.teacher, "publier").status_code == 303
+    assert re.search(r"13\.0[^$]*bien vu[^$]*7\.5", taken())
 
 
 def test_every_door_is_shut_before_one_begins_and_after_one_has_handed_in(room: Room) -> None:
