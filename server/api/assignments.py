@@ -123,7 +123,7 @@ def change(
 ) -> AssignmentOut:
     """Changes what is sent, and leaves the rest. What students have sent stays."""
     place = rights.require(db, account, Right.keep_assignments, class_id)
-    assignment = keeping.find(db, place.school_class, aid)
+    assignment = keeping.find(db, place.school_class, aid, to_change=True)
     before = keeping.current(db, assignment)
     told: dict[str, Any] = {**before.columns(), "exercises": before.exercises}
     told |= {name: getattr(body, name) for name in body.model_fields_set}
@@ -140,7 +140,7 @@ def change(
 def delete(class_id: str, aid: str, account: ApiAccount, db: Db) -> Response:
     """Takes the assignment back, with its exceptions. What students have sent stays."""
     place = rights.require(db, account, Right.keep_assignments, class_id)
-    keeping.delete(db, place.school_class, account.id, keeping.find(db, place.school_class, aid))
+    keeping.delete(db, place.school_class, account.id, keeping.find(db, place.school_class, aid, to_change=True))
     return Response(status_code=204)
 
 
@@ -148,7 +148,7 @@ def delete(class_id: str, aid: str, account: ApiAccount, db: Db) -> Response:
 def exempt(class_id: str, aid: str, body: ExceptionIn, account: ApiAccount, db: Db) -> ExceptionOut:
     """Has something differ for a student or a group."""
     place = rights.require(db, account, Right.keep_assignments, class_id)
-    assignment = keeping.find(db, place.school_class, aid)
+    assignment = keeping.find(db, place.school_class, aid, to_change=True)
     effect = WantedExemption(
         body.opens_at, body.due_at, body.closes_at, body.time_factor, body.excused, body.reason.strip()
     )
@@ -186,7 +186,7 @@ def list_exceptions(class_id: str, aid: str, account: ApiAccount, db: Db) -> lis
 def revoke(class_id: str, aid: str, eid: str, account: ApiAccount, db: Db) -> Response:
     """Takes an exception back; it stays in the list, revoked."""
     place = rights.require(db, account, Right.keep_assignments, class_id)
-    assignment = keeping.find(db, place.school_class, aid)
+    assignment = keeping.find(db, place.school_class, aid, to_change=True)
     exempting.revoke(db, place.school_class, account.id, assignment, find(db, assignment, eid))
     return Response(status_code=204)
 

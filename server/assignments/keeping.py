@@ -18,6 +18,7 @@ from server.assignments.schemas import Wanted, Weighted, checked
 from server.audit import service as audit
 from server.audit.models import What
 from server.base.errors import NotFound
+from server.classes import repository as classes
 from server.classes.models import SchoolClass
 from server.classes.service import require_open
 from server.course import Course
@@ -26,8 +27,10 @@ from server.database import utc_now
 UNKNOWN = "Ce devoir n’existe pas dans cette classe."
 
 
-def find(db: Session, school_class: SchoolClass, assignment_id: UUID | str) -> Assignment:
-    """Raises NotFound."""
+def find(db: Session, school_class: SchoolClass, assignment_id: UUID | str, *, to_change: bool = False) -> Assignment:
+    """`to_change`: until the commit, nobody else changes an assignment of the class. Raises NotFound."""
+    if to_change:
+        classes.lock(db, school_class.id)
     try:
         name = assignment_id if isinstance(assignment_id, UUID) else UUID(assignment_id)
     except ValueError as error:

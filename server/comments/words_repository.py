@@ -66,6 +66,8 @@ def forget(db: Session, account_id: UUID, phrase_id: UUID) -> bool:
 
 def concerned(db: Session, class_id: UUID, exercise: str, misconception: str | None) -> Sequence[UUID]:
     """The active students of a class whose latest attempt at the exercise has this misconception; all without one."""
+    if misconception is not None and not misconception.isprintable():  # no database looks for a zero byte
+        return ()
     query = select(Membership.account_id).where(
         Membership.class_id == class_id, Membership.role == Seat.student, Membership.status == Status.active
     )

@@ -52,7 +52,8 @@ def to_new_password(db: Session, login: str, settings: Settings) -> tuple[Accoun
 
 def by_login(db: Session, login: str) -> Account:
     """Raises NotFound."""
-    account = repository.by_login(db, normalised_login(login))
+    wanted = normalised_login(login)
+    account = repository.by_login(db, wanted) if wanted.isprintable() else None  # no database looks for a zero byte
     if account is None:
         raise NotFound(f"Aucun compte n’a l’identifiant « {login} ».")
     return account

@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 from server.assignments import papers
 from server.assignments import repository as assignments
 from server.assignments.counting import Sent, in_sitting, result
+from server.assignments.feedback import Stage, stage_of
 from server.assignments.models import AssignedExercise, Assignment, Counts, Exemption, Late, Mode, Sitting
 from server.assignments.rules import Rules, in_force
 from server.classes import repository as classes
@@ -142,7 +143,16 @@ class _Material:
             for key in [(member.id, one.exercise)]
         )
         sat = (assignment.id, member.id) in self.sittings
-        return AssignmentMark(rules, state_of(rules, marks, self.now, sat=sat), marks)
+        ended = self._ended(assignment, rules, member.id)
+        return AssignmentMark(rules, state_of(rules, marks, self.now, sat=sat, ended=ended), marks, ended)
+
+    def _ended(self, assignment: Assignment, rules: Rules, student: UUID) -> bool:
+        """Whether it is a test in which this student can send nothing any more, whatever its dates: they have handed
+        in, their time is over, or its results are out."""
+        if assignment.mode != Mode.test:
+            return False
+        sitting = self.sittings.get((assignment.id, student))
+        return stage_of(assignment, rules, sitting, self.now) in {Stage.over, Stage.missed, Stage.shown}
 
     def _sent(self, assignment: Assignment, key: Key, found: _Found) -> Sequence[Sent]:
         """Of a test, what was sent while its student sat it."""
@@ -153,14 +163,19 @@ class _Material:
         return in_sitting(sent, sitting.began_at, sitting.handed_in_at) if sitting else ()
 
 
-def state_of(rules: Rules, marks: Sequence[ExerciseMark], now: datetime, *, sat: bool = False) -> State:
+def state_of(
+    rules: Rules, marks: Sequence[ExerciseMark], now: datetime, *, sat: bool = False, ended: bool = False
+) -> State:
     """Excused goes before all else; a mark that was set counts as something sent.
 
-    `sat`: a test that one has begun, which has opened for them whatever its dates have become.
+    Of a test: `sat` by who has begun it, for whom it has opened whatever its dates have become; `ended` for who can
+    send nothing any more.
     """
     if rules.excused or (marks and all(one.excused for one in marks)):
         return State.excused
     begun = any(one.points is not None for one in marks)
+    if ended:
+        return State.done if begun else State.absent
     if now < rules.opens_at and not sat:
         return State.upcoming
     end = rules.last_moment or rules.due_at

@@ -104,6 +104,7 @@ class AssignmentMark:
     rules: Rules
     state: State
     exercises: tuple[ExerciseMark, ...]
+    ended: bool = False
 
     @property
     def points(self) -> float | None:
@@ -119,8 +120,8 @@ class AssignmentMark:
 
     @property
     def endless(self) -> bool:
-        """Without any date after which work is late or refused."""
-        return self.rules.last_moment is None and self.rules.due_at is None
+        """Without any date after which work is late or refused, nor any other end (`ended`: of a test)."""
+        return not self.ended and self.rules.last_moment is None and self.rules.due_at is None
 
     @property
     def in_average(self) -> float | None:

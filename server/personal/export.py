@@ -255,13 +255,25 @@ def _thread(talk: Talk) -> dict[str, Any]:
 
 #: Their reason is for the staff alone: who may read it is asked of the school.
 PRIVATE = frozenset({What.exemption_made, What.exemption_revoked})
+OF_MARKS = frozenset({What.mark_overridden, What.override_withdrawn, What.regrade_applied, What.regrade_undone})
 
 
 def _marks(db: Session, account_id: UUID) -> dict[str, Any]:
-    about = [{**_event(one, name), "reason": _reason(one)} for one, name in audit.about(db, account_id)]
+    """Events say in words what they are about: while a test holds anything, none is told of any mark from then on."""
+    held = gradebook.held_since(db, account_id)
+    since = min(held.values(), default=None)
+    about = [
+        {**_event(one, name), "reason": _reason(one)}
+        for one, name in audit.about(db, account_id)
+        if since is None or one.at < since or one.what not in OF_MARKS
+    ]
     by = [{**_event(one, name), "reason": one.reason} for one, name in audit.by(db, account_id)]
     return {
-        "overrides": [_override(one, name) for one, name in marks.overrides_of(db, account_id)],
+        "overrides": [
+            _override(one, name)
+            for one, name in marks.overrides_of(db, account_id)
+            if one.exercise not in held or one.at < held[one.exercise]
+        ],
         "overrides_you_set": [_override(one, name) for one, name in marks.overrides_by(db, account_id)],
         "changes_about_you": about,
         "changes_you_made": by,

@@ -18,10 +18,10 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from graders.core.contract.verdict import Verdict
-from server.assignments import counting, rules
+from server.assignments import counting, papers, rules
 from server.assignments import repository as assignments
 from server.assignments.counting import Sent
-from server.assignments.models import Assignment, Counts
+from server.assignments.models import Assignment, Counts, Mode
 from server.base.errors import Conflict, Invalid, NotFound
 from server.classes import repository as classes
 from server.classes.models import SchoolClass, Seat, Status
@@ -161,11 +161,16 @@ def _marker(db: Session, regrade: Regrade) -> Marker:
 
 
 def _by_rules(db: Session, assignment: Assignment) -> Marker:
+    """As in the gradebook: of a test, what was sent while its student sat it."""
     differences = assignments.exemptions(db, [assignment.id]).get(assignment.id, [])
     labels = {one.id: one.groups for one in classes.members(db, assignment.class_id)}
+    sittings = papers.sittings_of(db, [assignment.id]) if assignment.mode == Mode.test else None
 
     def mark(student: UUID, attempts: Sequence[Sent]) -> Marked:
         mine = rules.in_force(assignment, differences, student, labels.get(student, ()))
+        if sittings is not None:
+            sat = sittings.get((assignment.id, student))
+            attempts = counting.in_sitting(attempts, sat.began_at, sat.handed_in_at) if sat else ()
         found = counting.result(mine, Counts(assignment.counts), attempts).counted
         return None if found is None else (found.attempt, found.points)
 

@@ -17,10 +17,11 @@ from starlette.testclient import TestClient
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Diagnosis
 from server.assignments.models import Assignment, Exemption, Mode, SavedWork, Shown, Sitting
+from server.audit import service as audit
 from server.audit.models import AuditEvent, What
 from server.base.errors import Conflict
 from server.base.provided import provided_to
-from server.classes.models import SchoolClass, Seat
+from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.comments import words
 from server.database import utc_now
 from server.gradebook import service as gradebook
@@ -58,6 +59,10 @@ class Room:
         if begins:
             assert self.post(one, "commencer").status_code == 303
         return one
+
+    def take_out(self, who: Person) -> None:
+        with self.site.database.write() as db:
+            db.execute(update(Membership).where(Membership.account_id == who.id).values(status=Status.left))
 
     def post(self, who: Person, what: str, **data: str) -> Any:
         return who.browser(self.site).post(f"{self.path}/{what}", data=data)
@@ -152,6 +157,22 @@ def alike(text: str) -> str:
     return text
 
 
+#: Questions on what the verdict has, and on what it has not.
+ASKED: tuple[dict[str, Any], ...] = ({"text": "?", "check": "b"}, {"text": "?", "check": "zz"}, {"text": "?"})
+
+
+def _class_pages(room: Room, who: Person) -> list[str]:
+    own = f"/classes/{room.made.id}"
+    return ["/classes", f"{own}/devoirs", f"{room.path}/composer", room.path, f"{room.path}/pourquoi", "/compte"]
+
+
+def _class_calls(room: Room) -> list[str]:
+    own = f"/api/v1/classes/{room.made.id}"
+    there = f"{own}/assignments/{room.test.id}"
+    return ["/api/v1/classes", own, f"{own}/assignments", there, f"{there}/rules", "/api/v1/exercises",
+            f"/api/v1/exercises/{EXERCISE}"]  # fmt: skip
+
+
 def everything(room: Room, who: Person, code: str) -> dict[str, str]:
     """All that the service tells a student, of an attempt and of where they stand."""
     browser, found = who.browser(room.site), {}
@@ -164,6 +185,9 @@ def everything(room: Room, who: Person, code: str) -> dict[str, str]:
         *(("GET", f"/soumissions/{first}{end}", {}) for end in ("", "/verdict", "/evenements", "/verdict?deja=true")),
         ("GET", f"/soumissions/{first}/figures/b.svg", {}),
         *(("GET", path, {}) for path in ("/", "/l20", PAGE, f"{PAGE}/essais", f"{PAGE}?reprendre={first}")),
+        *(("GET", path, {}) for path in _class_pages(room, who)),
+        *(("GET", path, {"headers": who.headers}) for path in _class_calls(room)),
+        *(("POST", f"{SEND}/{first}/comments", {"json": body, "headers": who.headers}) for body in ASKED),
     ]
     for method, path, options in calls:
         client: TestClient = room.site.client if path.startswith("/api") else browser
@@ -184,12 +208,34 @@ def test_nothing_tells_how_a_held_attempt_ended_nor_whether_it_was_graded(room: 
         if outcome:
             room.grade()
         seen[outcome] = everything(room, who, code)
+        room.take_out(who)  # the next one's class is as large
     for outcome, told_of_it in seen.items():
         for where, text in told_of_it.items():
             assert text == seen["ok"][where], (outcome, where)
         assert told_of_it.keys() == seen["ok"].keys()
     assert not [where for where, text in seen["ok"].items() if '"points"' in text or "best_score" in text]
     assert seen["ok"]["GET /soumissions/ID/figures/b.svg"].startswith("404")
+
+
+def test_what_one_takes_away_has_no_mark_that_a_test_holds_back(room: Room) -> None:
+    ada, made = room.student(), room.made.id
+    mark = {"points": 13.0, "reason": "Très bien vu."}
+    path = f"/api/v1/classes/{made}/marks/{ada.id}/{EXERCISE}"
+    assert room.send(ada).status_code == 202
+    room.grade()
+    assert room.site.client.put(path, json=mark, headers=room.teacher.headers).status_code == 200
+    with room.site.database.write() as db:
+        points = {"before": {"points": 13.0}, "after": {"points": 7.5}}
+        audit.note(db, made, room.teacher.id, What.regrade_applied, student=ada.id, **points)
+
+    def taken() -> str:
+        archive = ada.browser(room.site).get("/compte/donnees").content
+        return zipfile.ZipFile(io.BytesIO(archive)).read("notes.json").decode()
+
+    assert not re.search(r"13\.0|7\.5|bien vu", taken())
+    assert room.post(ada, "rendre").status_code == 303
+    assert room.post(room.teacher, "publier").status_code == 303
+    assert re.search(r"13\.0[^$]*bien vu[^$]*7\.5", taken())
 
 
 def test_every_door_is_shut_before_one_begins_and_after_one_has_handed_in(room: Room) -> None:
@@ -542,3 +588,19 @@ def test_a_word_to_who_makes_a_mistake_waits_until_the_test_is_released(room: Ro
     room.post(room.teacher, "publier")
     room.post(ada, "rendre")
     assert tell() == 1
+
+
+def test_another_assignment_with_the_same_exercise_tells_nothing_of_the_test(room: Room) -> None:
+    assign(room.site.database, room.made, EXERCISE, title="Devoir maison")
+    seen = {}
+    for outcome in ("ok", "wrong_answer"):
+        who = room.student()
+        assert room.send(who).status_code == 202
+        room.outcome = outcome
+        room.grade()
+        browser = who.browser(room.site)
+        paths = ("/", "/l20", "/classes", *(f"/classes/{room.made.id}{end}" for end in ("", "/devoirs")))
+        seen[outcome] = {path: told(browser.get(path)) for path in paths}
+        room.take_out(who)
+    for path, text in seen["ok"].items():
+        assert alike(text) == alike(seen["wrong_answer"][path]), path

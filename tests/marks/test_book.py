@@ -61,6 +61,26 @@ def test_over_what_is_missing_counts_nothing_and_before_it_does_not_count(term: 
     assert only(term, course).points == 3.25, "too late to count"
 
 
+def test_a_test_is_over_for_who_has_handed_in_whatever_its_dates(term: Term, course: Course) -> None:
+    test = term.assignment(mode=Mode.test, due_at=None, closes_at=None)
+    ada, zola, _ = [term.student(*name) for name in (("Ada", "Abel"), ("Émile", "Zola"), ("Blaise", "Pascal"))]
+    term.sit(test, ada, OPENS + 2 * DAY)
+    term.sit(test, zola)
+    for student in (ada, zola):
+        term.send(student, POSES, 20)
+
+    def told() -> dict[str, tuple[State, float | None, float | None]]:
+        rows = made(term, course).rows
+        return {row.member.name: (row.marks[0].state, row.marks[0].points, row.average) for row in rows}
+
+    before = told()
+    assert before["Ada Abel"] == (State.done, 10.0, 10.0), "what was not sent counts 0"
+    assert before["Blaise Pascal"] == (State.open, None, None)
+    with term.database.write() as db:
+        db.merge(test).released_at = AFTER - DAY
+    assert told() == {**before, "Blaise Pascal": (State.absent, 0.0, 0.0)}
+
+
 def test_dates_that_differ_for_a_student_differ_in_their_marks(term: Term, course: Course) -> None:
     given = term.assignment(exercises={POSES: 1.0}, late="penalty", late_per_day=2.0)
     ada = term.student("Ada", "Lovelace")

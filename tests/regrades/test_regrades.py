@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from sqlalchemy import delete, select
 
 from server.app import Services
-from server.assignments.models import AssignedExercise, Assignment, Late
+from server.assignments.models import AssignedExercise, Assignment, Late, Mode, Sitting
 from server.audit.models import AuditEvent, What
 from server.base.errors import Conflict, Invalid, NotFound, ServiceError
 from server.base.settings import Settings
@@ -227,6 +227,23 @@ def test_an_assignment_has_its_own_dates_and_marks(quick: Lesson) -> None:
     with quick.database.write() as db:
         db.execute(delete(Assignment))
     assert (quick.prepared(Policy.renew), seen(quick, regrade)[0]) != (None, State.ready)
+
+
+def test_of_a_test_what_was_sent_while_one_sat_it_makes_the_mark(quick: Lesson) -> None:
+    ada, now = quick.arrive(), utc_now()
+    before, during, after = quick.sent(ada, 20, 2), quick.sent(ada, 10, 12), quick.sent(ada, 16, 20)
+    with quick.database.write() as db:
+        for name, when in ((before, -3), (during, -1), (after, 1)):
+            row = db.get(Submission, name)
+            assert row is not None
+            row.created_at = now + timedelta(hours=when)
+        made = Assignment(class_id=quick.made.id, title="Interro", mode=Mode.test, opens_at=now - timedelta(hours=9))
+        db.add(made)
+        db.flush()
+        db.add(AssignedExercise(assignment_id=made.id, exercise=EXERCISE, position=0))
+        db.add(Sitting(assignment_id=made.id, account_id=ada.id, began_at=now - timedelta(hours=2), handed_in_at=now))
+    (change,) = seen(quick, quick.prepared(Policy.renew, assignment=made.id))[1]
+    assert (change.copies, change.before, change.after) == (1, 10.0, 12.0)
 
 
 def test_overlapping_regrades_are_undone_in_the_other_order(quick: Lesson) -> None:

@@ -57,7 +57,7 @@ def grant(
     request: Request, class_id: str, aid: str, account: SignedIn, db: Db, course: CourseOf, fields: FormFields
 ) -> Response:
     place = rights.require(db, account, Right.keep_assignments, class_id)
-    found = keeping.find(db, place.school_class, aid)
+    found = keeping.find(db, place.school_class, aid, to_change=True)
     values = assignment_forms.exemption_values(fields)
     try:
         whom, wanted = assignment_forms.exemption(fields)
@@ -72,7 +72,7 @@ def grant(
 @router.post(f"{ONE}/amenagements/{{eid}}/retirer")
 def revoke(class_id: str, aid: str, eid: str, account: SignedIn, db: Db) -> Response:
     place = rights.require(db, account, Right.keep_assignments, class_id)
-    found = keeping.find(db, place.school_class, aid)
+    found = keeping.find(db, place.school_class, aid, to_change=True)
     exempting.revoke(db, place.school_class, account.id, found, exempting.find(db, found, eid))
     return go(f"{href_of(found)}/amenagements")
 

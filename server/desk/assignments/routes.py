@@ -108,7 +108,7 @@ def change(
 ) -> Response:
     """With `apercu`, only draws what the form says of lateness."""
     place = rights.require(db, account, Right.keep_assignments, class_id)
-    found = keeping.find(db, place.school_class, aid)
+    found = keeping.find(db, place.school_class, aid, to_change=True)
     values = assignment_forms.assignment_values(fields)
     drawn: Wanted | None = None
     try:
@@ -129,6 +129,6 @@ def change(
 @router.post(f"{ONE}/supprimer")
 def delete(class_id: str, aid: str, account: SignedIn, db: Db) -> Response:
     place = rights.require(db, account, Right.keep_assignments, class_id)
-    found: Assignment = keeping.find(db, place.school_class, aid)
+    found: Assignment = keeping.find(db, place.school_class, aid, to_change=True)
     keeping.delete(db, place.school_class, account.id, found)
     return go(f"{views.href_of(place.school_class)}/devoirs")

@@ -1,0 +1,68 @@
+"""What no page of a class sends, and somebody does."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from threading import Event, Thread
+
+import pytest
+
+from server.assignments import keeping
+from server.assignments.schemas import Weighted
+from server.base.errors import NotFound
+from server.behaviour import service as behaviour
+from server.comments import words_repository
+from server.course import Course
+from server.database import Database
+from server.identity import links
+from server.identity.models import Role
+from tests.support.classes import assign, new_class
+from tests.support.service import EXERCISE, new_account
+
+ZERO = "a\x00b"
+
+
+def test_a_name_that_no_database_can_look_for_is_nobody_s(database: Database) -> None:
+    """PostgreSQL refuses a zero byte in a question too."""
+    made = new_class(database, new_account(database, Role.teacher))
+    with database.read() as db:
+        with pytest.raises(NotFound):
+            behaviour.find(db, made, EXERCISE, ZERO)
+        with pytest.raises(NotFound):
+            links.by_login(db, ZERO)
+        assert not words_repository.concerned(db, made.id, EXERCISE, ZERO)
+
+
+def test_two_who_change_or_delete_an_assignment_at_once_do_so_one_after_the_other(
+    database: Database, course: Course
+) -> None:
+    teacher = new_account(database, Role.teacher)
+    made = new_class(database, teacher)
+    one = assign(database, made, EXERCISE)
+    there, failed = Event(), []
+
+    def then(delete: bool) -> None:
+        there.wait(10)
+        try:
+            with database.write() as db:
+                found = keeping.find(db, made, one.id, to_change=True)
+                if delete:
+                    return keeping.delete(db, made, teacher.id, found)
+                wanted = replace(keeping.current(db, found), title="Le mien")
+                keeping.change(db, course, made, teacher.id, found, wanted)
+        except Exception as error:
+            failed.append(error)
+
+    others = [Thread(target=then, args=(delete,)) for delete in (False, False, True, True)]
+    for thread in others:
+        thread.start()
+    with database.write() as db:
+        found = keeping.find(db, made, one.id, to_change=True)
+        more = (*keeping.current(db, found).exercises, Weighted("l20/kabsch"))
+        keeping.change(db, course, made, teacher.id, found, replace(keeping.current(db, found), exercises=more))
+        there.set()
+        for thread in others:
+            thread.join(0.05)
+    for thread in others:
+        thread.join(10)
+    assert {type(error) for error in failed} == {NotFound}, failed
