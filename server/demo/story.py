@@ -56,10 +56,12 @@ def lesson_starts(now: datetime) -> tuple[datetime, ...]:
 
 
 def programme(module: Module) -> tuple[tuple[Exercise, ...], ...]:
-    """The module's exercises, shared among the lessons in the course's order."""
-    count = len(module.exercises)
+    """The module's exercises in the order in which one meets them, shared among the lessons."""
+    places = {lesson.slug: place for place, lesson in enumerate(module.lessons)}
+    met = sorted(module.exercises, key=lambda exercise: places.get(exercise.seance, len(places)))
+    count = len(met)
     cuts = [count * lesson // LESSONS for lesson in range(LESSONS + 1)]
-    return tuple(module.exercises[start:end] for start, end in itertools.pairwise(cuts))
+    return tuple(tuple(met[start:end]) for start, end in itertools.pairwise(cuts))
 
 
 def repertoire(exercise: Exercise, random: Random) -> Repertoire:
@@ -71,11 +73,17 @@ def repertoire(exercise: Exercise, random: Random) -> Repertoire:
             named.setdefault(one.diagnosis, []).append(one)
     order = sorted(named)
     random.shuffle(order)
+    unnamed = [one for one in known if one.diagnosis is None and one.outcome in UNNAMED and _is_honest(one)]
     return Repertoire(
         right=tuple(one for one in known if one.outcome is Outcome.OK),
         named=tuple(tuple(named[name]) for name in order),
-        unnamed=tuple(one for one in known if one.diagnosis is None and one.outcome in UNNAMED),
+        unnamed=tuple(sorted(unnamed, key=lambda one: UNNAMED.index(one.outcome))),
     )
+
+
+def _is_honest(known: Known) -> bool:
+    """Not a program that plays tricks on its grader, which nobody of the class would write."""
+    return b"__" not in known.write(0)
 
 
 def story(module: Module, pupils: Sequence[Pupil], random: Random, now: datetime) -> list[Step]:
@@ -115,7 +123,7 @@ def _attempts(of: Repertoire, ease: float, random: Random) -> Iterator[Known]:
     """Wrong ones while the exercise is not understood, then the right one; who finds it hard may leave it."""
     while random.random() > SEEN[0] + SEEN[1] * ease:
         if of.unnamed and (not of.named or random.random() < OTHER):
-            yield random.choice(of.unnamed)
+            yield of.unnamed[min(int(random.expovariate(1.0)), len(of.unnamed) - 1)]
         elif of.named:
             popular = of.named[min(int(random.expovariate(1 / POPULAR)), len(of.named) - 1)]
             yield random.choice(popular)
