@@ -61,7 +61,7 @@ def give(db: Session, room: Classroom, now: datetime) -> Assignment:
         late, per_day = (Late.accept, None) if number % 2 else (Late.penalty, 2.0)
         given = exercises[:-IN_TEST] if number == TESTED and len(exercises) > IN_TEST else exercises
         due = start + WEEK
-        last = _made(db, room, Wanted(f"Séance {number + 1}", _all(given), start, due, due + WEEK, late, per_day))
+        last = _made(db, room, Wanted(f"Semaine {number + 1}", _all(given), start, due, due + WEEK, late, per_day))
     grant = WantedExemption(due_at=starts[-1] + WEEK + 2 * DAY, reason="sortie de classe")
     _exempt(db, room, last, Whom(label=GROUPS[-1]), grant)
     opens = (now + WEEK).replace(minute=0, second=0, microsecond=0)

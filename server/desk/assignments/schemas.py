@@ -270,12 +270,16 @@ class NextThing:
 
 @dataclass(frozen=True)
 class OwnPage:
-    """A class as who learns there sees it; `watched` names them where their teacher looks with their eyes."""
+    """A class as who learns there sees it; `watched` names them where their teacher looks with their eyes.
+
+    `done`: what is open still, with nothing left to do there.
+    """
 
     head: ClassHead
     seat: OwnSeat
     staff: tuple[StaffRow, ...]
     current: tuple[OwnAssignment, ...]
+    done: tuple[OwnAssignment, ...]
     upcoming: tuple[OwnAssignment, ...]
     past: tuple[OwnAssignment, ...]
     next: NextThing | None

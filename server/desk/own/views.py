@@ -20,7 +20,7 @@ from server.course import Course
 from server.database import utc_now
 from server.desk import views
 from server.desk.assignments import words
-from server.desk.assignments.schemas import NextThing, OwnAssignment, OwnExercise, OwnPage
+from server.desk.assignments.schemas import NextThing, OwnAssignment, OwnExercise, OwnPage, StageView
 from server.desk.assignments.views import stage_view, when
 from server.desk.own import sitting as tests
 from server.desk.schemas import OwnSeat
@@ -36,7 +36,9 @@ from server.web import school_time
 from server.web.views import exercise_href
 from server.web.words import WHOLE, mark, plural
 
-OPEN = ("open", "late")
+OPEN = ("open", "late", "done")
+#: Of what is still open, where there is nothing left to do.
+ALL_DONE = StageView("done", "✓", "tout est fait")
 #: Of an exercise that a test asks for too: neither that it was done before nor that it was not.
 HELD = ("sent", "•", "retenu le temps d’un contrôle")
 
@@ -89,7 +91,8 @@ def _page(
         head=views.head(course, place, "/eleves" if watched else ""),
         seat=own,
         staff=views.staff_rows(everyone, place, account),
-        current=tuple(view for _, view in running),
+        current=tuple(view for _, view in running if view.stage.kind != ALL_DONE.kind),
+        done=tuple(view for _, view in running if view.stage.kind == ALL_DONE.kind),
         upcoming=tuple(view for _, view in shown if view.stage.kind == "upcoming"),
         past=tuple(view for _, view in reversed(shown) if view.stage.kind == "closed"),
         next=_next(running),
@@ -135,12 +138,15 @@ def _assignment(course: Course, one: Mine, known: _Known, suffix: str) -> OwnAss
         else tuple(_exercise(course, one, row, known, over=stage.kind == "closed") for row in one.exercises)
     )
     minutes = None if rules.duration is None else rules.duration.total_seconds() / 60
+    done = sum(row.kind == "done" for row in exercises or ())
+    left = any(row.kind not in {"done", "excused"} for row in exercises or ())
+    all_done = test is None and one.stage in {Stage.open, Stage.late} and bool(exercises) and not left
     href = f"/classes/{assignment.class_id}/devoirs/{assignment.id}/pourquoi{suffix}"
     return OwnAssignment(
         id=str(assignment.id),
         title=assignment.title,
         is_test=test is not None,
-        stage=stage,
+        stage=ALL_DONE if all_done else stage,
         opens=when(rules.opens_at),
         due=when(rules.due_at),
         closes=when(rules.closes_at),
@@ -149,7 +155,7 @@ def _assignment(course: Course, one: Mine, known: _Known, suffix: str) -> OwnAss
         duration="" if minutes is None else words.duration(minutes),
         why_href=href,
         exercises=exercises,
-        done=sum(row.kind == "done" for row in exercises or ()),
+        done=done,
         differs=bool(one.exemptions),
         test=test.as_seen(watched=known.watched) if test else None,
         mark=_mark(known.marks.get(assignment.id)) if stage.kind == "closed" else "",
