@@ -218,9 +218,14 @@ class SittingPage:
 
 @dataclass(frozen=True)
 class ReleaseView:
-    """The results of a test, to be released: how many have begun, and still sit. `released` is empty before."""
+    """The results of a test, to be released: how many have begun, and still sit. `released` is empty before.
+
+    `opens` is empty once somebody may have begun: until then there is nothing to release.
+    """
 
     action: str
+    opens: str
+    opens_text: str
     released: str
     released_text: str
     begun: int

@@ -74,7 +74,7 @@ def value(name: str, said: Any) -> str:
     if isinstance(said, datetime):
         return moment_words(said)
     if name == "time_factor":
-        return "× " + number(float(said)) if said != 1 else "temps ordinaire"
+        return "× " + number(round(float(said), 2)) if said != 1 else "temps ordinaire"
     if name == "excused":
         return "dispensé" if said else "non dispensé"
     return NOTHING.get(name, "—")

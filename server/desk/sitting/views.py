@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from server.assignments import feedback, papers, repository
 from server.assignments.models import Assignment, EndedBy
 from server.assignments.sittings import Own
+from server.database import utc_now
 from server.desk.schemas import ReleaseView, SatExercise, SittingPage
 from server.desk.views import head
 from server.gradebook import service as gradebook
@@ -79,8 +80,10 @@ def _exercises(reader: Reader, own: Own, account: Account) -> tuple[SatExercise,
 def release_view(db: Session, test: Assignment) -> ReleaseView:
     """For the page of a test, as its teacher sees it."""
     begun, ended = papers.counts(db, test.id)
+    waits = not begun and test.opens_at > utc_now()
     return ReleaseView(
         action=f"{page_of(test).removesuffix('/composer')}/publier",
+        **_both("opens", test.opens_at if waits else None),
         **_both("released", test.released_at),
         begun=begun,
         sitting=begun - ended,
