@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session
 from server.assignments import mine, papers
 from server.assignments.mine import Mine
 from server.assignments.models import AssignedExercise, Mode, Sitting
+from server.assignments.states import Stage
 from server.assignments.rules import FULL, Rules
 from server.classes import repository
 from server.classes.models import Membership, Seat, Status
