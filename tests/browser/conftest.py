@@ -16,6 +16,10 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from server.base.request import COOKIE
+from server.database import Database, utc_now
+from server.identity.models import Account, BrowserSession
+from server.identity.secrets import digest, new_token
 from tests.support.shared import shared
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
@@ -40,12 +44,12 @@ class Server:
 @pytest.fixture(scope="session")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     """One for all the processes of xdist: it takes seconds to start."""
-    with shared(tmp_path_factory, "balise-serve", _serving) as told:
+    with shared(tmp_path_factory, "balise-serve", serving) as told:
         yield Server(*told.split())
 
 
 @contextmanager
-def _serving(data: Path) -> Iterator[str]:
+def serving(data: Path) -> Iterator[str]:
     command = [sys.executable, "-m", "server", "serve", "--port", "0", "--data", str(data)]
     machine = {name: value for name, value in os.environ.items() if not name.startswith("BALISE_")}
     environment = {**machine, "BALISE_WORKERS": "1", "PYTHONUNBUFFERED": "1"}
@@ -117,12 +121,24 @@ class Visit:
 NewVisit = Callable[..., Visit]
 
 
+def enters(visitor: Visit, database: Database, account: Account) -> Visit:
+    """Signs in by a session written in the server's own database."""
+    cookie = new_token()
+    with database.write() as db:
+        ends = utc_now().replace(year=2100)
+        db.add(BrowserSession(token_digest=digest(cookie), account_id=account.id, expires_at=ends))
+    visitor.page.context.add_cookies([{"name": COOKIE, "value": cookie, "url": visitor.server.address}])
+    return visitor
+
+
 @pytest.fixture
 def visit(browser: Browser, server: Server) -> Iterator[NewVisit]:
     """Makes visitors, each with cookies of their own; `expected` is a pattern of what a test provokes on purpose."""
     opened: list[tuple[Visit, str]] = []
 
-    def make(*, width: int = 1280, height: int = 800, expected: str = "(?!)", **options: object) -> Visit:
+    def make(
+        *, width: int = 1280, height: int = 800, expected: str = "(?!)", at: Server = server, **options: object
+    ) -> Visit:
         context = browser.new_context(
             viewport={"width": width, "height": height},
             locale="fr-FR",
@@ -131,7 +147,7 @@ def visit(browser: Browser, server: Server) -> Iterator[NewVisit]:
         )
         page = context.new_page()
         page.set_default_timeout(20_000)
-        made = Visit(page, server, [])
+        made = Visit(page, at, [])
         _watch(made)
         opened.append((made, expected))
         return made

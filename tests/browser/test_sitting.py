@@ -10,13 +10,11 @@ import pytest
 from sqlalchemy import select, update
 
 from server.assignments.models import Assignment, Mode, Sitting
-from server.base.request import COOKIE
 from server.base.settings import Settings
 from server.database import Database, utc_now
-from server.identity.models import Account, BrowserSession, Role
-from server.identity.secrets import digest, new_token
+from server.identity.models import Account, Role
 from server.submissions.models import Submission
-from tests.browser.conftest import EXERCISE, NewVisit, Server, Visit, sync_api
+from tests.browser.conftest import EXERCISE, NewVisit, Server, Visit, enters, sync_api
 from tests.browser.test_accessibility import check
 from tests.support.classes import assign, new_class, seat
 from tests.support.live import until
@@ -33,15 +31,13 @@ class Sat:
     database: Database
     account: Account
     test: Assignment
-    cookie: str
 
     @property
     def path(self) -> str:
         return f"/classes/{self.test.class_id}/devoirs/{self.test.id}/composer"
 
     def enters(self, visitor: Visit) -> Visit:
-        visitor.page.context.add_cookies([{"name": COOKIE, "value": self.cookie, "url": self.server.address}])
-        return visitor
+        return enters(visitor, self.database, self.account)
 
     def codes(self) -> list[str]:
         query = select(Submission).where(Submission.account_id == self.account.id).order_by(Submission.created_at)
@@ -56,11 +52,7 @@ def sat(server: Server) -> Sat:
     made = new_class(database, teacher)
     seat(database, made, account)
     test = assign(database, made, "l20/poses", mode=Mode.test, duration_minutes=60)
-    cookie = new_token()
-    with database.write() as db:
-        ends = utc_now().replace(year=2100)
-        db.add(BrowserSession(token_digest=digest(cookie), account_id=account.id, expires_at=ends))
-    return Sat(server, database, account, test, cookie)
+    return Sat(server, database, account, test)
 
 
 def kept(visitor: Visit) -> None:
