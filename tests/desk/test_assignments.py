@@ -270,6 +270,12 @@ def test_who_has_worked_ahead_has_done_it(school: School) -> None:
     detail = school.martin.get(f"{school.href}/carnet?devoir={href.rpartition('/')[2]}").text
     for page in (detail, school.martin.get(school.href).text):
         assert f'href="{school.href}/recalculs?exercice={quote(EXERCISE, safe="")}">recorriger' in page
+    row = {"account_id": school.ada.id, "exercise": "l20/calcul_odometrie", "based_on": []}
+    with school.site.database.write() as db:
+        db.add(Override(class_id=school.made.id, points=20.0, reason="à l’oral", **row))
+    page = read(ada, school.href)
+    assert "✓ tout est fait · 2 sur 2" in page.split("Faits, encore ouverts")[1]
+    assert "À faire maintenant" not in page
 
 
 def test_pages_ask_no_more_for_more_assignments_and_students(school: School) -> None:

@@ -151,6 +151,16 @@ ALIKE = (
 )
 
 
+def test_nothing_is_offered_for_release_before_the_test_opens(room: Room) -> None:
+    opened = room.teacher.browser(room.site).get(room.path).text
+    assert "Publier les résultats</button>" in opened
+    with room.site.database.write() as db:
+        db.execute(update(Assignment).where(Assignment.id == room.test.id).values(opens_at=utc_now() + 60 * MINUTE))
+    page = room.teacher.browser(room.site).get(room.path).text
+    assert "Publier les résultats</button>" not in page
+    assert "Vous publierez ici ses résultats" in page
+
+
 def alike(text: str) -> str:
     for pattern, word in ALIKE:
         text = pattern.sub(word, text)

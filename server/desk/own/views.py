@@ -12,8 +12,8 @@ from sqlalchemy.orm import Session
 from server.assignments import mine, papers
 from server.assignments.mine import Mine
 from server.assignments.models import AssignedExercise, Mode, Sitting
-from server.assignments.states import Stage
 from server.assignments.rules import FULL, Rules
+from server.assignments.states import Stage
 from server.classes import repository
 from server.classes.models import Membership, Seat, Status
 from server.classes.schemas import Member
