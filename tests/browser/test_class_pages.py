@@ -31,10 +31,10 @@ from tests.browser.conftest import NewVisit, Server, enters, serving
 from tests.browser.test_accessibility import check
 from tests.rights.test_routes import expected
 from tests.support.quick import migrated, the_course
-from tests.support.service import EXERCISE, fake_verdict
+from tests.support.service import fake_verdict
 from tests.support.shared import shared
 
-MISTAKE, GROUP = "rotation_oubliee", "a1b2c3d4e5"
+EXERCISE, MISTAKE, GROUP = "l20/kabsch", "rotation_transposee", "a1b2c3d4e5"
 CLASS = "/classes/{class_id}"
 ONE = CLASS + "/devoirs/{aid}"
 #: What a browser saves, or listens to: no page.
@@ -113,7 +113,7 @@ def grade(exercise: str, source: bytes, seed: int) -> Judgement:
     kind = crc32(source) % 8
     verdict = fake_verdict("# outcome: wrong_answer" if kind < 4 else "", seed)
     named = exercise == EXERCISE and 0 < kind < 4
-    diagnosis = Diagnosis(MISTAKE, "La rotation est oubliée", "Voici pourquoi.") if named else None
+    diagnosis = Diagnosis(MISTAKE, "Une erreur connue", "Voici pourquoi.") if named else None
     return Judgement(replace(verdict, exercise=exercise, diagnosis=diagnosis))
 
 
@@ -156,7 +156,7 @@ def _found(server: Server, database: Database, class_id: UUID) -> Walk:
         given = db.scalars(select(Assignment).where(Assignment.class_id == class_id)).all()
         homes = db.scalars(select(AssignedExercise.assignment_id).where(AssignedExercise.exercise == EXERCISE)).all()
         home = next(one for one in given if one.id in homes and one.mode != Mode.test)
-        test = next(one for one in given if one.mode == Mode.test)
+        test = max((one for one in given if one.mode == Mode.test), key=lambda one: one.opens_at)
         at_work = db.scalars(select(Submission.account_id).where(Submission.exercise == EXERCISE)).first()
         student = db.get_one(Account, at_work)
         teacher = db.get_one(Account, next(one.id for one in people if one.membership.role == Seat.teacher))
@@ -166,7 +166,7 @@ def _found(server: Server, database: Database, class_id: UUID) -> Walk:
             "assignment_id": home.id,
             "test": test.id,
             "student": student.id,
-            "module": EXERCISE.split("/")[0],
+            "module": EXERCISE.split("/", maxsplit=1)[0],
             "slug": EXERCISE.split("/")[1],
             "mistake": MISTAKE,
             "group": GROUP,
