@@ -10,7 +10,7 @@ import numpy as np
 
 from graders.core.contract.values import Arguments, Floats
 from graders.l20.boucles.calibration import HUGE
-from graders.l20.boucles.trials import BOWL, RAMP, TIED_SHIFTS, TIES
+from graders.l20.boucles.trials import BOWL, NARROW, RAMP, TIED_SHIFTS, TIES, WIDE
 
 A, B, C = RAMP, BOWL + 0.37, 12.5 - RAMP[::-1] ** 0.9
 TINY = 1e-7
@@ -89,8 +89,9 @@ SIGNED: tuple[Arguments, ...] = tuple(
     (scan,)
     for scan in (
         RAMP, np.roll(RAMP, 1), np.roll(RAMP, 9), BOWL, TIES, *(np.roll(TIES, k) for k in TIED_SHIFTS), RAISED,
-        _with(17, 20.0), *ENDS[0], *ENDS[35],
+        _with(17, 20.0), *ENDS[0], *ENDS[35], NARROW, WIDE,
     )
 )  # fmt: skip
 SAME, TIED, MIDDLE = (0, 1, 2), (4, 5, 6, 7), 9
 AT_END = {0: range(10, 14), 35: range(14, 18)}
+REPEATED = (18, 19)

@@ -17,7 +17,9 @@ powers of Fourier, autocorrelations, sorted distances, histograms with fixed or 
 the scan turned to its longest or shortest ray) separate in each of 4 distances, with all the noise of the walk and a
 factor 2 in hand; a walk that does not is drawn again. Shifted scans are exact copies, no ray is at the end of the
 range, the longest and the shortest ray are unique: ties have a scan of their own, made by hand, where a signature that
-starts from one ray always fails, and no walk fails it by chance. Within the family, but for these two, a rejection is
+starts from one ray always fails, and no walk fails it by chance. Equal distances within one scan, which have another
+scan by hand, come with the noisy walk that never changes, read to the hundredth: what forgets how many they are has
+another length at each reading. Within the family, but for these two, a rejection is
 thus impossible by construction. A choice outside it may meet a walk whose places it confuses: it is then given two
 other walks; the walks that never change are passed by all the choices measured below. What was found is asked again
 with the same scans in another order, which a function that remembers fails.

@@ -9,7 +9,7 @@ import numpy as np
 from graders.core.code.probes import Probes, Seen, Shown, as_array
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, read_indices
 from graders.l20 import world
-from graders.l20.boucles.asked import AKIN, AT_END, LOOKED, MIDDLE, SAME, SIGNED, TIED, TINY, TURNED, A
+from graders.l20.boucles.asked import AKIN, AT_END, LOOKED, MIDDLE, REPEATED, SAME, SIGNED, TIED, TINY, TURNED, A
 from graders.l20.boucles.readings import Unsuitable, is_complex, is_mask, read_signature
 from graders.l20.boucles.trials import RAMP
 
@@ -55,6 +55,20 @@ def starts_at_an_extreme(shown: Shown) -> str | None:
     if found is None or not _invariant(found):
         return None
     return None if all(_equal(found[TIED[0]], found[k]) for k in TIED) else "depart_sur_un_extreme"
+
+
+def repeats_dropped(shown: Shown) -> str | None:
+    """It ignores the heading, is shorter where distances come again, and the same however often each comes."""
+    found = [one[1] for one in shown.got if isinstance(one, list)]
+    if len(found) < len(shown.got) or any(
+        found[group[0]].shape != found[k].shape for group in (SAME, TIED) for k in group
+    ):
+        return None
+    narrow, wide = (found[k] for k in REPEATED)
+    if not narrow.size < found[TIED[0]].size < found[0].size or narrow.shape != wide.shape or not _equal(narrow, wide):
+        return None
+    same = _invariant(found) and all(_equal(found[TIED[0]], found[k]) for k in TIED)
+    return "doublons_retires" if same else None
 
 
 def single_number(shown: Shown) -> str | None:
@@ -234,7 +248,15 @@ PROBES = (
         kit=world.STILL,
         read=read_signed,
         compared=0,
-        rules=(starts_at_an_extreme, single_number, same_for_all, single_ray, keeps_the_order, fourier_without_modulus),
+        rules=(
+            starts_at_an_extreme,
+            repeats_dropped,
+            single_number,
+            same_for_all,
+            single_ray,
+            keeps_the_order,
+            fourier_without_modulus,
+        ),
         last_rules=(one_ray_forgotten, follows_the_heading),
     ),
     Probes(

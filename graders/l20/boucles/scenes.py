@@ -14,11 +14,12 @@ import numpy as np
 from graders.l20 import world
 from graders.l20.boucles import family
 from graders.l20.boucles.places import Pool, Rng, module_pool, other_map
-from graders.l20.boucles.walks import Statistic, Walk, draw_trap, draw_walk
+from graders.l20.boucles.walks import Statistic, Walk, draw_trap, draw_walk, mistakes_fail, numbers_separate, separable
 
 SPARE_POOLS = 8
 #: Of what never changes.
 STEADY = 0
+HUNDREDTHS = 2
 
 TRAPS: dict[str, Statistic] = {
     "la même moyenne": family.mean,
@@ -29,8 +30,14 @@ TRAPS: dict[str, Statistic] = {
 
 @lru_cache(maxsize=16)
 def steady_walk(again: int, *, with_noise: bool) -> Walk:
-    """A walk on the module's map, the same in every grading; `again` counts the spares."""
-    return _walk(STEADY, again, with_noise=with_noise, strict=True)
+    """A walk on the module's map, the same in every grading; `again` counts the spares.
+
+    With noise, by a lidar that reads to the hundredth: how many distances are equal changes from one reading of a
+    place to the next. A spare that this rounding spoils is left as it was drawn.
+    """
+    walk = _walk(STEADY, again, with_noise=with_noise, strict=True)
+    read = walk.read_to(HUNDREDTHS)
+    return read if with_noise and separable(read) and numbers_separate(read) and mistakes_fail(read) else walk
 
 
 @lru_cache(maxsize=64)

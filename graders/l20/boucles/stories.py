@@ -14,7 +14,6 @@ from graders.core.contract.values import Floats, Value
 from graders.l20.boucles.calibration import Outcome, Search
 from graders.l20.boucles.family import DISTANCES
 from graders.l20.boucles.readings import Unsuitable, read_signature
-from graders.l20.boucles.walks import Walk, lidar_call
 
 DRAWABLE = 1e12
 #: How many times farther than another reading of its place a scan is when a signature tells it apart, by any length.
@@ -79,16 +78,12 @@ def _sentence(search: Search) -> str:
 
 def _inputs(search: Search) -> dict[str, Value]:
     walk, i = search.walk, search.query
-    inputs: dict[str, Value] = {f"scan {i}": _shown(walk, i)}
+    inputs: dict[str, Value] = {f"scan {i}": walk.call(i)}
     if search.missed is not None:
-        inputs[f"scan {search.missed} (même endroit)"] = _shown(walk, search.missed)
+        inputs[f"scan {search.missed} (même endroit)"] = walk.call(search.missed)
     if search.wrong is not None:
-        inputs[f"scan {search.wrong} (autre endroit)"] = _shown(walk, search.wrong)
+        inputs[f"scan {search.wrong} (autre endroit)"] = walk.call(search.wrong)
     return {**inputs, "i": i, "seuil": search.threshold}
-
-
-def _shown(walk: Walk, j: int) -> str:
-    return lidar_call(walk.poses[j], walk.noise)
 
 
 def rotation_figure(scan: Floats, shifted: Floats, of_scan: Floats, of_shifted: Floats) -> FigureData:

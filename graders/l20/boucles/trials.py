@@ -32,6 +32,9 @@ BOWL = 1.0 + np.arange(BEAMS) ** 2 / 150.0
 HALF = (2.0, 2.5, 4.5, 11.0, 3.0, 3.4, 5.0, 0.5, 6.0, 6.1, 7.7, 9.0, 8.0, 6.5, 5.2, 4.0, 2.8, 1.5)
 TIES = np.array([*HALF, *HALF[:13], 6.7, *HALF[14:]])
 TIED_SHIFTS = (9, 18, 31)
+# The same four distances, of which the shortest comes most often in one, the longest in the other.
+NARROW = np.array([*map(float, "258235258283232353232525282328232528")])
+WIDE = np.array([*map(float, "852835852823838353838585828382838582")])
 
 
 def example(bench: Bench) -> None:
@@ -56,6 +59,22 @@ def example(bench: Bench) -> None:
             inputs={"scan 1": RAMP, "scan 2": BOWL},
             expected="deux signatures différentes",
             got=here,
+        )
+    _must_keep_its_length(bench, elsewhere)
+
+
+def _must_keep_its_length(bench: Bench, elsewhere: Floats) -> None:
+    """As the statement says, signatures have one length: also that of a scan where distances come again."""
+    repeated = signature(bench, NARROW)
+    kept = repeated.shape == elsewhere.shape
+    bench.observe("signature", "convient" if kept else "de longueur variable", ok=kept)
+    if not kept:
+        raise Rejection(
+            f"La signature d’un scan où des distances se répètent a pour longueur {repeated.size}, celle d’un scan où "
+            f"elles sont toutes différentes {elsewhere.size} : la longueur ne doit pas dépendre du scan.",
+            inputs={"scan": NARROW},
+            expected=f"une signature de longueur {elsewhere.size}",
+            got=repeated,
         )
 
 

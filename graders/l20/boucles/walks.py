@@ -37,7 +37,8 @@ TRAPPED = 0
 class Walk:
     """`scans` (m, 36) seen from `poses` (m, 3) at `places` (m,), labels; `queries` are the scans to look back from.
 
-    `alike` holds, by scan of another place, what this place and that of the query have in common.
+    `alike` holds, by scan of another place, what this place and that of the query have in common. Distances are read to
+    so many `digits` after the point, where there are any.
     """
 
     poses: Floats
@@ -46,10 +47,20 @@ class Walk:
     queries: tuple[int, ...]
     noise: float
     alike: Mapping[int, str] = field(default_factory=dict)
+    digits: int | None = None
 
     def same_place(self, i: int) -> list[int]:
         """The scans of the past, `GAP` or more before i, that were taken where scan i was."""
         return [j for j in range(i - GAP + 1) if self.places[j] == self.places[i]]
+
+    def read_to(self, digits: int) -> Walk:
+        """The walk of a lidar that gives so many digits, in whose scans distances come again."""
+        return replace(self, scans=np.round(self.scans, digits), digits=digits)
+
+    def call(self, j: int) -> str:
+        """What a student types to see scan j."""
+        call = lidar_call(self.poses[j], self.noise)
+        return call if self.digits is None else f"np.round({call}, {self.digits})"
 
     def turned_over(self) -> Walk:
         """The same visits, those that every query looks back on come one later, the last of them first.

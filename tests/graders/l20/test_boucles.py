@@ -247,3 +247,22 @@ def test_what_is_no_signature_is_read_without_an_exception(value: Any) -> None:
 )
 def test_any_array_of_one_dimension_is_a_signature(value: Any) -> None:
     assert not isinstance(read_signature(value), Unsuitable)
+
+
+GUARDED = """
+    r = []
+    a = signature(scans[i])
+    for j in range(i - 9):
+        b = signature(scans[j])
+        if len(a) == len(b) and {distance} <= seuil:
+            r.append(j)
+    return r
+"""
+
+
+@pytest.mark.parametrize("seed", [2026, 2027])
+def test_equal_distances_must_be_counted(seed: int) -> None:
+    """Also by what compares only signatures of one length: none is wrong on scans without repeated distances."""
+    found = verdict(submission("np.unique(scan)", "np.max(np.abs(a - b))", GUARDED), seed)
+    assert {"signature_exemple", "bruit"} <= {check.id for check in found.checks if not check.passed}
+    assert found.misconception == "doublons_retires"
