@@ -63,8 +63,11 @@ PREDICTED: tuple[Arguments, ...] = (
     (MANY, 0, 0),
     (MANY, 0, 1),
     (np.where(FREE, 1.0 / FREE.sum(), 0.0), 0, -1),
+    (belief((1, 1), (3, 1)), 1, 0),
 )
 OPEN, EDGE, WALL, STILL = range(1, 5), range(5, 9), range(9, 13), 13
+MEETING = 16
+"""Two cells whose slips meet on a third: no wall has to do with it."""
 
 
 def _scan(cell: Cell, *errors: float) -> Floats:
@@ -130,10 +133,47 @@ def _sums(shown: Shown) -> list[float]:
     return [float(row.sum()) for row in _rows(shown) if row is not None]
 
 
+def _arriving(bel: Floats, du: int, dv: int) -> dict[Cell, list[float]]:
+    """What arrives on each cell, departure by departure and slip by slip; what a wall stops stays where it was."""
+    arriving: dict[Cell, list[float]] = {}
+    for y, x in np.argwhere(bel).tolist():
+        for p, dx, dy in ((0.8, du, dv), (0.1, du + dv, dv + du), (0.1, du - dv, dv - du)):
+            there = (y + dy, x + dx)
+            inside = 0 <= there[0] < SHAPE[0] and 0 <= there[1] < SHAPE[1] and FREE[there]
+            arriving.setdefault(there if inside else (y, x), []).append(p * float(bel[y, x]))
+    return arriving
+
+
+def overwritten(shown: Shown) -> str | None:
+    """Each cell holds one of the shares that arrive there, all of it and no other, up to one factor for each answer.
+
+    Whatever the order in which they come, and whether or not the whole is divided by its sum. An order to stay may be
+    an exception in the program or not, and says nothing.
+    """
+    rows = _rows(shown)
+    if MEETING not in shown.wrong():
+        return None
+    for k, (row, (bel, du, dv)) in enumerate(zip(rows, shown.calls, strict=True)):
+        if k != STILL and (row is None or not _one_share_each(row.reshape(SHAPE), _arriving(bel, du, dv))):
+            return None
+    return "ecrasement"
+
+
+def _one_share_each(row: Floats, arriving: dict[Cell, list[float]]) -> bool:
+    if {(y, x) for y, x in np.argwhere(np.abs(row) > 1e-12).tolist()} != set(arriving):
+        return False
+    first, *_ = sorted(arriving, key=lambda cell: len(arriving[cell]))
+    return any(
+        all(np.isclose(row[cell] * share, np.array(shares) * row[first], atol=1e-12).any()
+            for cell, shares in arriving.items())
+        for share in arriving[first]
+    )  # fmt: skip
+
+
 def lost_mass(shown: Shown) -> str | None:
     """Right in the open; elsewhere some probability vanishes wherever it is wrong, and none appears."""
     rows, wrong = _rows(shown), shown.wrong()
-    if any(rows[k] is None for k in wrong) or {*OPEN, STILL} & set(wrong):
+    if any(rows[k] is None for k in wrong) or {*OPEN, STILL, MEETING} & set(wrong):
         return None
     fewer = [float(row.sum()) < 1.0 - 1e-9 and bool(np.all(row <= right + 1e-9))
              for k in wrong if (row := rows[k]) is not None and (right := shown.right[k]) is not None]  # fmt: skip
@@ -178,6 +218,7 @@ PROBES = (
         rules=(
             other_map,
             only("glisse_a_l_arret", [STILL]),
+            overwritten,
             lost_mass,
             only("bord_mal_traite", [0, *EDGE, *WALL, 14, 15], unless=lambda s: bool(set(s.wrong()) & {9, 11})),
             only("choc_mal_traite", [0, *EDGE, *WALL, 14, 15]),
