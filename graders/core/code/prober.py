@@ -27,7 +27,7 @@ from graders.core.code.mutations import Edit, Model, Mutant
 from graders.core.code.probes import Facet, Fault, Probes, Rule, Seen, Shown, same_seen, seen
 from graders.core.compare.slips import SLIPS
 from graders.core.contract.local import kit_names
-from graders.core.contract.program import Program, StudentFault
+from graders.core.contract.program import KitSettings, Program, StudentFault
 from graders.core.contract.values import Arguments
 
 #: How many mistakes are sought together; one more where a facet tells two of them already.
@@ -80,8 +80,7 @@ class Prober:
         """
         found: list[str] = []
         last: list[str] = []
-        for index, answers in self._asked(runner, functions, alone):
-            unlike = self._unlike(runner, index, answers)
+        for index, answers, unlike in self._asked(runner, functions, alone):
             if unlike is not None:
                 found += [one for one in (unlike,) if one not in found]
                 continue
@@ -98,25 +97,6 @@ class Prober:
             right = self._right(index, answers)
         return answers if right is None else right
 
-    def _unlike(self, runner: Runner, index: int, answers: list[Seen]) -> str | None:
-        """Why the last answer, to the first call made once more, is not the first one; None when it is.
-
-        The program is launched once more, with another seed: what it keeps is then the same, what it draws is not.
-        """
-        probes, again = self.probes[index], answers.pop()
-        if probes.random or same_seen(again, answers[0]):
-            return None
-        kit = replace(probes.kit, parameters={**probes.kit.parameters, "seed": OTHER_SEED})
-        try:
-            with runner.other(kit) as program:
-                others = list(_answered(runner, program, probes, time.monotonic() + LONGEST))
-        except StudentFault:
-            return None
-        if len(others) <= len(answers):
-            return None
-        same = all(same_seen(one, other) for one, other in zip((*answers, again), others, strict=True))
-        return MEMORY if same else CHANCE
-
     def _last(self, index: int, answers: Sequence[Seen]) -> Sequence[str]:
         probes = self.probes[index]
         right = self._right(index, answers)
@@ -124,8 +104,13 @@ class Prober:
 
     def _asked(
         self, runner: Runner, functions: Collection[str], alone: Collection[str]
-    ) -> Iterator[tuple[int, list[Seen]]]:
-        """What a program launched afresh, which remembers nothing of the checks, answers to the probes of functions."""
+    ) -> Iterator[tuple[int, list[Seen], str | None]]:
+        """What a program launched afresh, which remembers nothing of the checks, answers to the probes of functions.
+
+        Beside the answers, MEMORY or CHANCE when the first call made once more is not answered as the first time. The
+        program is then launched once more, with another seed, and asked all that it was asked: what it keeps of the
+        probes before is then the same, what it draws is not.
+        """
         chosen = [
             (index, probes)
             for index, probes in enumerate(self.probes)
@@ -133,13 +118,16 @@ class Prober:
         ]
         deadline = time.monotonic() + LONGEST
         for _, group in itertools.groupby(chosen, key=lambda pair: id(pair[1].kit)):
-            asked = list(group)
-            try:
-                with runner.other(asked[0][1].kit) as program:
-                    told = [(index, list(_answered(runner, program, probes, deadline))) for index, probes in asked]
-            except StudentFault:
-                continue
-            yield from ((index, answers) for index, answers in told if len(answers) > len(self.probes[index].calls))
+            indices, asked = zip(*group, strict=True)
+            told = _told(runner, asked, asked[0].kit, deadline)
+            unlike = [_differs(probes, answers) for probes, answers in zip(asked, told, strict=False)]
+            retold: Sequence[list[Seen]] = ()
+            if any(unlike):
+                retold = _told(runner, asked, _reseeded(asked[0].kit), time.monotonic() + LONGEST)
+            for k, answers in enumerate(told):
+                if len(answers) > len(asked[k].calls):
+                    again = retold[k] if retold and unlike[k] else ()
+                    yield indices[k], answers[:-1], _reason(answers, again)
 
     def _explained(
         self, index: int, answers: list[Seen], known: Sequence[str], blamed: Collection[str]
@@ -258,6 +246,31 @@ def _agreed(fits: Sequence[_Row]) -> Sequence[str]:
     fits = [row for row in fits if not SLIPS.keys() & set(row.mutant.ids)] or fits
     common = set(fits[0].mutant.ids).intersection(*(row.mutant.ids for row in fits[1:]))
     return [one for one in fits[0].mutant.ids if one in common]
+
+
+def _told(runner: Runner, asked: Sequence[Probes], kit: KitSettings, deadline: float) -> list[list[Seen]]:
+    """What one launch of the student's program answers to all these probes in turn; nothing when it does not start."""
+    try:
+        with runner.other(kit) as program:
+            return [list(_answered(runner, program, probes, deadline)) for probes in asked]
+    except StudentFault:
+        return []
+
+
+def _reseeded(kit: KitSettings) -> KitSettings:
+    return replace(kit, parameters={**kit.parameters, "seed": OTHER_SEED})
+
+
+def _differs(probes: Probes, answers: Sequence[Seen]) -> bool:
+    """Is the first call, made once more after the others, answered otherwise?"""
+    return not probes.random and len(answers) > len(probes.calls) and not same_seen(answers[-1], answers[0])
+
+
+def _reason(answers: Sequence[Seen], again: Sequence[Seen]) -> str | None:
+    """Why the same call was answered otherwise, from what another launch answers; None when that does not tell."""
+    if len(again) < len(answers):
+        return None
+    return MEMORY if all(same_seen(one, other) for one, other in zip(answers, again, strict=True)) else CHANCE
 
 
 def _answered(runner: Runner, program: Program, probes: Probes, deadline: float) -> Iterator[Seen]:

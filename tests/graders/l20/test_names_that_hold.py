@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from graders.core.compare.slips import SLIPS
 from tests.graders.l20.boucles_styles import LIST, submission
 from tests.graders.shipped import CODE
 from tests.support.verdicts import named, verdict_of
@@ -25,6 +26,20 @@ def model(exercise: str, *changes: str) -> str:
 
 
 BOXES = "np.histogram(scan, 10, (0.0, 12.0))[0]"
+KEEPING = """
+def signature(scan):
+    return np.sort(scan)
+
+def candidats_boucle(scans, i, seuil, candidats=[]):
+    for j in range(i - 9):
+        if np.linalg.norm(signature(scans[j]) - signature(scans[i])) <= seuil:
+            candidats.append(j)
+    return candidats
+"""
+STRAIGHT_FIRST = "0.8, du, dv), (0.1, du + dv, dv + du), (0.1, du - dv, dv - du)"
+STRAIGHT_LAST = "0.1, du + dv, dv + du), (0.1, du - dv, dv - du), (0.8, du, dv)"
+OVERWRITTEN = STRAIGHT_FIRST, STRAIGHT_LAST, "nouvelle[y2, x2] += p", "nouvelle[y2, x2] = p"
+DIVIDED = "p * bel[y, x]\n    return nouvelle", "p * bel[y, x]\n    return nouvelle / nouvelle.sum()"
 SVD = "U, S, Vt = np.linalg.svd(H)"
 IDENTITY_FOR_A_MIRROR = "    t = q - R @ p", "    R = np.eye(d) if sens < 0 else R\n    t = q - R @ p"
 ARCTAN = f"""def kabsch(P, Q):
@@ -74,9 +89,13 @@ BIASED = LIST.replace("{distance} <= seuil", "{distance} + 1e-3 <= seuil")
         (BOUCLES, submission(BOXES, "abs(np.max(a) - np.max(b))"), None),
         (BOUCLES, submission(BOXES, "abs(np.sum(a) - np.sum(b))"), None),
         (BOUCLES, submission("np.array([np.sum(np.histogram(scan)[0])])"), "signature_constante"),
+        (BOUCLES, submission("np.unique(scan)[::-1]"), "doublons_retires"),
+        (BOUCLES, submission("sorted(set(scan.round(1).tolist()))"), "doublons_retires"),
         (KABSCH, ARCTAN, "angle_modulo_pi"),
         (KABSCH, model(KABSCH, *IDENTITY_FOR_A_MIRROR), "symetrie_abandonnee"),
         (PREDIRE, model(PREDIRE, "0.8, du, dv", "rng.choice([0.8, 0.7]), du, dv"), "hasard"),
+        (PREDIRE, model(PREDIRE, *OVERWRITTEN), "ecrasement"),
+        (PREDIRE, model(PREDIRE, *OVERWRITTEN, DIVIDED[0].replace("+=", "="), DIVIDED[1]), "ecrasement"),
         (COMB, ROUNDED, "peigne_fige"),
         pytest.param(SLAM, model(SLAM, "range(n_iter)", "range(min(n_iter, 2))"), None, marks=pytest.mark.slow),
     ],
@@ -92,6 +111,12 @@ def test_what_is_found_in_one_function_accuses_no_other() -> None:
         found = verdict_of(BOUCLES, source, seed).diagnosis
         assert found is not None
         assert found.title == "Les scans sont comparés sans passer par la signature"
+
+
+def test_what_is_kept_between_calls_is_not_said_to_be_random_besides() -> None:
+    found = verdict_of(BOUCLES, KEEPING, 3).diagnosis
+    assert found is not None
+    assert found.title == SLIPS["memoire"].title
 
 
 def test_the_words_of_frozen_copies_hold_without_a_comb() -> None:
