@@ -95,7 +95,7 @@ BIASED = LIST.replace("{distance} <= seuil", "{distance} + 1e-3 <= seuil")
         (KABSCH, model(KABSCH, *IDENTITY_FOR_A_MIRROR), "symetrie_abandonnee"),
         (PREDIRE, model(PREDIRE, "0.8, du, dv", "rng.choice([0.8, 0.7]), du, dv"), "hasard"),
         (PREDIRE, model(PREDIRE, *OVERWRITTEN), "ecrasement"),
-        (PREDIRE, model(PREDIRE, *OVERWRITTEN, DIVIDED[0].replace("+=", "="), DIVIDED[1]), "ecrasement"),
+        (PREDIRE, model(PREDIRE, *OVERWRITTEN, *DIVIDED), "ecrasement"),
         (COMB, ROUNDED, "peigne_fige"),
         pytest.param(SLAM, model(SLAM, "range(n_iter)", "range(min(n_iter, 2))"), None, marks=pytest.mark.slow),
     ],
