@@ -146,9 +146,14 @@ def _constant(pose: Floats, other: Floats, here: Floats) -> Rejection:
 
 
 def window(bench: Bench) -> None:
-    """With a threshold beyond any distance, exactly the scans j <= i - 10 are candidates."""
-    pool = _pool(bench)
-    scans = pool.scans[bench.rng.choice(len(pool.scans), 24, replace=False)]
+    """With a threshold beyond any distance, exactly the scans j <= i - 10 are candidates.
+
+    In none of them are two distances equal: who drops those has signatures of several lengths, which is no mistake of
+    the window.
+    """
+    every = _pool(bench).scans
+    plain = every[[len(np.unique(scan)) == len(scan) for scan in every]]
+    scans = plain[bench.rng.choice(len(plain), 24, replace=False)]
     rejections = [_look_back(bench, scans[:m], i) for m, i in WINDOWS]
     for rejection in rejections:
         if rejection is not None:
