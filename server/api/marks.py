@@ -12,7 +12,7 @@ from server.api.mark_schemas import EventOut, GradebookOut, LogOut, MarkOut, New
 from server.audit import repository as audit
 from server.audit.models import What
 from server.audit.schemas import Event, Filter
-from server.base.errors import NotFound
+from server.base.identities import identity_of
 from server.classes.service import NOT_A_MEMBER
 from server.course.dependencies import CourseOf
 from server.database import utc_now
@@ -37,13 +37,6 @@ FILES: Responses = {
 }  # fmt: skip
 
 
-def _student(text: str) -> UUID:
-    try:
-        return UUID(text)
-    except ValueError as error:
-        raise NotFound(NOT_A_MEMBER) from error
-
-
 @router.put(
     "/classes/{class_id}/marks/{student}/{module}/{slug}", responses=problems(400, 401, 403, 404, 409, 413, 422)
 )
@@ -52,7 +45,7 @@ def set_mark(
 ) -> MarkOut:
     """Sets a student's mark at an exercise in place of the automatic one, which is kept beside it."""
     place = rights.require(db, account, Right.change_marks, class_id)
-    who, exercise = _student(student), f"{module}/{slug}"
+    who, exercise = identity_of(student, NOT_A_MEMBER), f"{module}/{slug}"
     service.override(
         db,
         course,
@@ -79,7 +72,7 @@ def withdraw_mark(
 ) -> Response:
     """Puts the automatic mark in force again."""
     place = rights.require(db, account, Right.change_marks, class_id)
-    service.withdraw(db, course, place.school_class, account, _student(student), f"{module}/{slug}")
+    service.withdraw(db, course, place.school_class, account, identity_of(student, NOT_A_MEMBER), f"{module}/{slug}")
     return Response(status_code=204)
 
 

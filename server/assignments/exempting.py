@@ -20,6 +20,7 @@ from server.assignments.schemas import WantedExemption, Whom, checked_exemption
 from server.audit import service as audit
 from server.audit.models import What
 from server.base.errors import FieldsRefused, NotFound
+from server.base.identities import identity_of
 from server.classes.models import SchoolClass, Seat, Status
 from server.classes.schemas import Member
 from server.classes.service import require_open
@@ -105,11 +106,7 @@ def effects(one: Exemption) -> dict[str, Any]:
 
 def find(db: Session, assignment: Assignment, exemption_id: UUID | str) -> Exemption:
     """Raises NotFound."""
-    try:
-        name = exemption_id if isinstance(exemption_id, UUID) else UUID(exemption_id)
-    except ValueError as error:
-        raise NotFound(UNKNOWN) from error
-    found = repository.exemption(db, assignment.id, name)
+    found = repository.exemption(db, assignment.id, identity_of(exemption_id, UNKNOWN))
     if found is None:
         raise NotFound(UNKNOWN)
     return found

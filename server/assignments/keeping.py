@@ -18,6 +18,7 @@ from server.assignments.schemas import Wanted, Weighted, checked
 from server.audit import service as audit
 from server.audit.models import What
 from server.base.errors import NotFound
+from server.base.identities import identity_of
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
 from server.classes.service import require_open
@@ -31,11 +32,7 @@ def find(db: Session, school_class: SchoolClass, assignment_id: UUID | str, *, t
     """`to_change`: until the commit, nobody else changes an assignment of the class. Raises NotFound."""
     if to_change:
         classes.lock(db, school_class.id)
-    try:
-        name = assignment_id if isinstance(assignment_id, UUID) else UUID(assignment_id)
-    except ValueError as error:
-        raise NotFound(UNKNOWN) from error
-    found = repository.by_id(db, school_class.id, name)
+    found = repository.by_id(db, school_class.id, identity_of(assignment_id, UNKNOWN))
     if found is None:
         raise NotFound(UNKNOWN)
     return found

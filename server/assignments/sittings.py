@@ -18,6 +18,7 @@ from server.assignments.feedback import OVER, Feedback, Stage, Test, stage_of
 from server.assignments.models import Assignment, EndedBy, Mode, SavedWork, Sitting
 from server.assignments.rules import Rules, in_force
 from server.base.errors import NotFound, NotNow
+from server.base.identities import identity_of
 
 NO_TEST = "Ce contrôle n’existe pas."
 NOT_SITTING = "Vous ne composez pas en ce moment dans cet exercice : il n’y a rien à enregistrer."
@@ -50,11 +51,7 @@ class Own:
 
 def find_test(db: Session, class_id: UUID, assignment_id: str) -> Assignment:
     """Raises NotFound, also for an assignment that is no test."""
-    try:
-        identity = UUID(assignment_id)
-    except ValueError as error:
-        raise NotFound(NO_TEST) from error
-    found = repository.by_id(db, class_id, identity)
+    found = repository.by_id(db, class_id, identity_of(assignment_id, NO_TEST))
     if found is None or found.mode != Mode.test:
         raise NotFound(NO_TEST)
     return found

@@ -12,6 +12,7 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.base.errors import Conflict, Invalid, NotFound
+from server.base.identities import identity_of
 from server.base.settings import Settings
 from server.classes.models import SchoolClass
 from server.classes.schemas import Member
@@ -41,10 +42,7 @@ NOBODY = "Personne ne lirait votre question : rejoignez d’abord la classe de v
 
 def find(db: Session, account: Account | None, thread_id: UUID | str) -> Thread:
     """A thread that this account may read. Raises NotFound for any other, whatever exists."""
-    try:
-        thread = repository.by_id(db, thread_id if isinstance(thread_id, UUID) else UUID(thread_id))
-    except ValueError as error:
-        raise NotFound(UNKNOWN) from error
+    thread = repository.by_id(db, identity_of(thread_id, UNKNOWN))
     if thread is None or not rights.may_read_work(db, account, thread.account_id, thread.exercise, thread.work_at):
         raise NotFound(UNKNOWN)
     return thread

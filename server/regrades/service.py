@@ -23,6 +23,7 @@ from server.assignments import repository as assignments
 from server.assignments.counting import Sent
 from server.assignments.models import Assignment, Counts, Mode
 from server.base.errors import Conflict, Invalid, NotFound
+from server.base.identities import identity_of
 from server.classes import repository as classes
 from server.classes.models import SchoolClass, Seat, Status
 from server.classes.schemas import Member
@@ -179,11 +180,7 @@ def _by_rules(db: Session, assignment: Assignment) -> Marker:
 
 def find(db: Session, class_id: UUID, regrade_id: UUID | str) -> Regrade:
     """Raises NotFound for one that is not of this class."""
-    try:
-        identity = regrade_id if isinstance(regrade_id, UUID) else UUID(regrade_id)
-    except ValueError as error:
-        raise NotFound(UNKNOWN) from error
-    found = repository.by_id(db, class_id, identity)
+    found = repository.by_id(db, class_id, identity_of(regrade_id, UNKNOWN))
     if found is None:
         raise NotFound(UNKNOWN)
     return found

@@ -15,6 +15,7 @@ from sqlalchemy import ColumnElement
 from sqlalchemy.orm import Session
 
 from server.base.errors import Forbidden, NotFound
+from server.base.identities import identity_of
 from server.classes import repository as classes
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.classes.schemas import Member
@@ -51,7 +52,7 @@ class Place:
 
 def place_of(db: Session, account: Account, class_id: UUID | str) -> Place:
     """Raises NotFound for a class that does not concern this account, or is none."""
-    identity = _parsed(class_id)
+    identity = identity_of(class_id, UNKNOWN)
     school_class = classes.by_id(db, identity)
     if school_class is None:
         raise NotFound(UNKNOWN)
@@ -152,10 +153,3 @@ def _missing(right: Right, school_class: SchoolClass | None = None) -> str:
     if school_class is None:
         return sentence + ONLY[right]
     return sentence + OF_CLASS.format(name=school_class.name, who=WHO[OF_MEMBERS[right]])
-
-
-def _parsed(class_id: UUID | str) -> UUID:
-    try:
-        return class_id if isinstance(class_id, UUID) else UUID(class_id)
-    except ValueError as error:
-        raise NotFound(UNKNOWN) from error

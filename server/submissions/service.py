@@ -13,7 +13,8 @@ from sqlalchemy.orm import Session
 from graders.core.answers import canonical
 from server.assignments import sittings
 from server.base.encoding import encoded
-from server.base.errors import Invalid, NotFound, TooMany
+from server.base.errors import Invalid, TooMany
+from server.base.identities import identity_of
 from server.base.settings import Settings
 from server.classes import service as classes
 from server.database import utc_now
@@ -161,10 +162,7 @@ def digest(code: str) -> str:
 
 def parse_id(text: UUID | str) -> UUID:
     """Raises NotFound."""
-    try:
-        return text if isinstance(text, UUID) else UUID(text)
-    except ValueError as error:
-        raise NotFound(UNKNOWN) from error
+    return identity_of(text, UNKNOWN)
 
 
 def may_see(db: Session, account: Account | None, submission: Submission) -> bool:

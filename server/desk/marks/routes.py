@@ -6,12 +6,13 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, Response, StreamingResponse
 
 from server.base.errors import Invalid, NotFound, ServiceError
+from server.base.identities import identity_of
 from server.course.dependencies import CourseOf
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
 from server.desk.asking import UNKNOWN_ACTION, Group, log_in_first
 from server.desk.marks.schemas import MarkForm
-from server.desk.marks.views import Gradebook, mark_page, parsed
+from server.desk.marks.views import UNKNOWN, Gradebook, mark_page
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.marks import book, repository, service
@@ -66,7 +67,7 @@ def archive(
     with database.read() as db:
         place = rights.require(db, account, Right.read_marks, class_id)
         made = book.of_class(db, course, place.school_class, utc_now())
-    found = copies(made, course, names=noms, only=parsed(devoir) if devoir else None, when=moment_text)
+    found = copies(made, course, names=noms, only=identity_of(devoir, UNKNOWN) if devoir else None, when=moment_text)
     headers = {
         "Content-Disposition": f'attachment; filename="{file_name(made, "copies", "zip")}"',
         "Content-Encoding": "identity",
@@ -87,7 +88,7 @@ def _one(
     request: Request, account: Account, db: Db, course: CourseOf, place: Place, student: str, assignment: str,
     form: MarkForm = EMPTY, status: int = 200,
 ) -> HTMLResponse:  # fmt: skip
-    made = book.of_class(db, course, place.school_class, utc_now(), only=[parsed(student)])
+    made = book.of_class(db, course, place.school_class, utc_now(), only=[identity_of(student, UNKNOWN)])
     view = mark_page(course, place, made, assignment)
     return page(request, "classes/mark.html", account, status=status, page=view, form=form)
 
@@ -113,7 +114,7 @@ def _change(
     db: Db, course: CourseOf, place: Place, account: Account, student: str, action: str, form: MarkForm
 ) -> None:
     """Raises NotFound, Conflict or Invalid."""
-    who, school_class = parsed(student), place.school_class
+    who, school_class = identity_of(student, UNKNOWN), place.school_class
     if action == "retirer":
         return service.withdraw(db, course, school_class, account, who, form.exercise, form.reason)
     points, excused, reason = None, action == "dispenser", form.reason

@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from datetime import datetime
 from urllib.parse import urlencode
-from uuid import UUID
 
 from server.assignments.models import Assignment
 from server.base.errors import NotFound
@@ -323,11 +322,3 @@ def _override(one: ExerciseMark) -> OverrideView | None:
         return None
     text = "dispense" if found.points is None else f"{number(rounded(found.points))} / 20"
     return OverrideView(text, found.by, moment(found.at), moment_text(found.at), found.reason, one.stale)
-
-
-def parsed(name: str) -> UUID:
-    """Raises NotFound."""
-    try:
-        return UUID(name)
-    except ValueError as error:
-        raise NotFound(UNKNOWN) from error
