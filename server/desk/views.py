@@ -137,7 +137,7 @@ def people_page(db: Session, course: Course, place: Place, account: Account, bas
     everyone = repository.members(db, school_class.id)
     students = [one for one in everyone if one.seat is Seat.student]
     active = [one for one in students if one.status is Status.active]
-    labels = Counter(label for one in active for label in one.groups)
+    labels = group_counts(one.groups for one in active)
     return PeoplePage(
         head=head(course, place, "/eleves"),
         staff=staff_rows(everyone, place, account),
@@ -147,10 +147,16 @@ def people_page(db: Session, course: Course, place: Place, account: Account, bas
         total=len(active),
         waiting=member_rows(one for one in students if one.status is Status.pending),
         left=member_rows(one for one in students if one.status is Status.left),
-        groups=tuple(sorted(labels.items(), key=lambda one: one[0].casefold())),
+        groups=tuple(labels.items()),
         group=group if group in labels else "",
         without_password=sum(_without_password(one) for one in active),
     )
+
+
+def group_counts(groups: Iterable[Iterable[str]]) -> dict[str, int]:
+    """How many students have each label, of the labels of each student; in their order."""
+    counts = Counter(label for labels in groups for label in labels)
+    return dict(sorted(counts.items(), key=lambda one: one[0].casefold()))
 
 
 def staff_rows(everyone: Sequence[Member], place: Place, account: Account) -> tuple[StaffRow, ...]:

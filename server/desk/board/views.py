@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from urllib.parse import urlencode
@@ -15,7 +14,7 @@ from server.database import utc_now
 from server.desk.board import insight_views as told
 from server.desk.board.schemas import BoardPage, CellView, Choice, CountsView, MistakeRow, RowView, Sorter
 from server.desk.board.shown import Shown, mistake_href, work_href
-from server.desk.views import code_view, head, href_of
+from server.desk.views import code_view, group_counts, head, href_of
 from server.rights.models import Right
 from server.rights.service import Place
 from server.web.views import Reader
@@ -139,17 +138,13 @@ def _solved(cells: Sequence[Cell]) -> int:
 
 
 def _groups(shown: Shown, asked: Asked) -> tuple[Choice, ...]:
-    sizes: dict[str, int] = defaultdict(int)
-    for one in shown.board.students:
-        for label in one.groups:
-            sizes[label] += 1
-    labels = sorted(sizes, key=str.casefold)
-    if not labels:
+    sizes = group_counts(one.groups for one in shown.board.students)
+    if not sizes:
         return ()
     every = Choice("Tous", _href(shown, asked, group="", page=1), not asked.group)
     return every, *(
-        Choice(f"{label} ({sizes[label]})", _href(shown, asked, group=label, page=1), asked.group == label)
-        for label in labels
+        Choice(f"{label} ({size})", _href(shown, asked, group=label, page=1), asked.group == label)
+        for label, size in sizes.items()
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from datetime import datetime
@@ -24,7 +23,7 @@ from server.desk.marks.schemas import (
     RowView,
     TableView,
 )
-from server.desk.views import head, href_of, regrade_href
+from server.desk.views import group_counts, head, href_of, regrade_href
 from server.marks.files import ABSENT, EXCUSED, NOTES, Identifier, cell, column, for_moodle, titles
 from server.marks.means import number, rounded, written
 from server.marks.schemas import AssignmentMark, Book, ExerciseMark, Row, State, Summary, held_back, summary
@@ -64,8 +63,8 @@ class Gradebook:
     ) -> None:
         self.place, self.path = place, f"{href_of(place.school_class)}/carnet"
         self.everyone = book
-        labels = Counter(label for row in book.rows for label in row.member.groups)
-        self.labels = sorted(labels.items(), key=lambda one: one[0].casefold())
+        labels = group_counts(row.member.groups for row in book.rows)
+        self.labels = list(labels.items())
         self.group = group if group in labels else ""
         rows = [row for row in book.rows if not self.group or self.group in row.member.groups]
         self.book = replace(book, rows=tuple(rows))
