@@ -85,7 +85,7 @@ class SandboxPrograms:
 
     def open(self, source: bytes, kit: KitSettings) -> SandboxProgram:
         self._patience.must_last()
-        settings = Kit(kit.module, dict(kit.parameters))
+        settings = Kit(kit.module, dict(kit.parameters), kit.without)
         try:
             session = self._sandbox.open(source, kit=settings, policy=self._policy, filename=FILENAME)
         except ProgramFault as fault:

@@ -63,6 +63,7 @@ class Session:
         question: dict[str, Value] = {
             "kit": kit.module if kit else None,
             "parameters": dict(kit.parameters) if kit else {},
+            "without": kit.without if kit else (),
         }
         token = secrets.randbits(64)
         try:

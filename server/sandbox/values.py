@@ -10,10 +10,11 @@ from server.sandbox.child.codec import Value
 
 @dataclass(frozen=True)
 class Kit:
-    """The kit of an execution: the name of its module, and what its ``configurer`` is called with."""
+    """The kit of an execution: the name of its module, what its ``configurer`` is called with, names to leave out."""
 
     module: str
     parameters: Mapping[str, Value] = field(default_factory=dict)
+    without: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

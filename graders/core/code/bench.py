@@ -15,11 +15,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from graders.core.compare.shrinking import Budget
+from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, KitSettings, Program, Programs, Reply, StudentFault
 from graders.core.contract.values import Arguments, Value, kept
 
+#: How often the main program may be started anew, and how many others, one for each map or each run of a closed loop.
 MAX_LAUNCHES = 12
+MAX_OTHERS = 64
 DEFAULT_BUDGET = Budget()
 
 Key = tuple[str, tuple[tuple[str, tuple[int, ...], bytes], ...]]
@@ -59,21 +62,23 @@ class Runner:
         self._source = source
         self._kit = kit
         self._launches = 0
+        self._others = 0
         self._program: Program | None = None
         self._dead: dict[str, StudentFault] = {}
         self.observations: list[Observation] = []
+        self.films: dict[str, FigureData] = {}
         self.stdout = ""
 
     @property
     def program(self) -> Program:
         """The program on the main map. Raises StudentFault when its file does not load."""
         if self._program is None:
-            self._program = self._start(self._kit)
+            self._launches += 1
+            self._program = self._start(self._kit, self._launches, MAX_LAUNCHES)
         return self._program
 
-    def _start(self, kit: KitSettings) -> Program:
-        self._launches += 1
-        if self._launches > MAX_LAUNCHES:
+    def _start(self, kit: KitSettings, launches: int, most: int) -> Program:
+        if launches > most:
             raise StudentFault(Outcome.RUNTIME_ERROR, "Votre programme s'est arrêté trop souvent.", fatal=True)
         return self._programs.open(self._source, kit)
 
@@ -127,7 +132,8 @@ class Runner:
     @contextmanager
     def other(self, kit: KitSettings) -> Iterator[Program]:
         """The same file started on another map, for as long as the block lasts."""
-        program = self._start(kit)
+        self._others += 1
+        program = self._start(kit, self._others, MAX_OTHERS)
         try:
             yield program
         finally:
@@ -197,6 +203,15 @@ class Bench:
         name = (fault.exception or fault.outcome.value) if fault else None
         self.runner.observations.append(Observation(self.check, self._count[0], function, kept(value), name, ok))
         self._count[0] += 1
+
+    def film(self, data: FigureData) -> None:
+        """Keep what the program did in this check, whether it passes or fails, so that its author can watch it.
+
+        `data` are plain values; its "kind" names the function of the exercise's `replays.py` that makes a replay of it,
+        when somebody looks. One film a check: the last one kept (of several runs, keep one that failed).
+        """
+        if not self.runner.reenacting:
+            self.runner.films[self.check] = data
 
     @contextmanager
     def on(self, kit: KitSettings) -> Iterator[Bench]:

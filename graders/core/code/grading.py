@@ -28,6 +28,7 @@ from graders.core.contract.streams import stream
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis
 
 FIGURE_ITEMS = 20_000
+FILM_ITEMS = 40_000
 JUDGED = (Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT)
 #: What may have a misconception for its cause: a program that runs, though it raises on some inputs.
 DIAGNOSED = (*JUDGED, Outcome.RUNTIME_ERROR)
@@ -81,7 +82,8 @@ class CodeGrader:
             timings={name: round(1000.0 * (end - start), 3) for name, (start, end) in timings.items()},
         )
         figures = {f.result.id: f.figure for f in findings if f.figure is not None}
-        return Judgement(verdict, figures)
+        films = {check: whole_jsonable(film, limit=FILM_ITEMS) for check, film in runner.films.items()}
+        return Judgement(verdict, figures, {check: film for check, film in films.items() if film is not None})
 
     def _diagnosis(self, findings: Sequence[Finding], runner: Runner, kit: KitSettings, seed: int) -> Diagnosis | None:
         """The name of what failed: by the probes, else by re-enacting what these do not judge, else a usual slip."""

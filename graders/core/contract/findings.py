@@ -37,10 +37,14 @@ class Finding:
 
 @dataclass(frozen=True)
 class Judgement:
-    """A verdict, and the data of the figures that it names (JSON; drawn when they are looked at)."""
+    """A verdict, the data of the figures that it names, and the films of what the program did, by check.
+
+    Figures and films are JSON, and become pictures and replays when they are looked at.
+    """
 
     verdict: Verdict
     figures: dict[str, FigureData] = field(default_factory=dict)
+    films: dict[str, FigureData] = field(default_factory=dict)
 
 
 def verdict_of(

@@ -37,7 +37,8 @@ def _kit(module: str) -> dict[str, Any]:
 
 def kit_names(kit: KitSettings) -> dict[str, Any]:
     """What a program finds without importing anything."""
-    return dict(_kit(kit.module)["configurer"](**kit.parameters))
+    names = dict(_kit(kit.module)["configurer"](**kit.parameters))
+    return {name: value for name, value in names.items() if name not in kit.without}
 
 
 class LocalProgram:

@@ -15,10 +15,14 @@ from graders.core.contract.values import Arguments, Value
 
 @dataclass(frozen=True)
 class KitSettings:
-    """Which kit a program finds, and the parameters of this execution (map, range, seed)."""
+    """Which kit a program finds, and the parameters of this execution (map, range, seed).
+
+    `without` are names of the kit that the exercise asks for: the program finds neither these nor what made them.
+    """
 
     module: str
     parameters: Mapping[str, Value] = field(default_factory=dict)
+    without: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -72,8 +72,11 @@ class Program:
         linecache.clearcache()
         sys.modules.pop(MODULE, None)
 
-    def configure(self, kit: str | None, parameters: Mapping[str, Value]) -> None:
-        """Seeds the generators, and asks the kit for its names: what that raises is not the student's."""
+    def configure(self, kit: str | None, parameters: Mapping[str, Value], without: tuple[str, ...] = ()) -> None:
+        """Seeds the generators, and asks the kit for its names: what that raises is not the student's.
+
+        Where the exercise asks for some of them (`without`), nothing is left of the kits but the other names.
+        """
         seed = parameters.get("seed")
         if isinstance(seed, int):
             random.seed(seed)
@@ -81,7 +84,19 @@ class Program:
         if kit is not None:
             module = self._kits[kit]
             self._injected = dict(module.configurer(**parameters))
+            if without:
+                self._leave_out(without)
             module.__dict__.update(self._injected)
+
+    def _leave_out(self, without: tuple[str, ...]) -> None:
+        """Empties the kits, which hold what makes these names."""
+        for name in without:
+            del self._injected[name]
+        for module in self._kits.values():
+            shown = [name for name in vars(module).get("__all__", ()) if name not in without]
+            kept = {"__name__": module.__name__, "__doc__": module.__doc__, "__all__": shown}
+            vars(module).clear()
+            vars(module).update(kept)
 
     def _compile(self, source: bytes, filename: str, parts: Callable[[bytes, str], list[CodeType]]) -> list[CodeType]:
         text = source.decode("utf-8-sig", "replace")

@@ -87,7 +87,7 @@ class Child:
 
     def _configure(self, question: Any) -> None:
         try:
-            self._program.configure(question["kit"], question["parameters"])
+            self._program.configure(question["kit"], question["parameters"], question["without"])
         except Exception:
             self.send(self._token, frames.ANOMALY, traceback.format_exc().encode("utf-8", "replace")[-4000:])
             os._exit(70)
