@@ -7,7 +7,7 @@ a rank behind every grading's: however many attempts wait to be asked, a grading
 
 import logging
 import secrets
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime, timedelta
 from threading import Event
@@ -23,10 +23,13 @@ from graders.core.contract.program import Programs
 from server.behaviour import repository
 from server.behaviour.models import BehaviourGroup
 from server.behaviour.schemas import Asked, Shown
+from server.course import reuse
 from server.course.models import Course
 from server.database import Database, utc_now
+from server.gradebook import accepted
 from server.queue.port import GiveUp, Lease, Queue, Sender
 from server.sandbox.policy import Policy
+from server.sandbox.values import Shelf
 
 log = logging.getLogger(__name__)
 
@@ -44,8 +47,8 @@ OVERLAP = timedelta(minutes=2)
 CPU_SECONDS, WALL_SECONDS, JUDGING_SECONDS = 1.5, 3.0, 2.0
 SESSION_BYTES = 2 << 20
 
-#: Starts programs under a policy.
-Start = Callable[[Policy], Programs]
+#: Starts programs under a policy, with what they may import of earlier ones.
+Start = Callable[[Policy, Sequence[Shelf]], Programs]
 
 
 def lighter(policy: Policy) -> Policy:
@@ -131,11 +134,12 @@ class FingerprintTask:
         asked = repository.asked(db, _grading(lease), datetime.fromisoformat(lease.payload["since"]))
         if asked is None or self._versions.get(asked.exercise) != asked.version:
             return None
-        return asked
+        return replace(asked, own=accepted.used_by(db, self._course, repository.submission(db, asked.grading_id)))
 
     def run(self, work: Asked) -> Behaviour:
         exercise = self._course.exercises[work.exercise]
-        return self._observer(work.exercise).observe(work.source, self._start(lighter(exercise.policy)))
+        library = reuse.shelves(self._course, work.exercise, work.own)
+        return self._observer(work.exercise).observe(work.source, self._start(lighter(exercise.policy), library))
 
     def _observer(self, exercise_id: str) -> Observer:
         if exercise_id not in self._observers:

@@ -71,6 +71,12 @@ def asked(db: Session, grading_id: UUID, since: datetime) -> Asked | None:
     return None if row is None else Asked(*row, since)
 
 
+def submission(db: Session, grading_id: UUID) -> Submission:
+    """What a grading, which is there, is of."""
+    query = select(Submission).join(Grading, Grading.submission_id == Submission.id).where(Grading.id == grading_id)
+    return db.execute(query).scalar_one()
+
+
 def held(db: Session, grading_id: UUID) -> bool:
     """Is the grading still there? It stays until the commit then."""
     query = select(Grading.id).where(Grading.id == grading_id).with_for_update(read=True, key_share=True)

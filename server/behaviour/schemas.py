@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from uuid import UUID
 
 from graders.core.code.plain import Plain
 from server.behaviour.models import BehaviourGroup, BehaviourName
+from server.course.reuse import Own
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,10 @@ class Words:
 
 @dataclass(frozen=True)
 class Asked:
-    """A grading whose program is to be asked how it behaves; others that ended `since` follow."""
+    """A grading whose program is to be asked how it behaves; others that ended `since` follow.
+
+    `own`: the files of its author that it may import from.
+    """
 
     grading_id: UUID
     exercise: str
@@ -29,6 +33,7 @@ class Asked:
     source: bytes
     digest: str
     since: datetime
+    own: Own = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -80,7 +80,8 @@ class Exercise:
     `seance` is the slug of the lesson that it follows.
     `version` is a digest of everything that can change a verdict (see `server.course.version`).
     An exercise answered without code (`answers`) has no function, and neither starter nor solution as files: its grader
-    gives questions and correction. `policy` bounds what its programs may use.
+    gives questions and correction. `policy` bounds what its programs may use; `reuses` are the slugs of the exercises
+    whose functions they may import, those that these reuse in their turn included (see `server.course.reuse`).
     """
 
     module: str
@@ -101,6 +102,7 @@ class Exercise:
     names: Callable[[], Names] = no_names
     seance: str = ""
     policy: Policy = field(default_factory=Policy)
+    reuses: tuple[str, ...] = ()
 
     @property
     def id(self) -> str:
@@ -247,6 +249,11 @@ class Course:
         """The version of an exercise by its id, which may have left the course."""
         served = self.exercises.get(exercise)
         return served.version if served else UNKNOWN_VERSION
+
+    def reused(self, exercise: str) -> Sequence[Exercise]:
+        """The exercises whose functions the programs of an exercise may import."""
+        served = self.exercises.get(exercise)
+        return [self.exercises[f"{served.module}/{slug}"] for slug in served.reuses] if served else []
 
     @cached_property
     def kits(self) -> Mapping[str, str]:

@@ -88,6 +88,7 @@ class ExerciseFile(Strict):
     kind: Literal["code", "answers"] = "code"
     seance: str = ""
     functions: list[FunctionEntry] = []
+    reuses: list[Text] = []
     limits: PolicyEntry = PolicyEntry()
 
 

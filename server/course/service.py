@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from graders.core.code.exercise import CodeDefinition
 from graders.core.contract.malformed import MalformedExerciseError
-from server.course import drawings, questions, toml_file
+from server.course import drawings, questions, reuse, toml_file
 from server.course.closure import Imports
 from server.course.library import Library, problems_of
 from server.course.models import Course, CourseFault, Exercise, FunctionSpec, Module, Problem
@@ -109,6 +109,7 @@ def _module(sources: Sources, path: Path, problems: list[Problem], look: Look) -
     library = Library(path, drawings.read(path / "figures", problems), problems)
     sources = replace(sources, names=library.names)
     exercises = _each(problems, lambda folder: _exercise(sources, path, folder), _exercises(path))
+    exercises = reuse.closed(path / "exercices", exercises, problems)
     exercises.sort(key=lambda exercise: (exercise.stars, exercise.order, exercise.slug))
     library.exercises.update({exercise.slug: exercise.title for exercise in exercises})
     if look is not Look.no:
@@ -187,6 +188,7 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
         version=version(sources.imports, sources.code, path, card, graded["grader"]),
         seance=card.seance,
         policy=card.limits.policy(),
+        reuses=tuple(card.reuses),
     )
 
 

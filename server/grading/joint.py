@@ -7,7 +7,7 @@ ends as `internal_error`.
 import hashlib
 import logging
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from uuid import UUID
 
 from graders.core.contract.findings import Judgement
@@ -15,8 +15,10 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, KitSettings, Reply, StudentFault
 from graders.core.contract.values import Arguments, Value
 from graders.core.contract.verdict import internal_error_verdict
+from server.course import reuse
 from server.course.models import Course
-from server.sandbox import Frame, Kit, Policy, ProgramFault, Sandbox, Session, judging_too_long
+from server.course.reuse import NOTHING_OWN, Own
+from server.sandbox import Frame, Kit, Policy, ProgramFault, Sandbox, Session, Shelf, judging_too_long
 
 log = logging.getLogger(__name__)
 
@@ -78,14 +80,18 @@ class SandboxProgram:
 
 
 class SandboxPrograms:
-    """Starts a student's file behind the walls, under the policy of one exercise, for one grading."""
+    """Starts a student's file behind the walls, under the policy of one exercise, for one grading.
 
-    def __init__(self, sandbox: Sandbox, policy: Policy) -> None:
+    `library` is what the file may import from `mes_fonctions`.
+    """
+
+    def __init__(self, sandbox: Sandbox, policy: Policy, library: Sequence[Shelf] = ()) -> None:
         self._sandbox, self._policy, self._patience = sandbox, policy, Patience(policy)
+        self._library = tuple(library)
 
     def open(self, source: bytes, kit: KitSettings) -> SandboxProgram:
         self._patience.must_last()
-        settings = Kit(kit.module, dict(kit.parameters), kit.without)
+        settings = Kit(kit.module, dict(kit.parameters), kit.without, self._library)
         try:
             session = self._sandbox.open(source, kit=settings, policy=self._policy, filename=FILENAME)
         except ProgramFault as fault:
@@ -118,13 +124,19 @@ class Grader:
         self._course = course
         self._sandbox = sandbox
 
-    def grade(self, exercise_id: str, source: bytes, seed: int, *, submission: UUID | None = None) -> Judgement:
-        """Never raises for a reason of ours: after a second failure the verdict is `internal_error`."""
+    def grade(
+        self, exercise_id: str, source: bytes, seed: int, *, submission: UUID | None = None, own: Own = NOTHING_OWN
+    ) -> Judgement:
+        """Never raises for a reason of ours: after a second failure the verdict is `internal_error`.
+
+        `own` holds the files whose functions the program finds in `mes_fonctions` instead of the course's.
+        """
         version = self._course.version_of(exercise_id)
         for try_number in range(1, TRIES + 1):
             try:
                 exercise = self._course.exercises[exercise_id]
-                programs = SandboxPrograms(self._sandbox, exercise.policy)
+                library = reuse.shelves(self._course, exercise_id, own)
+                programs = SandboxPrograms(self._sandbox, exercise.policy, library)
                 return exercise.grader.grade(source, programs, seed=seed, version=version)
             except Exception:
                 # All that it takes to grade the same again: the source is in the database, or the caller has it.

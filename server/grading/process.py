@@ -5,6 +5,7 @@ import logging
 import signal
 import threading
 from contextlib import closing
+from functools import partial
 from types import FrameType
 
 from graders.core.contract.findings import Judgement
@@ -74,13 +75,13 @@ def run(settings: Settings, work: WorkSource, signals: Signals) -> None:
         threading.Thread(target=_warm, args=(sandbox, course), name="warm-up", daemon=True).start()
 
         def grade(work: SentFile) -> Judgement:
-            return grader.grade(work.exercise, work.source, work.seed, submission=work.submission_id)
+            return grader.grade(work.exercise, work.source, work.seed, submission=work.submission_id, own=work.own)
 
         queue = TableQueue(signals)
         tasks: Tasks = {
             GRADE: GradingTask(course, grade),
             REGRADE: RegradeTask(course, queue, grade),
-            FINGERPRINT: FingerprintTask(course, queue, lambda policy: SandboxPrograms(sandbox, policy)),
+            FINGERPRINT: FingerprintTask(course, queue, partial(SandboxPrograms, sandbox)),
         }
         sweeper = Sweeper(database, queue, course)
         threading.Thread(target=sweeper.keep_looking, args=(_stopping,), name="sweeper", daemon=True).start()

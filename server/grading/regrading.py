@@ -11,7 +11,7 @@ from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import internal_error_verdict
 from server.course.models import Course
 from server.gradebook.schemas import Graded
-from server.grading.task import Grade, SentFile
+from server.grading.task import Grade, SentFile, sent_file
 from server.queue.port import GiveUp, Lease, Queue
 from server.regrades import repository, service
 from server.regrades.service import REGRADE
@@ -32,12 +32,12 @@ class RegradeTask:
     """Fills the port `server.queue.port.Task`."""
 
     def __init__(self, course: Course, queue: Queue, grade: Grade) -> None:
-        self._queue, self._grade = queue, grade
+        self._course, self._queue, self._grade = course, queue, grade
         self.give_up = _giving_up(course, queue)
 
     def read(self, db: Session, lease: Lease) -> Regrading | None:
         """None when nothing waits any more, or the regrade was stopped."""
-        return _next(db, lease)
+        return _next(db, self._course, lease)
 
     def run(self, work: Regrading) -> Graded:
         return Graded(self._grade(work.file), work.file.started_at)
@@ -46,13 +46,12 @@ class RegradeTask:
         service.record(db, self._queue, work.regrade_id, work.item_id, result)
 
 
-def _next(db: Session, lease: Lease) -> Regrading | None:
+def _next(db: Session, course: Course, lease: Lease) -> Regrading | None:
     found = repository.next_item(db, UUID(lease.key))
     if found is None:
         return None
     item, submission, _ = found
-    file = SentFile(submission.id, submission.exercise, submission.source, submission.seed, lease.started_at)
-    return Regrading(item.regrade_id, item.id, file)
+    return Regrading(item.regrade_id, item.id, sent_file(db, course, submission, lease.started_at))
 
 
 def give_ups(course: Course, queue: Queue) -> Mapping[str, GiveUp]:
@@ -64,7 +63,7 @@ def _giving_up(course: Course, queue: Queue) -> GiveUp:
     """The end of an attempt whose grading has ended its workers too often: the others are graded all the same."""
 
     def give_up(db: Session, lease: Lease) -> None:
-        work = _next(db, lease)
+        work = _next(db, course, lease)
         if work is None:
             return
         file = work.file

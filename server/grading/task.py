@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from uuid import UUID
 
@@ -11,11 +11,14 @@ from sqlalchemy.orm import Session
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import internal_error_verdict
 from server.course.models import Course
+from server.course.reuse import Own
+from server.gradebook import accepted
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import Graded
 from server.limits import service as limits
 from server.queue.port import GiveUp, Lease
 from server.submissions import repository as submissions
+from server.submissions.models import Submission
 from server.submissions.service import GRADE
 
 log = logging.getLogger(__name__)
@@ -23,13 +26,20 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class SentFile:
-    """What it takes to grade one submission."""
+    """What it takes to grade one submission; `own`: the files of its author that it may import from."""
 
     submission_id: UUID
     exercise: str
     source: bytes
     seed: int
     started_at: datetime
+    own: Own = field(default_factory=dict)
+
+
+def sent_file(db: Session, course: Course, submission: Submission, started_at: datetime) -> SentFile:
+    """A submission, with the earlier files of its author that it may import from."""
+    own = accepted.used_by(db, course, submission)
+    return SentFile(submission.id, submission.exercise, submission.source, submission.seed, started_at, own)
 
 
 Grade = Callable[[SentFile], Judgement]
@@ -39,7 +49,7 @@ class GradingTask:
     """Fills the port `server.queue.port.Task`."""
 
     def __init__(self, course: Course, grade: Grade) -> None:
-        self._grade = grade
+        self._course, self._grade = course, grade
         self.give_up = _giving_up(course)
 
     def read(self, db: Session, lease: Lease) -> SentFile | None:
@@ -47,7 +57,7 @@ class GradingTask:
         submission = submissions.by_id(db, UUID(lease.key))
         if submission is None:
             return None
-        return SentFile(submission.id, submission.exercise, submission.source, submission.seed, lease.started_at)
+        return sent_file(db, self._course, submission, lease.started_at)
 
     def run(self, work: SentFile) -> Graded:
         return Graded(self._grade(work), work.started_at)

@@ -7,7 +7,7 @@ from server.sandbox.policy import Policy
 from server.sandbox.pool import Sandbox
 from server.sandbox.probe import WallReport, WallStatus, probe, safe_to_serve
 from server.sandbox.session import Session
-from server.sandbox.values import Kit, Reply, Usage
+from server.sandbox.values import Kit, Reply, Shelf, Usage
 
 __all__ = [
     "FaultKind",
@@ -19,6 +19,7 @@ __all__ = [
     "Sandbox",
     "SandboxFault",
     "Session",
+    "Shelf",
     "Usage",
     "Value",
     "WallReport",

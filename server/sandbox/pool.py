@@ -7,13 +7,14 @@ import logging
 import threading
 import time
 from collections import OrderedDict, deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Self
 
 from server.sandbox import messages
 from server.sandbox.cgroups import Seats, hierarchies
+from server.sandbox.child import library
 from server.sandbox.child.walls import WALLS
 from server.sandbox.faults import FaultKind, NamespacesRefused, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.install import IMPORT_SETS, import_set
@@ -23,6 +24,8 @@ from server.sandbox.process import Child, TemplateProcess
 from server.sandbox.session import Session
 from server.sandbox.values import Kit
 
+#: What a file that imports earlier functions speaks of.
+LIBRARY = library.NAME.encode()
 _log = logging.getLogger(__name__)
 #: Policies for which a template keeps spare children: the last ones used.
 _POLICIES = 3
@@ -114,7 +117,7 @@ class Sandbox:
         """
         policy = policy or self.policy
         _check_source(source, policy)
-        imports = import_set(source, drawing=drawing)
+        imports = import_set(b"".join((source, *_imported(source, kit))), drawing=drawing)
         try:
             return self._opened(imports, source, filename, kit, policy, shows_last=shows_last)
         except TemplateFault as first:
@@ -294,6 +297,12 @@ def _logged(action: Callable[..., None], *arguments: object) -> None:
         action(*arguments)
     except Exception:
         _log.exception("%s failed", action.__name__)
+
+
+def _imported(source: bytes, kit: Kit | None) -> Iterator[bytes]:
+    """The earlier files that a source may come to run."""
+    if kit is not None and LIBRARY in source:
+        yield from (shelf.source for shelf in kit.library)
 
 
 def _check_source(source: bytes, policy: Policy) -> None:

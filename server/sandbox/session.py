@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import marshal
 import re
 import secrets
 import signal
@@ -9,6 +10,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any, NoReturn, Self
 
 import numpy as np
@@ -20,7 +22,7 @@ from server.sandbox.child.codec import Value
 from server.sandbox.faults import FaultKind, Frame, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.policy import Policy
 from server.sandbox.process import Child, Ending
-from server.sandbox.values import Kit, Reply, Usage
+from server.sandbox.values import Kit, Reply, Shelf, Usage
 from server.sandbox.wire import Closed, Forged, Late, TooMuch
 
 #: What the child is left to tell by itself that its time is up, before it is killed.
@@ -29,6 +31,17 @@ _READY_SECONDS = 10.0
 _ENDING_SECONDS = 5.0
 _NO_END = 1 << 31
 _ANSWERS, _END = frozenset({frames.VALUE, frames.FAULT}), frozenset({frames.DONE})
+
+
+@lru_cache(maxsize=64)
+def _code(source: bytes) -> bytes:
+    """A file of ours, compiled, without its comments and its texts of documentation."""
+    return marshal.dumps(compile(source, "mes_fonctions.py", "exec", dont_inherit=True, optimize=2))
+
+
+def _shelved(shelf: Shelf) -> Value:
+    file = _code(shelf.source) if shelf.compiled else shelf.source
+    return shelf.label, shelf.functions, np.frombuffer(file, dtype=np.uint8), shelf.compiled
 
 
 class Session:
@@ -51,7 +64,7 @@ class Session:
         self._configure(kit)
         self._filename, self._lines = filename, re.split("\r\n|\r|\n", source.decode("utf-8-sig", "replace"))
         question: dict[str, Value] = {"source": np.frombuffer(source, dtype=np.uint8), "filename": filename}
-        question["shows_last"] = shows_last
+        question |= {"shows_last": shows_last, "library": tuple(map(_shelved, kit.library if kit else ()))}
         token = secrets.randbits(64)
         self._say(token, frames.LOAD, codec.encode(question | {"wall": self._left}, frames.QUESTION_LIMITS))
         functions = diagnosis.names(self._understood(*self._hear(token, _ANSWERS)))

@@ -9,12 +9,29 @@ from server.sandbox.child.codec import Value
 
 
 @dataclass(frozen=True)
+class Shelf:
+    """An earlier file of which a program may import `functions`; `label` is short, and unique among its neighbours.
+
+    One that is not for the program's author to read is sent `compiled`, without its text: it must be ours.
+    """
+
+    label: str
+    functions: tuple[str, ...]
+    source: bytes
+    compiled: bool = False
+
+
+@dataclass(frozen=True)
 class Kit:
-    """The kit of an execution: the name of its module, what its ``configurer`` is called with, names to leave out."""
+    """The kit of an execution: the name of its module, what its ``configurer`` is called with, names to leave out.
+
+    `library` holds what the program may import from `mes_fonctions`.
+    """
 
     module: str
     parameters: Mapping[str, Value] = field(default_factory=dict)
     without: tuple[str, ...] = ()
+    library: tuple[Shelf, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -127,7 +127,7 @@ def test_a_sweep_looks_at_what_is_new_and_once_an_hour_at_everything(
 def test_an_attempt_that_goes_before_or_during_its_job_leaves_nothing(
     database: Database, ada: Account, both: Settings
 ) -> None:
-    def forgetting(_policy: Policy) -> Programs:
+    def forgetting(_policy: Policy, _library: object) -> Programs:
         with database.write() as db:
             db.execute(update(Submission).values(grading_id=None))
             db.execute(delete(Account).where(Account.id == ada.id))
@@ -235,7 +235,7 @@ def test_hostile_programs_come_to_groups_within_bounds(sqlite: Database, setting
     course = the_course()
     with Sandbox(course.kits, spares=0) as sandbox:
 
-        def start(policy: Policy) -> SandboxPrograms:
+        def start(policy: Policy, _library: object) -> SandboxPrograms:
             assert policy == lighter(policy), "a program asked so has less time than for its verdict"
             return SandboxPrograms(sandbox, replace(policy, cpu_seconds=0.1, wall_seconds=1.0))
 

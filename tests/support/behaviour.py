@@ -66,14 +66,14 @@ def sent(database: Database, account: Account, code: str, verdict: Verdict | Non
 
 
 def asking_worker(
-    database: Database, settings: Settings, course: Course | None = None, start: Start = lambda policy: LOCAL
+    database: Database, settings: Settings, course: Course | None = None, start: Start = lambda *_: LOCAL
 ) -> Worker:
     """A worker to be stepped by hand."""
     task = FingerprintTask(course or the_course(), QUIET, start)
     return Worker(database, QUIET, settings, {FINGERPRINT: task})
 
 
-def ask_all(database: Database, settings: Settings, start: Start = lambda policy: LOCAL) -> int:
+def ask_all(database: Database, settings: Settings, start: Start = lambda *_: LOCAL) -> int:
     """Has every attempt asked that may be, for one look at what there is; how many jobs that took."""
     worker, steps = asking_worker(database, settings, start=start), 0
     Sweeper(database, QUIET, the_course()).look()

@@ -7,14 +7,14 @@ import linecache
 import random
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from types import CodeType, ModuleType
 from typing import Any
 
 import numpy as np
 
-from . import drawing, last, report
+from . import drawing, last, library, report
 from .codec import Limits, TooBig, Unsendable, Value, encode
 
 MODULE = "solution"
@@ -43,7 +43,9 @@ class Program:
         self._injected: dict[str, object] = {}
         self._globals: dict[str, Any] = {}
 
-    def load(self, source: bytes, filename: str, *, shows_last: bool = False) -> bytes:
+    def load(
+        self, source: bytes, filename: str, *, shows_last: bool = False, shelved: Sequence[library.Shelf] = ()
+    ) -> bytes:
         """Runs the file's top level; returns the names of the callables that it defines, encoded.
 
         With `shows_last`, the value of a last expression is printed.
@@ -54,6 +56,7 @@ class Program:
         module = ModuleType(MODULE)
         module.__dict__.update(self._injected, __file__=filename)
         sys.modules[MODULE] = module
+        library.install(shelved, self._injected)
         self._globals = module.__dict__
         for code in codes:
             self._guarded(partial(exec, code, self._globals))

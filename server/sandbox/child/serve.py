@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from . import codec, drawing, frames, inner
+from . import codec, drawing, frames, inner, library
 from .frames import FAULT_LIMITS, QUESTION_LIMITS
 from .frames import framed as _framed
 from .program import Failure, Fault, Program, print_to
@@ -98,7 +98,10 @@ class Child:
         outcome, names, _ = self._timed(
             question["wall"],
             lambda: self._program.load(
-                question["source"].tobytes(), question["filename"], shows_last=question["shows_last"]
+                question["source"].tobytes(),
+                question["filename"],
+                shows_last=question["shows_last"],
+                shelved=library.shelves(question["library"]),
             ),
         )
         self.send(self._token, outcome, names)

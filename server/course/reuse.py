@@ -1,0 +1,84 @@
+"""Which earlier exercises one may build on: `reuses` of `exercise.toml`, and the files that come with a program.
+
+A program imports their functions from `mes_fonctions`: the student's own, from the last attempt that got full marks,
+or else the course's.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+
+from server.base.digest import digest
+from server.course import toml_file
+from server.course.models import Course, Exercise, Problem
+from server.course.toml_places import line_of
+from server.sandbox.values import Shelf
+
+#: The files of one student, by exercise ("l20/poses").
+Own = Mapping[str, bytes]
+NOTHING_OWN: Own = MappingProxyType({})
+#: What a program speaks of that imports such functions.
+MENTION = b"mes_fonctions"
+
+
+def closed(folder: Path, exercises: Sequence[Exercise], problems: list[Problem]) -> list[Exercise]:
+    """The exercises, each with all that it reuses, what these reuse in their turn included.
+
+    Its version then changes with their solutions. Where what an exercise reuses cannot be, it is left out, and said.
+    """
+    named = {exercise.slug: exercise for exercise in exercises}
+    made = []
+    for exercise in exercises:
+        reuses, faults = _closure(exercise, named)
+        problems += [_problem(folder, exercise, fault) for fault in faults]
+        made.append(_with(exercise, [named[slug] for slug in reuses]) if reuses and not faults else _without(exercise))
+    return made
+
+
+def _with(exercise: Exercise, reused: Sequence[Exercise]) -> Exercise:
+    head = "\0".join([exercise.version, *(f"{one.slug}\0{one.solution}" for one in reused)])
+    return replace(exercise, reuses=tuple(one.slug for one in reused), version=digest([], head.encode()))
+
+
+def _without(exercise: Exercise) -> Exercise:
+    return replace(exercise, reuses=())
+
+
+def _closure(exercise: Exercise, named: Mapping[str, Exercise]) -> tuple[list[str], list[str]]:
+    """What an exercise comes to reuse, nearest first, and what is wrong with it."""
+    found: list[str] = []
+    waiting = list(exercise.reuses)
+    while waiting:
+        slug = waiting.pop(0)
+        if slug in found:
+            continue
+        if slug not in named or named[slug].kind != "code":
+            return found, [f"« reuses » : aucun exercice de code du module ne se nomme « {slug} »"]
+        if slug == exercise.slug:
+            return found, ["« reuses » : cet exercice se réutiliserait lui-même"]
+        found.append(slug)
+        waiting += named[slug].reuses
+    counts = Counter(function.name for slug in found for function in named[slug].functions)
+    twice = sorted(name for name, count in counts.items() if count > 1)
+    return found, [f"« reuses » : la fonction « {name} » viendrait de deux exercices" for name in twice]
+
+
+def _problem(folder: Path, exercise: Exercise, message: str) -> Problem:
+    path = folder / exercise.slug / "exercise.toml"
+    return Problem(path, line_of(toml_file.read_text(path), ("reuses",)), message)
+
+
+def shelves(course: Course, exercise: str, own: Own = NOTHING_OWN) -> tuple[Shelf, ...]:
+    """What the programs of an exercise may import: of each that it reuses one's own file, or else the course's."""
+    return tuple(_shelves(course.reused(exercise), own))
+
+
+def _shelves(reused: Iterable[Exercise], own: Own) -> Iterator[Shelf]:
+    for one in reused:
+        functions = tuple(function.name for function in one.functions)
+        file = own.get(one.id)
+        yield Shelf(one.slug, functions, one.solution.encode() if file is None else file, compiled=file is None)
