@@ -104,6 +104,8 @@ def _grade(parser: argparse.ArgumentParser) -> None:
         "--questions", action="store_true", help="écrit les questions d’un exercice sans code, pour cette graine"
     )
     parser.add_argument("--json", action="store_true", help="n’écrit que le verdict, en JSON")
+    help_text = "dossier de vos fichiers d’exercices réussis (poses.py, kabsch.py…), que « mes_fonctions » reprend"
+    parser.add_argument("--reuse", type=Path, metavar="DIR", help=help_text)
     parser.add_argument("--seed", type=_seed, metavar="N", help="graine des tirages, pour refaire la même correction")
 
 

@@ -1,44 +1,60 @@
 """The files of one student whose functions later programs may import: the last to get full marks in each exercise."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Mapping
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import select
+from sqlalchemy import ColumnElement, Select, and_, func, or_, select
 from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
 from server.assignments import feedback
 from server.course.models import Course
 from server.course.reuse import MENTION, NOTHING_OWN, Own
+from server.database import utc_now
 from server.gradebook.models import Grading
 from server.submissions.models import Submission
 
 
 def used_by(db: Session, course: Course, submission: Submission) -> Own:
     """The files that an attempt may import from, as they stood when it was sent; none where it does not ask."""
-    reused = course.reused(submission.exercise)
+    reused = [one.id for one in course.reused(submission.exercise)]
     if not reused or MENTION not in submission.source:
         return NOTHING_OWN
-    found = before(db, submission.account_id, (one.id for one in reused), submission.created_at)
-    return {exercise: one.source for exercise, one in found.items()}
+    last = _last(db, submission.account_id, reused, submission.created_at)
+    rows = db.execute(select(Submission.exercise, Submission.source).where(Submission.id.in_(last)))
+    return {row.exercise: row.source for row in rows}
 
 
-def before(db: Session, account_id: UUID, exercises: Iterable[str], when: datetime) -> Mapping[str, Submission]:
-    """By exercise, the last attempt sent before `when` that got full marks, and that no test holds back."""
-    found = {exercise: _last(db, account_id, exercise, when) for exercise in exercises}
-    return {exercise: one for exercise, one in found.items() if one is not None}
+def sent_at(db: Session, account_id: UUID, exercises: Collection[str]) -> Mapping[str, datetime]:
+    """When the files were sent that a program sent now would import from, by exercise."""
+    if not exercises:
+        return {}
+    last = _last(db, account_id, exercises, utc_now())
+    rows = db.execute(select(Submission.exercise, Submission.created_at).where(Submission.id.in_(last)))
+    return {row.exercise: row.created_at for row in rows}
 
 
-def _last(db: Session, account_id: UUID, exercise: str, when: datetime) -> Submission | None:
-    held_from = feedback.of(db, account_id, exercise).held_from
-    query = (
-        select(Submission)
+def _last(db: Session, account_id: UUID, exercises: Collection[str], when: datetime) -> Select[tuple[UUID]]:
+    """In each exercise, the last attempt sent before `when` that got full marks, and that no test holds back."""
+    order = (Submission.created_at.desc(), Submission.id.desc())
+    ranked = (
+        select(Submission.id, func.row_number().over(partition_by=Submission.exercise, order_by=order).label("rank"))
         .join(Grading, Grading.id == Submission.grading_id)
-        .where(Submission.account_id == account_id, Submission.exercise == exercise)
-        .where(Submission.created_at < when, Grading.outcome == Outcome.OK)
-        .order_by(Submission.created_at.desc(), Submission.id.desc())
+        .where(Submission.account_id == account_id, Grading.outcome == Outcome.OK, Submission.created_at < when)
+        .where(or_(*_shown(db, account_id, exercises)))
+        .subquery()
     )
-    if held_from is not None:
-        query = query.where(Submission.created_at < held_from)
-    return db.execute(query.limit(1)).scalar_one_or_none()
+    return select(ranked.c.id).where(ranked.c.rank == 1)
+
+
+def _shown(db: Session, account_id: UUID, exercises: Collection[str]) -> list[ColumnElement[bool]]:
+    """The attempts at these exercises of which the verdict is not held back: it must not be learned in this way."""
+    held = {exercise: found.held_from for exercise, found in feedback.of_all(db, account_id).items()}
+    free = [exercise for exercise in exercises if held.get(exercise) is None]
+    until = [
+        and_(Submission.exercise == exercise, Submission.created_at < held_from)
+        for exercise in exercises
+        if (held_from := held.get(exercise)) is not None
+    ]
+    return [Submission.exercise.in_(free), *until]

@@ -10,6 +10,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
 from server.assignments import feedback
 from server.base.errors import NotFound
+from server.course.reuse import MENTION
 from server.database import Database
 from server.gradebook import repository, standings
 from server.gradebook.models import Grading
@@ -131,11 +132,12 @@ def sent_before(db: Session, account: Account, exercise_id: str, code: str, vers
     """One's attempt with this very code, where sending it again to this version of the exercise would tell nothing new.
 
     None too for an attempt that ended at a limit of time or of memory: it may be tried again. But of attempts that a
-    test holds back any will do, however it ended: whether a new one is made would tell it.
+    test holds back any will do, however it ended: whether a new one is made would tell it. And for code that speaks of
+    earlier functions, which may be others by now.
     """
     source = code.encode(errors="surrogatepass")
     known = feedback.of(db, account.id, exercise_id)
-    if known.refusal:
+    if known.refusal or MENTION in source:
         return None
     file = repository.File(account.id, exercise_id, digest(code), source)
     return repository.sent_before(db, file, version, known.held_from)

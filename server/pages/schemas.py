@@ -169,6 +169,17 @@ class FunctionView:
 
 
 @dataclass(frozen=True)
+class ReusedView:
+    """An earlier exercise whose functions may be imported; `when_text` is empty where they are the course's."""
+
+    title: str
+    href: str
+    functions: tuple[str, ...]
+    when: str
+    when_text: str
+
+
+@dataclass(frozen=True)
 class Results:
     """What changes when a verdict arrives; `solution` is None where it stays out of sight, and the `…_held` say why."""
 
@@ -206,6 +217,7 @@ class ExerciseFrame:
 @dataclass(frozen=True)
 class ExercisePage(ExerciseFrame):
     functions: tuple[FunctionView, ...]
+    reused: tuple[ReusedView, ...]
     starter: str
     code: str
     taken: bool

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 from uuid import UUID
 
@@ -14,8 +14,8 @@ from server.assignments.models import SavedWork
 from server.base.errors import NotFound
 from server.behaviour import service as behaviour
 from server.course import Exercise, Module
+from server.gradebook import accepted, solutions
 from server.gradebook import service as gradebook
-from server.gradebook import solutions
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts, Progress
 from server.pages import held, marks, opening, talk
 from server.pages.policy import policy_lines
@@ -29,6 +29,7 @@ from server.pages.schemas import (
     ModuleCard,
     NextStep,
     Results,
+    ReusedView,
     ToldView,
     WorkView,
 )
@@ -92,6 +93,7 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
         functions=tuple(
             FunctionView(function.signature, function.returns, function.doc) for function in exercise.functions
         ),
+        reused=tuple(_reused(reader, exercise)),
         starter=exercise.starter,
         code=taken if taken is not None else written,
         taken=taken is not None,
@@ -99,6 +101,16 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
         kit_href=f"/{exercise.module}/kit/{kit}",
         kit_name=kit,
     )
+
+
+def _reused(reader: Reader, exercise: Exercise) -> Iterator[ReusedView]:
+    """The functions that the program may import, and whose they are."""
+    earlier = reader.course.reused(exercise.id)
+    own = accepted.sent_at(reader.db, reader.account.id, [one.id for one in earlier]) if reader.account else {}
+    for one in earlier:
+        functions, when = tuple(function.name for function in one.functions), own.get(one.id)
+        moment = ("", "") if when is None else (when.isoformat(), moment_text(when))
+        yield ReusedView(one.title, exercise_href(one), functions, *moment)
 
 
 def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:
