@@ -100,7 +100,7 @@ class Prober:
     def _last(self, index: int, answers: Sequence[Seen]) -> Sequence[str]:
         probes = self.probes[index]
         right = self._right(index, answers)
-        return () if right is None else _ruled(probes.last_rules, Shown(probes.calls, answers, right))
+        return () if right is None else _ruled(probes.last_rules, Shown(probes.calls, answers, right, probes.same))
 
     def _asked(
         self, runner: Runner, functions: Collection[str], alone: Collection[str]
@@ -138,7 +138,7 @@ class Prober:
             return ()
         if known and any(self._fits(index, row, answers) for row in self._with(index, known)):
             return ()  # a mistake found in another function is all that there is to this one
-        shown = Shown(probes.calls, answers, right)
+        shown = Shown(probes.calls, answers, right, probes.same)
         told = [k for k in shown.wrong() if probes.compared is None or k < probes.compared]
         for rows in self._candidates(index, answers) if told else ():
             fits = [row for row in rows if row.mutant.speaks_of(blamed) and self._fits(index, row, answers)]
@@ -155,7 +155,8 @@ class Prober:
     def _right(self, index: int, answers: Sequence[Seen]) -> Sequence[Seen] | None:
         """What is right, in the nearest style; None when the answers are."""
         rows = self._all(index, 0)
-        agreeing = [sum(same_seen(self._answer(index, row, k), one) for k, one in enumerate(answers)) for row in rows]
+        same = self.probes[index].same
+        agreeing = [sum(same(self._answer(index, row, k), one) for k, one in enumerate(answers)) for row in rows]
         best = agreeing.index(max(agreeing))
         return None if agreeing[best] == len(answers) else rows[best].answers
 
@@ -165,7 +166,7 @@ class Prober:
             one, other = self._answer(index, row, k), answer
             if facet is not None:
                 one, other = facet(self.probes[index].calls[k], one), facet(self.probes[index].calls[k], other)
-            if not same_seen(one, other):
+            if not self.probes[index].same(one, other):
                 return False
         return True
 

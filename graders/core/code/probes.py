@@ -33,6 +33,13 @@ class Fault:
 Seen = Any  # what a probe showed: a plain value, or a Fault
 
 
+def same_seen(one: Seen, other: Seen, tolerance: float = TOLERANCE) -> bool:
+    """The same value, or the same way of failing."""
+    if isinstance(one, Fault) or isinstance(other, Fault):
+        return bool(one == other) if isinstance(one, Fault) and isinstance(other, Fault) else False
+    return same_value(one, other, tolerance=tolerance)
+
+
 @dataclass(frozen=True)
 class Shown:
     """What a program showed on the probes of one function, beside what is right."""
@@ -40,10 +47,11 @@ class Shown:
     calls: Sequence[Arguments]
     got: Sequence[Seen]
     right: Sequence[Seen]
+    same: Callable[[Seen, Seen], bool] = same_seen
 
     def wrong(self) -> list[int]:
         """Which probes were answered otherwise than the model does."""
-        return [k for k, (a, b) in enumerate(zip(self.got, self.right, strict=True)) if not same_seen(a, b)]
+        return [k for k, (a, b) in enumerate(zip(self.got, self.right, strict=True)) if not self.same(a, b)]
 
 
 #: From the arguments and what was shown to a part of it.
@@ -60,13 +68,16 @@ class Probes:
     Only the first `compared` ones are held against the mutants' (None: all), the others are for rules alone. `given`
     are names for the mutants alone. `last_rules` have their say when nothing else has found a name. The first call is
     made once more after the others, to see whether the function remembers; unless it is `random`, and then every
-    mutant draws the same numbers. Nothing is asked where a check of one of `unless`, and of it alone, failed.
+    mutant draws the same numbers. `same` says whether two answers are one: more loosely where a margin is granted, as
+    the same mistake then gives other numbers in another honest way of working. Nothing is asked where a check of one of
+    `unless`, and of it alone, failed.
     """
 
     function: str
     calls: tuple[Arguments, ...]
     kit: KitSettings
     read: Read = field(default=lambda args, value: value)
+    same: Callable[[Seen, Seen], bool] = same_seen
     rules: tuple[Rule, ...] = ()
     last_rules: tuple[Rule, ...] = ()
     random: bool = False
@@ -86,13 +97,6 @@ def seen(args: Arguments, answer: Answer, read: Read) -> Seen:
 
 def _items(shown: Seen) -> Sequence[Seen]:
     return shown if isinstance(shown, list) else (shown,)
-
-
-def same_seen(one: Seen, other: Seen, tolerance: float = TOLERANCE) -> bool:
-    """The same value, or the same way of failing."""
-    if isinstance(one, Fault) or isinstance(other, Fault):
-        return bool(one == other) if isinstance(one, Fault) and isinstance(other, Fault) else False
-    return same_value(one, other, tolerance=tolerance)
 
 
 def as_array(value: Seen, shape: tuple[int, ...] | None = None) -> Floats | None:

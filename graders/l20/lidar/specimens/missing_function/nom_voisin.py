@@ -1,0 +1,2 @@
+def lance_rayon(libres, x, y, angle, portee_max):
+    return portee_max
