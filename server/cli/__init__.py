@@ -111,12 +111,15 @@ def _grade(parser: argparse.ArgumentParser) -> None:
 
 def _check(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="exercices à vérifier (par défaut : tous)")
-    parser.add_argument(
+    instead = parser.add_mutually_exclusive_group()
+    instead.add_argument(
         "--fairness",
         type=Path,
         metavar="DIR",
         help="corrige plutôt des programmes inconnus : DIR/EXERCICE/right/*.py et DIR/EXERCICE/wrong/*.py",
     )
+    help_text = "corrige plutôt chaque solution changée en un endroit : les vérifications le voient-elles ?"
+    instead.add_argument("--mutants", action="store_true", help=help_text)
     help_text = "avec --fairness, nombre de graines essayées pour chaque programme (par défaut : %(default)s)"
     parser.add_argument("--seeds", type=_seeds, default=3, metavar="N", help=help_text)
 

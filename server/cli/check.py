@@ -16,8 +16,8 @@ from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import Known
 from server.cells import faults as cells
-from server.cli import CannotRun, fairness
-from server.cli.local import find, local_grader, start_probing
+from server.cli import CannotRun, alterations, fairness
+from server.cli.local import find, load_course, local_grader, start_probing
 from server.course import Exercise, load
 from server.figures import lessons
 from server.grading.joint import Grader
@@ -53,6 +53,8 @@ def run(arguments: Namespace) -> int:
     logging.basicConfig(level=logging.WARNING, stream=sys.stderr)
     if arguments.fairness is not None:
         return _fairness(arguments)
+    if arguments.mutants:
+        return _mutants(arguments)
     probing, course = start_probing(slow=False), load()
     exercises = [find(course, name) for name in arguments.exercises] or list(course.exercises.values())
     problems = [*course.problems, *(() if arguments.exercises else lessons.faults(course))]
@@ -68,10 +70,17 @@ def run(arguments: Namespace) -> int:
 def _fairness(arguments: Namespace) -> int:
     if not arguments.fairness.is_dir():
         raise CannotRun(f"« {arguments.fairness} » n’est pas un dossier.")
-    probing, course = start_probing(slow=False), load(render=False)
+    probing, course = start_probing(slow=False), load_course()
     with local_grader(course, probing) as grader:
         only = {find(course, name).id for name in arguments.exercises}
         return fairness.run(course, grader, arguments.fairness, arguments.seeds, only)
+
+
+def _mutants(arguments: Namespace) -> int:
+    probing, course = start_probing(slow=False), load_course()
+    asked = [find(course, name) for name in arguments.exercises]
+    with local_grader(course, probing) as grader:
+        return alterations.run(grader, asked or course.exercises.values(), everything=not asked)
 
 
 def _told(examination: Examination) -> bool:

@@ -5,8 +5,8 @@ the solution, the catalogued mistakes and any data of its grader's folder; of th
 without code, the kit that code finds, and of `exercise.toml` the kind, the functions asked for and the limits.
 
 Not in it: what is read beside the code (statement, hints, starter, title), what is drawn from a verdict (`figures.py`,
-`graders/plotting.py`), the specimens, which only try the grader; nor what every exercise shares and no file of the
-course says: the sandbox, Python, NumPy.
+`graders/plotting.py`), what only tries the grader (the specimens, the marks of equivalent alterations); nor what every
+exercise shares and no file of the course says: the sandbox, Python, NumPy.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ IN_THE_COURSE = ("misconceptions.toml", "questions.toml")
 SPECIMENS = "specimens"
 MISTAKES = "misconceptions"
 NOT_DATA = {".py", ".md"}
+EQUIVALENTS = "equivalents.toml"
 
 
 def version(imports: Imports, code: Path, folder: Path, card: ExerciseFile, grader: object) -> str:
@@ -55,4 +56,4 @@ def _decides(relative: Path) -> bool:
     """Whether a file of a grader's folder does, that it does not import."""
     if relative.parts[0] in {SPECIMENS, MISTAKES}:
         return relative.parts[0] == MISTAKES
-    return relative.suffix not in NOT_DATA or relative.name == "solution.py"
+    return relative.name == "solution.py" or (relative.suffix not in NOT_DATA and relative.name != EQUIVALENTS)

@@ -124,6 +124,10 @@ class Grader:
         self._course = course
         self._sandbox = sandbox
 
+    def programs(self, exercise_id: str, policy: Policy, own: Own = NOTHING_OWN) -> SandboxPrograms:
+        """Starts files for an exercise behind the walls, under a policy, for one grading; `own` as in `grade`."""
+        return SandboxPrograms(self._sandbox, policy, reuse.shelves(self._course, exercise_id, own))
+
     def grade(
         self, exercise_id: str, source: bytes, seed: int, *, submission: UUID | None = None, own: Own = NOTHING_OWN
     ) -> Judgement:
@@ -135,8 +139,7 @@ class Grader:
         for try_number in range(1, TRIES + 1):
             try:
                 exercise = self._course.exercises[exercise_id]
-                library = reuse.shelves(self._course, exercise_id, own)
-                programs = SandboxPrograms(self._sandbox, exercise.policy, library)
+                programs = self.programs(exercise_id, exercise.policy, own)
                 return exercise.grader.grade(source, programs, seed=seed, version=version)
             except Exception:
                 # All that it takes to grade the same again: the source is in the database, or the caller has it.

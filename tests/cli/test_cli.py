@@ -232,7 +232,7 @@ def test_a_broken_exercise_is_a_failure_of_check(monkeypatch: Any, tmp_path: Pat
 
     broken = Course({}, (Problem(tmp_path / "exercise.toml", 3, "titre manquant"),))
     monkeypatch.setattr(command, "load", lambda: broken)
-    assert command.run(Namespace(exercises=[], fairness=None)) == 1
+    assert command.run(Namespace(exercises=[], fairness=None, mutants=False)) == 1
     assert "exercise.toml:3: titre manquant" in capsys.readouterr().out
 
 

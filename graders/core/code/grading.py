@@ -36,6 +36,8 @@ DIAGNOSED = (*JUDGED, Outcome.RUNTIME_ERROR)
 TOUCHED = "argument_modifie"
 KitMaker = Callable[[np.random.Generator], KitSettings]
 FRESH = Reenactor()
+#: What a counterexample that nobody reads may cost.
+UNSIMPLIFIED = Budget(calls=0)
 
 
 @dataclass(frozen=True)
@@ -84,6 +86,24 @@ class CodeGrader:
         figures = {f.result.id: f.figure for f in findings if f.figure is not None}
         films = {check: whole_jsonable(film, limit=FILM_ITEMS) for check, film in runner.films.items()}
         return Judgement(verdict, figures, {check: film for check, film in films.items() if film is not None})
+
+    def first_failed(
+        self, source: bytes, programs: Programs, *, seed: int, checks: Sequence[Check] | None = None
+    ) -> str | None:
+        """The id of the first check that a file fails as `grade` would, None at full marks. Nothing is simplified nor
+        named. `checks` are those of the exercise, in another order, or some of them.
+        """
+        kit = self.kit(stream(seed, "kit"))
+        runner = Runner(programs, source, kit, budget=UNSIMPLIFIED)
+        asked = self.checks if checks is None else checks
+        try:
+            _ = runner.program
+            found = (run_check(check, Bench(check.id, runner, stream(seed, check.id), kit)) for check in asked)
+            return next((finding.result.id for finding in found if not finding.passed), None)
+        except StudentFault:
+            return asked[0].id
+        finally:
+            runner.close()
 
     def _diagnosis(self, findings: Sequence[Finding], runner: Runner, kit: KitSettings, seed: int) -> Diagnosis | None:
         """The name of what failed: by the probes, else by re-enacting what these do not judge, else a usual slip."""

@@ -1,0 +1,96 @@
+"""`equivalents.toml` of an exercise: alterations of its solution that are still right, each with the reason why.
+
+A mark says what the alteration looks like, its function and its lines before and after, so that it holds no longer once
+the solution is written otherwise.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from graders.core.alterations.alterations import Alteration
+from graders.core.contract.malformed import MalformedExerciseError
+
+EQUIVALENTS = "equivalents.toml"
+FIELDS = ("function", "removed", "added", "reason")
+_HEADER = re.compile(r"^[ \t]*\[\[[ \t]*equivalent[ \t]*\]\]", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Mark:
+    """An alteration that is held equivalent; `removed` and `added` are its lines without their margins."""
+
+    file: Path
+    line: int
+    function: str
+    removed: tuple[str, ...]
+    added: tuple[str, ...]
+    reason: str
+
+    def marks(self, alteration: Alteration) -> bool:
+        return (self.function, self.removed, self.added) == (
+            alteration.function,
+            alteration.removed,
+            alteration.added,
+        )
+
+
+def read_equivalents(folder: Path) -> tuple[Mark, ...]:
+    """The marks of an exercise, none where it has no such file.
+
+    Raises MalformedExerciseError, with the line, for a mark that lacks a field, has another, or says nothing in one.
+    """
+    path = folder / EQUIVALENTS
+    if not path.exists():
+        return ()
+    text = path.read_text(encoding="utf-8")
+    try:
+        read = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise MalformedExerciseError(path, f"not TOML: {error}") from error
+    entries = read.pop("equivalent", None)
+    if read or not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+        raise MalformedExerciseError(path, "not a list of [[equivalent]]")
+    starts = [text[: header.start()].count("\n") + 1 for header in _HEADER.finditer(text)]
+    if len(starts) != len(entries):
+        raise MalformedExerciseError(path, "each mark begins with a line [[equivalent]]")
+    marks = tuple(_mark(path, entry, line) for entry, line in zip(entries, starts, strict=True))
+    _all_different(marks)
+    return marks
+
+
+def _mark(path: Path, entry: dict[str, object], line: int) -> Mark:
+    if odd := sorted(set(FIELDS) ^ entry.keys()):
+        raise MalformedExerciseError(path, f"lacks these, or knows nothing of them: {', '.join(odd)}", line)
+    texts = [entry[name] for name in FIELDS]
+    if not all(isinstance(text, str) for text in texts):
+        raise MalformedExerciseError(path, "every field of a mark is a text", line)
+    function, removed, added, reason = map(str, texts)
+    if not reason.strip() or not removed.strip():
+        raise MalformedExerciseError(path, "a mark says which lines it is of, and why", line)
+    return Mark(path, line, function, _lines(removed), _lines(added), reason.strip())
+
+
+def _lines(text: str) -> tuple[str, ...]:
+    return tuple(line.strip() for line in text.strip("\n").splitlines())
+
+
+def _all_different(marks: Sequence[Mark]) -> None:
+    seen: set[tuple[object, ...]] = set()
+    for mark in marks:
+        key = (mark.function, mark.removed, mark.added)
+        if key in seen:
+            raise MalformedExerciseError(mark.file, "the same mark stands before", mark.line)
+        seen.add(key)
+
+
+def stale(marks: Sequence[Mark], found: Sequence[Alteration]) -> Iterator[MalformedExerciseError]:
+    """What is wrong with the marks of which no alteration is left."""
+    for mark in marks:
+        if not any(mark.marks(alteration) for alteration in found):
+            words = "no alteration of the solution has this function and these lines any more"
+            yield MalformedExerciseError(mark.file, words, mark.line)

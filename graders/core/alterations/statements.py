@@ -1,0 +1,101 @@
+"""What may be altered in a statement: it is dropped, its condition is another, it writes otherwise."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from graders.core.alterations.calls import WRAP
+from graders.core.alterations.expressions import is_normalisation, name_of
+from graders.core.alterations.text import Change, Text
+
+AUGMENTED = {
+    ast.Add: ("+=", ("-=", "=")),
+    ast.Sub: ("-=", ("+=", "=")),
+    ast.Mult: ("*=", ("/=", "=")),
+    ast.Div: ("/=", ("*=", "=")),
+    ast.Mod: ("%=", ("=",)),
+    ast.BitAnd: ("&=", ("|=", "=")),
+    ast.BitOr: ("|=", ("&=", "=")),
+}
+
+
+def dropped(text: Text, node: ast.AST) -> Iterator[Change]:
+    """A statement left out, where the program still runs without it: not the first value that a name is given."""
+    if isinstance(node, ast.Assign) and all(_bound_before(text, node, target) for target in node.targets):
+        value: ast.expr | None = node.value
+    elif isinstance(node, ast.AugAssign | ast.Expr | ast.Assert):
+        value = node.value if not isinstance(node, ast.Assert) else None
+    elif isinstance(node, ast.Raise | ast.Break | ast.Continue):
+        value = None
+    else:
+        return
+    own = (value is not None and _normalises(value)) or (
+        isinstance(node, ast.AugAssign) and is_normalisation(ast.BinOp(node.target, node.op, node.value))
+    )
+    yield text.replaced(node, "pass", "normalisation oubliée" if own else "instruction oubliée", own=own)
+
+
+def _bound_before(text: Text, node: ast.Assign, target: ast.expr) -> bool:
+    """Does a target have a value already: a place in something, an argument, a name given before or in a loop?"""
+    if isinstance(target, ast.Tuple | ast.List):
+        return all(_bound_before(text, node, one) for one in target.elts)
+    if not isinstance(target, ast.Name):
+        return isinstance(target, ast.Subscript | ast.Attribute)
+    around: ast.AST = node
+    while around is not text.tree and not isinstance(around, ast.FunctionDef):
+        around = text.parent(around)
+    names = [one for one in ast.walk(around) if isinstance(one, ast.Name | ast.arg) and _stores(one)]
+    here = text.span(node)[0]
+    return any(text.span(one)[0] < here and _name(one) == target.id for one in names)
+
+
+def _stores(node: ast.AST) -> bool:
+    return isinstance(node, ast.arg) or (isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store))
+
+
+def _name(node: ast.AST) -> str:
+    return node.arg if isinstance(node, ast.arg) else node.id if isinstance(node, ast.Name) else ""
+
+
+def _normalises(value: ast.expr) -> bool:
+    return any(
+        (isinstance(one, ast.BinOp) and is_normalisation(one))
+        or (isinstance(one, ast.Call) and bool(WRAP.search(name_of(one))))
+        for one in ast.walk(value)
+    )
+
+
+def augmented(text: Text, node: ast.AST) -> Iterator[Change]:
+    """« -= » or « = » for « += », and so on."""
+    if isinstance(node, ast.AugAssign) and type(node.op) in AUGMENTED:
+        spelled, others = AUGMENTED[type(node.op)]
+        start, end = text.token(node.target, node.value, spelled)
+        for other in others:
+            yield Change(start, end, other, "affectation")
+
+
+def conditions(text: Text, node: ast.AST) -> Iterator[Change]:
+    """A condition that always holds, never does, or is the contrary; a loop that is never entered."""
+    tests: list[ast.expr] = []
+    if isinstance(node, ast.If | ast.While):
+        tests = [node.test]
+    elif isinstance(node, ast.comprehension):
+        tests = node.ifs
+    for test in tests:
+        yield text.replaced(test, "False", "condition")
+        if not isinstance(node, ast.While):
+            yield text.replaced(test, "True", "condition")
+        if not isinstance(test, ast.Compare):
+            yield text.replaced(test, f"not ({text.of(test)})", "condition")
+
+
+def jumps(text: Text, node: ast.AST) -> Iterator[Change]:
+    """« break » for « continue », and the contrary."""
+    if isinstance(node, ast.Break):
+        yield text.replaced(node, "continue", "saut")
+    if isinstance(node, ast.Continue):
+        yield text.replaced(node, "break", "saut")
+
+
+RULES = (dropped, augmented, conditions, jumps)

@@ -1,0 +1,110 @@
+"""The text of a program with its syntax tree: where each node stands, and what is changed there."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+#: What is no code to alter: what is said of types, and what only loads.
+_SKIPPED = (ast.JoinedStr, ast.Import, ast.ImportFrom, ast.Global, ast.Nonlocal)
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+
+
+@dataclass(frozen=True)
+class Change:
+    """One place of a program, bytes `start` to `end`, and what stands there instead. `own`: the course's own."""
+
+    start: int
+    end: int
+    text: str
+    operator: str
+    own: bool = False
+
+
+class Text:
+    """A program's source, its tree, and the place of each node in the bytes of the source. Raises SyntaxError."""
+
+    def __init__(self, source: str) -> None:
+        self.raw = source.encode()
+        self.tree = ast.parse(source)
+        self._lines = [0, *(match.end() for match in re.finditer(b"\n", self.raw))]
+        self._parents = {child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)}
+        self.imported = _imported(self.tree)
+
+    def span(self, node: ast.AST) -> tuple[int, int]:
+        """Where a node begins and ends; the parentheses around it are not its own."""
+        start = self._lines[node.lineno - 1] + node.col_offset  # type: ignore[attr-defined]
+        return start, self._lines[node.end_lineno - 1] + node.end_col_offset  # type: ignore[attr-defined]
+
+    def of(self, node: ast.AST) -> str:
+        return self.cut(*self.span(node))
+
+    def cut(self, start: int, end: int) -> str:
+        return self.raw[start:end].decode()
+
+    def parent(self, node: ast.AST) -> ast.AST:
+        """The node around it; the tree itself around the tree."""
+        return self._parents.get(node, self.tree)
+
+    def function(self, node: ast.AST) -> str:
+        """The name of the innermost function around a node, "" outside of them all."""
+        while node is not self.tree:
+            node = self.parent(node)
+            if isinstance(node, _FUNCTIONS):
+                return node.name
+        return ""
+
+    def token(self, left: ast.AST, right: ast.AST, spelled: str) -> tuple[int, int]:
+        """Where an operator stands between its operands; `spelled` as Python does, with one space between words."""
+        start, end = self.span(left)[1], self.span(right)[0]
+        gap = re.sub(rb"#[^\n]*", lambda comment: b" " * len(comment[0]), self.raw[start:end])
+        found = re.search(rb"\s+".join(re.escape(word.encode()) for word in spelled.split()), gap)
+        assert found is not None, f"{spelled} stands between its operands"
+        return start + found.start(), start + found.end()
+
+    def nodes(self) -> Iterator[ast.AST]:
+        """The nodes that may be altered, in no order: neither annotations, nor decorators, nor docstrings."""
+        waiting: list[ast.AST] = [self.tree]
+        while waiting:
+            node = waiting.pop()
+            if isinstance(node, _SKIPPED) or _is_text(node):
+                continue
+            yield node
+            waiting += (child for name, child in _children(node) if name not in _NOT_RUN)
+
+    def replaced(self, node: ast.AST, text: str, operator: str, *, own: bool = False) -> Change:
+        return Change(*self.span(node), text, operator, own)
+
+    def swapped(self, first: ast.AST, second: ast.AST, operator: str, *, own: bool = False) -> Change:
+        """Two nodes, of which the first stands first, each in the other's place."""
+        (start, left), (right, end) = self.span(first), self.span(second)
+        return Change(start, end, f"{self.of(second)}{self.cut(left, right)}{self.of(first)}", operator, own)
+
+    def apply(self, change: Change) -> str:
+        return (self.raw[: change.start] + change.text.encode() + self.raw[change.end :]).decode()
+
+
+_NOT_RUN = frozenset({"annotation", "returns", "decorator_list"})
+
+
+def _children(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
+    for name, value in ast.iter_fields(node):
+        for child in value if isinstance(value, list) else [value]:
+            if isinstance(child, ast.AST):
+                yield name, child
+
+
+def _is_text(node: ast.AST) -> bool:
+    """A docstring, or another text that stands alone."""
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+
+
+def _imported(tree: ast.AST) -> frozenset[str]:
+    """The names that stand for modules: those that are imported, and those that every program finds."""
+    names = {"np", "math", "cmath"}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            names.update((alias.asname or alias.name).split(".")[0] for alias in node.names)
+    return frozenset(names)

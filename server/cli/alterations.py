@@ -1,0 +1,224 @@
+"""`balise check --mutants [EXERCISE…]`: do the checks of an exercise catch what is changed in its solution?
+
+Each solution is altered at one place in every way that `graders.core.alterations` knows, and each altered program is
+graded behind the walls, until a first check fails. What no check of no seed has failed has survived: its diff is told.
+Those that are still right are marked by hand in the exercise's `equivalents.toml`; a mark of what is not there any
+more, or of what a check fails, is a fault.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from enum import Enum
+from functools import partial
+
+from graders.core.alterations.alterations import Alteration, alterations
+from graders.core.alterations.equivalents import Mark, read_equivalents, stale
+from graders.core.code.checks import Check
+from graders.core.code.grading import CodeGrader
+from graders.core.contract.malformed import MalformedExerciseError
+from server.cli import CannotRun
+from server.cli.progress import Progress
+from server.cli.report import number
+from server.course import Exercise
+from server.grading.joint import Grader
+from server.sandbox import Policy
+
+log = logging.getLogger(__name__)
+
+#: The first seed, and those on which an altered program that passes is tried again: the same at each run.
+SEEDS = (2026, 2027, 2028)
+#: The shares that must be caught, of all alterations and of the course's own.
+GOAL, GOAL_OF_OUR_OWN = 0.97, 1.0
+#: An altered program that takes so many times what the solution takes, and at least so many seconds, is stopped.
+PATIENCE, LEAST_SECONDS = 10.0, 1.0
+#: As often is a grading tried that fails for a reason of ours.
+TRIES = 2
+
+
+class Fate(Enum):
+    """What became of an altered program."""
+
+    CAUGHT = "tuée"
+    BY_CHANCE = "tuée selon la graine"
+    SURVIVED = "survit"
+    EQUIVALENT = "équivalente"
+    MISMARKED = "marquée équivalente, mais refusée"
+    BROKEN = "correction échouée"
+
+
+@dataclass(frozen=True)
+class Trial:
+    """An alteration, and what became of it; `said` is the check that caught it, or what went wrong with us."""
+
+    alteration: Alteration
+    fate: Fate
+    said: str = ""
+
+
+@dataclass(frozen=True)
+class Tally:
+    """What became of the alterations of one exercise, in `seconds`; `faults` are those of its marks."""
+
+    exercise: str
+    trials: Sequence[Trial]
+    faults: Sequence[str]
+    seconds: float
+
+    def those(self, *fates: Fate, own: bool = False) -> list[Trial]:
+        return [one for one in self.trials if one.fate in fates and (one.alteration.own or not own)]
+
+    def caught(self, *, own: bool = False) -> tuple[int, int]:
+        """How many were caught, of how many that are no equivalents."""
+        caught = len(self.those(Fate.CAUGHT, Fate.BY_CHANCE, own=own))
+        return caught, caught + len(self.those(Fate.SURVIVED, own=own))
+
+    @property
+    def well(self) -> bool:
+        """Is the goal reached, and nothing wrong besides?"""
+        reached = all(_share(*self.caught(own=own)) >= goal for own, goal in ((False, GOAL), (True, GOAL_OF_OUR_OWN)))
+        return reached and not self.faults and not self.those(Fate.MISMARKED, Fate.BROKEN)
+
+
+def _share(some: int, all_: int) -> float:
+    return some / all_ if all_ else 1.0
+
+
+@dataclass(frozen=True)
+class Subject:
+    """An exercise whose solution is altered: its checks, the cheapest first, under a policy that is cut short."""
+
+    grader: Grader
+    exercise: str
+    code: CodeGrader
+    checks: tuple[Check, ...]
+    policy: Policy
+
+    def first_failed(self, source: str, seed: int) -> str | None:
+        """The check that catches a program. Whatever else is raised, twice in a row, is our own failure."""
+        for _ in range(TRIES - 1):
+            try:
+                return self._first_failed(source, seed)
+            except Exception:
+                log.exception("an altered %s could not be graded with seed %d", self.exercise, seed)
+        return self._first_failed(source, seed)
+
+    def _first_failed(self, source: str, seed: int) -> str | None:
+        programs = self.grader.programs(self.exercise, self.policy)
+        return self.code.first_failed(source.encode(), programs, seed=seed, checks=self.checks)
+
+
+def run(grader: Grader, exercises: Iterable[Exercise], *, everything: bool) -> int:
+    """Tries and tells; 1 under the goal, or where a mark is wrong. `everything`: exercises without code are left out.
+
+    Raises CannotRun for one that was asked for and has no code.
+    """
+    asked = [exercise for exercise in exercises if isinstance(exercise.grader, CodeGrader) or not everything]
+    for exercise in asked:
+        if not isinstance(exercise.grader, CodeGrader):
+            raise CannotRun(f"l’exercice « {exercise.id} » n’a pas de solution en Python à changer.")
+    tallies = []
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for exercise in asked:
+            tallies.append(tally(grader, exercise, pool))
+            for text in told(tallies[-1]):
+                print(text, flush=True)
+    print(summary(tallies))
+    return 0 if all(one.well for one in tallies) else 1
+
+
+def tally(grader: Grader, exercise: Exercise, pool: ThreadPoolExecutor) -> Tally:
+    """Tries every alteration of the solution of an exercise of code."""
+    begun, code = time.monotonic(), exercise.grader
+    assert isinstance(code, CodeGrader)
+    try:
+        marks = read_equivalents(code.folder)
+        subject = measured(Subject(grader, exercise.id, code, code.checks, exercise.policy))
+    except (MalformedExerciseError, CannotRun) as error:
+        return Tally(exercise.id, (), (str(error),), time.monotonic() - begun)
+    found, trials = alterations(code.solution), []
+    with Progress(exercise.id, len(found)) as progress:
+        for trial in pool.map(partial(tried, subject, marks), found):
+            trials.append(trial)
+            progress.advance()
+    faults = [str(fault) for fault in stale(marks, found)]
+    return Tally(exercise.id, trials, faults, time.monotonic() - begun)
+
+
+def measured(subject: Subject) -> Subject:
+    """The same, with its checks in the order of what they cost the solution, and time in proportion to it.
+
+    Raises CannotRun where the solution itself fails: nothing can be said of its alterations.
+    """
+    solution, costs = subject.code.solution, {}
+    subject.first_failed(solution, SEEDS[0])  # what is slow the first time is
+    for check in subject.checks:
+        begun = time.monotonic()
+        if replace(subject, checks=(check,)).first_failed(solution, SEEDS[0]) is not None:
+            raise CannotRun(f"la solution elle-même échoue ({check.id}).")
+        costs[check.id] = time.monotonic() - begun
+    patience = max(LEAST_SECONDS, PATIENCE * sum(costs.values()))
+    policy = replace(
+        subject.policy,
+        cpu_seconds=min(subject.policy.cpu_seconds, patience),
+        wall_seconds=min(subject.policy.wall_seconds, 2 * patience),
+    )
+    return replace(subject, checks=tuple(sorted(subject.checks, key=lambda check: costs[check.id])), policy=policy)
+
+
+def tried(subject: Subject, marks: Sequence[Mark], alteration: Alteration) -> Trial:
+    """What becomes of one alteration."""
+    failed = None
+    try:
+        for seed in SEEDS:
+            failed = subject.first_failed(alteration.altered, seed)
+            if failed is not None:
+                break
+    except Exception as error:
+        return Trial(alteration, Fate.BROKEN, repr(error))
+    marked = any(mark.marks(alteration) for mark in marks)
+    if failed is None:
+        return Trial(alteration, Fate.EQUIVALENT if marked else Fate.SURVIVED)
+    if marked:
+        return Trial(alteration, Fate.MISMARKED, failed)
+    return Trial(alteration, Fate.CAUGHT if seed == SEEDS[0] else Fate.BY_CHANCE, failed)
+
+
+def told(tally: Tally) -> Iterator[str]:
+    """One line for an exercise, then the diff of each alteration of which something is to be said."""
+    survived, equivalent = tally.those(Fate.SURVIVED), tally.those(Fate.EQUIVALENT)
+    caught, of = tally.caught()
+    shares = f"{percent(caught, of)} ; du cours : {percent(*tally.caught(own=True))}"
+    yield (
+        f"{'✓' if tally.well else '✗'} {tally.exercise:<24} altérations : {len(tally.trials)}, tuées : {caught}, "
+        f"survivantes : {len(survived)}, équivalentes : {len(equivalent)} — {shares} — {number(tally.seconds)} s"
+    )
+    for fault in tally.faults:
+        yield f"  ✗ {fault}"
+    for trial in tally.those(Fate.SURVIVED, Fate.MISMARKED, Fate.BROKEN, Fate.BY_CHANCE):
+        alteration = trial.alteration
+        where = f"ligne {alteration.line}" + (f", {alteration.function}" if alteration.function else "")
+        said = f" ({trial.said})" if trial.said else ""
+        own = ", du cours" if alteration.own else ""
+        yield f"  {where} — {alteration.operator}{own} : {trial.fate.value}{said}"
+        yield from (f"    {line}" for line in alteration.diff())
+
+
+def percent(some: int, all_: int) -> str:
+    """« 97,5 % (39/40) »; rounded down, so that the goal is not said to be reached before it is."""
+    tenths = some * 1000 // all_ if all_ else 1000
+    return f"{number(tenths / 10)} % ({some}/{all_})"
+
+
+def summary(tallies: Sequence[Tally]) -> str:
+    """The line that programs read: of all exercises together, but for `under`, the exercises under the goal."""
+    caught, of = (sum(one.caught()[k] for one in tallies) for k in (0, 1))
+    own, of_own = (sum(one.caught(own=True)[k] for one in tallies) for k in (0, 1))
+    equivalent = sum(len(one.those(Fate.EQUIVALENT)) for one in tallies)
+    under = sum(not one.well for one in tallies)
+    return f"caught={caught}/{of} own={own}/{of_own} equivalent={equivalent} under={under}/{len(tallies)}"

@@ -1,0 +1,169 @@
+"""`balise check --mutants`: what is caught, what survives, what is marked, of small exercises that are made up."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from graders.core.code.checks import Cases, Check
+from graders.core.code.grading import CodeGrader
+from graders.core.compare.comparison import CloseTo
+from graders.core.contract.local import LOCAL
+from graders.l20 import world
+from server.cli import CannotRun, alterations, main
+from server.cli.alterations import Fate
+from server.course import Course, Exercise
+from server.grading.joint import Grader
+from server.sandbox import Policy, Sandbox, WallReport, WallStatus
+
+SOLUTION = "def decale(x):\n    if x < 0:\n        return -x\n    return x + 2\n"
+EQUIVALENT = '[[equivalent]]\nfunction = "decale"\nremoved = "if x < 0:"\nadded = "{}"\nreason = "au choix"\n'
+
+
+class Here:
+    """Runs programs in this process, as a sandbox would."""
+
+    def programs(self, exercise: str, policy: Policy) -> Any:
+        return LOCAL
+
+
+class Broken:
+    """A sandbox that fails."""
+
+    def programs(self, exercise: str, policy: Policy) -> Any:
+        raise OSError("plus de place")
+
+
+def check(points: float, *values: float) -> Check:
+    def cases(rng: np.random.Generator) -> Iterator[tuple[float]]:
+        yield from ((value,) for value in values)
+
+    name = f"en_{'_'.join(map(str, values))}"
+    return Cases(
+        id=name, title=name, points=points, functions=("decale",), hint="?", names=("x",), cases=cases,
+        expected=lambda x: x + 2 if x >= 0 else -x, compare=CloseTo(),
+    )  # fmt: skip
+
+
+def exercise(course: Course, folder: Path, *checks: Check, solution: str = SOLUTION) -> Exercise:
+    grader = CodeGrader("l20/jouet", folder, ("decale",), checks, world.kit, (), solution)
+    return replace(course.exercises["l20/poses"], grader=grader)
+
+
+def tally(one: Exercise, grader: Any = None) -> alterations.Tally:
+    with ThreadPoolExecutor(2) as pool:
+        return alterations.tally(grader or Here(), one, pool)
+
+
+def diffs(found: list[alterations.Trial]) -> list[str]:
+    return [f"{one.alteration.removed[0]} → {one.alteration.added[0]}" for one in found]
+
+
+def test_a_thorough_grader_catches_all(course: Course, tmp_path: Path) -> None:
+    found = tally(exercise(course, tmp_path, check(10, -0.5, -3.0), check(10, 0.0, 0.5, 5.0)))
+    assert found.well
+    assert found.caught() == (len(found.trials), len(found.trials))
+    assert len(found.trials) > 10
+
+
+def test_what_a_careless_grader_lets_through_is_told_with_its_diff(course: Course, tmp_path: Path) -> None:
+    found = tally(exercise(course, tmp_path, check(20, -3.0, 4.0)))
+    assert not found.well
+    survived = diffs(found.those(Fate.SURVIVED))
+    assert "if x < 0: → if x <= 0:" in survived
+    assert "if x < 0: → if x < -1:" in survived
+    assert "return x + 2 → return x + 3" not in survived
+    told = list(alterations.told(found))
+    assert told[0].startswith("✗ ")
+    assert f"survivantes : {len(survived)}" in told[0]
+    assert {"    -    if x < 0:", "    +    if x <= 0:"} <= set(told)
+    assert alterations.summary([found]).endswith("under=1/1")
+
+
+def test_what_is_marked_counts_neither_way_and_must_hold(course: Course, tmp_path: Path) -> None:
+    one = exercise(course, tmp_path, check(10, -0.5, -3.0), check(10, 0.5, 5.0))
+    marks = tmp_path / "equivalents.toml"
+    marks.write_text(EQUIVALENT.format("if x <= 0:"))
+    found = tally(one)
+    assert (len(found.those(Fate.EQUIVALENT)), found.caught(), found.well) == (1, (len(found.trials) - 1,) * 2, True)
+    marks.write_text(EQUIVALENT.format("if x > 0:"))  # nothing makes this
+    found = tally(one)
+    assert not found.well
+    assert found.faults[0].startswith(f"{marks}:1:")
+    marks.write_text(EQUIVALENT.format("if x >= 0:"))  # which is wrong, and refused
+    found = tally(one)
+    assert not found.well
+    assert diffs(found.those(Fate.MISMARKED)) == ["if x < 0: → if x >= 0:"]
+    marks.write_text("[[equivalent]]\n")
+    assert tally(one).faults
+
+
+def test_a_survivor_of_our_own_is_under_the_goal_however_few_they_are() -> None:
+    made = alterations.alterations("def f(t):\n    return np.sin(t)\n")
+    ours, other = (next(one for one in made if one.own is own) for own in (True, False))
+
+    def well(caught: int, survived: int, alteration: Any) -> bool:
+        trials = [alterations.Trial(other, Fate.CAUGHT)] * caught
+        trials += [alterations.Trial(alteration, Fate.SURVIVED)] * survived
+        return alterations.Tally("l20/jouet", trials, (), 1.0).well
+
+    assert well(97, 3, other)
+    assert not well(96, 3, other)
+    assert not well(999, 1, ours)
+
+
+def test_a_solution_that_fails_and_a_sandbox_that_fails_are_no_catch(course: Course, tmp_path: Path) -> None:
+    wrong = tally(exercise(course, tmp_path, check(20, 1.0), solution=SOLUTION.replace("2", "3")))
+    assert not wrong.well
+    assert "elle-même échoue" in wrong.faults[0]
+    one = exercise(course, tmp_path, check(20, 1.0))
+    code = one.grader
+    assert isinstance(code, CodeGrader)
+    subject = alterations.Subject(Broken(), one.id, code, code.checks, one.policy)  # type: ignore[arg-type]
+    trial = alterations.tried(subject, (), alterations.alterations(SOLUTION)[0])
+    assert (trial.fate, trial.said) == (Fate.BROKEN, "OSError('plus de place')")
+
+
+def test_a_mark_that_depends_on_the_seed_is_told(course: Course, tmp_path: Path) -> None:
+    def drawn(rng: np.random.Generator) -> Iterator[tuple[float]]:
+        yield (float(rng.integers(4)),)
+
+    lottery = replace(check(20, 3.0), cases=drawn)  # 3, then 1 and 0
+    found = tally(exercise(course, tmp_path, lottery, solution="def decale(x):\n    return x + (2 if x < 3 else 2)\n"))
+    assert found.those(Fate.BY_CHANCE)
+    assert any("tuée selon la graine" in line for line in alterations.told(found))
+
+
+def test_behind_the_walls_what_never_ends_is_caught_too(
+    course: Course, course_sandbox: Sandbox, tmp_path: Path, monkeypatch: Any
+) -> None:
+    monkeypatch.setattr(alterations, "LEAST_SECONDS", 0.1)
+    looping = "def decale(x):\n    while x < 0:\n        return -x\n    return x + 2\n"
+    endless = looping.replace("return -x", "x += 0")
+    one = exercise(course, tmp_path, check(10, 1.0), check(10, -1.0), solution=looping)
+    code = one.grader
+    assert isinstance(code, CodeGrader)
+    subject = alterations.measured(
+        alterations.Subject(Grader(course, course_sandbox), one.id, code, code.checks, one.policy)
+    )
+    assert subject.policy.cpu_seconds < one.policy.cpu_seconds
+    assert subject.first_failed(looping, 1) is None
+    assert subject.first_failed(endless, 1) == "en_-1.0"
+    assert subject.first_failed("def autre(", 1) is not None
+
+
+def test_it_is_for_exercises_of_code(course: Course, monkeypatch: Any, capsys: Any) -> None:
+    standing = WallReport("seccomp", WallStatus.STANDING, "", required=True)
+    monkeypatch.setattr("server.cli.local.probe", lambda **_: [standing])
+    monkeypatch.setattr("server.cli.local.load", lambda **_: course)
+    assert main(["check", "--mutants", "l20/verification"]) == 2
+    assert "pas de solution en Python" in capsys.readouterr().err
+    with pytest.raises(CannotRun):
+        alterations.run(Here(), [course.exercises["l20/verification"]], everything=False)  # type: ignore[arg-type]
+    assert alterations.run(Here(), [course.exercises["l20/verification"]], everything=True) == 0  # type: ignore[arg-type]
