@@ -55,6 +55,7 @@ from server.identity import service as accounts
 from server.identity.service import Accounts
 from server.pages.accounts import router as accounts_router
 from server.pages.comments import router as comments_router
+from server.pages.drawn import router as drawn_router
 from server.pages.person import router as person_router
 from server.pages.routes import router as pages_router
 from server.personal.joining import adopt
@@ -103,6 +104,7 @@ ROUTERS = (
     exemptions_router,
     own_router,
     pages_router,
+    drawn_router,
     reading_router,
     cells_router,
     replays_router,

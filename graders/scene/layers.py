@@ -23,10 +23,12 @@ PoseStyle = Literal["robot", "ghost", "arrow", "target"]
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Layer:
     """`until`: of a layer that stands in all frames, how many of its elements each frame shows.
-    `glide`: between two frames, its elements move on from where the same layer of the frame before had them."""
+    `glide`: between two frames, its elements move on from where the same layer of the frame before had them.
+    `panel`: of a scene with several, the one that it is in (0 for the first); it is in all of them unless given."""
 
     until: Sequence[int] | None = None
     glide: bool = False
+    panel: int | None = None
 
     def wire(self) -> dict[str, Any]:
         options: dict[str, Any] = {}
@@ -34,6 +36,8 @@ class Layer:
             options["until"] = [int(count) for count in self.until]
         if self.glide:
             options["glide"] = True
+        if self.panel is not None:
+            options["panel"] = self.panel
         return {**self._wire(), **options}
 
     def _wire(self) -> dict[str, Any]:

@@ -14,7 +14,7 @@ French, with plain spaces and apostrophes: the typography is set afterwards. `_{
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -193,7 +193,10 @@ class Replay:
     """What `compute` answers: `layers` lie under every frame, `over` above it.
 
     `period`: seconds a frame lasts at normal speed. `begin_at_end`: shows the last frame until the reader plays it.
-    `summary`: a few sentences that say what happened with these very values.
+    `summary`: a few sentences that say what happened with these very values. `alt`: what the drawing shows, in words,
+    of a replay that is no file with an ALT of its own (what a student's program did). `panels`: the titles of the
+    drawings of the same view that stand side by side, to be compared; layers say in which they are. `wrong`: the frame
+    at which a program went wrong, and `wrong_label` what the button that leads there says.
     """
 
     view: View
@@ -205,6 +208,10 @@ class Replay:
     legend: Sequence[Key] = ()
     period: float = 0.5
     begin_at_end: bool = False
+    alt: str = ""
+    panels: Sequence[str] = ()
+    wrong: int | None = None
+    wrong_label: str = "Aller là où ça s'écarte"
 
     def wire(self) -> dict[str, Any]:
         if not self.frames:
@@ -214,8 +221,14 @@ class Replay:
         for layer in (*self.layers, *self.over):
             if layer.until is not None and len(layer.until) != len(self.frames):
                 raise SceneError("until", f"has {len(layer.until)} counts for {len(self.frames)} frames")
+        for layer in self._all_layers():
+            if layer.panel is not None and not 0 <= layer.panel < len(self.panels):
+                raise SceneError("panel", f"{layer.panel} is not among {len(self.panels)} panels")
+        if self.wrong is not None and not 0 <= self.wrong < len(self.frames):
+            raise SceneError("wrong", f"{self.wrong} is not among {len(self.frames)} frames")
         return {
             **self.view.wire(),
+            **self._extras(),
             "layers": [layer.wire() for layer in self.layers],
             "over": [layer.wire() for layer in self.over],
             "frames": [frame.wire() for frame in self.frames],
@@ -225,6 +238,15 @@ class Replay:
             "period": self.period,
             "beginAtEnd": self.begin_at_end,
         }
+
+    def _all_layers(self) -> Iterator[Layer]:
+        yield from (*self.layers, *self.over)
+        for frame in self.frames:
+            yield from frame.layers
+
+    def _extras(self) -> dict[str, Any]:
+        extras: dict[str, Any] = {"panels": [french(title) for title in self.panels]} if self.panels else {}
+        return extras if self.wrong is None else {**extras, "wrong": [self.wrong, french(self.wrong_label)]}
 
 
 def decimal(value: float, decimals: int = 1) -> str:

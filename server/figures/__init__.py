@@ -1,1 +1,1 @@
-"""Figures of the lessons and of the verdicts, drawn when they are looked at, once for all who look, and kept."""
+"""Figures, and replays of what programs did, drawn when they are looked at, once for all who look, and kept."""

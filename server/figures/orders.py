@@ -26,11 +26,30 @@ LIBRARIES = ("matplotlib", "numpy", "scipy")
 
 
 @dataclass(frozen=True)
+class Words:
+    """What is told of what cannot be drawn, now or at all."""
+
+    crowded: str
+    failed: str
+
+
+OF_FIGURES = Words(
+    "Beaucoup de figures se dessinent en ce moment : réessayez dans quelques secondes.",
+    "Cette figure n’a pas pu être dessinée : l’incident est de notre côté. Réessayez.",
+)
+OF_REPLAYS = Words(
+    "Beaucoup d’animations se préparent en ce moment : réessayez dans quelques secondes.",
+    "L’incident est de notre côté, il a été noté, et votre note n’en dépend pas.",
+)
+
+
+@dataclass(frozen=True)
 class Order:
     """`question` is JSON, read by `server.figures.process`."""
 
     question: bytes
     key: str
+    words: Words = OF_FIGURES
 
 
 #: Asks for nothing but that the process that draws be ready to.
@@ -40,22 +59,27 @@ WARM = json.dumps({"kind": "warm"}).encode()
 def of_lesson(drawing: Drawing, theme: Theme) -> Order:
     """A drawing of the texts."""
     asked = {"path": str(drawing.path), "function": drawing.function, "size": drawing.size, "theme": theme}
-    return _order("lesson", asked, "svg", f"{code_version()} {folder_version(drawing.path.parent)}")
+    return _order("lesson", asked | {"form": "svg"}, f"{code_version()} {folder_version(drawing.path.parent)}")
 
 
 def of_verdict(exercise: str, data: Mapping[str, Any], form: Form, theme: Theme) -> Order:
     """A figure of a verdict, from the data that are stored with it."""
-    return _order("verdict", {"exercise": exercise, "data": data, "theme": theme}, form, code_version())
+    return _order("verdict", {"exercise": exercise, "data": data, "theme": theme, "form": form}, code_version())
 
 
-def _order(kind: str, asked: Mapping[str, Any], form: Form, drawn_by: str) -> Order:
-    question = json.dumps({"kind": kind, "form": form, **asked}).encode()
-    return Order(question, hashlib.sha256(drawn_by.encode() + b"\0" + question).hexdigest())
+def of_film(exercise: str, data: Mapping[str, Any], title: str) -> Order:
+    """The replay of what a program did in the check of that title."""
+    return _order("film", {"exercise": exercise, "data": data, "title": title}, code_version(), OF_REPLAYS)
+
+
+def _order(kind: str, asked: Mapping[str, Any], drawn_by: str, words: Words = OF_FIGURES) -> Order:
+    question = json.dumps({"kind": kind, **asked}).encode()
+    return Order(question, hashlib.sha256(drawn_by.encode() + b"\0" + question).hexdigest(), words)
 
 
 @cache
 def code_version() -> str:
-    """Of what draws the verdicts' figures, and of what the lessons' drawings call."""
+    """Of what draws the verdicts' figures and replays, and of what the lessons' drawings call."""
     rooms = [(name, ROOT / name) for name in ("graders", "reference", "server/figures")]
     return " ".join((digest(rooms), *map(version, LIBRARIES)))
 

@@ -24,8 +24,6 @@ MOST_WAITING = 256
 REMEMBERED_BYTES = 32 << 20
 #: Bytes of what is to be drawn.
 LONGEST_QUESTION = 1 << 20
-CROWDED = "Beaucoup de figures se dessinent en ce moment : réessayez dans quelques secondes."
-FAILED = "Cette figure n’a pas pu être dessinée : l’incident est de notre côté. Réessayez."
 
 
 class Drawer(Protocol):
@@ -99,16 +97,16 @@ class Pictures:
 
     async def _drawn(self, order: Order, address: str, coming: _Coming) -> bytes:
         if len(order.question) > LONGEST_QUESTION:
-            raise Failed(FAILED)
+            raise Failed(order.words.failed)
         try:
             await self._turns.take(address)
         except FullError:
-            raise Crowded(CROWDED, retry_after=5) from None
+            raise Crowded(order.words.crowded, retry_after=5) from None
         coming.begun = True
         try:
             picture = await self._drawer.ask(order.question)
         except UnansweredError as error:
-            raise Failed(FAILED) from error
+            raise Failed(order.words.failed) from error
         finally:
             self._turns.give_back()
         await run_in_threadpool(self._store.put, order.key, picture)

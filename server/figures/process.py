@@ -1,10 +1,11 @@
-"""The process that draws: one figure after the other, none of which may take the memory or the time of the machine.
+"""The process that draws: one figure or replay after the other, none of which may take the machine's memory or time.
 
 It ends when the service closes the line, and dies with it.
 """
 
 from __future__ import annotations
 
+import gzip
 import json
 import logging
 import resource
@@ -15,7 +16,7 @@ from typing import Any
 from graders.plotting import counterexample
 from server.base import frames
 from server.base.line import Line
-from server.figures.program import LARGEST, MEMORY
+from server.figures.program import LARGEST, LARGEST_REPLAY, MEMORY
 
 log = logging.getLogger(__name__)
 
@@ -36,7 +37,7 @@ def _answer(line: Line, number: int, asked: bytes) -> None:
     try:
         picture = drawn(json.loads(asked))
     except Exception:
-        log.exception("a figure could not be drawn: %.200r", asked)
+        log.exception("a figure or a replay could not be drawn: %.200r", asked)
         line.answer(number, frames.FAILED, b"")
         return
     if len(picture) > LARGEST:
@@ -47,9 +48,11 @@ def _answer(line: Line, number: int, asked: bytes) -> None:
 
 
 def drawn(question: dict[str, Any]) -> bytes:
-    """The picture that an `Order` asks for; none where it is only to be ready for one."""
+    """The picture or the replay that an `Order` asks for; nothing where it is only to be ready for one."""
     if question["kind"] == "warm":
         return _warmed()
+    if question["kind"] == "film":
+        return _replay(question)
     theme, form = question["theme"], question["form"]
     if question["kind"] == "lesson":
         from server.figures.lessons import draw_with  # slow to import: who waits for a verdict's figure need not wait
@@ -57,6 +60,17 @@ def drawn(question: dict[str, Any]) -> bytes:
         width, height = question["size"]
         return draw_with(Path(question["path"]), question["function"], (width, height), theme, form).picture
     return counterexample(question["exercise"], question["data"], theme=theme, extension=form)
+
+
+def _replay(question: dict[str, Any]) -> bytes:
+    """JSON, compressed."""
+    from graders.scene.films import wire
+
+    scene = wire(question["exercise"], question["data"], question["title"])
+    body = json.dumps(scene, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
+    if len(body) > LARGEST_REPLAY:
+        raise ValueError(f"a replay of {len(body)} bytes is too large")
+    return gzip.compress(body, 6, mtime=0)
 
 
 def _warmed() -> bytes:

@@ -15,6 +15,8 @@ CPU_SECONDS = 10.0
 PATIENCE = 60.0
 #: Bytes of one picture: the largest of the course is a tenth of that.
 LARGEST = 4 << 20
+#: Bytes of one replay, before they are compressed.
+LARGEST_REPLAY = 2 << 20
 #: Bytes of memory that drawing may take: the data are partly a student's.
 MEMORY = 2 << 30
 

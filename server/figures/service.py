@@ -1,4 +1,4 @@
-"""The two kinds of figures: who may see which, and what is to be drawn."""
+"""Figures of the lessons, figures and films of the verdicts: who may see which, and what is to be drawn."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from server.figures import orders
 from server.figures.orders import Form, Order, Theme
 from server.figures.pictures import Pictures
 from server.gradebook import service as gradebook
-from server.gradebook.figures import NO_FIGURE, figure_data
+from server.gradebook.figures import NO_FIGURE, NO_FILM, figure_data, film_data
 from server.identity.models import Account
 
 
@@ -47,6 +47,25 @@ class Figures:
         """A figure of a submission that this account may see. Raises NotFound, Crowded or Failed."""
         order = await run_in_threadpool(self._allowed, account, wanted)
         return await self.pictures.picture(order, address)
+
+    async def of_film(
+        self, account: Account | None, submission_id: str, check: str, grading: UUID | None, address: str
+    ) -> bytes:
+        """What the program of a submission that this account may see did in a check: JSON for the player, compressed.
+
+        Raises NotFound, Crowded or Failed.
+        """
+        order = await run_in_threadpool(self._filmed, account, submission_id, check, grading)
+        return await self.pictures.picture(order, address)
+
+    def _filmed(self, account: Account | None, submission_id: str, check: str, grading: UUID | None) -> Order:
+        with self.database.read() as db:
+            attempt = gradebook.find(db, account, submission_id)
+            film, title = film_data(db, attempt, check, grading)
+        exercise = attempt.submission.exercise
+        if exercise not in self.course.exercises:
+            raise NotFound(NO_FILM)
+        return orders.of_film(exercise, film, title)
 
     def _allowed(self, account: Account | None, wanted: Wanted) -> Order:
         """In a transaction of its own, over before anything is drawn. Raises NotFound."""

@@ -13,7 +13,8 @@ from server.database.base import Base, UtcDateTime, utc_now
 class Grading(Base):
     """One grading of one submission, never changed afterwards. `score` is None for an error of ours.
 
-    The columns repeat what lists and sums ask of the verdict, so that they need not open it.
+    The columns repeat what lists and sums ask of the verdict, so that they need not open it. `films` are what the
+    program did, by check, and `filmed` these checks; None where there are none.
     """
 
     __tablename__ = "grading"
@@ -32,6 +33,8 @@ class Grading(Base):
     total_ms: Mapped[float | None]
     verdict: Mapped[dict[str, Any]] = mapped_column(JSON)
     figures: Mapped[dict[str, Any]] = mapped_column(JSON, deferred=True)
+    filmed: Mapped[list[str] | None] = mapped_column(JSON(none_as_null=True))
+    films: Mapped[dict[str, Any] | None] = mapped_column(JSON(none_as_null=True), deferred=True)
 
 
 class Standing(Base):

@@ -1,4 +1,4 @@
-"""Queries on gradings, attempts and open solutions. Lists never read a source, a verdict or a figure."""
+"""Queries on gradings, attempts and open solutions. Lists never read a source, a verdict, a figure or a film."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -164,6 +164,8 @@ def add(db: Session, submission_id: UUID, graded: Graded) -> UUID:
         **{name: verdict.timings.get(name) for name in ("checks_ms", "diagnosis_ms", "total_ms")},
         "verdict": verdict.to_json(),
         "figures": judgement.figures,
+        "filmed": list(judgement.films) or None,
+        "films": judgement.films or None,
     }
     db.execute(ADD, row)
     return identity
@@ -199,6 +201,13 @@ def verdict_of(db: Session, grading_id: UUID) -> dict[str, Any]:
 def figures_of(db: Session, grading_id: UUID) -> dict[str, Any]:
     query = select(Grading).where(Grading.id == grading_id).options(undefer(Grading.figures))
     return db.execute(query.execution_options(populate_existing=True)).scalar_one().figures
+
+
+def film_of(db: Session, grading_id: UUID, check: str) -> tuple[Any, dict[str, Any]] | None:
+    """The film of one check of a grading, where it has one, and the verdict."""
+    row = db.execute(select(Grading.films, Grading.verdict).where(Grading.id == grading_id)).one_or_none()
+    films = None if row is None else row[0]
+    return None if row is None or not films or check not in films else (films[check], row[1])
 
 
 def opening(db: Session, exercise: str) -> SolutionOpening | None:

@@ -23,9 +23,6 @@ from server.course import Exercise
 from server.course.dependencies import CourseOf
 from server.database import Database
 from server.database.dependencies import DatabaseOf, Db
-from server.figures.dependencies import FiguresOf
-from server.figures.orders import MEDIA_TYPES, Theme
-from server.figures.service import Wanted
 from server.gradebook import service as gradebook
 from server.gradebook import solutions
 from server.gradebook.schemas import Attempt
@@ -47,7 +44,6 @@ from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader, exercise_href, find_exercise, find_module
 from server.web.words import moment
 
-FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 MOVES_ON = 303
 MOST_PAGES = 10**9
@@ -310,21 +306,3 @@ async def events(
         snapshots, lambda snapshot: json.dumps({"status": snapshot.status, "text": snapshot.text})
     )
     return StreamingResponse(lines, media_type="text/event-stream", headers=STREAM_HEADERS)
-
-
-@router.get("/soumissions/{submission_id}/figures/{name}.svg")
-async def figure(
-    request: Request,
-    figures: FiguresOf,
-    submission_id: str,
-    name: str,
-    account: OptionalAccount,
-    theme: Theme = "light",
-    correction: UUID | None = None,
-) -> Response:
-    """Of the grading `correction`, for ever; of the one that counts, which another may follow, where none is named."""
-    wanted = Wanted(submission_id, name, "svg", theme, correction)
-    picture = await figures.of_verdict(account, wanted, client_address(request))
-    kept = "private, no-cache" if correction is None else "private, max-age=31536000, immutable"
-    headers = {"Cache-Control": kept, "Content-Security-Policy": FIGURE_POLICY}
-    return Response(picture, media_type=MEDIA_TYPES["svg"], headers=headers)

@@ -50,7 +50,8 @@ essais/          un dossier par envoi : votre réponse telle que vous l’avez e
 
 Ce qu’un contrôle retient encore n’y est pas : refaites cette archive une fois ses résultats publiés.
 Les dates sont en temps universel, au format ISO 8601. Les figures des verdicts se redessinent
-à partir de ce qu’elles montrent ; chacune se télécharge depuis la page de son essai.
+à partir de ce qu’elles montrent ; chacune se télécharge depuis la page de son essai, où l’on revoit
+aussi ce que le code a fait.
 """
 
 File = tuple[str, bytes]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gzip
 import json
 import os
 import signal
@@ -14,12 +15,13 @@ from pathlib import Path
 import pytest
 
 from graders.plotting import counterexample
+from graders.scene.films import wire
 from server.base.helper import Helper, Program, UnansweredError
 from server.base.paths import ROOT
 from server.course.models import Drawing
 from server.figures import orders
 from server.figures.lessons import draw
-from server.figures.program import program
+from server.figures.program import LARGEST_REPLAY, program
 from tests.support.live import alive, until
 from tests.support.quick import in_a_loop
 
@@ -100,6 +102,12 @@ def test_one_process_draws_as_it_would_be_drawn_here_whatever_failed_before(fold
             order = orders.of_verdict(exercise, data, form, "light")
             assert await helper.ask(order.question) == counterexample(exercise, data, theme="light", extension=form)
         await raises(helper, orders.of_verdict(exercise, {"kind": "rien"}, "svg", "light").question)
+        film = {"kind": "localisation", "start": [1, 1], "commands": [[1, 0]], "cells": [[1, 2]], "beliefs": []}
+        asked = orders.of_film("l20/predire2d", film, "Suivre").question
+        assert json.loads(gzip.decompress(await helper.ask(asked))) == wire("l20/predire2d", film, "Suivre")
+        for bad in ({**film, "beliefs": [[1, 2]]}, {**film, "kind": "rien"}, {"beliefs": []}):
+            await raises(helper, orders.of_film("l20/predire2d", bad, "Suivre").question)
+        await raises(helper, orders.of_film("l20/predire2d", film, "é" * (LARGEST_REPLAY // 2)).question)
         for function in ("wrong", "greedy"):  # what raises or takes too much memory
             await raises(helper, question(folder, function))
         assert await helper.ask(question(folder, "right")) == lesson

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import re
 from dataclasses import replace
 from datetime import timedelta
@@ -112,7 +113,7 @@ class Drawer:
     """Draws nothing."""
 
     async def ask(self, _question: bytes) -> bytes:
-        return b"<svg/>"
+        return gzip.compress(b"<svg/>")
 
     async def close(self) -> None: ...
 
@@ -184,7 +185,8 @@ class Stage:
 
     def _grade(self, db: Session) -> None:
         """What the student has sent, and a mistake of theirs that has a name."""
-        graded = Graded(Judgement(fake_verdict("x = 1", 1), {"b": {"kind": "fake"}}), utc_now())
+        drawn = {"b": {"kind": "fake"}}
+        graded = Graded(Judgement(fake_verdict("x = 1", 1), figures=drawn, films=drawn), utc_now())
         gradebook.record(db, self.sent.id, graded)  # a stream of events ends
         named = Submission(
             account_id=self.accounts["student"].id, exercise=EXERCISE, source=b"x = 2\n", digest="e", seed=1
@@ -229,6 +231,7 @@ class Stage:
             "note_id": str(self.note.id),
             "phrase_id": str(uuid4()),
             "mistake": MISTAKE,
+            "check": "b",
             "token_id": self.own_tokens.get(who, str(uuid4())),
         }
 

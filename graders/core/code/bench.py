@@ -207,8 +207,10 @@ class Bench:
     def film(self, data: FigureData) -> None:
         """Keep what the program did in this check, whether it passes or fails, so that its author can watch it.
 
-        `data` are plain values; its "kind" names the function of the exercise's `replays.py` that makes a replay of it,
-        when somebody looks. One film a check: the last one kept (of several runs, keep one that failed).
+        `data` are plain values and arrays, of few digits (some 60 KB as JSON; all the films of a grading share
+        `contract.films.FILM_BYTES`); what is not finite becomes None. Its "kind" names the function of the exercise's
+        `replays.py` that makes a replay of it, when somebody looks. One film a check: the last one kept (of several
+        runs, keep one that failed).
         """
         if not self.runner.reenacting:
             self.runner.films[self.check] = data

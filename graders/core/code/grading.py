@@ -19,6 +19,7 @@ from graders.core.code.reenacting import Reenactor
 from graders.core.compare.shrinking import Budget
 from graders.core.compare.slips import SLIPS
 from graders.core.compare.words import tidy, to_jsonable, whole_jsonable
+from graders.core.contract.films import plain
 from graders.core.contract.findings import Finding, Judgement, verdict_of
 from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
@@ -28,7 +29,6 @@ from graders.core.contract.streams import stream
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis
 
 FIGURE_ITEMS = 20_000
-FILM_ITEMS = 40_000
 JUDGED = (Outcome.WRONG_ANSWER, Outcome.INVALID_OUTPUT)
 #: What may have a misconception for its cause: a program that runs, though it raises on some inputs.
 DIAGNOSED = (*JUDGED, Outcome.RUNTIME_ERROR)
@@ -84,8 +84,8 @@ class CodeGrader:
             timings={name: round(1000.0 * (end - start), 3) for name, (start, end) in timings.items()},
         )
         figures = {f.result.id: f.figure for f in findings if f.figure is not None}
-        films = {check: whole_jsonable(film, limit=FILM_ITEMS) for check, film in runner.films.items()}
-        return Judgement(verdict, figures, {check: film for check, film in films.items() if film is not None})
+        films = {check: film for check, data in runner.films.items() if (film := plain(data)) is not None}
+        return Judgement(verdict, figures, films)
 
     def first_failed(
         self, source: bytes, programs: Programs, *, seed: int, checks: Sequence[Check] | None = None

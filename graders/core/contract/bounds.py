@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from graders.core.contract.films import within
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import CheckResult, Counterexample
 
@@ -31,7 +32,11 @@ def bounded(judgement: Judgement, most: int = VERDICT_BYTES) -> Judgement:
     """The same judgement within `most` bytes: the heaviest of its values, messages, figures and prints are cut.
 
     All parts above one level are cut to that level, which is as high as may be, so that the light ones stay whole.
+    Its films have a bound of their own, and take nothing of this one.
     """
+    films = within(judgement.films)
+    if len(films) < len(judgement.films):
+        judgement = replace(judgement, films=films)
     verdict = judgement.verdict
     whole = weight(verdict.to_json()) + weight(judgement.figures)
     if whole <= most:
@@ -41,7 +46,7 @@ def bounded(judgement: Judgement, most: int = VERDICT_BYTES) -> Judgement:
     level = _level(weights, most - (whole - sum(weights)) - _WORDS * len(parts))
     figures = {name: data for name, data in judgement.figures.items() if weight(data) <= level}
     checks = [_lighter(check, level, figures) for check in verdict.checks]
-    return Judgement(replace(verdict, checks=checks, stdout=_shorter(verdict.stdout, level)), figures)
+    return Judgement(replace(verdict, checks=checks, stdout=_shorter(verdict.stdout, level)), figures, films)
 
 
 def _level(weights: Sequence[int], room: int) -> int:

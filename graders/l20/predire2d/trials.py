@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.compare.comparison import Mismatch, unreadable, wrong_shape
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from graders.l20.predire2d.beliefs import at
 from graders.l20.predire2d.cases import MOVES, module_world, pick
@@ -106,7 +108,15 @@ def localise(bench: Bench) -> None:
     grid = module_world()
     failed: Rejection | None = None
     for episode in episodes(WALKS):
-        belief = _followed(bench, grid, episode)
+        beliefs: list[Floats] = []
+        try:
+            _follow(bench, grid, episode, beliefs)
+        except (Rejection, StudentFault):
+            bench.film(film(episode, beliefs))
+            raise
+        if failed is None and not bench.runner.reenacting:
+            bench.film(film(episode, beliefs))
+        belief = beliefs[-1]
         believed = most_likely(belief)
         located = gap(believed, episode.end) <= NEAR
         bench.observe(LOOP, located, ok=located)
@@ -116,12 +126,30 @@ def localise(bench: Bench) -> None:
         raise failed
 
 
-def _followed(bench: Bench, grid: GridWorld, episode: Episode) -> Floats:
+def _follow(bench: Bench, grid: GridWorld, episode: Episode, beliefs: list[Floats]) -> None:
+    """Has the student's functions follow a walk; each of their beliefs goes to the list, as they come."""
     belief: Floats = grid.uniform()
     for (du, dv), cell in zip(episode.commands, episode.cells, strict=True):
-        belief = _called(bench, grid, "predire2d", belief, du, dv)
-        belief = _called(bench, grid, "corriger2d", belief, grid.scans[cell], SIGMA)
-    return belief
+        for function, args in (("predire2d", (du, dv)), ("corriger2d", (grid.scans[cell], SIGMA))):
+            belief = _called(bench, grid, function, belief, *args)
+            beliefs.append(belief)
+
+
+def film(episode: Episode, beliefs: Sequence[Floats]) -> FigureData:
+    """A walk, and the student's beliefs as far as there are: square roots of them in bytes, the greatest 255."""
+    return {
+        "kind": "localisation",
+        "start": list(episode.start),
+        "commands": [list(command) for command in episode.commands],
+        "cells": [list(cell) for cell in episode.cells],
+        "beliefs": [_shade(belief).tolist() for belief in beliefs],
+    }
+
+
+def _shade(belief: Floats) -> NDArray[np.uint8]:
+    shown = np.clip(belief, 0.0, None)
+    top = float(shown.max())
+    return np.rint(255.0 * np.sqrt(shown / top if top > 0.0 else shown)).astype(np.uint8)
 
 
 def _called(bench: Bench, grid: GridWorld, function: str, *args: Value) -> Floats:

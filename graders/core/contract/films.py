@@ -1,0 +1,70 @@
+"""Films: what a program did in a check, as plain JSON that is kept beside the verdict until somebody watches it.
+
+They are made on the way to a verdict: what stands here costs about a tenth of a microsecond a byte.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from graders.core.contract.findings import FigureData
+
+log = logging.getLogger(__name__)
+
+#: Bytes of all the films of one grading together, as JSON. They never weigh on the verdict, which has its own bound.
+FILM_BYTES = 192 * 1024
+
+
+def plain(data: FigureData, most: int = FILM_BYTES) -> FigureData | None:
+    """The same as strict JSON holds it, arrays as lists; None where it is heavier than `most` bytes.
+
+    Numbers that are not finite are None: a film shows what there is to see. What no film can be made of is our error,
+    which is logged, and costs nobody their verdict.
+    """
+    try:
+        text = _dumped(data)
+    except (TypeError, ValueError, RecursionError):
+        log.exception("a film is not made of plain values")
+        return None
+    return json.loads(text) if len(text) <= most else None
+
+
+def within(films: Mapping[str, FigureData], most: int = FILM_BYTES) -> dict[str, FigureData]:
+    """As many of the films as `most` bytes hold: what is beyond is left out, the heaviest first."""
+    weights = {check: len(json.dumps(film, allow_nan=False)) for check, film in films.items()}
+    left = sum(weights.values())
+    kept = dict(films)
+    for check in sorted(weights, key=lambda check: -weights[check]):
+        if left <= most:
+            break
+        del kept[check]
+        left -= weights[check]
+    return kept
+
+
+def _dumped(data: FigureData) -> str:
+    try:
+        return json.dumps(data, allow_nan=False, default=_listed)
+    except ValueError:
+        return json.dumps(_finite(data), allow_nan=False)
+
+
+def _listed(value: Any) -> Any:
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    raise TypeError(f"a film cannot hold {type(value).__name__}")
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, np.ndarray | np.generic):
+        return _finite(value.tolist())
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value

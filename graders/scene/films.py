@@ -1,0 +1,36 @@
+"""What a student's program did, as a replay: made of the film that its grading left, when somebody looks.
+
+An exercise with films has a file `graders/<module>/<slug>/replays.py` that holds `REPLAYS`, by the "kind" of a film the
+function that makes a replay of it. Never imported on the path of a verdict.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from graders.core.contract.findings import FigureData
+from graders.scene.replay import Replay
+from graders.typography import french
+
+ALT = "Animation de ce que votre code a fait dans la vérification « {title} », à côté de la référence."
+
+
+def replay_of(exercise: str, data: FigureData) -> Replay:
+    """The replay of a film that a verdict of this exercise left."""
+    module = importlib.import_module(f"graders.{exercise.replace('/', '.')}.replays")
+    replay: Replay = module.REPLAYS[data["kind"]](data)
+    return replay
+
+
+def wire(exercise: str, data: FigureData, title: str) -> dict[str, Any]:
+    """The same as the player reads it, under the title of its check: a replay without settings."""
+    replay = replay_of(exercise, data)
+    return {"title": french(title), "alt": french(_alt(replay, title)), "parameters": [], "values": {}, **replay.wire()}
+
+
+def _alt(replay: Replay, title: str) -> str:
+    if replay.alt:
+        return replay.alt
+    shown = " ; ".join(key.label for key in replay.legend)
+    return " ".join(filter(None, (ALT.format(title=title), f"On y voit : {shown}." if shown else "")))

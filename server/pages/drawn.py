@@ -1,0 +1,56 @@
+"""The addresses of what is drawn of a verdict: its figures, and what the program did."""
+
+from __future__ import annotations
+
+import gzip
+from uuid import UUID
+
+from fastapi import APIRouter, Request, Response
+
+from server.base.request import client_address
+from server.figures.dependencies import FiguresOf
+from server.figures.orders import MEDIA_TYPES, Theme
+from server.figures.service import Wanted
+from server.identity.dependencies import OptionalAccount
+
+FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
+
+router = APIRouter(include_in_schema=False)
+
+
+@router.get("/soumissions/{submission_id}/figures/{name}.svg")
+async def figure(
+    request: Request,
+    figures: FiguresOf,
+    submission_id: str,
+    name: str,
+    account: OptionalAccount,
+    theme: Theme = "light",
+    correction: UUID | None = None,
+) -> Response:
+    """Of the grading `correction`, for ever; of the one that counts, which another may follow, where none is named."""
+    wanted = Wanted(submission_id, name, "svg", theme, correction)
+    picture = await figures.of_verdict(account, wanted, client_address(request))
+    headers = {"Cache-Control": _kept(correction), "Content-Security-Policy": FIGURE_POLICY}
+    return Response(picture, media_type=MEDIA_TYPES["svg"], headers=headers)
+
+
+@router.get("/soumissions/{submission_id}/rejeux/{check}")
+async def film(
+    request: Request,
+    figures: FiguresOf,
+    submission_id: str,
+    check: str,
+    account: OptionalAccount,
+    correction: UUID | None = None,
+) -> Response:
+    """What the program did in a check, for the player; `correction` as of a figure."""
+    compressed = await figures.of_film(account, submission_id, check, correction, client_address(request))
+    headers = {"Cache-Control": _kept(correction), "Vary": "Accept-Encoding"}
+    if "gzip" not in request.headers.get("accept-encoding", ""):
+        return Response(gzip.decompress(compressed), media_type="application/json", headers=headers)
+    return Response(compressed, media_type="application/json", headers={**headers, "Content-Encoding": "gzip"})
+
+
+def _kept(grading: UUID | None) -> str:
+    return "private, no-cache" if grading is None else "private, max-age=31536000, immutable"
