@@ -33,13 +33,14 @@ class Cells:
     def __init__(
         self,
         settings: Settings,
-        kits: Mapping[str, str],
+        kits: Mapping[str, Mapping[str, str]],
         *,
         command: Sequence[str] = COMMAND,
         patience: float = PATIENCE,
         idle: float = IDLE,
     ) -> None:
-        beginning = json.dumps({"kits": dict(kits), "at_once": settings.cells_at_once}).encode()
+        files = {name: dict(texts) for name, texts in kits.items()}
+        beginning = json.dumps({"kits": files, "at_once": settings.cells_at_once}).encode()
         self.helper = Helper(Program(command, environment(settings), MAX_ANSWER, patience, idle, beginning))
         self._turns = Turns(settings.cells_at_once, settings.cells_waiting)
         self._of: Counter[str] = Counter()

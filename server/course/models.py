@@ -80,8 +80,9 @@ class Exercise:
     `seance` is the slug of the lesson that it follows.
     `version` is a digest of everything that can change a verdict (see `server.course.version`).
     An exercise answered without code (`answers`) has no function, and neither starter nor solution as files: its grader
-    gives questions and correction. `policy` bounds what its programs may use; `reuses` are the slugs of the exercises
-    whose functions they may import, those that these reuse in their turn included (see `server.course.reuse`).
+    gives questions and correction. `kit` names what its programs find, among the module's; `policy` bounds what they
+    may use; `reuses` are the slugs of the exercises whose functions they may import, those that these reuse in their
+    turn included (see `server.course.reuse`).
     """
 
     module: str
@@ -98,6 +99,7 @@ class Exercise:
     hint_texts: tuple[Text, Text, Text]
     grader: Grader
     version: str
+    kit: str = ""
     answers: AnswersGrader | None = None
     names: Callable[[], Names] = no_names
     seance: str = ""
@@ -208,7 +210,9 @@ class Module:
     """A module of the course, with its exercises in order, and its lessons in the order of reading.
 
     `number` is its name in the course ("L20"), `sessions` its length; `previous` and `next` are numbers of modules.
-    `kit` is the source text of `kit/<slug>.py`.
+    `kits` are what its programs may find: by name, the source texts of its files by their paths (see
+    `graders.core.contract.kits`). The one that bears the slug is of one file, and any program's but for exercises that
+    ask for another.
     """
 
     slug: str
@@ -223,7 +227,7 @@ class Module:
     previous: str
     next: str
     order: int
-    kit: str
+    kits: Mapping[str, Mapping[str, str]]
     exercises: tuple[Exercise, ...]
     lessons: tuple[Lesson, ...] = ()
     glossary: Mapping[str, Term] = field(default_factory=dict)
@@ -256,6 +260,6 @@ class Course:
         return [self.exercises[f"{served.module}/{slug}"] for slug in served.reuses] if served else []
 
     @cached_property
-    def kits(self) -> Mapping[str, str]:
-        """Source text of each module's kit, by module."""
-        return MappingProxyType({module.slug: module.kit for module in self.modules.values()})
+    def kits(self) -> Mapping[str, Mapping[str, str]]:
+        """The kits of all the modules, by name."""
+        return MappingProxyType(dict(kit for module in self.modules.values() for kit in module.kits.items()))

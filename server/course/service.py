@@ -12,7 +12,9 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from graders.core.code.exercise import CodeDefinition
+from graders.core.contract.kits import kits_of
 from graders.core.contract.malformed import MalformedExerciseError
+from graders.core.contract.streams import stream
 from server.course import drawings, questions, reuse, toml_file
 from server.course.closure import Imports
 from server.course.library import Library, problems_of
@@ -105,7 +107,7 @@ def _module(sources: Sources, path: Path, problems: list[Problem], look: Look) -
     if not MODULE_SLUG.fullmatch(path.name):
         raise CourseFault(Problem(path, None, "nom de module : des minuscules puis un nombre, comme « l20 »"))
     card = toml_file.read(path / "module.toml", ModuleFile)
-    kit = _python(path / "kit" / f"{path.name}.py")
+    kits = {name: {place: _python(file) for place, file in files.items()} for name, files in kits_of(path).items()}
     library = Library(path, drawings.read(path / "figures", problems), problems)
     sources = replace(sources, names=library.names)
     exercises = _each(problems, lambda folder: _exercise(sources, path, folder), _exercises(path))
@@ -129,7 +131,7 @@ def _module(sources: Sources, path: Path, problems: list[Problem], look: Look) -
         previous=card.previous,
         next=card.next,
         order=card.order,
-        kit=kit,
+        kits=MappingProxyType(kits),
         exercises=tuple(exercises),
         lessons=library.lessons,
         glossary=MappingProxyType(library.glossary),
@@ -185,7 +187,7 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
         statement=Text(Source(toml_file.read_text(path / "enonce.md"), path / "enonce.md", names=sources.names)),
         hint_texts=_hints(path / "indices.md", sources.names),
         names=sources.names,
-        version=version(sources.imports, sources.code, path, card, graded["grader"]),
+        version=version(sources.imports, sources.code, path, card, graded["grader"], graded.get("kit", "")),
         seance=card.seance,
         policy=card.limits.policy(),
         reuses=tuple(card.reuses),
@@ -210,7 +212,11 @@ def _code(sources: Sources, path: Path, card: ExerciseFile) -> dict[str, Any]:
         grader = definition.bind([function.name for function in card.functions])
     except MalformedExerciseError as error:
         raise CourseFault(Problem(error.path, error.line, error.message)) from error
+    kit = grader.kit(stream(0, "kit")).module
+    if kit not in kits_of(path.parents[1]):
+        raise CourseFault(Problem(definition.folder / "grader.py", None, f"trousse inconnue : « {kit} »"))
     return {
+        "kit": kit,
         "starter": _python(path / "starter.py"),
         "solution": _compiles(grader.solution, definition.folder / "solution.py"),
         "grader": grader,

@@ -15,6 +15,7 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
+from graders.core.contract.kits import Files, kits_of
 from server.base.digest import digest, files
 from server.course.closure import Imports
 from server.course.schemas import ExerciseFile
@@ -27,13 +28,14 @@ NOT_DATA = {".py", ".md"}
 EQUIVALENTS = "equivalents.toml"
 
 
-def version(imports: Imports, code: Path, folder: Path, card: ExerciseFile, grader: object) -> str:
-    """See the head of this file. `folder` is the exercise's, in the course; `code` holds the graders."""
-    return digest(grading_files(imports, code, folder, card, grader), _asked(card))
+def version(imports: Imports, code: Path, folder: Path, card: ExerciseFile, grader: object, kit: str) -> str:
+    """See the head of this file. `folder` is the exercise's, in the course; `code` holds the graders; `kit` is the name
+    of what its programs find."""
+    return digest(grading_files(imports, code, folder, card, grader, kit), _asked(card))
 
 
 def grading_files(
-    imports: Imports, code: Path, folder: Path, card: ExerciseFile, grader: object
+    imports: Imports, code: Path, folder: Path, card: ExerciseFile, grader: object, kit: str
 ) -> Iterator[tuple[str, Path]]:
     """The files that decide of a verdict, each with a name that tells no place on this machine."""
     module = folder.parents[1].name
@@ -42,9 +44,14 @@ def grading_files(
     yield from sorted((described | imports.closure(type(grader).__module__)).items())
     yield from (named for named in files(GRADER, graders) if _decides(named[1].relative_to(graders)))
     if card.kind == "code":
-        yield "kit", folder.parents[1] / "kit" / f"{module}.py"
+        yield from _kit(kits_of(folder.parents[1])[kit])
     else:
         yield from ((name, folder / name) for name in IN_THE_COURSE if (folder / name).is_file())
+
+
+def _kit(files: Files) -> Iterator[tuple[str, Path]]:
+    """A kit of one file is known without its name, which is the module's."""
+    yield from ((f"kit/{place}" if len(files) > 1 else "kit", path) for place, path in files.items())
 
 
 def _asked(card: ExerciseFile) -> bytes:

@@ -13,7 +13,7 @@ from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, Stre
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import FormData
 
-from server.base.errors import Invalid, NotFound
+from server.base.errors import Invalid
 from server.base.request import SAFE_METHODS, client_address
 from server.comments import service as comments
 from server.comments.carrying import Place
@@ -28,7 +28,7 @@ from server.gradebook import solutions
 from server.gradebook.schemas import Attempt
 from server.identity.dependencies import AccountsOf, BrowserAccount, OptionalAccount, SignedIn, account_or_guest
 from server.identity.models import Account
-from server.pages import answers, service, talk
+from server.pages import answers, kits, service, talk
 from server.pages.schemas import ExerciseFrame
 from server.pages.talk import Aim
 from server.submissions import deals
@@ -62,13 +62,11 @@ def home(request: Request, reader: Reading) -> HTMLResponse:
     return page(request, "home.html", reader.account, page=service.home_page(reader))
 
 
-@router.get("/{module:module}/kit/{name}.py")
-def kit(module: str, name: str, reader: Reading) -> Response:
-    course_module = find_module(reader.course, module)
-    if name != course_module.slug:
-        raise NotFound("Ce fichier n’existe pas.")
-    headers = {"Content-Disposition": f'attachment; filename="{course_module.slug}.py"'}
-    return Response(course_module.kit, media_type="text/x-python; charset=utf-8", headers=headers)
+@router.get("/{module:module}/kit/{file}")
+def kit(module: str, file: str, reader: Reading) -> Response:
+    taken = kits.taken(find_module(reader.course, module), file)
+    headers = {"Content-Disposition": f'attachment; filename="{file}"'}
+    return Response(taken.content, media_type=taken.media_type, headers=headers)
 
 
 @router.get("/{module:module}/exercices/{slug}")

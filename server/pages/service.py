@@ -17,7 +17,7 @@ from server.course import Exercise, Module
 from server.gradebook import accepted, solutions
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts, Progress
-from server.pages import held, marks, opening, talk
+from server.pages import held, kits, marks, opening, talk
 from server.pages.policy import policy_lines
 from server.pages.schemas import (
     AttemptPage,
@@ -87,7 +87,7 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
     latest = gradebook.latest(reader.db, reader.account, exercise.id)
     saved = held.saved_work(reader, exercise, latest) if taken is None else None
     written = saved.source.decode() if saved else latest.submission.code if latest else exercise.starter
-    kit = f"{exercise.module}.py"
+    kit = kits.file_of(reader.course.modules[exercise.module], exercise.kit)
     return ExercisePage(
         **common_parts(reader, exercise, latest, saved),
         functions=tuple(

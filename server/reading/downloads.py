@@ -5,15 +5,12 @@ The archive is made at the first demand, the same bytes each time, and kept.
 
 from __future__ import annotations
 
-import io
-import zipfile
 from threading import Lock
 
+from server.base.archive import archive_of
 from server.base.errors import NotFound
 from server.course import Course
 from server.course.code import load_file
-
-EPOCH = (1980, 1, 1, 0, 0, 0)  # the earliest date that an archive can tell
 
 
 class Downloads:
@@ -34,14 +31,3 @@ class Downloads:
                 files: dict[str, bytes] = load_file(course_module.files[name]).files()
                 self._made[module, name] = archive_of(name, files)
             return self._made[module, name]
-
-
-def archive_of(folder: str, files: dict[str, bytes]) -> bytes:
-    """The files under `folder`, in the order of their names."""
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name in sorted(files):
-            entry = zipfile.ZipInfo(f"{folder}/{name}", EPOCH)
-            entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
-            archive.writestr(entry, files[name])
-    return buffer.getvalue()

@@ -23,11 +23,15 @@ _ENVIRONMENT = {
 }
 
 
+#: A kit by its files (path → source), or by the source of the only one.
+Files = str | Mapping[str, str]
+
+
 @dataclass(frozen=True)
 class Setting:
     """What a template is made of; `lifted` names walls left down, for the probe and the tests of the walls alone."""
 
-    kits: Mapping[str, str]
+    kits: Mapping[str, Files]
     imports: str
     namespaces: bool
     lifted: frozenset[str] = frozenset()
@@ -65,10 +69,14 @@ def _command(setting: Setting, control: int, configuration: int) -> list[str]:
     return [installed.python, "-P", "-s", "-S", "-c", _BOOT, here, *numbers, mode, lifted, *installed.sites]
 
 
+def _files(name: str, files: Files) -> dict[str, Value]:
+    return {f"{name}.py": files} if isinstance(files, str) else dict(files)
+
+
 def _configuration(setting: Setting) -> int:
     installed = installation(setting.imports)
     message: dict[str, Value] = {
-        "kits": dict(setting.kits),
+        "kits": {name: _files(name, files) for name, files in setting.kits.items()},
         "imports": setting.imports,
         "namespaces": setting.namespaces,
         "lifted": list(setting.lifted),

@@ -18,7 +18,7 @@ from server.sandbox.child import library
 from server.sandbox.child.walls import WALLS
 from server.sandbox.faults import FaultKind, NamespacesRefused, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.install import IMPORT_SETS, import_set
-from server.sandbox.launch import Setting
+from server.sandbox.launch import Files, Setting
 from server.sandbox.policy import MIB, Policy
 from server.sandbox.process import Child, TemplateProcess
 from server.sandbox.session import Session
@@ -54,15 +54,15 @@ class _Slot:
 class Sandbox:
     """Runs students' files. Safe to share between threads; close it, or use it as a context manager.
 
-    `kits` maps the name of a kit's module to its Python source. `spares` children stand ready for each of the last
-    policies used; a template is replaced after `forks` forks, or once it has taken `growth` bytes of memory of its own.
-    `namespaces` None means: where this machine offers them. `lifted` leaves walls down, and serves only to probe and
-    test the walls themselves.
+    `kits` maps the name of a kit to its files, path → Python source, or to the source of its only one. `spares`
+    children stand ready for each of the last policies used; a template is replaced after `forks` forks, or once it has
+    taken `growth` bytes of memory of its own. `namespaces` None means: where this machine offers them. `lifted` leaves
+    walls down, and serves only to probe and test the walls themselves.
     """
 
     def __init__(
         self,
-        kits: Mapping[str, str],
+        kits: Mapping[str, Files],
         policy: Policy | None = None,
         *,
         spares: int = 1,

@@ -77,7 +77,7 @@ def compare(course: Course, exercise: Exercise, sent: Sequence[Copy]) -> Compari
     module = course.modules[exercise.module]
     known = [one.write(0).decode(errors="replace") for one in exercise.grader.known() if one.outcome is Outcome.OK]
     question = {
-        "course": [exercise.starter, module.kit],
+        "course": [exercise.starter, *module.kits[exercise.kit].values()],
         "model": exercise.solution,
         "known": known,
         "codes": [one.code for one in sent],

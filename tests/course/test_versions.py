@@ -76,6 +76,7 @@ def test_neither_dates_nor_debris_change_a_version(imported: CourseFolder) -> No
         ("reference/se2.py", {"m9/a"}),
         ("reference/__init__.py", {"m9/a"}),
         ("curriculum/m9/kit/m9.py", {"m9/a", "m9/b"}),
+        ("curriculum/m9/kit/autre/autre.py", set()),
         # What is read or drawn, and what is another's.
         ("curriculum/m9/exercices/a/enonce.md", set()),
         ("curriculum/m9/exercices/a/indices.md", set()),
@@ -174,15 +175,15 @@ def test_each_file_that_grades_a_real_exercise_changes_its_version(tmp_path: Pat
     card = read(folder / "exercise.toml", ExerciseFile)
     exercise = the_course().exercises[f"l20/{slug}"]
     imports = Imports(tmp_path)  # what is written below changes no import
-    before = version(imports, tmp_path, folder, card, exercise.grader)
+    before = version(imports, tmp_path, folder, card, exercise.grader, exercise.kit)
     assert before == exercise.version, "a place on the disk is no part of it"
-    grading = {path for _, path in grading_files(imports, tmp_path, folder, card, exercise.grader)}
+    grading = {path for _, path in grading_files(imports, tmp_path, folder, card, exercise.grader, exercise.kit)}
     everything = {path for name in ("graders", "reference") for path in (tmp_path / name).rglob("*") if path.is_file()}
     assert len(grading) > 15
     for path in sorted(grading | everything):
         kept = path.read_bytes()
         path.write_bytes(kept + b"\n#\n")
-        after = version(imports, tmp_path, folder, card, exercise.grader)
+        after = version(imports, tmp_path, folder, card, exercise.grader, exercise.kit)
         path.write_bytes(kept)
         assert (after != before) is (path in grading), path
 

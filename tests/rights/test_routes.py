@@ -83,7 +83,7 @@ TEST = "/classes/{class_id}/devoirs/{assignment_id}"
 OTHER_VALUES = {
     f"GET {TEST}/composer": {"assignment_id": "{test}"},
     **{f"POST {TEST}/{what}": {"assignment_id": "{test}"} for what in ("commencer", "rendre", "publier")},
-    "GET /{module}/kit/{name}.py": {"name": "l20"},
+    "GET /{module}/kit/{file}": {"file": "l20.py"},
     "GET /static/{version}/{name:path}": {"version": "source", "name": "img/favicon.svg"},
     "GET /{module}/lire/{slug}": {"slug": "localiser"},
     "GET /{module}/figures/{name}.svg": {"name": "carto-sigmoide"},

@@ -81,7 +81,7 @@ def given() -> tuple[set[str], set[bytes]]:
     """The lines and the functions that students are shown before they have solved anything."""
     texts, sources = [], []
     for module in the_course().modules.values():
-        sources.append(module.kit)
+        sources += [text for files in module.kits.values() for text in files.values()]
         for exercise in module.exercises:
             sources.append(exercise.starter)
             texts += [text.source.path.read_text() for text in (exercise.statement, *exercise.hint_texts)]

@@ -26,7 +26,7 @@ from graders.core.code.bench import Runner
 from graders.core.code.mutations import Edit, Model, Mutant
 from graders.core.code.probes import Facet, Fault, Probes, Rule, Seen, Shown, same_seen, seen
 from graders.core.compare.slips import SLIPS
-from graders.core.contract.local import kit_names
+from graders.core.contract.local import called, kit_names
 from graders.core.contract.program import KitSettings, Program, StudentFault
 from graders.core.contract.values import Arguments
 
@@ -293,7 +293,7 @@ def _answers(mutant: Mutant, probes: Probes, calls: Sequence[Arguments]) -> Iter
         given = copy.deepcopy(args)
         try:
             with np.errstate(all="ignore"):
-                value = names[probes.function](*given)
+                value = called(names, probes.function, given)
         except Exception as error:
             yield Fault(type(error).__name__)
         else:

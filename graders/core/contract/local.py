@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import builtins
 import copy
+import importlib
+import sys
+import threading
 import types
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+from graders.core.contract.kits import kits_of, module_name
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, KitSettings, Reply, StudentFault, one_by_one
 from graders.core.contract.values import Arguments, Value
 
 PROJECT = Path(__file__).resolve().parents[3]
+#: Among the names that a kit gives, its drivers: how a call of some names of the file is made, by these names.
+DRIVERS = "__drivers__"
 
 
 @cache
@@ -27,18 +34,55 @@ def _compiled(source: str | bytes, name: str) -> types.CodeType:
     return compile(source, name, "exec", dont_inherit=True)
 
 
+_IMPORTING = threading.Lock()
+
+
 @cache
-def _kit(module: str) -> dict[str, Any]:
-    """The names of a module's kit: `configurer` makes new ones for each program."""
-    names: dict[str, Any] = {"__name__": module}
-    exec(_compiled(kit_source(module), f"<kit {module}>"), names)
-    return names
+def _kit(name: str) -> Mapping[str, types.ModuleType]:
+    """The modules of a kit, by their names; they are left to the programs that ask for it.
+
+    They are imported from where they stand, and are no longer there for this process's own imports afterwards.
+    """
+    home = next(module for module in sorted((PROJECT / "curriculum").iterdir()) if name in kits_of(module))
+    files = kits_of(home)[name]
+    names = [module_name(path) for path in files]
+    places = [str(home / "kit" / name), str(home / "kit")]
+    with _IMPORTING:
+        sys.path[:0] = places
+        try:
+            return {module: importlib.import_module(module) for module in names}
+        finally:
+            for place in places:
+                sys.path.remove(place)
+            for module in names:
+                sys.modules.pop(module, None)
+
+
+def _importer(modules: Mapping[str, types.ModuleType]) -> Callable[..., Any]:
+    """An `__import__` that knows these modules too."""
+
+    def find(
+        name: str, globals_: Any = None, locals_: Any = None, fromlist: Sequence[str] | None = (), level: int = 0
+    ) -> Any:
+        if level == 0 and name in modules:
+            return modules[name if fromlist else name.partition(".")[0]]
+        return __import__(name, globals_, locals_, fromlist or (), level)
+
+    return find
 
 
 def kit_names(kit: KitSettings) -> dict[str, Any]:
-    """What a program finds without importing anything."""
-    names = dict(_kit(kit.module)["configurer"](**kit.parameters))
-    return {name: value for name, value in names.items() if name not in kit.without}
+    """What a program finds without importing anything, with what makes the modules of its kit importable."""
+    modules = _kit(kit.module)
+    names = dict(modules[kit.module].configurer(**kit.parameters))
+    found = {name: value for name, value in names.items() if name not in kit.without}
+    return found | {"__builtins__": {**vars(builtins), "__import__": _importer(modules)}}
+
+
+def called(names: Mapping[str, Any], function: str, arguments: Sequence[Value]) -> Any:
+    """Call a name of a program, which runs in this process, as its kit says that it is called."""
+    driver = names.get(DRIVERS, {}).get(function)
+    return names[function](*arguments) if driver is None else driver(names[function], *arguments)
 
 
 class LocalProgram:
@@ -56,7 +100,7 @@ class LocalProgram:
             raise StudentFault(Outcome.MISSING_FUNCTION, f"la fonction {function} n'est pas définie")
         given = tuple(copy.deepcopy(arg) for arg in args)
         try:
-            value = self._names[function](*given)
+            value = called(self._names, function, given)
         except Exception as error:
             message = f"{type(error).__name__} : {error}"
             raise StudentFault(Outcome.RUNTIME_ERROR, message, exception=type(error).__name__) from error

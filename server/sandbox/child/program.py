@@ -16,8 +16,11 @@ import numpy as np
 
 from . import drawing, last, library, report
 from .codec import Limits, TooBig, Unsendable, Value, encode
+from .kits import Kit, show
 
 MODULE = "solution"
+#: Among the names that a kit gives, its drivers: how a call of some names of the file is made, by these names.
+DRIVERS = "__drivers__"
 MAX_NAMES, MAX_NAME = 1000, 120
 #: Python frames that the stack of a child can always hold.
 RECURSION = 20_000
@@ -36,11 +39,12 @@ class Failure(Exception):
 class Program:
     """`configure` and `load` once, then `call`; the last two return encoded values or raise Failure."""
 
-    def __init__(self, kits: Mapping[str, ModuleType], limits: Limits, free_reserve: Callable[[], None]) -> None:
+    def __init__(self, kits: Mapping[str, Kit], limits: Limits, free_reserve: Callable[[], None]) -> None:
         self._kits, self._limits, self._free_reserve = kits, limits, free_reserve
         self._lines: list[str] = []
         self._filename = ""
         self._injected: dict[str, object] = {}
+        self._drivers: Mapping[str, Callable[..., Any]] = {}
         self._globals: dict[str, Any] = {}
 
     def load(
@@ -66,8 +70,12 @@ class Program:
 
     def call(self, function: str, arguments: tuple[Value, ...], *, return_arguments: bool) -> bytes:
         """Calls a name of the file; returns (value, arguments after the call or null), encoded."""
-        value = self._guarded(lambda: self._globals[function](*arguments))
+        value = self._guarded(lambda: self._called(function, arguments))
         return self._encoded((value, arguments if return_arguments else None), function)
+
+    def _called(self, function: str, arguments: tuple[Value, ...]) -> Any:
+        asked, driver = self._globals[function], self._drivers.get(function)
+        return asked(*arguments) if driver is None else driver(asked, *arguments)
 
     def forget(self) -> None:
         """Lets go of the file: its names, which hold each other, its module and its lines."""
@@ -76,7 +84,7 @@ class Program:
         sys.modules.pop(MODULE, None)
 
     def configure(self, kit: str | None, parameters: Mapping[str, Value], without: tuple[str, ...] = ()) -> None:
-        """Seeds the generators, and asks the kit for its names: what that raises is not the student's.
+        """Seeds the generators, shows the kit, and asks it for its names: what that raises is not the student's.
 
         Where the exercise asks for some of them (`without`), nothing is left of the kits but the other names.
         """
@@ -84,9 +92,12 @@ class Program:
         if isinstance(seed, int):
             random.seed(seed)
             np.random.seed(seed % 2**32)
+        show(self._kits, kit)
         if kit is not None:
-            module = self._kits[kit]
-            self._injected = dict(module.configurer(**parameters))
+            module = self._kits[kit][kit]
+            names = dict(module.configurer(**parameters))
+            self._drivers = names.pop(DRIVERS, {})
+            self._injected = names
             if without:
                 self._leave_out(without)
             module.__dict__.update(self._injected)
@@ -95,7 +106,7 @@ class Program:
         """Empties the kits, which hold what makes these names."""
         for name in without:
             del self._injected[name]
-        for module in self._kits.values():
+        for module in (module for kit in self._kits.values() for module in kit.values()):
             shown = [name for name in vars(module).get("__all__", ()) if name not in without]
             kept = {"__name__": module.__name__, "__doc__": module.__doc__, "__all__": shown}
             vars(module).clear()

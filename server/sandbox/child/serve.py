@@ -12,7 +12,7 @@ import traceback
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
-from types import FrameType, ModuleType
+from types import FrameType
 from typing import Any, NoReturn
 
 import numpy as np
@@ -20,6 +20,7 @@ import numpy as np
 from . import codec, drawing, frames, inner, library
 from .frames import FAULT_LIMITS, QUESTION_LIMITS
 from .frames import framed as _framed
+from .kits import Kit
 from .program import Failure, Fault, Program, print_to
 from .report import MAX_TEXT
 from .streams import BoundedBytes, BoundedText
@@ -31,7 +32,7 @@ _AGAIN = 0.01
 
 def run(
     prepared: inner.Prepared,
-    kits: Mapping[str, ModuleType],
+    kits: Mapping[str, Kit],
     order: Mapping[str, Any],
     ends: inner.Ends,
 ) -> NoReturn:
@@ -201,7 +202,7 @@ def panne(u):
 """
 
 
-def rehearse(kits: Mapping[str, ModuleType]) -> None:
+def rehearse(kits: Mapping[str, Kit]) -> None:
     """Goes once through what a submission uses.
 
     A fork does it before it says that it is ready: the pages of memory that a submission writes are then its own
@@ -219,7 +220,7 @@ def rehearse(kits: Mapping[str, ModuleType]) -> None:
     program.forget()
 
 
-def warm_up(kits: Mapping[str, ModuleType]) -> None:
+def warm_up(kits: Mapping[str, Kit]) -> None:
     """What only the template does, so that its forks find it done."""
     state, numpy_state = random.getstate(), np.random.get_state()
     rehearse(kits)

@@ -13,10 +13,9 @@ import select
 import signal
 import socket
 import sys
-from types import ModuleType
 from typing import Any
 
-from . import codec, drawing, inner, landlock, libc, namespaces, outer, serve
+from . import codec, drawing, inner, kits, landlock, libc, namespaces, outer, serve
 from .codec import Limits, Value
 from .imports import modules
 from .program import prepare_interpreter
@@ -28,7 +27,7 @@ MAX_DESCRIPTORS = 6
 
 
 class Template:
-    """`configuration`: kits (name → source), imports, sites, packages (directories), namespaces, lifted (walls)."""
+    """`configuration`: kits (name → path → source), imports, sites, packages (folders), namespaces, lifted (walls)."""
 
     def __init__(self, control: int, configuration: dict[str, Any]) -> None:
         self._control = socket.socket(fileno=control)
@@ -44,7 +43,7 @@ class Template:
             drawing.prepare()
         for name in modules(self._configuration["imports"]):
             importlib.import_module(name)
-        self._kits = {name: _kit(name, source) for name, source in self._configuration["kits"].items()}
+        self._kits = {name: kits.imported(files) for name, files in self._configuration["kits"].items()}
         self._account = inner.open_account()
         processes = os.open("/proc", os.O_PATH | os.O_CLOEXEC)
         rules = self._enclose()
@@ -146,13 +145,6 @@ class Template:
                 "memory": inner.own_memory(self._account),
             }
         )
-
-
-def _kit(name: str, source: str) -> ModuleType:
-    module = ModuleType(name)
-    exec(compile(source, f"{name}.py", "exec", dont_inherit=True), module.__dict__)
-    sys.modules[name] = module
-    return module
 
 
 def _without_packages(libraries: list[str]) -> list[str]:

@@ -1,0 +1,31 @@
+"""The kits as one takes them away: the file of a kit of one file, an archive of another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from server.base.archive import archive_of
+from server.base.errors import NotFound
+from server.course import Module
+
+
+@dataclass(frozen=True)
+class Taken:
+    content: bytes
+    media_type: str
+
+
+def file_of(module: Module, kit: str) -> str:
+    """What a kit is called where it is taken away."""
+    return f"{kit}.py" if len(module.kits[kit]) == 1 else f"{kit}.zip"
+
+
+def taken(module: Module, file: str) -> Taken:
+    """Raises NotFound."""
+    kit = next((name for name in module.kits if file_of(module, name) == file), None)
+    if kit is None:
+        raise NotFound("Ce fichier n’existe pas.")
+    files = {path: text.encode() for path, text in module.kits[kit].items()}
+    if len(files) > 1:
+        return Taken(archive_of(kit, files), "application/zip")
+    return Taken(files[file], "text/x-python; charset=utf-8")

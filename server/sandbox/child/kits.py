@@ -1,0 +1,58 @@
+"""Kits: what programs find. They are imported once, in the template; a program sees the modules of its own alone."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+from collections.abc import Mapping
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+
+#: Its modules by name; the main one bears the kit's.
+Kit = Mapping[str, ModuleType]
+
+
+class _Files(MetaPathFinder, Loader):
+    """Finds the modules of one kit in its files, and runs them."""
+
+    def __init__(self, files: Mapping[str, str]) -> None:
+        self.names = {path.removesuffix(".py").removesuffix("/__init__").replace("/", "."): path for path in files}
+        self._files = files
+
+    def find_spec(self, fullname: str, path: object = None, target: object = None) -> ModuleSpec | None:
+        place = self.names.get(fullname)
+        if place is None:
+            return None
+        return importlib.util.spec_from_loader(fullname, self, origin=place, is_package=place.endswith("__init__.py"))
+
+    def exec_module(self, module: ModuleType) -> None:
+        place = self.names[module.__name__]
+        exec(compile(self._files[place], place, "exec", dont_inherit=True), module.__dict__)
+
+    def forget(self) -> None:
+        """Lets go of the sources: a program has no use for them."""
+        self._files = {}
+
+
+def imported(files: Mapping[str, str]) -> Kit:
+    """Runs the files of a kit, by their paths in it; none of its modules is seen afterwards."""
+    finder = _Files(files)
+    sys.meta_path.insert(0, finder)
+    try:
+        return {name: importlib.import_module(name) for name in finder.names}
+    finally:
+        finder.forget()
+        sys.meta_path.remove(finder)
+        for name in finder.names:
+            sys.modules.pop(name, None)
+
+
+def show(kits: Mapping[str, Kit], asked: str | None) -> None:
+    """Makes the modules of one kit, and of no other, importable."""
+    for kit in kits.values():
+        for name in kit:
+            sys.modules.pop(name, None)
+    if asked is not None:
+        sys.modules.update(kits[asked])
