@@ -33,7 +33,7 @@ HIT = InverseSensorModel().hit
 
 def draw_sigmoid(figure: Figure, palette: Palette) -> None:
     axes = figure.subplots()
-    l = np.linspace(-6.2, 6.2, 300)  # noqa: E741 the letter of the formula
+    l = np.linspace(-6.2, 6.2, 300)
     axes.axvspan(-6.2, -5, color=palette.faint, alpha=0.35, lw=0)
     axes.axvspan(5, 6.2, color=palette.faint, alpha=0.35, lw=0)
     axes.plot(l, probability(l), color=palette.truth, lw=2.2)
