@@ -104,7 +104,7 @@ class LocalProgram:
         except Exception as error:
             message = f"{type(error).__name__} : {error}"
             raise StudentFault(Outcome.RUNTIME_ERROR, message, exception=type(error).__name__) from error
-        return Reply(copy.deepcopy(value), given if return_arguments else None)
+        return Reply(copy.deepcopy(_plain(value)), given if return_arguments else None)
 
     def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
         return one_by_one(self, function, calls, faults)
@@ -114,6 +114,17 @@ class LocalProgram:
 
     def close(self) -> None:
         """Nothing to give back."""
+
+
+def _plain(value: Value) -> Value:
+    """Sparse matrices as arrays, which is how the sandbox sends them."""
+    if isinstance(value, tuple | list):
+        return type(value)(map(_plain, value)) if any(map(_sparse, value)) else value
+    return value.toarray() if _sparse(value) else value
+
+
+def _sparse(value: Value) -> bool:
+    return hasattr(type(value), "toarray")
 
 
 class LocalPrograms:

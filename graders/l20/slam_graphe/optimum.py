@@ -218,13 +218,13 @@ def _candidates(graph: Graph) -> Iterator[Graph]:
     if any(np.any(omega != np.eye(3)) for _, _, _, omega in graph.edges):
         yield replace(graph, edges=tuple((i, j, z, np.eye(3)) for i, j, z, _ in graph.edges))
     for decimals in (0, 1):
-        poses = _rounded(graph.poses, decimals)
-        edges = tuple((i, j, _rounded(z, decimals), omega) for i, j, z, omega in graph.edges)
+        poses = rounded(graph.poses, decimals)
+        edges = tuple((i, j, rounded(z, decimals), omega) for i, j, z, omega in graph.edges)
         if np.any(poses != graph.poses) or any(np.any(a[2] != b[2]) for a, b in zip(edges, graph.edges, strict=True)):
             yield replace(graph, poses=poses, edges=edges)
 
 
-def _rounded(poses: Floats, decimals: int) -> Floats:
+def rounded(poses: Floats, decimals: int) -> Floats:
     """Poses (..., 3) in fewer decimals; eighths of a turn stay what they are, no decimals makes quarters of a turn."""
     theta = poses[..., 2]
     eighths = np.round(theta / EIGHTH) * EIGHTH

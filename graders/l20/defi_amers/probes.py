@@ -1,0 +1,168 @@
+"""What `systeme` and `slam_amers` are asked by hand: systems at any point; then one step, and all of them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from graders.core.code.probes import Fault, Probes, Shown, as_array
+from graders.core.compare.comparison import Mismatch
+from graders.core.contract.values import Arguments, Floats, Value
+from graders.l20 import world
+from graders.l20.defi_amers.maps import Map, Sighting, placed, seen_from, sight
+from graders.l20.defi_amers.optimum import Found, read_map
+from graders.l20.defi_amers.system import COARSE, fingerprint
+from graders.l20.slam_graphe.graphs import edge, rows
+from graders.l20.slam_graphe.optimum import COARSENESS, FAR, LOST, gaps
+from graders.l20.slam_graphe.probes import AROUND, LOOP, ROUND, START, TRUTH, TURNING
+from reference.se2 import relative
+
+LANDMARKS = rows((2.5, 3.5), (0.5, 3.0))
+OTHERS = rows((-0.5, -1.0), (1.5, -1.5))
+SLANTED = np.array([[4.0, 1.5], [1.5, 2.0]])
+SEEN_NOISE = rows((0.1, -0.06), (-0.08, 0.09), (0.05, 0.07), (-0.07, -0.1))
+PAIRS = ((0, 0), (2, 0), (1, 1), (3, 1))
+
+
+def _sightings(truth: Floats, landmarks: Floats) -> tuple[Sighting, ...]:
+    weights = (SLANTED, 3.0 * np.eye(2), np.diag([2.0, 5.0]), SLANTED)
+    return tuple(
+        sight(i, j, np.round(seen_from(truth[i], landmarks[j]) + SEEN_NOISE[k], 3), weights[k])
+        for k, (i, j) in enumerate(PAIRS)
+    )
+
+
+SEEN, SEEN_ROUND = _sightings(TRUTH, LANDMARKS), _sightings(ROUND, OTHERS)
+AGAIN = (*SEEN, sight(0, 0, SEEN[0][2] + 0.2, SLANTED))
+POINT = rows((0, 0, 0), (1, 0, 0))
+SYSTEMS = (
+    Map(POINT, rows((2, 1)), (edge(0, 1, (1, 0.5, 0.2)),), (sight(0, 0, (1, 3)),)),
+    Map(START[:3], LANDMARKS, tuple(LOOP[:2]), SEEN[:3]),
+    Map(START, LANDMARKS + 0.3, tuple(LOOP), SEEN),
+    Map(AROUND, OTHERS - 0.2, tuple(TURNING), SEEN_ROUND),
+    Map(rows((0, 0, -1.5), (1, 0, 1.5)), rows((1, 1)), (edge(0, 1, (1, 0.3, -3)),), (sight(0, 0, (1, 1.2), SLANTED),)),
+    Map(rows((0, 0, 0.5), (1, 0, 1.5)), rows((1, 1)), (edge(0, 1, (1, 0.3, -1.2)),), (sight(1, 0, (1, 1.2), SLANTED),)),
+    Map(START, LANDMARKS + 0.3, (*LOOP[:4], edge(0, 1, relative(TRUTH[0], TRUTH[1]) - 0.2, 5.0, 7.0)), AGAIN),
+)
+
+PLACED, PLACED_ROUND = placed(START, SEEN, 2), placed(AROUND, SEEN_ROUND, 2)
+MAPS = (
+    Map(START, PLACED, tuple(LOOP), SEEN, 1, judged=False),
+    Map(AROUND, PLACED_ROUND, tuple(TURNING), SEEN_ROUND, 1, judged=False),
+    Map(START, PLACED, tuple(LOOP), SEEN, 2, judged=False),
+    Map(START, PLACED, tuple(LOOP), SEEN),
+    Map(AROUND, PLACED_ROUND, tuple(TURNING), SEEN_ROUND),
+    Map(START, PLACED, tuple(LOOP[:3]), AGAIN),
+    Map(START, PLACED, tuple(LOOP), SEEN, None),
+)
+STEPS, ENDED = range(3), range(3, 7)
+PLAIN, WRAPPING = 3, 4
+
+
+def read_point(args: Arguments, value: Value) -> Value:
+    """H and b, coarse; in words what is neither."""
+    poses, landmarks, edges, sightings = args
+    return fingerprint(Map(poses, landmarks, tuple(edges), tuple(sightings)), value)
+
+
+def read(args: Arguments, value: Value) -> Value:
+    """The map as one array, coarse; in words what is none, or is lost."""
+    poses, landmarks, edges, sightings = args[:4]
+    found = read_map(Map(poses, landmarks, tuple(edges), tuple(sightings)), value)
+    if isinstance(found, Mismatch):
+        return found.message
+    numbers = np.concatenate([found.poses.ravel(), found.landmarks.ravel()])
+    return numbers / COARSENESS if np.all(np.abs(numbers) < FAR) else LOST
+
+
+def _found(shown: Shown, k: int) -> Found | None:
+    numbers = as_array(shown.got[k])
+    if numbers is None:
+        return None
+    cut = 3 * len(MAPS[k].poses)
+    return Found(numbers[:cut].reshape(-1, 3) * COARSENESS, numbers[cut:].reshape(-1, 2) * COARSENESS)
+
+
+def _reached(found: Found | None, one: Map) -> bool:
+    return found is not None and max(float(part.max()) for part in found.away(one)) < 1e-3
+
+
+def half(shown: Shown) -> str | None:
+    """H is twice what it should be, or half of it, everywhere."""
+    if any(isinstance(one, Fault | str) for one in shown.got):
+        return None
+    sizes = [(3 * len(one.poses) + 2 * len(one.landmarks)) ** 2 for one in SYSTEMS]
+    pairs = [(np.asarray(a)[:s] * COARSE, np.asarray(b)[:s] * COARSE) for a, b, s in zip(shown.got, shown.right, sizes, strict=True)]
+    scaled = any(all(np.allclose(a, factor * b, atol=1e-3) for a, b in pairs) for factor in (0.5, 2.0))
+    return "facteur_deux" if scaled else None
+
+
+def never_moves(shown: Shown) -> str | None:
+    found = [(_found(shown, k), MAPS[k]) for k in range(len(MAPS))]
+    still = [
+        f is not None and float(np.abs(gaps(m.poses, f.poses)).max()) < 1e-6
+        and float(np.abs(m.landmarks - f.landmarks).max()) < 1e-6
+        for f, m in found
+    ]  # fmt: skip
+    return "carte_de_depart" if all(still) else None
+
+
+def landmarks_stay(shown: Shown) -> str | None:
+    """Poses move, landmarks never do."""
+    found = [(_found(shown, k), MAPS[k]) for k in range(len(MAPS))]
+    if never_moves(shown) is not None:
+        return None
+    still = [f is not None and float(np.abs(m.landmarks - f.landmarks).max()) < 1e-6 for f, m in found]
+    return "amers_immobiles" if all(still) else None
+
+
+def singular(shown: Shown) -> str | None:
+    """The system cannot be solved on any map, or the first pose moves on most: no pose is held."""
+    faults = [isinstance(one, Fault) and one.name == "LinAlgError" for one in shown.got]
+    return "jauge_libre" if sum(faults) >= len(faults) - 1 else None
+
+
+def first_moves(shown: Shown) -> str | None:
+    """The first pose is not where it was given."""
+    found = [_found(shown, k) for k in range(len(MAPS))]
+    moved = [
+        f is not None and float(np.abs(gaps(m.poses[:1], f.poses[:1])).max()) > 1e-3
+        for f, m in zip(found, MAPS, strict=True)
+    ]
+    return "premiere_pose_bouge" if sum(moved) >= len(moved) - 1 else None
+
+
+def turns_only(shown: Shown) -> str | None:
+    """The optimum, with headings out of the interval."""
+    found = [_found(shown, k) for k in ENDED]
+    out = [f is not None and float(np.abs(f.poses[:, 2]).max()) > math.pi + 1e-6 for f in found]
+    reached = all(map(_reached, found, [MAPS[k] for k in ENDED]))
+    return "angles_jamais_ramenes" if any(out) and reached else None
+
+
+def one_step_only(shown: Shown) -> str | None:
+    """Twenty iterations give what one gives."""
+    ended, begun = (shown.got[PLAIN], shown.got[WRAPPING]), (shown.got[0], shown.got[1])
+    arrays = [(as_array(a), as_array(b)) for a, b in zip(ended, begun, strict=True)]
+    same = [a is not None and b is not None and np.allclose(a, b, atol=1e-8) for a, b in arrays]
+    moved = never_moves(shown) is None and first_moves(shown) is None
+    return "une_seule_iteration" if all(same) and moved and not _reached(_found(shown, PLAIN), MAPS[PLAIN]) else None
+
+
+PROBES = (
+    Probes(
+        function="systeme",
+        calls=tuple(tuple(one.at.values()) for one in SYSTEMS),
+        kit=world.STILL,
+        read=read_point,
+        rules=(half,),
+    ),
+    Probes(
+        function="slam_amers",
+        calls=tuple(tuple(one.inputs.values()) for one in MAPS),
+        kit=world.STILL,
+        read=read,
+        rules=(never_moves, landmarks_stay, singular, first_moves, turns_only, one_step_only),
+    ),
+)

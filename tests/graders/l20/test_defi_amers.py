@@ -1,0 +1,171 @@
+"""l20/defi_amers: H and b against finite differences, any honest road to the optimum passes, mistakes are named."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from graders.core.contract.local import PROJECT
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.values import Floats
+from graders.l20.defi_amers import maps, optimum, system
+from graders.l20.defi_amers.replays import REPLAYS
+from graders.plotting import counterexample
+from tests.graders.shipped import CODE
+from tests.support.quick import THEMES, some
+from tests.support.verdicts import failed, judgement_of, named, verdict_of
+
+GRADER = CODE["l20/defi_amers"]
+graded = partial(judgement_of, GRADER.exercise)
+verdict = partial(verdict_of, GRADER.exercise)
+
+SYSTEM_CHECKS = {"systeme_exemples", "systeme_hasard", "systeme_tours"}
+MAP_CHECKS = {"exact", "partage", "poids", "demi_tour", "tour"}
+SPECIMENS = {one.path.stem: one.path.read_text(encoding="utf-8") for one in GRADER.specimens()}
+HONEST = sorted(one.path.stem for one in GRADER.specimens() if one.outcome is Outcome.OK)
+#: Quick, and as unlike as can be: numeric, sparse, in the other convention, -b as a column.
+FEW = ("differences_finies", "creux_scipy", "recursif_generateur", "autre_convention")
+
+
+def whitened(one: maps.Map, state: Floats) -> Floats:
+    """All errors of a map, written here anew from the statement, so that chi2 is their sum of squares."""
+    poses, landmarks = state[: one.poses.size].reshape(-1, 3), state[one.poses.size :].reshape(-1, 2)
+    errors = []
+    for i, j, z, omega in (*one.edges, *one.sightings):
+        x, y, theta = poses[i]
+        target = poses[j] if len(z) == 3 else landmarks[j]
+        away = (target[0] - x + 1j * (target[1] - y)) * np.exp(-1j * theta) - complex(z[0], z[1])
+        turn = [np.angle(np.exp(1j * (target[2] - theta - z[2])))] if len(z) == 3 else []
+        errors.append(np.linalg.cholesky(omega).T @ [away.real, away.imag, *turn])
+    return np.concatenate(errors)
+
+
+def state_of(one: maps.Map) -> Floats:
+    return np.concatenate([one.poses.ravel(), one.landmarks.ravel()])
+
+
+@pytest.mark.parametrize("drawn", [maps.systems, maps.random_systems, maps.wrapping_systems])
+def test_h_and_b_are_those_of_finite_differences(drawn: object) -> None:
+    for one in some(drawn(np.random.default_rng(5))):  # type: ignore[operator]
+        state, step = state_of(one), 1e-6
+        columns = [
+            (whitened(one, state + step * d) - whitened(one, state - step * d)) / (2 * step) for d in np.eye(len(state))
+        ]
+        J = np.column_stack(columns)
+        H, b = one.system
+        np.testing.assert_allclose(H, J.T @ J, atol=1e-6 * np.abs(H).max())
+        np.testing.assert_allclose(b, J.T @ whitened(one, state), atol=1e-5)
+
+
+@pytest.mark.parametrize("drawn", [maps.exact, maps.shared, maps.weighted, maps.turning])
+def test_the_optimum_is_that_of_scipy(drawn: object) -> None:
+    for one in some(drawn(np.random.default_rng(8))):  # type: ignore[operator]
+        state = state_of(one)
+        found = least_squares(lambda free, m=one, s=state: whitened(m, np.concatenate([s[:3], free])), state[3:])
+        poses, landmarks = one.optimum
+        assert 2.0 * found.cost == pytest.approx(one.chi2(poses, landmarks), abs=1e-8)
+        np.testing.assert_allclose(found.x[one.poses.size - 3 :], landmarks.ravel(), atol=1e-4)
+
+
+def test_maps_settle_well_before_the_last_iteration() -> None:
+    for drawn in (maps.exact, maps.shared, maps.weighted, maps.turning, maps.tours):
+        for one in drawn(np.random.default_rng(3)):
+            assert maps.settles(one)
+            assert all(any(j == seen[1] for seen in one.sightings) for j in range(len(one.landmarks)))
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_the_solution_gets_full_marks(seed: int) -> None:
+    assert verdict(GRADER.solution, seed).outcome is Outcome.OK
+
+
+def test_the_starter_earns_nothing() -> None:
+    starter = (PROJECT / "curriculum/l20/exercices/defi_amers/starter.py").read_text(encoding="utf-8")
+    assert verdict(starter, 1).score == 0.0
+
+
+@pytest.mark.parametrize("name", [name if name in FEW else pytest.param(name, marks=pytest.mark.slow) for name in HONEST])
+def test_honest_styles_pass(name: str) -> None:
+    assert failed(verdict(SPECIMENS[name], 4)) == set()
+
+
+def edited(old: str, new: str) -> str:
+    assert old in GRADER.solution
+    return GRADER.solution.replace(old, new)
+
+
+STYLES = {
+    "the landmark's frame": ("amer_dans_le_monde", "return position - z,", "return amer - pose[:2] - z,"),
+    "landmarks first": ("indices_des_amers", "3 * n + 2 * j, 3 * n + 2 * j + 2", "2 * j, 2 * j + 2"),
+    "written over": ("blocs_ecrases", "H[lignes, colonnes] +=", "H[lignes, colonnes] ="),
+    "held in the system": ("jauge_dans_le_systeme", "    return H, b\n", "    return H[3:, 3:], b[3:]\n"),
+    "landmarks left": ("amers_immobiles", "a += pas[3 * n :].reshape(-1, 2)", "pass"),
+    "no gauge": ("jauge_libre", "pas[3:] = np.linalg.solve(H[3:, 3:], -b[3:])", "pas = np.linalg.solve(H, -b)"),
+    "away": ("signe_du_pas", "np.linalg.solve(H[3:, 3:], -b[3:])", "np.linalg.solve(H[3:, 3:], b[3:])"),
+    "one step": ("une_seule_iteration", "range(n_iter)", "range(1)"),
+    "in place": ("tableaux_ecrases", "x, a = np.array(poses, dtype=float), np.array(amers, dtype=float)", "x, a = poses, amers"),
+    "not wrapped": ("difference_non_ramenee", "ramener(xj[2] - xi[2] - z[2])", "xj[2] - xi[2] - z[2]"),
+}
+
+
+@pytest.mark.parametrize("style", STYLES)
+def test_a_mistake_is_named_in_another_program_than_the_model(style: str) -> None:
+    name, old, new = STYLES[style]
+    assert named(verdict(edited(old, new), 6)) == name
+
+
+def test_a_system_of_the_wrong_kind_is_an_invalid_output_that_says_so() -> None:
+    found = verdict(edited("    return H, b\n", "    return H\n"), 2)
+    assert found.outcome is Outcome.INVALID_OUTPUT
+    assert "deux choses" in found.checks[0].message
+
+
+def test_what_comes_back_in_other_forms_is_read() -> None:
+    one = maps.random_systems(np.random.default_rng(1))[0]
+    H, b = one.system
+    for got in ((H, -b), [H.tolist(), b[:, None]], (H * (1 + 5e-5), b)):
+        assert system.judge(one, got) is None
+    for got in ((H * (1 + 5e-4), b), (H, b + 0.2), (H[3:, 3:], b[3:]), (b, H), (2 * H, 2 * b), H, None, (H, b, 0)):
+        assert system.judge(one, got) is not None
+
+
+def test_hostile_maps_are_refused_without_an_error_of_ours() -> None:
+    one = maps.shared(np.random.default_rng(1))[0]
+    huge = np.full((2, 3), 1e300)
+    for got in (None, 3, "x", (one.poses, None), (huge, one.landmarks), (one.poses * np.nan, one.landmarks), [[1], [2, 3]]):
+        assert optimum.judge(one, got) is not None
+
+
+def test_systems_are_not_blamed_for_a_wrong_iteration_nor_the_reverse() -> None:
+    assert failed(verdict(edited("range(n_iter)", "range(1)"), 3)).isdisjoint(SYSTEM_CHECKS)
+    own = GRADER.solution + "\n\njuste = systeme\n\n" + "def systeme(*donnees):\n    H, b = juste(*donnees)\n    return H / 2, b / 2\n"
+    assert failed(verdict(own, 3)) == SYSTEM_CHECKS
+
+
+def test_the_counterexample_of_the_example_can_be_worked_by_hand() -> None:
+    check = next(c for c in verdict(edited("a += pas[3 * n :].reshape(-1, 2)", "pass"), 3).checks if c.id == "partage")
+    assert check.counterexample is not None
+    assert check.counterexample.inputs["poses"] == [[0, 0, 0], [2, 0, 0]]
+    assert check.counterexample.expected == [[[0, 0, 0], [pytest.approx(3), 0, 0]], [[pytest.approx(6), 0]]]
+
+
+def test_the_film_shows_iterations_and_where_they_go_wrong() -> None:
+    right = graded(GRADER.solution, 1).films["tour"]
+    replay = REPLAYS[right["kind"]](json.loads(json.dumps(right)))
+    assert "Vous y êtes" in replay.wire()["summary"][1]
+    wrong = graded(edited("np.linalg.solve(H[3:, 3:], -b[3:])", "np.linalg.solve(H[3:, 3:], b[3:])"), 1).films["tour"]
+    away = REPLAYS[wrong["kind"]](json.loads(json.dumps(wrong)))
+    assert away.charts[0].marks
+    assert "ici" in away.frames[1].caption
+
+
+@pytest.mark.parametrize("theme", THEMES)
+def test_figures_draw(theme: str) -> None:
+    figures = graded(edited("return tourne @ ecart, tourne", "return ecart, tourne"), 1).figures
+    for check in ("systeme_exemples", "partage"):
+        data = json.loads(json.dumps(figures[check]))
+        assert counterexample(GRADER.exercise, data, theme=theme).startswith(b"<?xml")
