@@ -28,8 +28,8 @@ INSIDE = 0.06
 #: How far beyond what it reads a ray is looked at, since a march ends beyond the wall.
 BEYOND = 0.15
 QUARTER = math.pi / 2
-#: Draws that are the same in every grading come first.
-TELLING = 7
+#: Draws that are the same in every grading come first: all known mistakes that some draws miss fail on these.
+TELLING = 5
 
 
 def plan(drawing: str) -> Grid:
@@ -110,24 +110,31 @@ def judged(args: Arguments) -> bool:
     return bool(gaps.min() > GRAZING)
 
 
+def telling_then(rng: Rng) -> tuple[Rng, Rng]:
+    """The generator of what is always drawn, then this one."""
+    return np.random.default_rng(TELLING), rng
+
+
 def along_axes(rng: Rng) -> Iterator[Arguments]:
     """Exactly along the axes, in the walled room; half a turn is asked as pi and as -pi."""
     for x, y in ((2.3, 3.7), (5.8, 1.4), (7.6, 4.8)):
         for angle in (0.0, QUARTER, math.pi, -QUARTER):
             yield ROOM, x, y, angle, 12.0
     yield ROOM, 7.2, 3.35, -math.pi, 12.0
-    for _ in range(4):
-        yield _drawn(rng, ROOM, 12.0, along_an_axis=True)
+    for source in telling_then(rng):
+        for _ in range(3):
+            yield _drawn(source, ROOM, 12.0, along_an_axis=True)
 
 
 def oblique(rng: Rng) -> Iterator[Arguments]:
     """In every quarter of the plane, in the walled room: some rays nearer to the x axis, others to the y axis."""
-    for x, y in ((4.4, 3.3), (1.7, 4.6), (7.3, 1.6)):
+    for x, y in ((4.4, 3.3), (1.7, 4.6), (7.3, 1.6), (8.6, 4.8)):
         for angle in (0.4, 1.2, 2.0, 2.8, -0.3, -1.1, -2.2, -2.7):
             if judged((ROOM, x, y, angle, 12.0)):
                 yield ROOM, x, y, angle, 12.0
-    for _ in range(6):
-        yield _drawn(rng, ROOM, 12.0)
+    for source in telling_then(rng):
+        for _ in range(4):
+            yield _drawn(source, ROOM, 12.0)
 
 
 def within_range(rng: Rng) -> Iterator[Arguments]:
@@ -147,8 +154,9 @@ def within_range(rng: Rng) -> Iterator[Arguments]:
     yield CORRIDOR, 27.2, 2.7, -3.1, 12.0
     yield CORRIDOR, 26.4, 2.7, -3.1, 8.0
     yield WIDE, 1.45, 5.5, -0.4, 2.62
-    for portee_max in (1.3, 2.45, 3.8, 5.27):
-        yield _drawn(rng, ROOM, portee_max)
+    for source in telling_then(rng):
+        for portee_max in (1.3, 2.45, 3.8, 5.27):
+            yield _drawn(source, ROOM, portee_max)
 
 
 def over_the_edge(rng: Rng) -> Iterator[Arguments]:
@@ -157,13 +165,14 @@ def over_the_edge(rng: Rng) -> Iterator[Arguments]:
         for angle in (0.0, QUARTER, math.pi, -QUARTER, 0.35, 1.3, 1.9, 2.75, -0.45, -1.25, -1.85, -2.6):
             if judged((libres, x, y, angle, 12.0)):
                 yield libres, x, y, angle, 12.0
-    for libres in (WIDE, TALL, WIDE, TALL):
-        yield _drawn(rng, libres, 12.0)
+    for source in telling_then(rng):
+        for libres in (WIDE, TALL, WIDE):
+            yield _drawn(source, libres, 12.0)
 
 
 def anywhere(rng: Rng) -> Iterator[Arguments]:
     """Maps drawn at random, wide or tall, walled or open; any start, any direction, several ranges."""
-    for source in (np.random.default_rng(TELLING), rng):
+    for source in telling_then(rng):
         for height, width in ((7, 11), (11, 6), (9, 14), (12, 8)):
             libres = world.random_map(source, height, width, fill=0.12)
             for free in (libres, np.ascontiguousarray(libres[1:-1, 1:-1])):
