@@ -124,10 +124,23 @@ def judge_of(known: Known) -> Judge:
 def examine(grader: Grader, exercise: Exercise, case: Case, seed: int) -> Examination:
     """What is wrong with a case on `seed`, or on one of the seeds that follow it."""
     for trial_seed in range(seed, seed + case.rounds):
-        fault = case.judge(grader.grade(exercise.id, case.write(trial_seed), trial_seed))
+        judgement = grader.grade(exercise.id, case.write(trial_seed), trial_seed)
+        fault = case.judge(judgement) or unwatchable(exercise.id, judgement)
         if fault:
             return Examination(exercise.id, case.subject, fault, trial_seed)
     return Examination(exercise.id, case.subject, "", seed)
+
+
+def unwatchable(exercise: str, judgement: Judgement) -> str:
+    """The films of which no replay can be made."""
+    from graders.scene.films import wire
+
+    for check, film in judgement.films.items():
+        try:
+            wire(exercise, film, check)
+        except Exception as error:  # whatever the author's function raises is reported with its place
+            return f"le film de {check} ne se rejoue pas ({type(error).__name__}: {error})"
+    return ""
 
 
 def not_full_marks(judgement: Judgement) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from typing import Any
-from uuid import UUID
 
 from graders.core.contract.progress import Progress as Mended
 from graders.core.contract.progress import progress as progress_since
@@ -16,6 +15,7 @@ from server.behaviour import service as behaviour
 from server.course import Exercise, Module
 from server.gradebook import accepted, solutions
 from server.gradebook import service as gradebook
+from server.gradebook.models import Grading
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts, Progress
 from server.pages import held, kits, marks, opening, talk
 from server.pages.policy import policy_lines
@@ -266,7 +266,7 @@ def _work(
         status=place.state.value,
         waiting=waiting_text(place),
         held=attempt.held_text,
-        verdict=_verdict_view(exercise, verdict, href, attempt.grading.id) if verdict and attempt.grading else None,
+        verdict=_verdict_view(exercise, verdict, href, attempt.grading) if verdict and attempt.grading else None,
         page=href,
         events=f"{href}/evenements",
         fragment=f"{href}/verdict{'?deja=true' if again else ''}",
@@ -280,9 +280,10 @@ def _work(
     )
 
 
-def _verdict_view(exercise: Exercise, verdict: Verdict, href: str, grading: UUID) -> VerdictView:
+def _verdict_view(exercise: Exercise, verdict: Verdict, href: str, grading: Grading) -> VerdictView:
     texts = None if exercise.answers is None else exercise
-    return verdicts.view(verdict, f"{href}/figures", texts, exercise.functions, grading=grading)
+    films = (f"{href}/rejeux", grading.filmed or ())
+    return verdicts.view(verdict, f"{href}/figures", texts, exercise.functions, grading=grading.id, films=films)
 
 
 def _progress(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict | None) -> Mended | None:

@@ -95,6 +95,17 @@ class CheckView:
     hint: str
     counterexample: CounterexampleView | None
     figure: FigureView | None
+    filmed: bool = False
+
+
+@dataclass(frozen=True)
+class FilmView:
+    """What the program did in a check: the address of its replay."""
+
+    id: str
+    title: str
+    passed: bool
+    source: str
 
 
 @dataclass(frozen=True)
@@ -119,7 +130,7 @@ class VerdictView:
     """A verdict in words. `points` is the mark out of 20 in French; empty when the fault is ours.
 
     `texts` renders its messages, of an exercise answered without code: they are the course's Markdown. `common` is
-    what all the checks say when they all say the same.
+    what all the checks say when they all say the same. `films` are those of failed checks, then of the others.
     """
 
     title: str
@@ -134,6 +145,7 @@ class VerdictView:
     seed: str
     version: str
     texts: Texts | None
+    films: tuple[FilmView, ...] = ()
 
     @property
     def passed(self) -> int:

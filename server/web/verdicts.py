@@ -3,18 +3,30 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from uuid import UUID
 
 from graders.core.contract.outcomes import Blame, Kind, Outcome
 from graders.core.contract.verdict import TEACHER, CheckResult, Counterexample, Diagnosis, Verdict
 from server.course import FunctionSpec
 from server.web import values
-from server.web.schemas import CheckView, CounterexampleView, DiagnosisView, FigureView, Texts, Tone, VerdictView
+from server.web.schemas import (
+    CheckView,
+    CounterexampleView,
+    DiagnosisView,
+    FigureView,
+    FilmView,
+    Texts,
+    Tone,
+    VerdictView,
+)
 from server.web.words import mark, points
 
 #: The address under which figures are drawn, and the grading that they are of.
 Figures = tuple[str, UUID | None]
+#: The address under which films are made replays, and the checks that have one.
+Films = tuple[str, Collection[str]]
+NO_FILMS: Films = ("", ())
 NAME = re.compile(r"[^\W\d]\w*")
 TIMINGS = {
     "load_ms": "chargement de votre fichier",
@@ -31,10 +43,12 @@ def view(
     functions: Sequence[FunctionSpec] = (),
     *,
     grading: UUID | None = None,
+    films: Films = NO_FILMS,
 ) -> VerdictView:
     """Lay out a verdict. `figures` is the address under which its figures are drawn.
 
-    Those addresses name the `grading`: browsers keep a figure for ever, and another grading may come to count.
+    Those addresses name the `grading`: browsers keep a figure for ever, and another grading may come to count. So do
+    those of `films`.
 
     `texts` is the exercise, where it is answered without code: the verdict's texts are then its Markdown. `functions`
     are those that it asks for: they name the parts of what they return.
@@ -47,13 +61,14 @@ def view(
         tone=_tone(verdict),
         points=mark(verdict.points) if verdict.outcome.counts else "",
         common=common_message(verdict.checks),
-        checks=tuple(_check(check, (figures, grading), marked, functions) for check in verdict.checks),
+        checks=tuple(_check(check, (figures, grading), marked, functions, films[1]) for check in verdict.checks),
         diagnosis=_diagnosis(verdict.diagnosis) if verdict.diagnosis else None,
         stdout=verdict.stdout,
         timings=tuple(_timing(name, value) for name, value in verdict.timings.items()),
         seed=str(verdict.seed),
         version=verdict.exercise_version,
         texts=texts,
+        films=_films(verdict.checks, films, grading),
     )
 
 
@@ -74,7 +89,20 @@ def common_message(checks: Sequence[CheckResult]) -> str:
     return messages.pop() if len(messages) == 1 and len(checks) > 1 else ""
 
 
-def _check(check: CheckResult, figures: Figures, marked: bool, functions: Sequence[FunctionSpec]) -> CheckView:
+def _films(checks: Sequence[CheckResult], films: Films, grading: UUID | None) -> tuple[FilmView, ...]:
+    folder, filmed = films
+    ending = f"?correction={grading}" if grading else ""
+    first_failed = sorted((check for check in checks if check.id in filmed), key=lambda check: check.passed)
+    return tuple(FilmView(one.id, one.title, one.passed, f"{folder}/{one.id}{ending}") for one in first_failed)
+
+
+def _check(
+    check: CheckResult,
+    figures: Figures,
+    marked: bool,
+    functions: Sequence[FunctionSpec],
+    filmed: Collection[str] = (),
+) -> CheckView:
     counterexample = check.counterexample
     return CheckView(
         id=check.id,
@@ -86,6 +114,7 @@ def _check(check: CheckResult, figures: Figures, marked: bool, functions: Sequen
         hint=check.hint or "",
         counterexample=_counterexample(counterexample, functions, shows_inputs=not marked) if counterexample else None,
         figure=_figure(check, figures) if check.figure else None,
+        filmed=check.id in filmed,
     )
 
 

@@ -24,7 +24,7 @@ from server.course import Course
 from server.grading.joint import Grader
 from server.sandbox import Sandbox, WallReport, WallStatus
 from tests.support.live import balise, environment
-from tests.support.service import EXERCISE
+from tests.support.service import EXERCISE, fake_verdict
 
 
 @pytest.fixture
@@ -189,6 +189,15 @@ def test_check_tries_all_that_is_known_of_an_exercise_and_notices_what_is_wrong(
     assert "obtient tous les points" in all_right[first]
     assert "missing_function obtenu" in all_wrong["référence"]
     assert "diagnostic obtenu : aucun" in all_wrong[first]
+
+
+def test_check_notices_a_film_that_cannot_be_played() -> None:
+    verdict = fake_verdict("x = 1", 1)
+    film = {"kind": "localisation", "start": [1, 1], "commands": [], "cells": [], "beliefs": []}
+    broken = Judgement(verdict, {}, {"b": {**film, "kind": "rien"}})
+    assert "le film de b ne se rejoue pas (KeyError" in check.unwatchable("l20/predire2d", broken)
+    walk = {**film, "commands": [[1, 0]], "cells": [[1, 2]]}
+    assert check.unwatchable("l20/predire2d", Judgement(verdict, {}, {"b": walk})) == ""
 
 
 ANSWERED = "l20/calcul_odometrie"

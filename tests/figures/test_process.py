@@ -105,7 +105,7 @@ def test_one_process_draws_as_it_would_be_drawn_here_whatever_failed_before(fold
         film = {"kind": "localisation", "start": [1, 1], "commands": [[1, 0]], "cells": [[1, 2]], "beliefs": []}
         asked = orders.of_film("l20/predire2d", film, "Suivre").question
         assert json.loads(gzip.decompress(await helper.ask(asked))) == wire("l20/predire2d", film, "Suivre")
-        for bad in ({**film, "beliefs": [[1, 2]]}, {**film, "kind": "rien"}, {"beliefs": []}):
+        for bad in ({**film, "beliefs": ["00ff"]}, {**film, "kind": "rien"}, {"beliefs": []}):
             await raises(helper, orders.of_film("l20/predire2d", bad, "Suivre").question)
         await raises(helper, orders.of_film("l20/predire2d", film, "é" * (LARGEST_REPLAY // 2)).question)
         for function in ("wrong", "greedy"):  # what raises or takes too much memory

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -26,6 +27,7 @@ from tests.support.classes import Person, assign, new_class, person, seat
 from tests.support.service import EXERCISE, Site, fake_verdict
 
 FILM = {"kind": "walk", "at": [1, 2]}
+SOURCE = re.compile(r'data-source="([^"]+)"')
 ANSWER = b'{"frames": []}'
 JSON = {"Accept": "application/json"}
 
@@ -149,3 +151,40 @@ def test_a_grading_says_of_which_checks_there_are_films(site: Site, films: dict[
         grading = gradebook.find(db, ada.account, href.rsplit("/", 1)[1]).grading
         assert grading is not None
         assert (grading.filmed, "films" in vars(grading)) == (list(films) or None, False)
+
+
+def test_a_verdict_shows_what_can_be_watched_what_failed_first(site: Site) -> None:
+    draws(site)
+    ada, teacher = person(site), person(site, Role.teacher)
+    seat(site.database, new_class(site.database, teacher.account), ada.account)
+    href = sends(site, ada)
+    with site.database.write() as db:
+        submission = db.execute(select(Submission)).scalar_one()
+        films = {"a": FILM, "b": FILM}
+        gradebook.record(
+            db, submission.id, Graded(Judgement(fake_verdict("outcome: timeout", 1), {}, films), utc_now())
+        )
+        db.refresh(submission)
+        ending = f"?correction={submission.grading_id}"
+    own = (href, f"{href}/verdict", f"/{EXERCISE.replace('/', '/exercices/')}")
+    for who, paths in ((ada, own), (teacher, (href,))):
+        for path in paths:
+            page = who.browser(site).get(path).text
+            assert SOURCE.findall(page) == [f"{href}/rejeux/{name}{ending}" for name in "ba"], path
+            assert page.index('id="film-b"') < page.index('id="film-a"')
+            assert page.count('href="#film-b"') == 1, "a failed check leads to its own"
+            assert 'href="#film-a"' not in page
+            assert page.count('<p class="without-script">Cette animation se joue avec JavaScript') == 2
+    for source in SOURCE.findall(ada.browser(site).get(href).text):
+        assert ada.browser(site).get(source, headers=JSON).content == ANSWER
+
+
+def test_a_verdict_without_films_speaks_of_none(site: Site) -> None:
+    ada = person(site)
+    href = sends(site, ada)
+    with site.database.write() as db:
+        submission = db.execute(select(Submission)).scalar_one()
+        gradebook.record(db, submission.id, Graded(Judgement(fake_verdict("x = 1", 1)), utc_now()))
+    page = ada.browser(site).get(href).text
+    assert "Revoir ce que votre code a fait" not in page
+    assert "data-source" not in page

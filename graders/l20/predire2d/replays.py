@@ -90,7 +90,7 @@ def localisation(data: dict[str, Any]) -> Replay:
 
 def _moments(grid: GridWorld, data: dict[str, Any]) -> list[Moment]:
     """As far as the student's beliefs go, and one more where they stop before the end."""
-    got = [_normalised(np.array(belief, dtype=np.float64).reshape(grid.free.shape)) for belief in data["beliefs"]]
+    got = [_normalised(_levels(belief).reshape(grid.free.shape)) for belief in data["beliefs"]]
     wanted, moments = grid.uniform(), []
     for step, ((du, dv), (y, x)) in enumerate(zip(data["commands"], data["cells"], strict=True), 1):
         wanted = predict(grid, wanted, du, dv)
@@ -102,6 +102,10 @@ def _moments(grid: GridWorld, data: dict[str, Any]) -> list[Moment]:
         moments.append(("corriger2d", f"Pas {step}, corriger2d : le scan lit {read}.", (y, x), scan, wanted))
     shown = moments[: len(got) + 1]
     return [Moment(*told, got[k] if k < len(got) else None) for k, told in enumerate(shown)]
+
+
+def _levels(text: str) -> Floats:
+    return np.frombuffer(bytes.fromhex(text), dtype=np.uint8).astype(np.float64)
 
 
 def _normalised(levels: Floats) -> Floats:
@@ -116,7 +120,7 @@ def _beside(got: Floats | None, wanted: Floats) -> list[Layer]:
     for panel, belief in ((YOURS, got), (THEIRS, wanted)):
         if belief is None or belief.max() <= 0.0:
             continue
-        layers.append(Grid(np.sqrt(belief / belief.max()), "belief", panel=panel))
+        layers.append(Grid(np.sqrt(belief), "belief", panel=panel))
         if belief.max() > 1.5 / np.count_nonzero(module_world().free):
             y, x = most_likely(belief)
             layers.append(Circles([[x + 0.5, y + 0.5]], 0.5, "estimate", filled=False, panel=panel))

@@ -136,13 +136,13 @@ def _follow(bench: Bench, grid: GridWorld, episode: Episode, beliefs: list[Float
 
 
 def film(episode: Episode, beliefs: Sequence[Floats]) -> FigureData:
-    """A walk, and the student's beliefs as far as there are: square roots of them in bytes, the greatest 255."""
+    """A walk, and the student's beliefs as far as there are: square roots of them as bytes, the greatest 255."""
     return {
         "kind": "localisation",
         "start": list(episode.start),
         "commands": [list(command) for command in episode.commands],
         "cells": [list(cell) for cell in episode.cells],
-        "beliefs": [_shade(belief).tolist() for belief in beliefs],
+        "beliefs": [_shade(belief).tobytes().hex() for belief in beliefs],
     }
 
 

@@ -20,6 +20,7 @@ from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
+from graders.l20.slam_graphe.filming import STEPS, film
 from graders.l20.slam_graphe.graphs import EIGHTH, QUARTER, Graph, settles
 from reference.pose_graph import DisconnectedGraphError
 from reference.se2 import wrap_angle
@@ -115,15 +116,19 @@ def fingerprint(graph: Graph, got: Value) -> Value:
 
 
 @dataclass(frozen=True)
-class Failure:
-    """A graph that was not brought to its optimum: what came back and why it is wrong, or the fault."""
+class Answered:
+    """A graph that was asked for: what came back and why it is wrong (None: it is not), or the fault."""
 
     graph: Graph
     got: Value
     mismatch: Mismatch | None
     fault: StudentFault | None
 
-    def resembles(self, other: Failure) -> bool:
+    @property
+    def failed(self) -> bool:
+        return self.mismatch is not None or self.fault is not None
+
+    def resembles(self, other: Answered) -> bool:
         """Failed in the same way: a shrunk counterexample must show the same mistake."""
         if self.fault or other.fault:
             return bool(self.fault and other.fault) and self.fault.exception == other.fault.exception  # type: ignore[union-attr]
@@ -139,17 +144,29 @@ class Optimum(Check):
     graphs: Callable[[np.random.Generator], Sequence[Graph]]
 
     def run(self, bench: Bench) -> None:
-        first: Failure | None = None
+        right: list[Answered] = []
+        first: Answered | None = None
         graphs = self.graphs(bench.rng)
         for graph in _brief(graphs) if bench.runner.reenacting else graphs:
-            failure = failure_on(bench, graph, record=True)
-            if failure and graph.judged:
-                first = first or failure
-            if failure and failure.fault and _hopeless(failure.fault):
+            answer = answered(bench, graph, record=True)
+            if answer.failed and graph.judged:
+                first = first or answer
+            elif graph.judged:
+                right.append(answer)
+            if answer.fault and _hopeless(answer.fault):
                 break
-        if first is not None:
+        if bench.runner.reenacting:
             # Nobody reads what a re-enacted mistake finds: only its observations count.
-            raise Rejection("") if bench.runner.reenacting else rejection(_shrunk(bench, first))
+            if first is not None:
+                raise Rejection("")
+        elif first is None:
+            largest = max(right, key=lambda answer: len(answer.graph.edges))
+            bench.film(film(largest.graph, largest.got, [], right=True))
+        else:
+            shrunk = _shrunk(bench, first)
+            steps = [] if shrunk.fault else _first_steps(bench, shrunk.graph)
+            bench.film(film(shrunk.graph, shrunk.got, steps, right=False))
+            raise rejection(shrunk)
 
 
 def _brief(graphs: Sequence[Graph]) -> Sequence[Graph]:
@@ -161,20 +178,31 @@ def _hopeless(fault: StudentFault) -> bool:
     return fault.fatal or fault.outcome is Outcome.MISSING_FUNCTION
 
 
-def failure_on(bench: Bench, graph: Graph, *, record: bool) -> Failure | None:
-    """How one call on one graph fails; None when it does not."""
+def answered(bench: Bench, graph: Graph, *, record: bool) -> Answered:
+    """What one call on one graph gives, and how it fails if it does."""
     try:
         with np.errstate(all="ignore"):  # a mistake that diverges, run in this process for a diagnosis
             got = bench.call(FUNCTION, *graph.inputs.values())
     except StudentFault as fault:
         if record:
             _observe_fault(bench, fault)
-        return Failure(graph, None, None, fault)
+        return Answered(graph, None, None, fault)
     mismatch = judge(graph, got)
     if record:
         right = mismatch is None if graph.judged else half_way(graph, got)
         bench.observe(FUNCTION, fingerprint(graph, got), ok=right)
-    return Failure(graph, got, mismatch, None) if mismatch else None
+    return Answered(graph, got, mismatch, None)
+
+
+def _first_steps(bench: Bench, graph: Graph) -> list[Value]:
+    """Where the first iterations lead, one more each time, as far as they give anything."""
+    found: list[Value] = []
+    try:
+        for steps in STEPS:
+            found.append(bench.call(FUNCTION, *replace(graph, n_iter=steps).inputs.values()))
+    except StudentFault:
+        return found
+    return found
 
 
 def _observe_fault(bench: Bench, fault: StudentFault) -> None:
@@ -185,15 +213,15 @@ def _observe_fault(bench: Bench, fault: StudentFault) -> None:
         bench.observe(FUNCTION, None, ok=False, fault=fault)
 
 
-def _shrunk(bench: Bench, failure: Failure) -> Failure:
+def _shrunk(bench: Bench, failure: Answered) -> Answered:
     if failure.fault and _hopeless(failure.fault):
         return failure
 
-    def again(last: Failure, arguments: Arguments) -> Failure | None:
+    def again(last: Answered, arguments: Arguments) -> Answered | None:
         if last.fault and _hopeless(last.fault):
             return None
-        simpler = failure_on(bench, arguments[0], record=False)
-        return simpler if simpler is not None and simpler.resembles(failure) else None
+        simpler = answered(bench, arguments[0], record=False)
+        return simpler if simpler.failed and simpler.resembles(failure) else None
 
     return shrink_failure(failure, (failure.graph,), (simpler_graphs,), again, bench.runner.budget)
 
@@ -233,7 +261,7 @@ def rounded(poses: Floats, decimals: int) -> Floats:
     return np.concatenate([np.round(poses[..., :2], decimals), angles[..., None]], axis=-1)
 
 
-def rejection(failure: Failure) -> Rejection:
+def rejection(failure: Answered) -> Rejection:
     """The finding in words, with the graph, its optimum and what came back."""
     graph = failure.graph
     expected = np.where(np.abs(graph.optimum) < TOLERANCE, 0.0, graph.optimum)

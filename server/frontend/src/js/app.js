@@ -60,7 +60,24 @@ for (const end of ["load", "error"]) {
   document.addEventListener(end, ({ target }) => target.removeAttribute?.("data-awaited"), true);
 }
 
+// What a program did, on the page of its verdict: the player is fetched with the first of them.
+function showFilms() {
+  if (!document.querySelector(".film figure.replay:not([data-ready])")) return;
+  import("./replays/index.js").then(({ enhance }) => enhance());
+}
+
+document.addEventListener("click", (event) => {
+  const link = event.target.closest?.("a[href^='#film-']");
+  const film = link && document.getElementById(link.hash.slice(1));
+  if (!film) return;
+  event.preventDefault(); // going to an address takes the focus from what it names
+  film.open = true;
+  film.scrollIntoView({ block: "start" });
+  film.querySelector("summary").focus({ preventScroll: true });
+});
+
 function dress() {
+  showFilms();
   showTheme();
   showLocalTimes();
   markAwaitedPictures();

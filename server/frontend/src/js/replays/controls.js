@@ -64,7 +64,7 @@ export class Settings {
     this.#values = { ...this.#defaults };
     this.reset = button("Réglages de départ", () => this.#restore(), "link-button");
     const fields = parameters.map((one) => this.#field(one)).filter(Boolean);
-    this.element = make("div", { class: "replay-settings" }, ...fields, this.reset);
+    this.element = make("div", { class: "replay-settings", hidden: fields.length === 0 }, ...fields, this.reset);
     this.#refresh();
   }
 

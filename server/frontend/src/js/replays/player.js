@@ -34,6 +34,8 @@ export class Player {
       speed: (to) => (this.#speed = to),
     });
     this.stage = new Stage(this.canvas);
+    this.stages = [this.stage];
+    this.astray = button("", () => this.seek(this.data.wrong[0]));
     this.drag = new Drag(this.stage, {
       moved: (name, pose) => this.settings.set(name, pose),
       held: (held) => this.summary.setAttribute("aria-busy", String(held)),
@@ -110,7 +112,7 @@ export class Player {
     this.#showLegend(data.legend);
     this.status.hidden = true;
     this.body.hidden = false;
-    this.stage.show(data);
+    for (const stage of this.stages) stage.show(data);
     this.#watchPose(data);
     this.#draw();
   }
@@ -122,10 +124,27 @@ export class Player {
     });
     this.title.replaceChildren(...lowered(data.title));
     this.canvas.setAttribute("aria-label", data.alt);
-    const view = make("div", { class: "replay-view" }, this.canvas, this.caption);
-    const { title, legend, transport, charts, settings, summary } = this;
+    this.view = make("div", { class: "replay-view" }, this.#drawings(data), this.caption);
+    const { title, legend, view, transport, charts, settings, summary } = this;
     this.body.replaceChildren(title, legend, view, transport.element, charts, settings.element, summary);
+    if (data.wrong) {
+      this.astray.textContent = data.wrong[1];
+      transport.element.after(make("p", { class: "replay-astray" }, this.astray));
+    }
     this.#dress();
+  }
+
+  /** The canvas, or one for each panel under its title; keys are pressed on the first. */
+  #drawings({ panels = [] }) {
+    if (panels.length === 0) return this.canvas;
+    const drawings = panels.map((title, i) => {
+      if (i > 0) {
+        const canvas = make("canvas", { class: "replay-canvas", role: "img", "aria-label": title });
+        this.stages.push(new Stage(canvas, i));
+      }
+      return make("div", {}, make("p", { class: "replay-panel" }, ...lowered(title)), this.stages[i].canvas);
+    });
+    return make("div", { class: "replay-panels" }, ...drawings);
   }
 
   #showCharts(charts) {
@@ -162,20 +181,22 @@ export class Player {
     const position = this.#playing && !STILL.matches ? this.#position : index;
     const wish = this.drag.wish;
     const ghost = wish ? [{ kind: "pose", at: wish, color: "ink", radius: 0.4, style: "ghost" }] : [];
-    this.stage.paint(position, this.colours, ghost);
+    for (const stage of this.stages) stage.paint(position, this.colours, ghost);
     for (const plot of this.plots) plot.paint(position, this.colours);
     this.transport.show(index, this.data.frames.length, this.#playing);
     const words = this.#frame().caption;
+    this.view.classList.toggle("replay-wrong", this.data.wrong?.[0] === index);
     if (this.words !== words) this.caption.replaceChildren(...lowered((this.words = words)));
   }
 
   #dress() {
+    if (!this.root.isConnected) return; // another verdict has taken its place
     this.colours = readColours(this.root);
     this.#draw();
   }
 
   #resized() {
-    if (this.data) this.stage.resize();
+    if (this.data) for (const stage of this.stages) stage.resize();
     this.#draw();
   }
 

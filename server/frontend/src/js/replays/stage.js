@@ -7,8 +7,10 @@ import { PAINTERS } from "./layers.js";
 const COMFORTABLE = 560; // pixels of width from which dots and lines have their full size
 
 export class Stage {
-  constructor(canvas) {
+  /** `panel`: which drawing of a scene with several this is. */
+  constructor(canvas, panel = 0) {
     this.canvas = canvas;
+    this.panel = panel;
     this.context = canvas.getContext("2d");
     this.scene = null;
   }
@@ -64,6 +66,7 @@ export class Stage {
   }
 
   #one(layer, colours, shown) {
+    if ((layer.panel ?? this.panel) !== this.panel) return;
     this.context.save();
     PAINTERS[layer.kind](this.context, this.paper, layer, colours, shown);
     this.context.restore();
