@@ -9,23 +9,22 @@ more, or of what a check fails, is a fault.
 from __future__ import annotations
 
 import logging
-import os
 import time
-from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
 from enum import Enum
-from functools import partial
+from functools import cache
+from itertools import islice
 
 from graders.core.alterations.alterations import Alteration, alterations
 from graders.core.alterations.equivalents import Mark, read_equivalents, stale
 from graders.core.code.checks import Check
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.malformed import MalformedExerciseError
-from server.cli import CannotRun
-from server.cli.progress import Progress
+from server.cli import CannotRun, parallel
 from server.cli.report import number
-from server.course import Exercise
+from server.course import Course, Exercise
 from server.grading.joint import Grader
 from server.sandbox import Policy
 
@@ -59,16 +58,16 @@ class Trial:
     alteration: Alteration
     fate: Fate
     said: str = ""
+    seconds: float = 0.0
 
 
 @dataclass(frozen=True)
 class Tally:
-    """What became of the alterations of one exercise, in `seconds`; `faults` are those of its marks."""
+    """What became of the alterations of one exercise; `faults` are those of its marks, or of its solution."""
 
     exercise: str
     trials: Sequence[Trial]
     faults: Sequence[str]
-    seconds: float
 
     def those(self, *fates: Fate, own: bool = False) -> list[Trial]:
         return [one for one in self.trials if one.fate in fates and (one.alteration.own or not own)]
@@ -89,77 +88,105 @@ def _share(some: int, all_: int) -> float:
     return some / all_ if all_ else 1.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Subject:
     """An exercise whose solution is altered: its checks, the cheapest first, under a policy that is cut short."""
 
-    grader: Grader
-    exercise: str
+    exercise: Exercise
     code: CodeGrader
     checks: tuple[Check, ...]
     policy: Policy
 
-    def first_failed(self, source: str, seed: int) -> str | None:
-        """The check that catches a program. Whatever else is raised, twice in a row, is our own failure."""
+    def first_failed(self, grader: Grader, source: str, seed: int) -> str | None:
+        """The check that catches a program. What is raised, twice in a row, is our own failure."""
         for _ in range(TRIES - 1):
             try:
-                return self._first_failed(source, seed)
+                return self._first_failed(grader, source, seed)
             except Exception:
-                log.exception("an altered %s could not be graded with seed %d", self.exercise, seed)
-        return self._first_failed(source, seed)
+                log.exception("an altered %s could not be graded with seed %d", self.exercise.id, seed)
+        return self._first_failed(grader, source, seed)
 
-    def _first_failed(self, source: str, seed: int) -> str | None:
-        programs = self.grader.programs(self.exercise, self.policy)
+    def _first_failed(self, grader: Grader, source: str, seed: int) -> str | None:
+        programs = grader.programs(self.exercise.id, self.policy)
         return self.code.first_failed(source.encode(), programs, seed=seed, checks=self.checks)
 
 
-def run(grader: Grader, exercises: Iterable[Exercise], *, everything: bool) -> int:
-    """Tries and tells; 1 under the goal, or where a mark is wrong. `everything`: exercises without code are left out.
+def run(course: Course, asked: Sequence[Exercise]) -> int:
+    """Tries and tells; 1 under the goal, or where a mark is wrong. Where none is asked for, all exercises of code.
 
     Raises CannotRun for one that was asked for and has no code.
     """
-    asked = [exercise for exercise in exercises if isinstance(exercise.grader, CodeGrader) or not everything]
-    for exercise in asked:
-        if not isinstance(exercise.grader, CodeGrader):
-            raise CannotRun(f"l’exercice « {exercise.id} » n’a pas de solution en Python à changer.")
+    subjects = [_subject(exercise) for exercise in asked or course.exercises.values() if asked or _coded(exercise)]
+    found = [alterations(subject.code.solution) for subject in subjects]
+    jobs = [(subject, alteration) for subject, its in zip(subjects, found, strict=True) for alteration in its]
     tallies = []
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for exercise in asked:
-            tallies.append(tally(grader, exercise, pool))
+    with closing(parallel.in_order(course, work, jobs, "Altérations")) as trials:
+        for subject, its in zip(subjects, found, strict=True):
+            tallies.append(tally(subject, list(islice(trials, len(its)))))
             for text in told(tallies[-1]):
                 print(text, flush=True)
     print(summary(tallies))
     return 0 if all(one.well for one in tallies) else 1
 
 
-def tally(grader: Grader, exercise: Exercise, pool: ThreadPoolExecutor) -> Tally:
-    """Tries every alteration of the solution of an exercise of code."""
-    begun, code = time.monotonic(), exercise.grader
-    assert isinstance(code, CodeGrader)
+def _coded(exercise: Exercise) -> bool:
+    return isinstance(exercise.grader, CodeGrader)
+
+
+def _subject(exercise: Exercise) -> Subject:
+    """Raises CannotRun where there is no code."""
+    code = exercise.grader
+    if not isinstance(code, CodeGrader):
+        raise CannotRun(f"l’exercice « {exercise.id} » n’a pas de solution en Python à changer.")
+    return Subject(exercise, code, code.checks, exercise.policy)
+
+
+def work(grader: Grader, job: tuple[Subject, Alteration]) -> Trial:
+    """One job, in a process of its own: the solution is measured once in each."""
+    subject, alteration = job
+    ready = _ready(grader, subject)
+    return Trial(alteration, Fate.BROKEN, ready) if isinstance(ready, str) else tried(grader, ready, alteration)
+
+
+@cache
+def _ready(grader: Grader, subject: Subject) -> Subject | str:
+    """The subject as it is measured, or why it cannot be."""
     try:
-        marks = read_equivalents(code.folder)
-        subject = measured(Subject(grader, exercise.id, code, code.checks, exercise.policy))
-    except (MalformedExerciseError, CannotRun) as error:
-        return Tally(exercise.id, (), (str(error),), time.monotonic() - begun)
-    found, trials = alterations(code.solution), []
-    with Progress(exercise.id, len(found)) as progress:
-        for trial in pool.map(partial(tried, subject, marks), found):
-            trials.append(trial)
-            progress.advance()
-    faults = [str(fault) for fault in stale(marks, found)]
-    return Tally(exercise.id, trials, faults, time.monotonic() - begun)
+        return measured(grader, subject)
+    except CannotRun as reason:
+        return str(reason)
 
 
-def measured(subject: Subject) -> Subject:
+def tally(subject: Subject, trials: Sequence[Trial]) -> Tally:
+    """What became of the alterations of an exercise, held against its marks."""
+    try:
+        marks = read_equivalents(subject.code.folder)
+    except MalformedExerciseError as error:
+        return Tally(subject.exercise.id, (), (str(error),))
+    reasons = {trial.said for trial in trials}
+    if all(trial.fate is Fate.BROKEN for trial in trials) and len(reasons) == 1:
+        return Tally(subject.exercise.id, (), tuple(reasons))
+    faults = [str(fault) for fault in stale(marks, [trial.alteration for trial in trials])]
+    return Tally(subject.exercise.id, [_held(trial, marks) for trial in trials], faults)
+
+
+def _held(trial: Trial, marks: Sequence[Mark]) -> Trial:
+    """The same trial where no mark speaks of it."""
+    if trial.fate is Fate.BROKEN or not any(mark.marks(trial.alteration) for mark in marks):
+        return trial
+    return replace(trial, fate=Fate.EQUIVALENT if trial.fate is Fate.SURVIVED else Fate.MISMARKED)
+
+
+def measured(grader: Grader, subject: Subject) -> Subject:
     """The same, with its checks in the order of what they cost the solution, and time in proportion to it.
 
     Raises CannotRun where the solution itself fails: nothing can be said of its alterations.
     """
     solution, costs = subject.code.solution, {}
-    subject.first_failed(solution, SEEDS[0])  # what is slow the first time is
+    subject.first_failed(grader, solution, SEEDS[0])  # what is slow the first time is
     for check in subject.checks:
         begun = time.monotonic()
-        if replace(subject, checks=(check,)).first_failed(solution, SEEDS[0]) is not None:
+        if replace(subject, checks=(check,)).first_failed(grader, solution, SEEDS[0]) is not None:
             raise CannotRun(f"la solution elle-même échoue ({check.id}).")
         costs[check.id] = time.monotonic() - begun
     patience = max(LEAST_SECONDS, PATIENCE * sum(costs.values()))
@@ -171,32 +198,29 @@ def measured(subject: Subject) -> Subject:
     return replace(subject, checks=tuple(sorted(subject.checks, key=lambda check: costs[check.id])), policy=policy)
 
 
-def tried(subject: Subject, marks: Sequence[Mark], alteration: Alteration) -> Trial:
-    """What becomes of one alteration."""
-    failed = None
+def tried(grader: Grader, subject: Subject, alteration: Alteration) -> Trial:
+    """What becomes of one alteration, marks left aside."""
+    begun, fate, said = time.monotonic(), Fate.SURVIVED, ""
     try:
         for seed in SEEDS:
-            failed = subject.first_failed(alteration.altered, seed)
+            failed = subject.first_failed(grader, alteration.altered, seed)
             if failed is not None:
+                fate, said = (Fate.CAUGHT if seed == SEEDS[0] else Fate.BY_CHANCE), failed
                 break
     except Exception as error:
-        return Trial(alteration, Fate.BROKEN, repr(error))
-    marked = any(mark.marks(alteration) for mark in marks)
-    if failed is None:
-        return Trial(alteration, Fate.EQUIVALENT if marked else Fate.SURVIVED)
-    if marked:
-        return Trial(alteration, Fate.MISMARKED, failed)
-    return Trial(alteration, Fate.CAUGHT if seed == SEEDS[0] else Fate.BY_CHANCE, failed)
+        fate, said = Fate.BROKEN, repr(error)
+    return Trial(alteration, fate, said, time.monotonic() - begun)
 
 
 def told(tally: Tally) -> Iterator[str]:
     """One line for an exercise, then the diff of each alteration of which something is to be said."""
     survived, equivalent = tally.those(Fate.SURVIVED), tally.those(Fate.EQUIVALENT)
     caught, of = tally.caught()
+    seconds = sum(trial.seconds for trial in tally.trials)
     shares = f"{percent(caught, of)} ; du cours : {percent(*tally.caught(own=True))}"
     yield (
         f"{'✓' if tally.well else '✗'} {tally.exercise:<24} altérations : {len(tally.trials)}, tuées : {caught}, "
-        f"survivantes : {len(survived)}, équivalentes : {len(equivalent)} — {shares} — {number(tally.seconds)} s"
+        f"survivantes : {len(survived)}, équivalentes : {len(equivalent)} — {shares} — {seconds:.0f} s"
     )
     for fault in tally.faults:
         yield f"  ✗ {fault}"

@@ -2,23 +2,26 @@
 
 The texts are rendered; their figures are drawn and their cells run unless only some exercises are asked for. For each
 exercise: the reference gets full marks, the starter does not, every catalogued misconception is rejected and named,
-each specimen gets the outcome of its folder. What is known of answers without code is tried on several deals.
+each specimen gets the outcome of its folder. What is known of answers without code is tried on several deals. All this
+on all cores, told in one order.
 """
 
 import logging
 import secrets
 import sys
+import time
 from argparse import Namespace
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import Known
 from server.cells import faults as cells
-from server.cli import CannotRun, alterations, fairness
-from server.cli.local import find, load_course, local_grader, start_probing
-from server.course import Exercise, load
+from server.cli import CannotRun, alterations, fairness, parallel
+from server.cli.local import find, load_course, local_grader, require_safe_sandbox, start_probing
+from server.course import Course, Exercise, Problem, load
 from server.figures import lessons
 from server.grading.joint import Grader
 from server.submissions.deals import SEED_BITS
@@ -49,22 +52,44 @@ class Examination:
     seed: int
 
 
+Told = Examination | Sequence[Problem]
+Job = Callable[[Grader], Told]
+
+
 def run(arguments: Namespace) -> int:
     logging.basicConfig(level=logging.WARNING, stream=sys.stderr)
     if arguments.fairness is not None:
         return _fairness(arguments)
     if arguments.mutants:
         return _mutants(arguments)
+    begun = time.monotonic()
     probing, course = start_probing(slow=False), load()
     exercises = [find(course, name) for name in arguments.exercises] or list(course.exercises.values())
-    problems = [*course.problems, *(() if arguments.exercises else lessons.faults(course))]
-    with local_grader(course, probing) as grader:
-        problems += () if arguments.exercises else cells.faults(course)
-        for problem in problems:
-            print(f"✗ {problem}")
-        faults = sum(_told(examination) for exercise in exercises for examination in examinations(grader, exercise))
-    print(_summary(len(exercises), faults + len(problems)))
-    return 1 if faults or problems else 0
+    require_safe_sandbox(probing)
+    jobs: list[Job] = [] if arguments.exercises else [partial(_figures, course), partial(_cells, course)]
+    jobs += [partial(_examination, exercise, case) for exercise in exercises for case in cases(exercise)]
+    faults = sum(map(_told, course.problems))
+    for told in parallel.in_order(course, _do, jobs, "Vérification"):
+        faults += _told(told) if isinstance(told, Examination) else sum(map(_told, told))
+    print(_summary(len(exercises), faults, time.monotonic() - begun))
+    return 1 if faults else 0
+
+
+def _do(grader: Grader, job: Job) -> Told:
+    return job(grader)
+
+
+def _figures(course: Course, _: Grader) -> Sequence[Problem]:
+    return [*lessons.faults(course)]
+
+
+def _cells(course: Course, _: Grader) -> Sequence[Problem]:
+    return [*cells.faults(course)]
+
+
+def _examination(exercise: Exercise, case: Case, grader: Grader) -> Examination:
+    """With a fresh seed."""
+    return examine(grader, exercise, case, secrets.randbits(SEED_BITS))
 
 
 def _fairness(arguments: Namespace) -> int:
@@ -79,27 +104,25 @@ def _fairness(arguments: Namespace) -> int:
 def _mutants(arguments: Namespace) -> int:
     probing, course = start_probing(slow=False), load_course()
     asked = [find(course, name) for name in arguments.exercises]
-    with local_grader(course, probing) as grader:
-        return alterations.run(grader, asked or course.exercises.values(), everything=not asked)
+    require_safe_sandbox(probing)
+    return alterations.run(course, asked)
 
 
-def _told(examination: Examination) -> bool:
-    mark = "✗" if examination.fault else "✓"
-    fault = f" — {examination.fault} (graine {examination.seed})" if examination.fault else ""
-    print(f"{mark} {examination.exercise:<24} {examination.subject}{fault}", flush=True)
-    return bool(examination.fault)
+def _told(told: Examination | Problem) -> bool:
+    """Prints it; is it a fault?"""
+    if isinstance(told, Problem):
+        print(f"✗ {told}", flush=True)
+        return True
+    mark = "✗" if told.fault else "✓"
+    fault = f" — {told.fault} (graine {told.seed})" if told.fault else ""
+    print(f"{mark} {told.exercise:<24} {told.subject}{fault}", flush=True)
+    return bool(told.fault)
 
 
-def _summary(exercises: int, faults: int) -> str:
-    if not faults:
-        return f"Tout est en ordre ({exercises} exercice{'s' if exercises > 1 else ''})."
-    return f"{faults} problème{'s' if faults > 1 else ''}."
-
-
-def examinations(grader: Grader, exercise: Exercise) -> Iterator[Examination]:
-    """Grades everything that is known of an exercise, each with a fresh seed."""
-    for case in cases(exercise):
-        yield examine(grader, exercise, case, secrets.randbits(SEED_BITS))
+def _summary(exercises: int, faults: int, seconds: float) -> str:
+    if faults:
+        return f"{faults} problème{'s' if faults > 1 else ''}."
+    return f"Tout est en ordre ({exercises} exercice{'s' if exercises > 1 else ''}, {seconds:.0f} s)."
 
 
 def cases(exercise: Exercise) -> Iterator[Case]:

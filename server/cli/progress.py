@@ -1,39 +1,53 @@
-"""How far a long command is: one line on a terminal, which what it prints next replaces."""
+"""How far a long command is: one line on a terminal, which makes way for what is printed."""
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import Lock
 from typing import Self, TextIO
 
 _CLEAR = "\r\x1b[K"
 
 
 class Progress:
-    """`advance` as work gets done; nothing is written where nobody looks on. Closed, the line is gone."""
+    """`advance` as work gets done, from any thread; nothing is written where nobody looks on. Closed, it is gone."""
 
     def __init__(self, what: str, total: int, stream: TextIO | None = None) -> None:
         self._stream = stream or sys.stderr
         self._shown = self._stream.isatty()
         self._what, self._total, self._done = what, total, 0
-        self._show()
+        self._lock = Lock()
 
     def __enter__(self) -> Self:
+        self._write(self._line())
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.clear()
+        with self._lock:
+            self._write("")
+            self._shown = False
 
     def advance(self) -> None:
-        self._done += 1
-        self._show()
+        with self._lock:
+            self._done += 1
+            self._write(self._line())
 
-    def clear(self) -> None:
-        """Leave the line to what is printed now."""
-        if self._shown:
-            self._stream.write(_CLEAR)
-            self._stream.flush()
+    @contextmanager
+    def aside(self) -> Iterator[None]:
+        """The line is gone as long as the block lasts, for something else to be printed there."""
+        with self._lock:
+            self._write("")
+            try:
+                yield
+            finally:
+                self._write(self._line())
 
-    def _show(self) -> None:
+    def _line(self) -> str:
+        return f"{self._what} : {self._done}/{self._total}"
+
+    def _write(self, line: str) -> None:
         if self._shown:
-            self._stream.write(f"{_CLEAR}{self._what} : {self._done}/{self._total}")
+            self._stream.write(f"{_CLEAR}{line}")
             self._stream.flush()

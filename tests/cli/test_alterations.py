@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 
 from graders.core.code.checks import Cases, Check
 from graders.core.code.grading import CodeGrader
 from graders.core.compare.comparison import CloseTo
 from graders.core.contract.local import LOCAL
 from graders.l20 import world
-from server.cli import CannotRun, alterations, main
+from server.cli import alterations, main
 from server.cli.alterations import Fate
 from server.course import Course, Exercise
 from server.grading.joint import Grader
@@ -40,6 +38,10 @@ class Broken:
         raise OSError("plus de place")
 
 
+HERE: Any = Here()
+BROKEN: Any = Broken()
+
+
 def check(points: float, *values: float) -> Check:
     def cases(rng: np.random.Generator) -> Iterator[tuple[float]]:
         yield from ((value,) for value in values)
@@ -56,9 +58,16 @@ def exercise(course: Course, folder: Path, *checks: Check, solution: str = SOLUT
     return replace(course.exercises["l20/poses"], grader=grader)
 
 
-def tally(one: Exercise, grader: Any = None) -> alterations.Tally:
-    with ThreadPoolExecutor(2) as pool:
-        return alterations.tally(grader or Here(), one, pool)
+def tally(one: Exercise) -> alterations.Tally:
+    """As the command does, in this process and one after the other."""
+    subject = of(one)
+    trials = [alterations.work(HERE, (subject, each)) for each in alterations.alterations(subject.code.solution)]
+    return alterations.tally(subject, trials)
+
+
+def of(one: Exercise) -> alterations.Subject:
+    assert isinstance(one.grader, CodeGrader)
+    return alterations.Subject(one, one.grader, one.grader.checks, one.policy)
 
 
 def diffs(found: list[alterations.Trial]) -> list[str]:
@@ -111,7 +120,7 @@ def test_a_survivor_of_our_own_is_under_the_goal_however_few_they_are() -> None:
     def well(caught: int, survived: int, alteration: Any) -> bool:
         trials = [alterations.Trial(other, Fate.CAUGHT)] * caught
         trials += [alterations.Trial(alteration, Fate.SURVIVED)] * survived
-        return alterations.Tally("l20/jouet", trials, (), 1.0).well
+        return alterations.Tally("l20/jouet", trials, ()).well
 
     assert well(97, 3, other)
     assert not well(96, 3, other)
@@ -122,11 +131,8 @@ def test_a_solution_that_fails_and_a_sandbox_that_fails_are_no_catch(course: Cou
     wrong = tally(exercise(course, tmp_path, check(20, 1.0), solution=SOLUTION.replace("2", "3")))
     assert not wrong.well
     assert "elle-même échoue" in wrong.faults[0]
-    one = exercise(course, tmp_path, check(20, 1.0))
-    code = one.grader
-    assert isinstance(code, CodeGrader)
-    subject = alterations.Subject(Broken(), one.id, code, code.checks, one.policy)  # type: ignore[arg-type]
-    trial = alterations.tried(subject, (), alterations.alterations(SOLUTION)[0])
+    subject = of(exercise(course, tmp_path, check(20, 1.0)))
+    trial = alterations.tried(BROKEN, subject, alterations.alterations(SOLUTION)[0])
     assert (trial.fate, trial.said) == (Fate.BROKEN, "OSError('plus de place')")
 
 
@@ -147,15 +153,12 @@ def test_behind_the_walls_what_never_ends_is_caught_too(
     looping = "def decale(x):\n    while x < 0:\n        return -x\n    return x + 2\n"
     endless = looping.replace("return -x", "x += 0")
     one = exercise(course, tmp_path, check(10, 1.0), check(10, -1.0), solution=looping)
-    code = one.grader
-    assert isinstance(code, CodeGrader)
-    subject = alterations.measured(
-        alterations.Subject(Grader(course, course_sandbox), one.id, code, code.checks, one.policy)
-    )
+    grader = Grader(course, course_sandbox)
+    subject = alterations.measured(grader, of(one))
     assert subject.policy.cpu_seconds < one.policy.cpu_seconds
-    assert subject.first_failed(looping, 1) is None
-    assert subject.first_failed(endless, 1) == "en_-1.0"
-    assert subject.first_failed("def autre(", 1) is not None
+    assert subject.first_failed(grader, looping, 1) is None
+    assert subject.first_failed(grader, endless, 1) == "en_-1.0"
+    assert subject.first_failed(grader, "def autre(", 1) is not None
 
 
 def test_it_is_for_exercises_of_code(course: Course, monkeypatch: Any, capsys: Any) -> None:
@@ -164,6 +167,18 @@ def test_it_is_for_exercises_of_code(course: Course, monkeypatch: Any, capsys: A
     monkeypatch.setattr("server.cli.local.load", lambda **_: course)
     assert main(["check", "--mutants", "l20/verification"]) == 2
     assert "pas de solution en Python" in capsys.readouterr().err
-    with pytest.raises(CannotRun):
-        alterations.run(Here(), [course.exercises["l20/verification"]], everything=False)  # type: ignore[arg-type]
-    assert alterations.run(Here(), [course.exercises["l20/verification"]], everything=True) == 0  # type: ignore[arg-type]
+    assert alterations.run(Course({}, ()), ()) == 0
+    assert capsys.readouterr().out == "caught=0/0 own=0/0 equivalent=0 under=0/0\n"
+
+
+def test_processes_try_them_and_exercises_are_told_in_order(course: Course, tmp_path: Path, capsys: Any) -> None:
+    """Two exercises, of which the second one's solution fails."""
+    careless = exercise(course, tmp_path, check(20, 1.0), solution="def decale(x):\n    return x + 2 if x else 9\n")
+    wrong = exercise(course, tmp_path, check(20, 1.0), solution="def decale(x):\n    return x + 3\n")
+    assert alterations.run(course, (careless, wrong)) == 1
+    lines = capsys.readouterr().out.splitlines()
+    first, *_, second, reason, last = lines
+    assert "survivantes : " in first
+    assert "    +    return x + 2 if x else 8" in lines
+    assert (second.split()[:2], "elle-même échoue" in reason) == (["✗", "l20/poses"], True)
+    assert last.endswith("under=2/2")

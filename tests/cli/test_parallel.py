@@ -1,0 +1,79 @@
+"""Work on all cores: in order whatever ends first, with progress where somebody looks on, told when a process dies."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+import time
+from contextlib import closing
+
+import pytest
+
+from server.cli import CannotRun, parallel
+from server.cli.progress import Progress
+from server.course import Course
+from server.grading.joint import Grader
+
+NONE = Course({}, ())
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def squared(grader: Grader, number: int) -> tuple[int, int]:
+    time.sleep(0.02 if number == 0 else 0.0)
+    if number == 99:
+        raise ValueError("un défaut de chez nous")
+    if number == 98:
+        os.kill(os.getpid(), signal.SIGKILL)
+    assert grader.programs  # each process has a grader
+    return number * number, os.getpid()
+
+
+def test_results_come_in_the_order_of_the_jobs_from_other_processes() -> None:
+    found = list(parallel.in_order(NONE, squared, range(20), "Essai"))
+    assert [square for square, _ in found] == [number * number for number in range(20)]
+    assert os.getpid() not in {process for _, process in found}
+
+
+def test_jobs_need_not_travel() -> None:
+    """A closure, which could not be sent to another process."""
+    jobs = [lambda k=k: k + 1 for k in range(3)]
+    assert list(parallel.in_order(NONE, lambda _, job: job(), jobs, "Essai")) == [1, 2, 3]
+
+
+def test_what_is_raised_is_told_and_a_death_too() -> None:
+    with pytest.raises(ValueError, match="un défaut"):
+        list(parallel.in_order(NONE, squared, [1, 99], "Essai"))
+    with pytest.raises(CannotRun, match="tué"):
+        list(parallel.in_order(NONE, squared, [98], "Essai"))
+
+
+def test_it_may_be_left_before_its_end() -> None:
+    with closing(parallel.in_order(NONE, squared, range(50), "Essai")) as found:
+        assert next(found)[0] == 0
+
+
+def test_progress_is_one_line_that_makes_way() -> None:
+    seen = Terminal()
+    with Progress("Essai", 2, seen) as progress:
+        progress.advance()
+        with progress.aside():
+            seen.write("✓ ligne\n")
+        progress.advance()
+    erased = "\r\x1b[K"
+    assert seen.getvalue() == (
+        f"{erased}Essai : 0/2{erased}Essai : 1/2{erased}✓ ligne\n{erased}Essai : 1/2{erased}Essai : 2/2{erased}"
+    )
+
+
+def test_nothing_is_written_where_nobody_looks_on() -> None:
+    unseen = io.StringIO()
+    with Progress("Essai", 1, unseen) as progress:
+        progress.advance()
+        with progress.aside():
+            pass
+    assert unseen.getvalue() == ""
