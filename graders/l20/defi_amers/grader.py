@@ -8,7 +8,7 @@ from graders.core.code.checks import Untouched
 from graders.core.code.exercise import code
 from graders.core.contract.values import Arguments
 from graders.l20 import world
-from graders.l20.defi_amers import maps
+from graders.l20.defi_amers import asked
 from graders.l20.defi_amers.optimum import Optimum
 from graders.l20.defi_amers.probes import PROBES
 from graders.l20.defi_amers.system import Systems
@@ -18,7 +18,7 @@ NAMES = ("poses", "amers", "aretes", "observations")
 
 
 def arguments_to_keep(rng: np.random.Generator) -> dict[str, Arguments]:
-    one = maps.turning(rng)[-1]
+    one = asked.turning(rng)[-1]
     return {"systeme": tuple(one.at.values()), "slam_amers": tuple(one.inputs.values())}
 
 
@@ -28,15 +28,15 @@ CHECKS = (
         title="H et b : deux poses, une balise, des nombres entiers",
         points=3,
         functions=SYSTEM,
-        maps=maps.systems,
-        hint="Une observation touche la pose qui voit et l'amer qui est vu : quels blocs de H reçoivent quelque chose ?",
+        maps=asked.systems,
+        hint="Une observation touche la pose qui voit et l'amer qui est vu : quels blocs de H changent ?",
     ),
     Systems(
         id="systeme_hasard",
         title="H et b : des poses, des balises et des poids quelconques",
         points=4,
         functions=SYSTEM,
-        maps=maps.random_systems,
+        maps=asked.random_systems,
         hint="Vos jacobiennes sont-elles égales aux différences finies, colonne par colonne ? Et où Ω entre-t-elle ?",
     ),
     Systems(
@@ -44,7 +44,7 @@ CHECKS = (
         title="H et b : l'angle d'une arête revient dans ]−π, π]",
         points=2,
         functions=SYSTEM,
-        maps=maps.wrapping_systems,
+        maps=asked.wrapping_systems,
         hint="Deux caps de 170° et de −170° : de combien diffèrent-ils vraiment ? Et dans votre erreur ?",
     ),
     Optimum(
@@ -52,7 +52,7 @@ CHECKS = (
         title="Des mesures qui s'accordent : la carte les satisfait toutes",
         points=2,
         functions=SLAM,
-        maps=maps.exact,
+        maps=asked.exact,
         hint="Avec une seule observation, où doit finir la balise ? Que vaut alors l'erreur ?",
     ),
     Optimum(
@@ -60,7 +60,7 @@ CHECKS = (
         title="Des mesures qui se contredisent : chacune cède sa part",
         points=3,
         functions=SLAM,
-        maps=maps.shared,
+        maps=asked.shared,
         hint="Trois mesures de même poids se contredisent de 3 : quelle part chacune doit-elle céder ?",
     ),
     Optimum(
@@ -68,7 +68,7 @@ CHECKS = (
         title="Des observations plus sûres que d'autres",
         points=2,
         functions=SLAM,
-        maps=maps.weighted,
+        maps=asked.weighted,
         hint="Si une observation est deux fois plus sûre, cède-t-elle plus ou moins que les autres ?",
     ),
     Optimum(
@@ -76,7 +76,7 @@ CHECKS = (
         title="Des caps qui passent par le demi-tour",
         points=1,
         functions=SLAM,
-        maps=maps.turning,
+        maps=asked.turning,
         hint="Après la correction, un cap peut dépasser π : que faut-il en faire ? Et les amers, ont-ils un cap ?",
     ),
     Optimum(
@@ -84,7 +84,7 @@ CHECKS = (
         title="Le tour de vingt poses et huit balises, avec n_iter ou sans",
         points=2,
         functions=SLAM,
-        maps=maps.tours,
+        maps=asked.tours,
         hint="χ² diminue-t-il à chaque itération ? Affichez-le : il doit se stabiliser en quelques tours.",
         filmed=True,
     ),

@@ -90,7 +90,11 @@ def _minimum(one: Map, found: Found) -> Mismatch | None:
     if max(unmoved) <= TOLERANCE:
         return Mismatch(f"C'est la carte de départ, où χ² vaut {render.number(reached, 4)} : rien n'a bougé.")
     sums = f"χ² y vaut {render.number(reached, 4)} ; au minimum, il vaut {render.number(least, 4)}"
-    lost = f"L'amer {np.argmax(landmarks)} est le" if landmarks.max() > poses.max() else f"La pose {np.argmax(poses)} est la"
+    lost = (
+        f"L'amer {np.argmax(landmarks)} est le"
+        if landmarks.max() > poses.max()
+        else f"La pose {np.argmax(poses)} est la"
+    )
     return Mismatch(f"{sums}. {lost} plus loin de sa place : {render.number(worst, 3)}.")
 
 

@@ -47,7 +47,9 @@ SYSTEMS = (
 )
 
 PLACED, PLACED_ROUND = placed(START, SEEN, 2), placed(AROUND, SEEN_ROUND, 2)
+FIRST = SYSTEMS[0]
 MAPS = (
+    Map(POINT, rows((3, 2)), FIRST.edges, (*FIRST.sightings, sight(1, 0, (1, 2), SLANTED)), 1, judged=False),
     Map(START, PLACED, tuple(LOOP), SEEN, 1, judged=False),
     Map(AROUND, PLACED_ROUND, tuple(TURNING), SEEN_ROUND, 1, judged=False),
     Map(START, PLACED, tuple(LOOP), SEEN, 2, judged=False),
@@ -56,8 +58,9 @@ MAPS = (
     Map(START, PLACED, tuple(LOOP[:3]), AGAIN),
     Map(START, PLACED, tuple(LOOP), SEEN, None),
 )
-STEPS, ENDED = range(3), range(3, 7)
-PLAIN, WRAPPING = 3, 4
+STEPS, ENDED = range(4), range(4, 8)
+PLAIN, WRAPPING = 4, 5
+ONE_STEP = {PLAIN: 1, WRAPPING: 2}
 
 
 def read_point(args: Arguments, value: Value) -> Value:
@@ -93,7 +96,10 @@ def half(shown: Shown) -> str | None:
     if any(isinstance(one, Fault | str) for one in shown.got):
         return None
     sizes = [(3 * len(one.poses) + 2 * len(one.landmarks)) ** 2 for one in SYSTEMS]
-    pairs = [(np.asarray(a)[:s] * COARSE, np.asarray(b)[:s] * COARSE) for a, b, s in zip(shown.got, shown.right, sizes, strict=True)]
+    pairs = [
+        (np.asarray(a)[:s] * COARSE, np.asarray(b)[:s] * COARSE)
+        for a, b, s in zip(shown.got, shown.right, sizes, strict=True)
+    ]
     scaled = any(all(np.allclose(a, factor * b, atol=1e-3) for a, b in pairs) for factor in (0.5, 2.0))
     return "facteur_deux" if scaled else None
 
@@ -118,19 +124,21 @@ def landmarks_stay(shown: Shown) -> str | None:
 
 
 def singular(shown: Shown) -> str | None:
-    """The system cannot be solved on any map, or the first pose moves on most: no pose is held."""
+    """Systems that cannot be solved, or of which the solution is any, the first pose going with it: none is held."""
     faults = [isinstance(one, Fault) and one.name == "LinAlgError" for one in shown.got]
-    return "jauge_libre" if sum(faults) >= len(faults) - 1 else None
+    lost = [isinstance(one, str) and one == LOST for one in shown.got]
+    astray = [faults[k] or lost[k] or _first_moved(shown, k) for k in range(len(MAPS))]
+    return "jauge_libre" if all(astray) and (any(faults) or any(lost[k] for k in STEPS)) else None
+
+
+def _first_moved(shown: Shown, k: int) -> bool:
+    found = _found(shown, k)
+    return found is not None and float(np.abs(gaps(MAPS[k].poses[:1], found.poses[:1])).max()) > 1e-3
 
 
 def first_moves(shown: Shown) -> str | None:
     """The first pose is not where it was given."""
-    found = [_found(shown, k) for k in range(len(MAPS))]
-    moved = [
-        f is not None and float(np.abs(gaps(m.poses[:1], f.poses[:1])).max()) > 1e-3
-        for f, m in zip(found, MAPS, strict=True)
-    ]
-    return "premiere_pose_bouge" if sum(moved) >= len(moved) - 1 else None
+    return "premiere_pose_bouge" if sum(_first_moved(shown, k) for k in range(len(MAPS))) >= len(MAPS) - 1 else None
 
 
 def turns_only(shown: Shown) -> str | None:
@@ -143,8 +151,7 @@ def turns_only(shown: Shown) -> str | None:
 
 def one_step_only(shown: Shown) -> str | None:
     """Twenty iterations give what one gives."""
-    ended, begun = (shown.got[PLAIN], shown.got[WRAPPING]), (shown.got[0], shown.got[1])
-    arrays = [(as_array(a), as_array(b)) for a, b in zip(ended, begun, strict=True)]
+    arrays = [(as_array(shown.got[all_of_them]), as_array(shown.got[one])) for all_of_them, one in ONE_STEP.items()]
     same = [a is not None and b is not None and np.allclose(a, b, atol=1e-8) for a, b in arrays]
     moved = never_moves(shown) is None and first_moves(shown) is None
     return "une_seule_iteration" if all(same) and moved and not _reached(_found(shown, PLAIN), MAPS[PLAIN]) else None

@@ -27,6 +27,11 @@ from graders.scene.replay import (
     decimal,
 )
 
+ALT = (
+    "Une carte vue de dessus : le trajet en boucle d'un robot, vingt poses orange, et les huit balises qu'il voit. À "
+    "chaque itération de votre programme, poses et balises se déplacent. En vert, ce que chaque pose voit ; en rouge, "
+    "l'écart qui reste avec la balise. En pointillé bleu, le minimum à atteindre. Dessous, une courbe suit χ²."
+)
 #: Beyond the tour by this share of it, a map is out of sight.
 MARGIN = 0.35
 #: What came back is rounded to thousandths.
@@ -66,6 +71,7 @@ def tour(data: dict[str, Any]) -> Replay:
             Key("line", "measure", "ce que vos poses voient"),
         ],
         period=1.0,
+        alt=ALT,
     )
 
 
@@ -73,7 +79,8 @@ def _view(one: Map) -> View:
     places = np.vstack([one.optimum[0][:, :2], one.optimum[1], one.poses[:, :2], one.landmarks])
     low, high = places.min(axis=0), places.max(axis=0)
     room = MARGIN * float((high - low).max())
-    return View(*(low - room), *(high + room), up=True)
+    (x0, y0), (x1, y1) = (low - room).tolist(), (high + room).tolist()
+    return View(x0, y0, x1, y1, up=True)
 
 
 def _under(one: Map) -> list[Layer]:

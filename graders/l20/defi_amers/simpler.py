@@ -35,7 +35,9 @@ def _candidates(one: Map) -> Iterator[Map]:
     last, final = len(one.poses) - 1, len(one.landmarks) - 1
     if last > 1:
         edges = tuple(e for e in one.edges if last not in e[:2])
-        yield replace(one, poses=one.poses[:last], edges=edges, sightings=tuple(s for s in one.sightings if s[0] != last))
+        yield replace(
+            one, poses=one.poses[:last], edges=edges, sightings=tuple(s for s in one.sightings if s[0] != last)
+        )
     if final > 0:
         kept = tuple(s for s in one.sightings if s[1] != final)
         yield replace(one, landmarks=one.landmarks[:final], sightings=kept)

@@ -42,9 +42,7 @@ def read_system(one: Map, got: Value) -> Answered | Mismatch:
     """What came back, or what keeps it from being read."""
     H, b = one.system
     if not isinstance(got, tuple | list) or len(got) != 2:
-        return Mismatch(
-            "systeme doit renvoyer deux choses, H et b : « return H, b ».", cause=Outcome.INVALID_OUTPUT
-        )
+        return Mismatch("systeme doit renvoyer deux choses, H et b : « return H, b ».", cause=Outcome.INVALID_OUTPUT)
     try:
         matrix, side = read_array(got[0]), read_array(got[1])
     except UnreadableError as error:
