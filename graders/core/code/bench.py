@@ -44,7 +44,8 @@ class Runner:
     """Keeps a program alive over the checks of one grading; a program that died is started anew.
 
     A function that exhausted a limit or killed its process is not called again. `reenacting` says that only the
-    observations are wanted: no counterexample is shrunk. `budget` is for each of those that are.
+    observations are wanted: no counterexample is shrunk. `budget` is for each of those that are. `failed` are the ids
+    of the checks that have failed so far, for those that depend on them.
     """
 
     def __init__(
@@ -67,6 +68,7 @@ class Runner:
         self._dead: dict[str, StudentFault] = {}
         self.observations: list[Observation] = []
         self.films: dict[str, FigureData] = {}
+        self.failed: set[str] = set()
         self.stdout = ""
 
     @property

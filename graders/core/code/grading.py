@@ -181,7 +181,11 @@ def run_checks(checks: Sequence[Check], runner: Runner, kit: KitSettings, seed: 
         _ = runner.program
     except StudentFault as fault:
         return [_finding(check, fault_rejection(fault, inputs=None)) for check in checks]
-    findings = [run_check(check, Bench(check.id, runner, stream(seed, check.id), kit)) for check in checks]
+    findings = []
+    for check in checks:
+        findings.append(run_check(check, Bench(check.id, runner, stream(seed, check.id), kit)))
+        if not findings[-1].passed:
+            runner.failed.add(check.id)
     return [_unless_alone(check, finding, checks, findings) for check, finding in zip(checks, findings, strict=True)]
 
 
