@@ -19,7 +19,7 @@ Mask = NDArray[np.bool_]
 #: The small steps that are accepted, in cells, with some room for rounding.
 LEAST_STEP, LONGEST_STEP = 1e-9, 0.06
 #: A cell is surely crossed where this much of a ray is in it: a walk by tenths of a cell does not miss it.
-CROSSED = 0.2
+CROSSED = 0.25
 #: A ray that passes that near a cell may graze it.
 GRAZED = 0.01
 #: What is left, in the stopping cell, of a ray that is stopped at its face.
