@@ -12,7 +12,7 @@ from graders.l20 import world
 from graders.l20.odometrie.cases import pose, turn
 
 STEPS: tuple[Arguments, ...] = (
-    (pose(1.3, -2.1, 0.6), 0.35, 0.85, 0.7),
+    (pose(1.3, -2.1, 0.6), 1.35, 3.15, 1.5),
     (pose(-3.2, 1.4, -2.3), 0.62, 0.23, 0.45),
     (pose(0.5, 0.7, 2.4), -0.31, -0.84, 1.3),
     (pose(4.1, -0.3, -1.8), -0.92, -0.57, 0.6),

@@ -49,7 +49,9 @@ def test_the_solution_gets_full_marks(seed: int) -> None:
 
 def test_the_starter_earns_nothing() -> None:
     starter = PROJECT / "curriculum/l20/exercices/odometrie/starter.py"
-    assert verdict(starter.read_text(encoding="utf-8"), 1).score == 0.0
+    found = verdict(starter.read_text(encoding="utf-8"), 1)
+    assert found.score == 0.0
+    assert named(found) is None, "who has not begun has made no mistake"
 
 
 @pytest.mark.parametrize("path", some((GRADER.folder / "specimens/ok").glob("*.py")), ids=lambda p: p.stem)

@@ -1,5 +1,5 @@
 def odometrie(pose, ds_g, ds_d, L):
-    """La pose après un pas, par la formule du point milieu."""
+    """La pose après un pas : formule du point milieu."""
     x, y, theta = pose
     # À vous de jouer.
     return np.array([0.0, 0.0, 0.0])
