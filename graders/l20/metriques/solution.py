@@ -7,14 +7,15 @@ def position_vue(a, b):
 
 def ate(estimees, verite):
     """L'écart quadratique moyen des positions, après le meilleur alignement rigide."""
-    # L'alignement est celui de Kabsch : les centres d'abord, puis la rotation, par une SVD.
+    # L'alignement est celui de Kabsch : d'abord les deux trajectoires ramenées à leurs centres.
     P = estimees[:, :2] - estimees[:, :2].mean(axis=0)
     Q = verite[:, :2] - verite[:, :2].mean(axis=0)
-    U, _, Vt = np.linalg.svd(P.T @ Q)
-    # Une trajectoire en miroir ne se retourne pas : on garde une rotation, de déterminant +1.
-    sens = np.sign(np.linalg.det(U @ Vt))
-    # Avec une position par ligne, tourner par R = V D Uᵀ s'écrit P @ R.T, et R.T = U D Vᵀ.
-    ecarts = P @ U @ np.diag([1.0, sens]) @ Vt - Q
+    # Dans le plan, l'angle de la meilleure rotation se lit sur H, sans SVD. C'est une rotation, jamais un miroir.
+    H = P.T @ Q
+    angle = np.arctan2(H[0, 1] - H[1, 0], H[0, 0] + H[1, 1])
+    c, s = np.cos(angle), np.sin(angle)
+    # Avec une position par ligne, tourner par R s'écrit P @ R.T.
+    ecarts = P @ np.array([[c, s], [-s, c]]) - Q
     # Le carré d'une distance réunit les deux coordonnées : une somme par ligne, puis la moyenne des lignes.
     return np.sqrt(np.mean(np.sum(ecarts**2, axis=1)))
 
