@@ -212,9 +212,16 @@ def chains(rng: np.random.Generator) -> Iterable[Graph]:
     yield Graph(rows((0, 0, 0), (2, 0, 0), (4, 0, 0)), (edge(0, 1, (2, 0, 0)), edge(1, 2, (2, 0, 0))))
     yield Graph(rows((1, 2, 0), (1, 3, 0)), (edge(0, 1, (2, 1, QUARTER)),))
     yield Graph(rows((0, 0, QUARTER), (0, 1, 1), (1, 2, 0)), (edge(0, 1, (2, 0, 0)), edge(1, 2, (1, 0, -QUARTER))))
+    yield all_too_far()
     yield perturbed_chain(telling("chains"))
     yield perturbed_chain(rng)
     yield from steps(rng)
+
+
+def all_too_far() -> Graph:
+    """Every coordinate has to decrease, and more than once: who looks at the greatest step, and not at its size, stops."""
+    straight = (edge(0, 1, (2, 0, 0)), edge(1, 2, (2, 0, 0)))
+    return Graph(rows((0, 0, 0), (2.5, 0.5, 0.5), (5, 2, 1)), straight)
 
 
 def telling(graphs: str) -> np.random.Generator:

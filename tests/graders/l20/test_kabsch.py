@@ -78,9 +78,9 @@ def test_the_starter_earns_nothing() -> None:
 
 @pytest.mark.parametrize("path", sorted((GRADER.folder / "specimens/ok").glob("*.py")), ids=lambda p: p.stem)
 def test_honest_methods_pass(path: Path) -> None:
-    for seed in range(3):
-        found = verdict(path.read_text(encoding="utf-8"), seed)
-        assert found.outcome is Outcome.OK, failed(found)
+    """On one seed; on thirty, in `test_variety.py`."""
+    found = verdict(path.read_text(encoding="utf-8"), 0)
+    assert found.outcome is Outcome.OK, failed(found)
 
 
 @pytest.mark.parametrize(

@@ -30,8 +30,9 @@ def test_the_starter_earns_nothing() -> None:
 
 @pytest.mark.parametrize("path", sorted((GRADER.folder / "specimens/ok").glob("*.py")), ids=lambda p: p.stem)
 def test_honest_styles_pass(path: Any) -> None:
+    """On two seeds; on thirty, in `test_variety.py`."""
     source = path.read_text(encoding="utf-8").replace("from l20 import np as numpy", "numpy = np")
-    for seed in range(5):
+    for seed in range(2):
         assert verdict(source, seed).score == 1.0
 
 

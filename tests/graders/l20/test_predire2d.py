@@ -52,8 +52,8 @@ def test_the_starter_earns_nothing() -> None:
 
 @pytest.mark.parametrize("path", sorted((GRADER.folder / "specimens/ok").glob("*.py")), ids=lambda p: p.stem)
 def test_honest_styles_pass(path: Any, capsys: pytest.CaptureFixture[str]) -> None:
-    for seed in range(2):
-        assert verdict(specimen(f"ok/{path.name}"), seed).score == 1.0
+    """On one seed; on thirty, in `test_variety.py`."""
+    assert verdict(specimen(f"ok/{path.name}"), 0).score == 1.0
 
 
 HONEST = {
