@@ -202,7 +202,15 @@ def ours(modules: Iterable[str]) -> set[str]:
     return {name for name in modules if name.split(".")[0] in {"graders", "reference"}}
 
 
-EXERCISES = pytest.mark.parametrize("exercise", the_course().exercises.values(), ids=lambda exercise: exercise.slug)
+#: One of each kind of exercise: the others are looked at with the slow tests.
+SAMPLED = {"poses", "slam_graphe", "calcul_odometrie", "demo_1", "verification"}
+EXERCISES = pytest.mark.parametrize(
+    "exercise",
+    [
+        pytest.param(one, id=one.slug, marks=() if one.slug in SAMPLED else pytest.mark.slow)
+        for one in the_course().exercises.values()
+    ],
+)
 
 
 @cache

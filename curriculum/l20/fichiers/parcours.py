@@ -1,4 +1,4 @@
-"""The journey of the practical work: a simulated robot makes two loops through the module's map, at 50 cm a cell.
+"""The journey of the practical work, as it is downloaded.
 
 `files()` gives what is downloaded, by name: a rosbag2, the map, and the same in plain text for who has no ROS.
 """
@@ -7,26 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-import numpy as np
-
-from curriculum.l20.kit import l20 as kit
+from graders.l20.parcours import journey, place
 from reference.formats.map_server import OccupancyGrid, write_map
 from reference.formats.rosbag import export_rosbag
 from reference.formats.trajectory_files import Trajectory, write_tum
-from reference.odometry import DifferentialDrive
-from reference.world.grid_map import GridMap
-from reference.world.simulation import Lidar, Run, motions_through, simulate
-
-CELL = 0.5  # metres
-PERIOD = 0.1  # seconds
-SEED = 20
-START = (12.5, 7.9)  # in cells, as the places below
-ROUND = (
-    (11.5, 4.0), (8.8, 3.5), (5.5, 3.5), (3.5, 4.5), (3.5, 7.9),  # up, through two rooms, and down again
-    (4.5, 8.2), (4.5, 10.9), (7.5, 11.2), (7.5, 13.5), (9.5, 13.5), (12.0, 12.8), (14.5, 13.5), (17.5, 12.0),
-    (17.5, 8.2), (12.5, 7.9),  # through the three rooms below, and along the corridor to the start
-    (11.5, 4.0), (8.8, 3.5), (5.5, 3.5), (3.5, 4.5), (3.5, 7.9), (12.0, 7.9),  # the first loop once more
-)  # fmt: skip
 
 READ_ME = """Parcours simulé du TP « SLAM et navigation »
 
@@ -59,22 +43,11 @@ SLAM = """slam_toolbox:
 """
 
 
-def journey() -> Run:
-    """The same at each call."""
-    places = CELL * np.array([START, *ROUND])
-    world = GridMap.from_free(kit.lire_plan(kit.PLAN), CELL)
-    start = np.array([*places[0], -np.pi / 2])
-    drive = DifferentialDrive(track=0.3, sigma=2e-4, sigma_per_root_metre=1.2e-2)
-    lidar = Lidar.full_turn(180, 8.0, sigma=0.015)
-    motions = motions_through(start, places[1:], step=0.04, turn=0.12)
-    return simulate(world, motions, start, drive, lidar, np.random.default_rng(SEED), PERIOD)
-
-
 def files() -> dict[str, bytes]:
     """Name to content; the names give folders."""
     run = journey()
     bag = export_rosbag(run, localised=False)
-    world = GridMap.from_free(kit.lire_plan(kit.PLAN), CELL)
+    world = place()
     drawn = write_map(OccupancyGrid.of(world), "carte.pgm")
     texts = {
         "LISEZ-MOI.txt": READ_ME,

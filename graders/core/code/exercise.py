@@ -26,6 +26,7 @@ class CodeDefinition(Definition):
     solution: str
     misconceptions: tuple[Misconception, ...] = ()
     prober: Prober | None = None
+    long: bool = False
 
     @property
     def judged(self) -> frozenset[str]:
@@ -43,14 +44,17 @@ class CodeDefinition(Definition):
         same_functions(self.folder, self.misconceptions, functions)
         return CodeGrader(
             self.exercise, self.folder, tuple(functions), self.checks, self.kit, self.misconceptions, self.solution,
-            prober=self.prober,
+            prober=self.prober, long=self.long,
         )  # fmt: skip
 
 
-def code(file: str, *, checks: Sequence[Check], kit: KitMaker, probes: Sequence[Probes] = ()) -> CodeDefinition:
+def code(
+    file: str, *, checks: Sequence[Check], kit: KitMaker, probes: Sequence[Probes] = (), long: bool = False
+) -> CodeDefinition:
     """Describe an exercise from its grader's module: `code(__file__, checks=…, kit=…)`.
 
-    `probes` are asked of a submission whose checks failed, and their answers compared with the model's mutants.
+    `probes` are asked of a submission whose checks failed, and their answers compared with the model's mutants. One
+    that is `long` takes seconds to grade a right program: it is not rehearsed.
 
     Raises MalformedExerciseError when the folder does not hold together.
     """
@@ -69,4 +73,4 @@ def code(file: str, *, checks: Sequence[Check], kit: KitMaker, probes: Sequence[
         if m.whole and not m.ruled
     ]
     prober = Prober(model, probes, whole) if model is not None else None
-    return CodeDefinition(folder, tuple(checks), kit, solution, misconceptions, prober)
+    return CodeDefinition(folder, tuple(checks), kit, solution, misconceptions, prober, long)

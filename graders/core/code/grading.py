@@ -44,7 +44,8 @@ UNSIMPLIFIED = Budget(calls=0)
 class CodeGrader:
     """Grades one exercise of code, whose `functions` a submission writes; `folder` is the place of its grader.
 
-    `reenactor` re-enacts its misconceptions; `budget` is what shrinking one counterexample may cost.
+    `reenactor` re-enacts its misconceptions; `budget` is what shrinking one counterexample may cost; one that is `long`
+    takes seconds to grade a right program.
     """
 
     exercise: str
@@ -57,6 +58,7 @@ class CodeGrader:
     reenactor: Reenactor = FRESH
     budget: Budget = DEFAULT_BUDGET
     prober: Prober | None = None
+    long: bool = False
 
     def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Judgement:
         """The verdict of a file: every check is run on the program that `programs` starts of it.
@@ -139,7 +141,12 @@ class CodeGrader:
         return [named.id] if named else []
 
     def rehearse(self) -> None:
-        """Grade the solution and a mistake in this process: what is imported and compiled at first use then is."""
+        """Grade the solution and a mistake in this process: what is imported and compiled at first use then is.
+
+        Not where grading takes seconds: what is saved then is nothing beside it.
+        """
+        if self.long:
+            return
         for source in (self.solution, *(mistake.source for mistake in self.misconceptions[:1])):
             self.grade(source.encode(), LOCAL, seed=0, version="")
 

@@ -13,12 +13,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from graders.core.contract.earlier import NAME, Earlier
 from graders.core.contract.kits import kits_of, module_name
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, KitSettings, Reply, StudentFault, one_by_one
 from graders.core.contract.values import Arguments, Value
 
 PROJECT = Path(__file__).resolve().parents[3]
+CURRICULUM = PROJECT / "curriculum"
 #: Among the names that a kit gives, its drivers: how a call of some names of the file is made, by these names.
 DRIVERS = "__drivers__"
 
@@ -38,12 +40,18 @@ _IMPORTING = threading.Lock()
 
 
 @cache
+def _home(kit: str) -> Path:
+    """The folder of the module that a kit belongs to, in the course."""
+    return next(module for module in sorted(CURRICULUM.iterdir()) if kit in kits_of(module))
+
+
+@cache
 def _kit(name: str) -> Mapping[str, types.ModuleType]:
     """The modules of a kit, by their names; they are left to the programs that ask for it.
 
     They are imported from where they stand, and are no longer there for this process's own imports afterwards.
     """
-    home = next(module for module in sorted((PROJECT / "curriculum").iterdir()) if name in kits_of(module))
+    home = _home(name)
     files = kits_of(home)[name]
     names = [module_name(path) for path in files]
     places = [str(home / "kit" / name), str(home / "kit")]
@@ -76,7 +84,9 @@ def kit_names(kit: KitSettings) -> dict[str, Any]:
     modules = _kit(kit.module)
     names = dict(modules[kit.module].configurer(**kit.parameters))
     found = {name: value for name, value in names.items() if name not in kit.without}
-    return found | {"__builtins__": {**vars(builtins), "__import__": _importer(modules)}}
+    built_in = dict(vars(builtins))
+    built_in["__import__"] = _importer({**modules, NAME: Earlier(_home(kit.module).name, found, built_in)})
+    return found | {"__builtins__": built_in}
 
 
 def called(names: Mapping[str, Any], function: str, arguments: Sequence[Value]) -> Any:

@@ -1,0 +1,50 @@
+"""Figures of l20/tp_slam: two clouds as they were matched, and the map that was drawn."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from graders.plotting import EXPECTED, OBTAINED, ink_of
+from reference.se2 import transform
+
+
+def draw_match(figure: Figure, data: dict[str, Any]) -> None:
+    """The points of a, and those of b as they should lie on them and as they were laid."""
+    left, right = figure.subplots(1, 2, sharex=True, sharey=True)
+    _clouds(left, data, data["wanted"], EXPECTED, "attendu")
+    _clouds(right, data, data["got"], OBTAINED, "obtenu")
+    figure.legend(*right.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+
+
+def _clouds(axes: Axes, data: dict[str, Any], pose: list[float], colour: str, title: str) -> None:
+    a, b = np.array(data["a"]), transform(pose, np.array(data["b"]))
+    axes.plot(*a.T, ".", ms=3, color=ink_of(axes), label="points_a")
+    axes.plot(*b.T, ".", ms=3, color=colour, label="points_b, placés")
+    axes.set_xlim(a[:, 0].min() - 2.0, a[:, 0].max() + 2.0)
+    axes.set_ylim(a[:, 1].min() - 2.0, a[:, 1].max() + 2.0)
+    axes.set_aspect("equal", adjustable="box")
+    axes.set_title(title)
+
+
+def draw_map(figure: Figure, data: dict[str, Any]) -> None:
+    """The map obtained, with the path that it was drawn from."""
+    axes = figure.add_subplot()
+    got, (x, y), side = np.array(data["got"], dtype=float), data["corner"], data["side"]
+    height, width = got.shape
+    shown = axes.imshow(
+        got, origin="lower", cmap="gray_r", vmin=-5, vmax=5,
+        extent=(x, x + width * side, y, y + height * side), interpolation="nearest",
+    )  # fmt: skip
+    axes.plot(*np.array(data["poses"]).T, "-", color=OBTAINED, lw=1.5, label="trajectoire")
+    axes.grid(visible=False)
+    axes.legend(loc="upper right")
+    axes.set_xlabel("x (m)")
+    axes.set_ylabel("y (m)")
+    figure.colorbar(shown, ax=axes, label="log-odds", shrink=0.8)
+
+
+FIGURES = {"recalage": draw_match, "carte": draw_map}

@@ -1,0 +1,129 @@
+"""Replays of l20/tp_slam: the path and what was seen from it, stage by stage, beside the truth."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from graders.core.contract.values import Floats
+from graders.l20.tp_slam import journeys
+from graders.l20.tp_slam.chain import ate, truth_at
+from graders.scene.replay import (
+    Chart,
+    Frame,
+    Key,
+    Layer,
+    Level,
+    Mark,
+    Points,
+    Polyline,
+    Replay,
+    Segments,
+    Series,
+    View,
+    decimal,
+)
+from reference.se2 import transform
+
+YOURS, TRUE = 0, 1
+#: One point in so many is drawn.
+THIN = 4
+ALT = (
+    "Deux plans côte à côte : à gauche, votre trajectoire et les points vus d'elle, étape par étape ; à droite, la "
+    "vraie trajectoire et les mêmes points. D'abord tordus par l'odométrie, vos murs se redressent avec les recalages, "
+    "puis se rejoignent quand les boucles sont refermées. Dessous, l'erreur de trajectoire à chaque étape."
+)
+
+
+def chaine(data: dict[str, Any]) -> Replay:
+    """From odometry to the graph, on one of the two journeys."""
+    truth, clouds = _seen(data)
+    odometry, matched, solved = (np.array(data[name], dtype=np.float64) for name in ("odometry", "matched", "solved"))
+    paths = [("Odométrie", odometry), ("Recalages", matched), ("Boucles", matched), ("Graphe", solved)]
+    errors = [ate(path, truth) for _, path in paths]
+    worse = next((k for k in (1, 3) if errors[k] > errors[k - 1]), None)
+    frames = []
+    for k, (name, path) in enumerate(paths):
+        layers: list[Layer] = [
+            *_drawn(path, clouds, "estimate", YOURS, k > 0),
+            *_drawn(truth, clouds, "truth", TRUE, False),
+        ]
+        if k >= 2 and data["loops"]:
+            a, b = np.array(data["loops"], dtype=np.int64).T
+            layers.append(Segments(path[a, :2], path[b, :2], "measure", width=1.5, opacity=0.6, panel=YOURS))
+        frames.append(Frame(layers, _caption(name, errors[k], len(data["loops"]), k == worse)))
+    return Replay(
+        _view(paths, truth, clouds),
+        frames,
+        _summary(errors, len(data["loops"]), worse),
+        charts=[
+            Chart(
+                "Erreur de la trajectoire (ATE, en m)",
+                [Series("ATE", "estimate", errors, style="bars")],
+                y_range=(0.0, None),
+                marks=[Mark(worse, "ici, l'étape a fait pire que celle d'avant")] if worse is not None else [],
+                levels=[Level(errors[0], "odométrie")],
+            )
+        ],
+        legend=[
+            Key("line", "estimate", "votre trajectoire"),
+            Key("line", "truth", "la vraie"),
+            Key("line", "measure", "boucle refermée"),
+            Key("dot", "ink", "point vu"),
+        ],
+        period=1.6,
+        alt=ALT,
+        panels=("Vos étapes", "La vérité"),
+        wrong=worse,
+    )
+
+
+def _seen(data: dict[str, Any]) -> tuple[Floats, list[Floats]]:
+    """The true poses of the key scans, and the points seen from each, in its frame."""
+    if data["place"] == "intel":
+        place = journeys.indoor()
+        return place.truth, [cloud[::THIN] for cloud in place.clouds]
+    keys = data["keys"]
+    return truth_at(keys), [journeys.cloud(journeys.simulated().scans[k])[::THIN] for k in keys]
+
+
+def _drawn(path: Floats, clouds: list[Floats], color: Any, panel: int, glide: bool) -> list[Layer]:
+    points = np.vstack([transform(pose, cloud) for pose, cloud in zip(path, clouds, strict=True)])
+    return [
+        Points(points, "ink", 1.0, opacity=0.45, panel=panel, glide=glide),
+        Polyline(path[:, :2], color, 2.0, panel=panel, glide=glide),
+    ]
+
+
+def _caption(name: str, error: float, loops: int, worse: bool) -> str:
+    what = {
+        "Odométrie": "ce que les roues ont compté",
+        "Recalages": "chaque scan posé sur le précédent",
+        "Boucles": f"{loops} lieux reconnus, pas encore refermés",
+        "Graphe": "tout mis d'accord",
+    }[name]
+    wrong = " Ici, l'erreur a grandi au lieu de diminuer." if worse else ""
+    return f"{name} : {what}. ATE de {decimal(error, 2)} m.{wrong}"
+
+
+def _summary(errors: list[float], loops: int, worse: int | None) -> list[str]:
+    told = (
+        f"L'erreur est passée de {decimal(errors[0], 2)} m avec l'odométrie à {decimal(errors[1], 2)} m avec vos "
+        f"recalages, puis à {decimal(errors[3], 2)} m avec {loops} boucles dans le graphe."
+    )
+    return [told] if worse is None else [told, "Une étape a fait pire que celle d'avant : regardez-la d'abord."]
+
+
+def _view(paths: list[tuple[str, Floats]], truth: Floats, clouds: list[Floats]) -> View:
+    """All that is true, and the paths as far as they do not make it tiny."""
+    walls = np.vstack([transform(pose, cloud) for pose, cloud in zip(truth, clouds, strict=True)])
+    low, high = np.percentile(walls, 0.5, axis=0), np.percentile(walls, 99.5, axis=0)
+    ends = np.vstack([path[:, :2] for _, path in paths])
+    slack = 0.3 * (high - low)
+    low = np.maximum(np.minimum(low, ends.min(axis=0)), low - slack) - 0.5
+    high = np.minimum(np.maximum(high, ends.max(axis=0)), high + slack) + 0.5
+    return View(float(low[0]), float(low[1]), float(high[0]), float(high[1]), up=True)
+
+
+REPLAYS = {"chaine": chaine}

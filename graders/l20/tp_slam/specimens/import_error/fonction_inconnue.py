@@ -1,0 +1,1 @@
+from mes_fonctions import slam_complet

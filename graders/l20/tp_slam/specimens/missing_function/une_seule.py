@@ -1,0 +1,2 @@
+def trajectoire(roues, L):
+    return roues
