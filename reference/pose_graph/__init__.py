@@ -15,7 +15,7 @@ from reference.pose_graph.errors import (
     SingularSystemError,
 )
 from reference.pose_graph.g2o import G2oGraph, as_g2o, dumps_g2o, loads_g2o
-from reference.pose_graph.gauge import gauge_vectors
+from reference.pose_graph.gauge import gauge_dimension, gauge_vectors
 from reference.pose_graph.graph import PoseGraph, Sightings
 from reference.pose_graph.kernels import DCS, Huber, Kernel, Switchable
 from reference.pose_graph.normal_equations import NormalEquations
@@ -68,6 +68,7 @@ __all__ = [
     "dumps_g2o",
     "edge_chi2",
     "edge_residuals",
+    "gauge_dimension",
     "gauge_vectors",
     "gauss_newton",
     "graduated_non_convexity",

@@ -7,9 +7,13 @@ three for its null space where the graph is connected; some pose must be held.
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Sequence
 
-from reference.pose_graph.graph import POINT, Floats
+import numpy as np
+from scipy import sparse
+from scipy.sparse import csgraph
+
+from reference.pose_graph.graph import BLOCK, POINT, Floats
 
 
 def gauge_vectors(poses: Floats, landmarks: Floats | None = None) -> Floats:
@@ -26,3 +30,15 @@ def gauge_vectors(poses: Floats, landmarks: Floats | None = None) -> Floats:
             np.concatenate([turns.ravel(), np.column_stack([-points[:, 1], points[:, 0]]).ravel()]),
         ]
     )
+
+
+def gauge_dimension(n_poses: int, pairs: Sequence[tuple[int, int]]) -> int:
+    """The dimension of the null space of H where no pose is held: 3 for each connected piece of the graph.
+
+    Information is positive definite, so that H v = 0 is J v = 0; each block of J is invertible, so that v at one end of
+    an edge gives v at the other. `pairs`: the ends of the edges.
+    """
+    i, j = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
+    adjacency = sparse.coo_array((np.ones(len(i)), (i, j)), shape=(n_poses, n_poses))
+    count, _ = csgraph.connected_components(adjacency, directed=False)
+    return BLOCK * int(count)
