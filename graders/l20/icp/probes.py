@@ -1,0 +1,83 @@
+"""What `icp` is asked by hand: one iteration and many, from a start or none, unequal clouds, a mirror, no count."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graders.core.code.probes import Probes
+from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
+from graders.l20 import world
+from graders.l20.icp import cases
+from graders.l20.icp.descent import DEFAULT, Registration, descend, staircase
+from graders.l20.icp.judge import ERROR_ABSOLUTE, ERROR_RELATIVE, misplaced, read, unread
+
+KINDS = (
+    (cases.TWO, 0), (cases.ONE, 0), (cases.SAME, 0), (cases.FROM, 0), (cases.ONE_FROM, 0), (cases.MORE, 0),
+    (cases.FEWER, 0), (cases.NOISY, 0), (cases.MIRROR, 0), (cases.THREE_FROM, 0), (cases.THREE_FROM, 1),
+    (cases.MANY, 0),
+)  # fmt: skip
+
+
+def _asked(kind: cases.Kind, seed: int) -> Registration:
+    """The registration of a seed, with hardly more iterations than it takes: mutants do not stop by themselves."""
+    case = kind.made(seed)
+    if case.n_iter != DEFAULT:
+        return case
+    return case._replace(n_iter=len(descend(*case[:4], DEFAULT)) + 2)
+
+
+ASKED: tuple[Registration, ...] = (*(_asked(kind, kind.seeds[k]) for kind, k in KINDS), cases.example(3))
+OF_ERRORS: tuple[Registration, ...] = (
+    *(_asked(kind, kind.seeds[1]) for kind in (cases.SHORT, cases.NOISY, cases.ONE_FROM, cases.THREE_FROM)),
+    cases.example(3),
+)
+#: What is shown of errors that are no sum of squares in any usual way, that rise, that are no sequence.
+OTHER, RISES, NONE = 7.0, 8.0, 9.0
+
+
+def registration(args: Arguments) -> Registration:
+    """The arguments of a call, where the count may be missing."""
+    return Registration(*args[:4], *(args[4:] or (None,)))
+
+
+def read_place(args: Arguments, value: Value) -> Value:
+    """R and t in one row; in words what is no triple."""
+    mismatch = unread(value)
+    if mismatch is not None:
+        return mismatch.message
+    answer = read(value)
+    return np.concatenate([answer.R.ravel(), answer.t])
+
+
+def read_errors(args: Arguments, value: Value) -> Value:
+    """What the errors are, where R and t are right: 0 for sums of squares of any moment; 0 too where they are not."""
+    case = registration(args)
+    if unread(value) is not None or misplaced(case, value) is not None:
+        return 0.0
+    try:
+        found = read_array(read(value).errors)
+    except UnreadableError:
+        return NONE
+    if found.ndim != 1 or not 1 <= found.size <= case.iterations + 1 or not np.all(np.isfinite(found)):
+        return NONE
+    if np.any(np.diff(found) > 1e-6 * np.maximum(1.0, np.abs(found[:-1]))):
+        return RISES
+    stairs = staircase(descend(*case[:4], case.iterations + 1))
+    n = len(case.P)
+    ways = {0.0: stairs, 1.0: stairs / n, 2.0: np.sqrt(stairs), 3.0: np.sqrt(stairs / n)}
+    return next((way for way, values in ways.items() if _among(values, found)), OTHER)
+
+
+def _among(values: Floats, found: Floats) -> bool:
+    gaps = np.abs(values[:, None] - found) <= ERROR_ABSOLUTE + ERROR_RELATIVE * values[:, None]
+    return bool(np.all(np.any(gaps, axis=0)))
+
+
+def _arguments(asked: tuple[Registration, ...]) -> tuple[Arguments, ...]:
+    return tuple(case.arguments for case in asked)
+
+
+PROBES = (
+    Probes(function="icp", calls=_arguments(ASKED), kit=world.STILL, read=read_place),
+    Probes(function="icp", calls=_arguments(OF_ERRORS), kit=world.STILL, read=read_errors),
+)

@@ -1,0 +1,5 @@
+"""The start comes back."""
+
+
+def icp(P, Q, R0, t0, n_iter=30):
+    return R0, t0, [0.0] * n_iter
