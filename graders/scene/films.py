@@ -7,12 +7,14 @@ function that makes a replay of it. Never imported on the path of a verdict.
 from __future__ import annotations
 
 import importlib
+from dataclasses import replace
 from typing import Any
 
 from graders.core.contract.findings import FigureData
 from graders.scene.replay import Replay
 from graders.typography import french
 
+CLOSE = 1e-9
 ALT = "Animation de ce que votre code a fait dans la vérification « {title} », à côté de la référence."
 
 
@@ -25,8 +27,21 @@ def replay_of(exercise: str, data: FigureData) -> Replay:
 
 def wire(exercise: str, data: FigureData, title: str) -> dict[str, Any]:
     """The same as the player reads it, under the title of its check: a replay without settings."""
-    replay = replay_of(exercise, data)
+    replay = _leading_to_its_mark(replay_of(exercise, data))
     return {"title": french(title), "alt": french(_alt(replay, title)), "parameters": [], "values": {}, **replay.wire()}
+
+
+def _leading_to_its_mark(replay: Replay) -> Replay:
+    """With the frame at which it went wrong, where that is not said: the first that a chart marks as such."""
+    if replay.wrong is not None:
+        return replay
+    for chart in replay.charts:
+        cursor = range(len(replay.frames)) if chart.cursor is None else chart.cursor
+        for mark in chart.marks:
+            frame = next((k for k, x in enumerate(cursor) if x >= mark.x - CLOSE), None)
+            if mark.color == "alert" and frame is not None:
+                return replace(replay, wrong=frame, wrong_label=f"Aller à ce moment : {mark.label}")
+    return replay
 
 
 def _alt(replay: Replay, title: str) -> str:

@@ -18,7 +18,7 @@ from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 from graders.scene.films import wire
-from graders.scene.replay import Frame, Key, Points, Replay, SceneError, View
+from graders.scene.replay import Chart, Frame, Key, Mark, Points, Replay, SceneError, Series, View
 from server.base.paths import ROOT
 
 FLOATS = st.floats(allow_nan=True, allow_infinity=True)
@@ -97,6 +97,26 @@ def test_a_film_becomes_a_replay_without_settings_under_the_title_of_its_check(m
     )
     assert "« Suivre le robot »".replace(" ", "\u00a0", 0) in scene["alt"].replace("\u00a0", " ")
     assert "votre estimation" in scene["alt"]
+
+
+def test_a_mark_of_a_chart_is_where_the_button_leads_unless_the_replay_says_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    def made(data: dict[str, Any]) -> Replay:
+        marks = [Mark(0.0, "départ", "ink"), *(Mark(x, "perdu") for x in data["marks"])]
+        chart = Chart("Écart", [Series("vous", "estimate", [0, 1, 2, 3])], marks=marks, cursor=[0.0, 0.5, 1.0, 1.5])
+        frames = [Frame([Points([[0, 0]], "estimate")])] * 4
+        return Replay(View(0, 0, 1, 1), frames, ["."], charts=[chart], wrong=data["wrong"])
+
+    monkeypatch.setattr("graders.l20.predire2d.replays.REPLAYS", {"points": made})
+    for marks, wrong, told in (
+        ([1.0], None, 2),
+        ([0.7, 1.5], None, 2),
+        ([1.0], 3, 3),
+        ([], None, None),
+        ([9.0], None, None),
+    ):
+        scene = wire("l20/predire2d", {"kind": "points", "marks": marks, "wrong": wrong}, "Suivre")
+        assert scene.get("wrong", [None])[0] == told, (marks, wrong)
+        assert wrong is not None or told is None or scene["wrong"][1].endswith("perdu")
 
 
 def test_a_layer_is_in_a_panel_that_there_is_and_it_went_wrong_at_a_frame_that_there_is() -> None:

@@ -29,6 +29,8 @@ from tests.support.quick import some
 FILMED = sorted(path.parent.name for path in some((PROJECT / "graders/l20").glob("*/replays.py")))
 #: Bytes of one film that a program of the course leaves: all those of a grading have to fit into their bound.
 USUAL = 60_000
+#: Here something parts from the reference in every run that fails; elsewhere a run may fail by its end alone.
+COMPARED = {"predire2d", "slam_graphe"}
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,9 @@ def mistaken(exercise: str, mistake: str) -> Filmed:
     return run(exercise, next(m.source for m in CODE[f"l20/{exercise}"].misconceptions if m.id == mistake))
 
 
-@pytest.mark.parametrize("exercise", FILMED)
+@pytest.mark.parametrize(
+    "exercise", [name if name in COMPARED else pytest.param(name, marks=pytest.mark.slow) for name in FILMED]
+)
 def test_a_right_program_can_be_watched_and_parts_from_nothing(exercise: str) -> None:
     for check, scene in some(solution(exercise).scenes.items()):
         body = json.dumps(scene, allow_nan=False)
@@ -86,8 +90,8 @@ def test_every_mistake_can_be_watched(exercise: str) -> None:
         filmed = run(exercise, mistake.source)
         for check, scene in filmed.scenes.items():
             assert len(json.dumps(scene, allow_nan=False)) <= LARGEST_REPLAY, (mistake.id, check)
-            marked = "wrong" in scene or any(chart["marks"] for chart in scene["charts"])
-            assert marked or check not in filmed.failed, (mistake.id, check)
+            if exercise in COMPARED and check in filmed.failed:
+                assert "wrong" in scene, (mistake.id, check)
 
 
 def test_a_filter_that_forgets_its_belief_is_caught_where_it_first_matters() -> None:
