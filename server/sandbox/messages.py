@@ -54,7 +54,7 @@ _ADVICE = {
     "EOFError": "Rien ne peut être lu au clavier ici : n’utilisez pas « input ».",
     "SystemExit": "« exit » arrête tout le programme : utilisez « return » pour sortir d’une fonction.",
     "FileNotFoundError": "Aucun fichier de données n’est fourni : tout arrive par les arguments.",
-    "AssertionError": "Une de vos propres assertions est fausse.",
+    "AssertionError": "Une assertion est fausse : la vôtre, ou celle d’une bibliothèque qui refuse votre valeur.",
     "NotImplementedError": "Cette fonction reste à écrire.",
     "OverflowError": "Un nombre est devenu trop grand : cherchez une division par presque zéro, ou une exponentielle.",
     "FloatingPointError": "Un calcul sort des nombres que la machine peut écrire.",

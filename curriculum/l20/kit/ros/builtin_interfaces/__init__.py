@@ -1,0 +1,1 @@
+"""Messages de base."""

@@ -1,0 +1,1 @@
+"""Messages internes de ROS 2."""
