@@ -34,6 +34,7 @@ BY_HAND = {
     ("annexes/notations", "ici"): "conventions",
     ("annexes/notations", "expression en Python"): "conventions",
     ("exercices/predire2d/enonce", "probabilité"): "what the exercise supposes",
+    ("exercices/noeud_ros/enonce", "`distance_min`"): "what the exercise asks for: tests/graders/l20/test_noeud_ros.py",
 }
 
 

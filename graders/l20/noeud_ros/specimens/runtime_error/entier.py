@@ -1,0 +1,20 @@
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+from sensor_msgs.msg import LaserScan
+
+
+class ArretUrgence(Node):
+    def __init__(self):
+        super().__init__("entier")
+        self.declare_parameter("distance_min", 0.3)
+        self.pub = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
+
+    def sur_scan(self, scan):
+        n = len(scan.ranges)
+        devant = [d for d in scan.ranges[n // 2 - 10 : n // 2 + 10] if scan.range_min < d < scan.range_max]
+        if devant and min(devant) < self.get_parameter("distance_min").value:
+            arret = Twist()
+            arret.linear.x = 0
+            self.pub.publish(arret)

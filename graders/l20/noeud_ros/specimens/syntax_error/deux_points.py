@@ -1,0 +1,8 @@
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+from sensor_msgs.msg import LaserScan
+
+
+class ArretUrgence(Node)
+    pass
