@@ -166,10 +166,10 @@ def fair(one: Phase) -> bool:
     places = np.abs(np.arange(len(one.ranges)) + 0.5 - one.middle)
     ahead = one.ranges[one.middle - HALF : one.middle + HALF]
     seen = np.count_nonzero(~np.isnan(ahead)) > HALF
-    sound = seen and not np.any(one.ranges <= one.range_min) and len(one.ranges) >= 2 * HALF + 4
+    sound = bool(seen and np.all(~(one.ranges <= one.range_min)) and len(one.ranges) >= 2 * HALF + 4)
     if one.stop:
         return sound and bool(np.any(_near(one, -APART) & (places < HALF - MARGIN + 0.6)))
-    return sound and not np.any(_near(one, APART) & (places < HALF + MARGIN))
+    return sound and not bool(np.any(_near(one, APART) & (places < HALF + MARGIN)))
 
 
 def _near(one: Phase, slack: float) -> NDArray[np.bool_]:

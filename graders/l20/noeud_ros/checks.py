@@ -137,7 +137,11 @@ def rejection(failure: Failure) -> Rejection:
         happened = "votre nœud y publie une vitesse qui n'est pas nulle : ce n'est pas à lui de faire rouler le robot"
     else:
         happened = "votre nœud y publie un arrêt"
-    setting = "" if one.distance == DEFAULT or "distance_min" in one.told else f" (distance_min : {one.distance:g} m)".replace(".", ",")
+    setting = (
+        ""
+        if one.distance == DEFAULT or "distance_min" in one.told
+        else f" (distance_min : {one.distance:g} m)".replace(".", ",")
+    )
     earlier = f" C'est la situation n° {failure.before + 1} de la même vie du nœud." if failure.before else ""
     message = f"Scan de {len(one.ranges)} rayons : {one.told}{setting}. On attend {wanted}, et {happened}."
     return Rejection(
