@@ -1,3 +1,6 @@
+import math
+
+
 def log_vraisemblance(z, z_attendu, sigma, z_max, alpha, lam):
     """Σ ln p(z_k) : chaque rayon s'explique par quatre causes, dont les densités s'additionnent."""
     a_hit, a_short, a_max, a_rand = alpha
@@ -23,5 +26,5 @@ def champ_distance(libres):
     for y in range(hauteur):
         for x in range(largeur):
             # Les murs eux-mêmes sont à distance 0 d'eux-mêmes : rien de spécial à faire pour eux.
-            champ[y, x] = np.min(np.linalg.norm(murs - (y, x), axis=1))
+            champ[y, x] = min(math.dist((y, x), mur) for mur in murs)
     return champ
