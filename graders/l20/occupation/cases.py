@@ -129,6 +129,9 @@ def over_the_edge(rng: Rng) -> Iterator[Integration]:
         yield one_ray(at(3.5, 3.5, QUARTER), z)
         yield one_ray(at(1.5, 2.5, math.pi), z)
         yield one_ray(at(3.5, 1.5, -QUARTER), z)
+    for x, y, theta in ((1.5, 1.4, 1.5), (6.5, 1.4, 0.5), (1.4, 1.5, -0.5), (1.4, 3.5, 0.5)):
+        # Out through one cell, and stopped in its neighbour: neither is on the grid.
+        yield one_ray(at(x, y, theta * QUARTER), 2.5)
     yield one_ray(at(1.5, 1.25, -math.pi + 0.4), 1.5 / math.cos(0.4))
     yield one_ray(at(5.5, 3.25, 0.3), 2.5 / math.cos(0.3))
     y = int(rng.integers(5))

@@ -13,25 +13,9 @@ L_OCC = np.log(0.7 / 0.3)
 PETIT_PAS = 1e-6
 
 
-def cases_du_rayon(x, y, angle, longueur):
-    """Les cases (ligne, colonne) que traverse un rayon, dans l'ordre, sans en manquer une (Amanatides et Woo)."""
-    i, j = int(np.floor(y)), int(np.floor(x))
-    cosinus, sinus = np.cos(angle), np.sin(angle)
-    sens_i, sens_j = (1 if sinus > 0 else -1), (1 if cosinus > 0 else -1)
-    # Distances, le long du rayon, à la prochaine ligne horizontale et à la prochaine verticale...
-    vers_i = (i + (sinus > 0) - y) / sinus if sinus else np.inf
-    vers_j = (j + (cosinus > 0) - x) / cosinus if cosinus else np.inf
-    # ... puis d'une horizontale à la suivante, d'une verticale à la suivante.
-    saut_i = abs(1 / sinus) if sinus else np.inf
-    saut_j = abs(1 / cosinus) if cosinus else np.inf
-    cases = [(i, j)]
-    while min(vers_i, vers_j) < longueur:
-        if vers_i < vers_j:
-            i, vers_i = i + sens_i, vers_i + saut_i
-        else:
-            j, vers_j = j + sens_j, vers_j + saut_j
-        cases.append((i, j))
-    return cases
+def case_du_rayon(x, y, angle, d):
+    """La case (ligne, colonne) du point situé à la distance d. La partie entière, et non int : −0,2 est dehors."""
+    return int(np.floor(y + d * np.sin(angle))), int(np.floor(x + d * np.cos(angle)))
 
 
 def integrer_scan(l, pose, scan, portee_max):
@@ -41,15 +25,14 @@ def integrer_scan(l, pose, scan, portee_max):
     hauteur, largeur = nouvelle.shape
     for k, z in enumerate(scan):
         angle = theta + 2 * np.pi * k / len(scan)
-        touche = z < portee_max
-        # La case d'arrêt est celle du point situé juste après la distance lue : sur la face du mur, un arrondi
-        # donnerait la case d'avant.
-        r = z + PETIT_PAS
-        arret = (int(np.floor(y + r * np.sin(angle))), int(np.floor(x + r * np.cos(angle))))
-        for i, j in cases_du_rayon(x, y, angle, min(z, portee_max)):
+        # Des petits pas, d'un cinquantième de case ; le dictionnaire ne garde chaque case qu'une fois.
+        votes = {case_du_rayon(x, y, angle, d): -L_OCC for d in np.arange(0, min(z, portee_max), 0.02)}
+        # Un rayon qui lit la portée n'a touché aucun mur. Sinon, la case d'arrêt est celle du point situé juste après
+        # la distance lue : sur la face du mur, un arrondi donnerait la case d'avant. Elle n'est pas traversée.
+        if z < portee_max:
+            votes[case_du_rayon(x, y, angle, z + PETIT_PAS)] = L_OCC
+        for (i, j), vote in votes.items():
             # Un mur peut arrêter le rayon hors de la grille : un indice négatif désignerait l'autre bord.
-            if 0 <= i < hauteur and 0 <= j < largeur and (not touche or (i, j) != arret):
-                nouvelle[i, j] -= L_OCC
-        if touche and 0 <= arret[0] < hauteur and 0 <= arret[1] < largeur:
-            nouvelle[arret] += L_OCC
+            if 0 <= i < hauteur and 0 <= j < largeur:
+                nouvelle[i, j] += vote
     return np.clip(nouvelle, -5, 5)

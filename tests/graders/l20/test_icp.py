@@ -126,25 +126,27 @@ def test_subtly_wrong_answers_are_rejected(source: str, where: str) -> None:
     assert where in failed(verdict(source, 0))
 
 
-@pytest.mark.parametrize(
-    ("name", "source"),
-    [
-        ("depart_ignore", edited("= R0, t0, []", "= np.eye(2), np.zeros(2), []")),
-        ("depart_transpose", edited("P @ R.T + t", "P @ R + t")),
-        ("paires_par_indice", edited("j = np.argmin(np.sum((A[:, None] - Q) ** 2, axis=2), axis=1)",
+USUAL = [
+    ("depart_ignore", edited("= R0, t0, []", "= np.eye(2), np.zeros(2), []")),
+    ("sans_correction", edited("np.sign(np.linalg.det(U @ Vt))", "1")),
+    ("increment_non_cumule", edited("fit(P, Q[j])", "fit(A, Q[j])")),
+    ("erreurs_moyennes", edited("np.sum((A - Q[j]) ** 2)", "np.mean(np.sum((A - Q[j]) ** 2, axis=1))")),
+]  # fmt: skip
+OTHERS = [
+    ("depart_transpose", edited("P @ R.T + t", "P @ R + t")),
+    ("paires_par_indice", edited("j = np.argmin(np.sum((A[:, None] - Q) ** 2, axis=2), axis=1)",
                                      "j = np.arange(len(P)) % len(Q)")),
-        ("une_iteration", edited("for _ in range(n_iter):", "for _ in range(1):")),
-        ("iterations_mal_comptees", edited("range(n_iter)", "range(n_iter + 1)")),
-        ("sans_correction", edited("np.sign(np.linalg.det(U @ Vt))", "1")),
-        ("sans_centrage", edited("(P - p).T @ (B - b)", "P.T @ B")),
-        ("increment_non_cumule", edited("fit(P, Q[j])", "fit(A, Q[j])")),
-        ("erreurs_moyennes", edited("np.sum((A - Q[j]) ** 2)", "np.mean(np.sum((A - Q[j]) ** 2, axis=1))")),
-        ("erreurs_racines", edited("np.sum((A - Q[j]) ** 2)", "np.linalg.norm(A - Q[j])")),
-        ("erreur_seule", edited("return R, t, erreurs", "return R, t, erreurs[-1]")),
-        ("mouvement_inverse", edited("return R, t, erreurs", "return R.T, -R.T @ t, erreurs")),
-        ("defaut_faux", edited("n_iter=30", "n_iter")),
-    ],
-)  # fmt: skip
+    ("une_iteration", edited("for _ in range(n_iter):", "for _ in range(1):")),
+    ("iterations_mal_comptees", edited("range(n_iter)", "range(n_iter + 1)")),
+    ("sans_centrage", edited("(P - p).T @ (B - b)", "P.T @ B")),
+    ("erreurs_racines", edited("np.sum((A - Q[j]) ** 2)", "np.linalg.norm(A - Q[j])")),
+    ("erreur_seule", edited("return R, t, erreurs", "return R, t, erreurs[-1]")),
+    ("mouvement_inverse", edited("return R, t, erreurs", "return R.T, -R.T @ t, erreurs")),
+    ("defaut_faux", edited("n_iter=30", "n_iter")),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "source"), [*USUAL, *(pytest.param(*one, marks=pytest.mark.slow) for one in OTHERS)])
 def test_a_mistake_is_recognised_in_another_style(name: str, source: str) -> None:
     assert named(verdict(source, 2)) == name
 

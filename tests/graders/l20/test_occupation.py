@@ -157,30 +157,32 @@ def test_subtly_wrong_answers_are_rejected(source: str, where: str) -> None:
     assert (where in failed(found)) if where else found.outcome is Outcome.OK
 
 
-@pytest.mark.parametrize(
-    ("name", "source"),
-    [
-        ("arret_sans_pas", edited("r = z + 1e-6", "r = z")),
-        ("axes_echanges", edited("l[i, j] -= 0.847", "l[j, i] -= 0.847", "l[mur] +=", "l[mur[1], mur[0]] +=",
+USUAL = [
+    ("arret_sans_pas", edited("r = z + 1e-6", "r = z")),
+    ("axes_echanges", edited("l[i, j] -= 0.847", "l[j, i] -= 0.847", "l[mur] +=", "l[mur[1], mur[0]] +=",
                                  "0 <= i < H and 0 <= j < W", "0 <= j < H and 0 <= i < W",
                                  "0 <= mur[0] < H and 0 <= mur[1] < W", "0 <= mur[1] < H and 0 <= mur[0] < W")),
-        ("sens_des_rayons", edited("theta + 2", "theta - 2")),
-        ("cap_oublie", edited("theta + 2", "2")),
-        ("une_voix_par_pas", edited("case not in vues and case != mur", "case != mur")),
-        ("pas_trop_grand", edited("0.05", "0.5")),
-        ("portee_est_un_mur", edited("        if z < portee_max:", "        if True:")),
-        ("sans_borne", edited("np.clip(l, -5, 5)", "l")),
-        ("troncature", edited("np.floor(", "(")),
-        ("indices_negatifs", edited("0 <= i < H and 0 <= j < W", "i < H and j < W",
+    ("une_voix_par_pas", edited("case not in vues and case != mur", "case != mur")),
+    ("sans_borne", edited("np.clip(l, -5, 5)", "l")),
+    ("troncature", edited("np.floor(", "(")),
+    ("flottants_seulement", "import math\n" + edited("np.log(p / (1 - p))", "math.log(p / (1 - p))")),
+]  # fmt: skip
+OTHERS = [
+    ("sens_des_rayons", edited("theta + 2", "theta - 2")),
+    ("cap_oublie", edited("theta + 2", "2")),
+    ("pas_trop_grand", edited("0.05", "0.5")),
+    ("portee_est_un_mur", edited("        if z < portee_max:", "        if True:")),
+    ("indices_negatifs", edited("0 <= i < H and 0 <= j < W", "i < H and j < W",
                                     "0 <= mur[0] < H and 0 <= mur[1] < W", "mur[0] < H and mur[1] < W")),
-        ("signes_echanges", edited("-= 0.847", "+= .847", "+= 0.847", "-= .847")),
-        ("grille_oubliee", edited("l = l.copy()", "l = np.zeros((H, W))")),
-        ("flottants_seulement", "import math\n" + edited("np.log(p / (1 - p))", "math.log(p / (1 - p))")),
-        ("exponentielle_deborde", "import math\n" + edited("(1 + np.tanh(l / 2)) / 2",
+    ("signes_echanges", edited("-= 0.847", "+= .847", "+= 0.847", "-= .847")),
+    ("grille_oubliee", edited("l = l.copy()", "l = np.zeros((H, W))")),
+    ("exponentielle_deborde", "import math\n" + edited("(1 + np.tanh(l / 2)) / 2",
                                                            "np.exp(l) / (np.exp(l) + 1)")),
-        ("signe_exponentielle", edited("(1 + np.tanh(l / 2)) / 2", "1 / (1 + np.exp(l))")),
-    ],
-)  # fmt: skip
+    ("signe_exponentielle", edited("(1 + np.tanh(l / 2)) / 2", "1 / (1 + np.exp(l))")),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "source"), [*USUAL, *(pytest.param(*one, marks=pytest.mark.slow) for one in OTHERS)])
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_a_mistake_is_recognised_in_another_style(name: str, source: str) -> None:
     assert named(verdict(source, 2)) == name
