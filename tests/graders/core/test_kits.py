@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -24,15 +25,18 @@ FILES = {
 
 
 @pytest.fixture
-def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     folder = tmp_path / "curriculum" / "m9"
     for name, text in FILES.items():
         path = folder / "kit" / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
-    monkeypatch.setattr(local, "PROJECT", tmp_path)
-    local._kit.cache_clear()
-    return folder
+    monkeypatch.setattr(local, "CURRICULUM", tmp_path / "curriculum")
+    for cached in (local._home, local._kit):
+        cached.cache_clear()
+    yield folder
+    for cached in (local._home, local._kit):
+        cached.cache_clear()
 
 
 def test_a_folder_with_a_module_of_its_name_is_a_kit_and_holds_the_module_s_own(module: Path) -> None:

@@ -35,7 +35,7 @@ class ArretUrgence(Node):
     def __init__(self):
         super().__init__("a")
         self.declare_parameter("distance_min", 0.3)
-        self.pub = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)
         self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
 
     def sur_scan(self, scan):
@@ -44,7 +44,7 @@ class ArretUrgence(Node):
         devant = scan.ranges[n // 2 - 10 : n // 2 + 10]
         valides = [d for d in devant if scan.range_min < d < scan.range_max]
         if valides and min(valides) < seuil:
-            self.pub.publish(Twist())
+            self.vitesses.publish(Twist())
 """
 WINDOW = "scan.ranges[n // 2 - 10 : n // 2 + 10]"
 VALID = "[d for d in devant if scan.range_min < d < scan.range_max]"

@@ -115,7 +115,7 @@ class _Cahier:
     def regler(self, nom, valeur):
         """Demande le réglage à tous les nœuds : un seul l'a déclaré."""
         for noeud in self._monde.noeuds:
-            noeud.demander_reglage(nom, valeur, lambda resultat: self._repondre(nom, resultat))
+            noeud.ros_demander(nom, valeur, lambda resultat: self._repondre(nom, resultat))
 
     def _repondre(self, nom, resultat):
         ligne = {"t": _secondes(self._monde.maintenant), "parametre": nom, "accepte": bool(resultat.successful)}

@@ -100,8 +100,8 @@ class Executor:
     def _travail(self, maintenant):
         """Le premier travail prêt : un réglage demandé du dehors, une minuterie échue, un message reçu."""
         for noeud in self._noeuds:
-            if noeud.reglages_demandes:
-                return noeud.reglages_demandes.popleft()
+            if noeud.ros_reglages:
+                return noeud.ros_reglages.popleft()
         for minuterie in self._minuteries():
             if minuterie.echeance <= maintenant:
                 return minuterie.sonner

@@ -33,6 +33,8 @@ _LETTRES = "must not contain characters other than alphanumerics or '_', nor sta
 
 
 class Node(Parametres):
+    """Ce qui n'est pas de ROS 2 commence par `ros_` ou `_ros_` : vos noms à vous restent libres."""
+
     def __init__(
         self,
         node_name,
@@ -57,61 +59,62 @@ class Node(Parametres):
         if espace != "/" and not _TOPIC.fullmatch(espace):
             raise InvalidNamespaceException(espace, f"namespace {_LETTRES}")
         self.context, self.executor = contexte, None
-        self._nom, self._espace = node_name, espace
-        self._horloge, self._journal = ROSClock(), get_logger(self.get_fully_qualified_name()[1:].replace("/", "."))
-        self._editeurs, self._abonnements, self._minuteries = [], [], []
-        self._groupe = MutuallyExclusiveCallbackGroup()
-        self.reglages_demandes = deque()
+        self._ros_nom, self._ros_espace = node_name, espace
+        self._ros_horloge = ROSClock()
+        self._ros_journal = get_logger(self.get_fully_qualified_name()[1:].replace("/", "."))
+        self._ros_editeurs, self._ros_abonnements, self._ros_minuteries = [], [], []
+        self._ros_groupe = MutuallyExclusiveCallbackGroup()
+        self.ros_reglages = deque()
         monde = simulation.monde()
         donnes = dict(monde.parametres_donnes) if use_global_arguments else {}
         donnes.update({parametre.name: parametre.value for parametre in parameter_overrides or ()})
-        self._preparer_parametres(donnes, allow_undeclared_parameters)
-        self._annonce_parametres = Publisher(ParameterEvent, "/parameter_events", lire_qos(1000))
+        self._ros_preparer_parametres(donnes, allow_undeclared_parameters)
+        self._ros_annonce_parametres = Publisher(ParameterEvent, "/parameter_events", lire_qos(1000))
         if automatically_declare_parameters_from_overrides:
             self.declare_parameters("", list(donnes.items()))
         monde.noeuds.append(self)
 
     def __getattr__(self, nom):
-        if nom.startswith("_") and "_nom" not in self.__dict__:
+        if nom.startswith("_") and "_ros_nom" not in self.__dict__:
             message = f"'{type(self).__name__}' object has no attribute '{nom}'"
             raise AttributeError(f"{message} (super().__init__(\"…\") a-t-il été appelé d'abord ?)")
         raise AttributeError(f"'{type(self).__name__}' object has no attribute '{nom}'")
 
     def get_name(self):
-        return self._nom
+        return self._ros_nom
 
     def get_namespace(self):
-        return self._espace
+        return self._ros_espace
 
     def get_fully_qualified_name(self):
-        return f"{self._espace.rstrip('/')}/{self._nom}"
+        return f"{self._ros_espace.rstrip('/')}/{self._ros_nom}"
 
     def get_logger(self):
-        return self._journal
+        return self._ros_journal
 
     def get_clock(self):
-        return self._horloge
+        return self._ros_horloge
 
     @property
     def default_callback_group(self):
-        return self._groupe
+        return self._ros_groupe
 
     @property
     def publishers(self):
-        return iter(self._editeurs)
+        return iter(self._ros_editeurs)
 
     @property
     def subscriptions(self):
-        return iter(list(self._abonnements))
+        return iter(list(self._ros_abonnements))
 
     @property
     def timers(self):
-        return iter(list(self._minuteries))
+        return iter(list(self._ros_minuteries))
 
     def create_publisher(self, msg_type, topic, qos_profile, *, callback_group=None, event_callbacks=None, **_):
         """Annonce que ce nœud publiera des messages de ce type sur ce topic."""
         editeur = Publisher(_type(msg_type), self.resolve_topic_name(topic), lire_qos(qos_profile))
-        self._editeurs.append(editeur)
+        self._ros_editeurs.append(editeur)
         return editeur
 
     def create_subscription(
@@ -119,13 +122,13 @@ class Node(Parametres):
     ):
         """Demande que `callback(message)` soit appelé à chaque message."""
         abonnement = Subscription(_type(msg_type), self.resolve_topic_name(topic), callback, lire_qos(qos_profile))
-        self._abonnements.append(abonnement)
+        self._ros_abonnements.append(abonnement)
         return abonnement
 
     def create_timer(self, timer_period_sec, callback, callback_group=None, clock=None, autostart=True):
         """Demande que `callback()` soit appelé toutes les `timer_period_sec` secondes."""
         minuterie = Timer(callback, round(float(timer_period_sec) * simulation.SECONDE), autostart=autostart)
-        self._minuteries.append(minuterie)
+        self._ros_minuteries.append(minuterie)
         return minuterie
 
     def resolve_topic_name(self, topic, *, only_expand=False):
@@ -138,7 +141,7 @@ class Node(Parametres):
             return topic
         if topic.startswith("~"):
             return self.get_fully_qualified_name() + topic[1:]
-        return f"{self._espace.rstrip('/')}/{topic}"
+        return f"{self._ros_espace.rstrip('/')}/{topic}"
 
     def count_publishers(self, topic_name):
         complet = self.resolve_topic_name(topic_name)
@@ -149,28 +152,28 @@ class Node(Parametres):
         return sum(abonnement.topic_name == complet for abonnement in simulation.monde().abonnements)
 
     def destroy_publisher(self, publisher):
-        return self._retirer(self._editeurs, publisher)
+        return self._ros_retirer(self._ros_editeurs, publisher)
 
     def destroy_subscription(self, subscription):
-        return self._retirer(self._abonnements, subscription)
+        return self._ros_retirer(self._ros_abonnements, subscription)
 
     def destroy_timer(self, timer):
-        return self._retirer(self._minuteries, timer)
+        return self._ros_retirer(self._ros_minuteries, timer)
 
     def destroy_node(self):
-        for liste in (self._editeurs, self._abonnements, self._minuteries):
+        for liste in (self._ros_editeurs, self._ros_abonnements, self._ros_minuteries):
             for element in list(liste):
-                self._retirer(liste, element)
+                self._ros_retirer(liste, element)
 
     @staticmethod
-    def _retirer(liste, element):
+    def _ros_retirer(liste, element):
         if element not in liste:
             return False
         liste.remove(element)
         element.destroy()
         return True
 
-    def demander_reglage(self, nom, valeur, repondre):
+    def ros_demander(self, nom, valeur, repondre):
         """Ce que fait `ros2 param set` : le nœud change son paramètre quand vient son tour, et répond."""
 
         def regler():
@@ -180,7 +183,7 @@ class Node(Parametres):
                 resultat = SetParametersResult(successful=False, reason=str(erreur))
             repondre(resultat)
 
-        self.reglages_demandes.append(regler)
+        self.ros_reglages.append(regler)
 
     def __enter__(self):
         return self

@@ -30,10 +30,10 @@ def _refus(raison):
 class Parametres:
     """Déclarer, lire, changer : du dedans par ces méthodes, du dehors par `ros2 param set`."""
 
-    def _preparer_parametres(self, surcharges, sans_declaration):
-        self._parametres, self._descripteurs = {}, {}
-        self._surcharges, self._sans_declaration = surcharges, sans_declaration
-        self._avant, self._pendant, self._apres = [], [], []
+    def _ros_preparer_parametres(self, surcharges, sans_declaration):
+        self._ros_parametres, self._ros_descripteurs = {}, {}
+        self._ros_surcharges, self._ros_sans_declaration = surcharges, sans_declaration
+        self._ros_avant, self._ros_pendant, self._ros_apres = [], [], []
 
     def declare_parameter(self, name, value=None, descriptor=None, ignore_override=False):
         """Crée un paramètre, avec sa valeur par défaut (ou `Parameter.Type.DOUBLE` : un type sans valeur)."""
@@ -42,19 +42,19 @@ class Parametres:
 
     def declare_parameters(self, namespace, parameters, ignore_override=False):
         """Plusieurs à la fois : une liste de (nom, valeur) ou de (nom, valeur, description)."""
-        nouveaux = [self._lire_declaration(namespace, declare, ignore_override) for declare in parameters]
-        deja = [parametre.name for parametre, _ in nouveaux if parametre.name in self._parametres]
+        nouveaux = [self._ros_lire_declaration(namespace, declare, ignore_override) for declare in parameters]
+        deja = [parametre.name for parametre, _ in nouveaux if parametre.name in self._ros_parametres]
         if deja:
             raise ParameterAlreadyDeclaredException(deja)
         for parametre, descripteur in nouveaux:
-            resultat = self._changer([parametre], {parametre.name: descripteur})
+            resultat = self._ros_changer([parametre], {parametre.name: descripteur})
             if not resultat.successful:
                 if resultat.reason.startswith(MAUVAIS_TYPE):
                     raise InvalidParameterTypeException(parametre, Parameter.Type(descripteur.type).name)
                 raise InvalidParameterValueException(parametre.name, parametre.value, resultat.reason)
-        return [self._parametres[parametre.name] for parametre, _ in nouveaux]
+        return [self._ros_parametres[parametre.name] for parametre, _ in nouveaux]
 
-    def _lire_declaration(self, namespace, declare, ignore_override):
+    def _ros_lire_declaration(self, namespace, declare, ignore_override):
         if not 1 <= len(declare) <= 3:
             raise TypeError(f"Invalid parameter tuple length: {declare}; expecting length between 1 and 3")
         nom, valeur, descripteur = (*declare, None, None)[:3]
@@ -79,26 +79,26 @@ class Parametres:
                 descripteur.type = Parameter.Type.from_parameter_value(valeur).value
                 if descripteur.type == ParameterType.PARAMETER_NOT_SET:
                     raise ValueError("Cannot declare a statically typed parameter with default value of type NOT_SET")
-        if not ignore_override and nom in self._surcharges:
-            valeur = self._surcharges[nom]
+        if not ignore_override and nom in self._ros_surcharges:
+            valeur = self._ros_surcharges[nom]
         return Parameter(nom, value=valeur), descripteur
 
     def undeclare_parameter(self, name):
         if self.describe_parameter(name).read_only:
             raise ParameterImmutableException(name)
-        del self._parametres[name], self._descripteurs[name]
+        del self._ros_parametres[name], self._ros_descripteurs[name]
 
     def has_parameter(self, name):
-        return name in self._parametres
+        return name in self._ros_parametres
 
     def get_parameter(self, name):
         """Le paramètre ; sa valeur du moment est `.value`."""
-        if name in self._parametres:
-            parametre = self._parametres[name]
-            if parametre.type_ is Parameter.Type.NOT_SET and not self._descripteurs[name].dynamic_typing:
+        if name in self._ros_parametres:
+            parametre = self._ros_parametres[name]
+            if parametre.type_ is Parameter.Type.NOT_SET and not self._ros_descripteurs[name].dynamic_typing:
                 raise ParameterUninitializedException(name)
             return parametre
-        if self._sans_declaration:
+        if self._ros_sans_declaration:
             return Parameter(name, Parameter.Type.NOT_SET, None)
         raise ParameterNotDeclaredException(name)
 
@@ -106,7 +106,7 @@ class Parametres:
         return [self.get_parameter(name) for name in names]
 
     def get_parameter_or(self, name, alternative_value=None):
-        parametre = self._parametres.get(name)
+        parametre = self._ros_parametres.get(name)
         if parametre is not None and parametre.type_ is not Parameter.Type.NOT_SET:
             return parametre
         return Parameter(name, Parameter.Type.NOT_SET) if alternative_value is None else alternative_value
@@ -116,14 +116,14 @@ class Parametres:
 
     def get_parameters_by_prefix(self, prefix):
         debut = f"{prefix}." if prefix else ""
-        return {nom[len(debut) :]: p for nom, p in self._parametres.items() if nom.startswith(debut)}
+        return {nom[len(debut) :]: p for nom, p in self._ros_parametres.items() if nom.startswith(debut)}
 
     def describe_parameter(self, name):
-        if name not in self._descripteurs:
-            if self._sans_declaration:
+        if name not in self._ros_descripteurs:
+            if self._ros_sans_declaration:
                 return ParameterDescriptor()
             raise ParameterNotDeclaredException(name)
-        return self._descripteurs[name]
+        return self._ros_descripteurs[name]
 
     def set_parameters(self, parameter_list):
         """Change des paramètres, l'un après l'autre ; dit pour chacun si c'est fait, et sinon pourquoi."""
@@ -131,42 +131,42 @@ class Parametres:
 
     def set_parameters_atomically(self, parameter_list):
         """Tous, ou aucun."""
-        for fonction in self._avant:
+        for fonction in self._ros_avant:
             parameter_list = fonction(parameter_list)
         if not parameter_list:
             return _refus("parameter list cannot be empty")
-        inconnus = [parametre.name for parametre in parameter_list if parametre.name not in self._parametres]
-        if inconnus and not self._sans_declaration:
+        inconnus = [parametre.name for parametre in parameter_list if parametre.name not in self._ros_parametres]
+        if inconnus and not self._ros_sans_declaration:
             raise ParameterNotDeclaredException(inconnus)
-        return self._changer(parameter_list)
+        return self._ros_changer(parameter_list)
 
     def add_pre_set_parameters_callback(self, callback):
         """`callback(liste)` renvoie la liste à appliquer."""
-        self._avant.insert(0, callback)
+        self._ros_avant.insert(0, callback)
 
     def add_on_set_parameters_callback(self, callback):
         """`callback(liste)` renvoie un `SetParametersResult` : oui, ou non et pourquoi. Rien n'est encore changé."""
-        self._pendant.insert(0, callback)
+        self._ros_pendant.insert(0, callback)
 
     def add_post_set_parameters_callback(self, callback):
         """`callback(liste)` est appelé quand le changement est fait."""
-        self._apres.insert(0, callback)
+        self._ros_apres.insert(0, callback)
 
     def remove_pre_set_parameters_callback(self, callback):
-        self._avant.remove(callback)
+        self._ros_avant.remove(callback)
 
     def remove_on_set_parameters_callback(self, callback):
-        self._pendant.remove(callback)
+        self._ros_pendant.remove(callback)
 
     def remove_post_set_parameters_callback(self, callback):
-        self._apres.remove(callback)
+        self._ros_apres.remove(callback)
 
-    def _changer(self, parametres, descripteurs=None):
+    def _ros_changer(self, parametres, descripteurs=None):
         for parametre in parametres:
-            resultat = self._verifier(parametre, descripteurs)
+            resultat = self._ros_verifier(parametre, descripteurs)
             if not resultat.successful:
                 return resultat
-        for fonction in self._pendant:
+        for fonction in self._ros_pendant:
             resultat = fonction(parametres)
             if resultat is None:
                 raise AttributeError(SANS_REPONSE)
@@ -174,20 +174,20 @@ class Parametres:
                 return resultat
         evenement = ParameterEvent(node=self.get_fully_qualified_name(), stamp=self.get_clock().now().to_msg())
         for parametre in parametres:
-            nouveau = parametre.name not in self._parametres
+            nouveau = parametre.name not in self._ros_parametres
             (evenement.new_parameters if nouveau else evenement.changed_parameters).append(parametre.to_parameter_msg())
-            self._parametres[parametre.name] = parametre
+            self._ros_parametres[parametre.name] = parametre
             if descripteurs is not None:
-                self._descripteurs[parametre.name] = descripteurs[parametre.name]
-            self._descripteurs.setdefault(parametre.name, ParameterDescriptor(dynamic_typing=True))
-        self._annonce_parametres.publish(evenement)
-        for fonction in self._apres:
+                self._ros_descripteurs[parametre.name] = descripteurs[parametre.name]
+            self._ros_descripteurs.setdefault(parametre.name, ParameterDescriptor(dynamic_typing=True))
+        self._ros_annonce_parametres.publish(evenement)
+        for fonction in self._ros_apres:
             fonction(parametres)
         return SetParametersResult(successful=True)
 
-    def _verifier(self, parametre, descripteurs):
+    def _ros_verifier(self, parametre, descripteurs):
         """Le type et les bornes déclarés acceptent-ils cette valeur ?"""
-        declare = (descripteurs or self._descripteurs).get(parametre.name)
+        declare = (descripteurs or self._ros_descripteurs).get(parametre.name)
         if declare is None:
             return SetParametersResult(successful=True)
         if descripteurs is None and declare.read_only:

@@ -14,7 +14,7 @@ class ArretUrgence(Node):
         Node.__init__(self, "apres")
         self.add_post_set_parameters_callback(self.change)
         self.declare_parameter("distance_min", self.seuil)
-        self.pub = self.create_publisher(Twist, "//cmd_vel"[1:], 10)
+        self.vitesses = self.create_publisher(Twist, "//cmd_vel"[1:], 10)
         self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
 
     def change(self, parametres):
@@ -29,4 +29,4 @@ class ArretUrgence(Node):
             if scan.range_min < d < scan.range_max:
                 plus_proche = min(plus_proche, d)
         if plus_proche < self.seuil:
-            self.pub.publish(Twist())
+            self.vitesses.publish(Twist())

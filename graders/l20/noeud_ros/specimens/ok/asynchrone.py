@@ -8,12 +8,12 @@ class ArretUrgence(Node):
     def __init__(self):
         super().__init__("asynchrone")
         self.declare_parameter("distance_min", 0.3)
-        self.pub = self.create_publisher(msg_type=Twist, topic="/cmd_vel", qos_profile=10)
+        self.vitesses = self.create_publisher(msg_type=Twist, topic="/cmd_vel", qos_profile=10)
         self.create_subscription(msg_type=LaserScan, topic="/scan", callback=self.sur_scan, qos_profile=10)
 
     async def sur_scan(self, msg):
         if await self.danger(msg):
-            self.pub.publish(Twist())
+            self.vitesses.publish(Twist())
 
     async def danger(self, msg):
         n = len(msg.ranges)

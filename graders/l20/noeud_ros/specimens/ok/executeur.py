@@ -19,13 +19,13 @@ class ArretUrgence(rclpy.node.Node):
             LaserScan, "/scan", self.cb, QoSPresetProfiles.SENSOR_DATA.value, callback_group=groupe
         )
         tenace = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        self.pub = self.create_publisher(Twist, "/cmd_vel", tenace)
+        self.vitesses = self.create_publisher(Twist, "/cmd_vel", tenace)
 
     def cb(self, m):
         r, n = m.ranges.tolist(), len(m.ranges)
         proches = {x for x in r[n // 2 - 10 : n // 2 + 10] if m.range_min < x < m.range_max}
         if proches and min(proches) < self.get_parameter("distance_min").value:
-            self.pub.publish(Twist())
+            self.vitesses.publish(Twist())
 
 
 if rclpy.ok():

@@ -13,7 +13,7 @@ class ArretUrgence(Node):
     def __init__(self):
         super().__init__("confirme")
         self.declare_parameter("distance_min", 0.3)
-        self.pub = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)
         self.plus_proche = self.create_publisher(Float32, "/plus_proche", 10)
         self.danger = self.create_publisher(Bool, "/danger", 10)
         self.vus = deque(maxlen=3)
@@ -27,5 +27,5 @@ class ArretUrgence(Node):
         self.vus.append(bool(valides) and min(valides) < self.get_parameter("distance_min").value)
         self.danger.publish(Bool(data=self.vus[-1]))
         if sum(self.vus) >= 2:
-            self.pub.publish(Twist())
+            self.vitesses.publish(Twist())
             self.get_logger().info("STOP", throttle_duration_sec=1.0)

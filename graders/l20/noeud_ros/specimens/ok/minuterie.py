@@ -11,7 +11,7 @@ class ArretUrgence(Node):
         super().__init__("arret")
         self.danger = False
         self.declare_parameter("distance_min", 0.3)
-        self.pub = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)
         self.sub = self.create_subscription(LaserScan, "/scan", self.scan, 10)
         self.timer = self.create_timer(0.1, self.battre)
 
@@ -22,4 +22,4 @@ class ArretUrgence(Node):
 
     def battre(self):
         if self.danger:
-            self.pub.publish(Twist())
+            self.vitesses.publish(Twist())

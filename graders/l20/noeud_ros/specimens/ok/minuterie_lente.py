@@ -14,7 +14,7 @@ class ArretUrgence(Node):
         self.dernier = self.get_clock().now()
         self.create_timer(0.5, self.relire)
         self.create_timer(0.25, self.veiller)
-        self.pub = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)
         self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
 
     def relire(self):
@@ -22,11 +22,11 @@ class ArretUrgence(Node):
 
     def veiller(self):
         if (self.get_clock().now() - self.dernier).nanoseconds > 0.3e9:
-            self.pub.publish(Twist())
+            self.vitesses.publish(Twist())
 
     def sur_scan(self, scan):
         self.dernier = self.get_clock().now()
         n = len(scan.ranges)
         lectures = filter(lambda d: scan.range_min < d < scan.range_max, scan.ranges[n // 2 - 10 : n // 2 + 10])
         if min(lectures, default=float("inf")) < self.distance:
-            self.pub.publish(Twist())
+            self.vitesses.publish(Twist())

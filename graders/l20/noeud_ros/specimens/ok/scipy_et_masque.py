@@ -12,7 +12,7 @@ class ArretUrgence(Node):
     def __init__(self):
         super().__init__("masque")
         self.declare_parameter("distance_min", 0.3)
-        self.pub = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)
         self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
 
     def sur_scan(self, scan):
@@ -20,4 +20,4 @@ class ArretUrgence(Node):
         r = numpy.ma.masked_outside(r, scan.range_min * 1.0001, scan.range_max * 0.9999).filled(numpy.inf)
         proche = minimum_filter1d(r.astype(float), size=21)[len(r) // 2]
         if proche < self.get_parameter("distance_min").value:
-            self.pub.publish(Twist())
+            self.vitesses.publish(Twist())

@@ -10,7 +10,7 @@ class ArretUrgence(Node):
     def __init__(self):
         super().__init__("sans_fin")
         self.declare_parameter("distance_min", 0.3)
-        self.pub = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)
         self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
         rclpy.spin(self)
 
@@ -20,5 +20,5 @@ class ArretUrgence(Node):
             if not (d > scan.range_min and d < scan.range_max):
                 continue
             if d < self.get_parameter("distance_min").value:
-                self.pub.publish(Twist())
+                self.vitesses.publish(Twist())
                 break

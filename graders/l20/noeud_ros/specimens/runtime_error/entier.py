@@ -8,7 +8,7 @@ class ArretUrgence(Node):
     def __init__(self):
         super().__init__("entier")
         self.declare_parameter("distance_min", 0.3)
-        self.pub = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)
         self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
 
     def sur_scan(self, scan):
@@ -17,4 +17,4 @@ class ArretUrgence(Node):
         if devant and min(devant) < self.get_parameter("distance_min").value:
             arret = Twist()
             arret.linear.x = 0
-            self.pub.publish(arret)
+            self.vitesses.publish(arret)

@@ -8,11 +8,11 @@ class ArretUrgence(Node):
     def __init__(self):
         super().__init__("min_de_rien")
         self.declare_parameter("distance_min", 0.3)
-        self.pub = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)
         self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
 
     def sur_scan(self, scan):
         n = len(scan.ranges)
         devant = [d for d in scan.ranges[n // 2 - 10 : n // 2 + 10] if scan.range_min < d < scan.range_max]
         if min(devant) < self.get_parameter("distance_min").value:
-            self.pub.publish(Twist())
+            self.vitesses.publish(Twist())

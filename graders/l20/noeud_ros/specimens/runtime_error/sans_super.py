@@ -6,4 +6,4 @@ from sensor_msgs.msg import LaserScan
 
 class ArretUrgence(Node):
     def __init__(self):
-        self.pub = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)

@@ -10,11 +10,11 @@ class ArretUrgence(Node):
     def __init__(self):
         super().__init__("inquiet")
         self.declare_parameter("distance_min", 0.3)
-        self.pub = self.create_publisher(Twist, "/cmd_vel", 10)
+        self.vitesses = self.create_publisher(Twist, "/cmd_vel", 10)
         self.create_subscription(LaserScan, "/scan", self.sur_scan, 10)
 
     def sur_scan(self, scan):
         n = len(scan.ranges)
         devant = scan.ranges[n // 2 - 10 : n // 2 + 10]
         if any(not np.isfinite(d) or d < self.get_parameter("distance_min").value for d in devant):
-            self.pub.publish(Twist())
+            self.vitesses.publish(Twist())
