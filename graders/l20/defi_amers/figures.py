@@ -71,20 +71,43 @@ def _draw_errors(axes: Axes, data: dict[str, Any]) -> None:
     axes.set_yticks(ticks, [names[k] for k in ticks])
     axes.set_ylim(max(len(where), 3) - 0.5, -0.5)
     axes.grid(axis="y", visible=False)
+    axes.set_xlim(left=0.0, right=max(axes.get_xlim()[1], 0.01))
     axes.set_xlabel("√(eᵀΩe)")
     axes.set_title("L'erreur qui reste par mesure", fontsize=10)
 
 
 def draw_system(figure: Figure, data: dict[str, Any]) -> None:
-    """H as it should be and as it came back, entry by entry, with a frame around what differs."""
+    """H as it should be and as it came back, with a frame around what differs; b instead where H is right."""
     expected = np.array(data["expected"])
     got = None if data["got"] is None else np.array(data["got"])
+    if got is not None and data["b"] is not None and np.abs(got - expected).max() <= 1e-4 * np.abs(expected).max():
+        _draw_side(figure.subplots(), data)
+        return
     panels = [("H attendue", expected)] + ([("H obtenue", got)] if got is not None else [])
     limit = float(np.abs(expected).max()) or 1.0
     for axes, (title, H) in zip(np.atleast_1d(figure.subplots(1, len(panels))), panels, strict=True):
         wrong = np.abs(H - expected) > 1e-4 * limit
         _draw_matrix(axes, H, wrong, limit, 3 * data["poses"])
         axes.set_title(title + (" (encadré : ce qui diffère)" if np.any(wrong) else ""), fontsize=10)
+
+
+def _draw_side(axes: Axes, data: dict[str, Any]) -> None:
+    where = np.arange(len(data["b"]))
+    axes.bar(where - BAR / 2, data["b_expected"], BAR, color=EXPECTED, label="b attendu")
+    axes.bar(where + BAR / 2, data["b"], BAR, color=OBTAINED, label="b obtenu")
+    axes.axhline(0.0, color=ink_of(axes), lw=0.8)
+    cut = 3 * data["poses"]
+    axes.set_xticks(*_nodes(cut, len(where)))
+    axes.axvline(cut - 0.5, color=THIRD, lw=1.6)
+    axes.grid(axis="x", visible=False)
+    axes.set_title("H est juste ; voici b", fontsize=10)
+    axes.legend(loc="best")
+
+
+def _nodes(cut: int, size: int) -> tuple[list[float], list[str]]:
+    """Where the unknowns of each node stand, and its name."""
+    middles = [1.0 + 3 * k for k in range(cut // 3)] + [cut + 0.5 + 2 * k for k in range((size - cut) // 2)]
+    return middles, [f"x{k}" for k in range(cut // 3)] + [f"l{k}" for k in range((size - cut) // 2)]
 
 
 def _draw_matrix(axes: Axes, H: Any, wrong: Any, limit: float, cut: int) -> None:
@@ -106,10 +129,8 @@ def _draw_matrix(axes: Axes, H: Any, wrong: Any, limit: float, cut: int) -> None
     for line in (cut - 0.5,):
         axes.axhline(line, color=THIRD, lw=1.6)
         axes.axvline(line, color=THIRD, lw=1.6)
-    middles = [1.0 + 3 * k for k in range(cut // 3)] + [cut + 0.5 + 2 * k for k in range((size - cut) // 2)]
-    names = [f"x{k}" for k in range(cut // 3)] + [f"l{k}" for k in range((size - cut) // 2)]
-    axes.set_xticks(middles, names)
-    axes.set_yticks(middles, names)
+    axes.set_xticks(*_nodes(cut, size))
+    axes.set_yticks(*_nodes(cut, size))
     axes.grid(visible=False)
 
 

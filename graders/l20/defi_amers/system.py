@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import MAX_FAULTS, Check, Rejection, drawable, fault_rejection
+from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Mismatch, unreadable, wrong_shape
 from graders.core.compare.shrinking import shrink_failure
@@ -28,6 +28,8 @@ PLACE = 1e-4
 #: Of b, of which the terms may cancel one another where those of H do not.
 SIDE = 1e-3
 COARSE = 1e4
+#: What is not drawn beside the right numbers.
+HUGE = 1e9
 
 
 @dataclass(frozen=True)
@@ -196,12 +198,16 @@ def rejection(failure: Failure) -> Rejection:
 
 
 def system_figure(one: Map, got: Value) -> FigureData:
-    """H as it should be, and as it came back."""
-    H = one.system[0]
-    matrix = drawable(got[0], H.shape) if isinstance(got, tuple | list) and got else None
+    """H and b as they should be, and as they came back."""
+    H, b = one.system
+    answer = read_system(one, got)
+    shown = isinstance(answer, Answered) and bool(np.abs(answer.H).max() < HUGE and np.abs(answer.b).max() < HUGE)
+    parts = (answer.H, answer.b) if isinstance(answer, Answered) and shown else None
     return {
         "kind": "systeme",
         "poses": len(one.poses),
         "expected": np.round(H, 4).tolist(),
-        "got": None if matrix is None else np.round(matrix, 4).tolist(),
+        "b_expected": np.round(b, 4).tolist(),
+        "got": None if parts is None else np.round(parts[0], 4).tolist(),
+        "b": None if parts is None else np.round(parts[1], 4).tolist(),
     }

@@ -52,7 +52,7 @@ def _draw_weights(axes: Axes, data: dict[str, Any]) -> None:
     axes.set_ylim(len(closures) - 0.4, -0.6)
     axes.set_xlim(min(0.0, *weights) * 1.05, max(1.05, *weights) * 1.02)
     axes.grid(axis="y", visible=False)
-    title = "Les poids renvoyés (rouge : fausse)" if data["weights"] is not None else "Aucun poids à montrer"
+    title = "Les poids (rouge : fausse)" if data["weights"] is not None else "Aucun poids à montrer"
     axes.set_title(title, fontsize=10)
 
 

@@ -62,6 +62,7 @@ CHECKS = (
         points=6,
         functions=ROBUST,
         graphs=partial(graphs.chosen, false=1),
+        filmed=True,
         hint="Affichez les poids à chaque tour : celui de la fausse arête tombe-t-il ? Votre carte en dépend-elle ?",
     ),
     Robustness(
