@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.contract.values import Floats
 from graders.l20.mcl.answers import STEP, stepped
-from graders.l20.mcl.scenes import ALWAYS, HALL, HALL_RANGE, Step, hall, in_the_hall, scan_of, step
+from graders.l20.mcl.scenes import ALWAYS, HALL, HALL_RANGE, Step, hall, hall_kit, in_the_hall, judged, scan_of, step
 from graders.l20.mcl.telling import cloud_figure, number, observed
 from reference.filters.resampling import effective_sample_size
 from reference.se2 import compose
@@ -59,12 +59,13 @@ def few() -> Step:
 def remembered(bench: Bench) -> None:
     """What scans cannot tell apart survives, what one has taught is not forgotten, and nothing counts twice."""
     with in_the_hall(bench) as hall:
-        for scene in twins():
-            _both_survive(hall, scene)
-        for scene in favourites():
-            _as_likely_as_before(hall, scene)
-        _nothing_forgotten(hall)
-        _nothing_twice(hall)
+        for judge in (
+            *(partial(_both_survive, scene=scene) for scene in twins()),
+            *(partial(_as_likely_as_before, scene=scene) for scene in favourites()),
+            _nothing_forgotten,
+            _nothing_twice,
+        ):
+            judged(hall, judge, hall_kit)
 
 
 def _both_survive(bench: Bench, scene: Step) -> None:
@@ -74,8 +75,7 @@ def _both_survive(bench: Bench, scene: Step) -> None:
         raise Rejection(
             "Deux nuages de 200 particules expliquent aussi bien le scan l'un que l'autre. Après un seul pas, l'un des "
             f"deux a disparu : l'autre a {number(100 * max(left, 1 - left))} % du poids. Un scan qui ne "
-            "départage pas deux "
-            "hypothèses doit laisser vivre les deux.",
+            "départage pas deux hypothèses doit laisser vivre les deux.",
             inputs=scene.inputs,
             expected="à peu près la moitié du poids pour chacun",
             got=f"{number(100 * left)} % à gauche, {number(100 - 100 * left)} % à droite",
@@ -91,8 +91,8 @@ def _as_likely_as_before(bench: Bench, scene: Step) -> None:
         raise Rejection(
             "Deux nuages expliquent aussi bien le scan l'un que l'autre, et les poids donnés en mettent 70 % à gauche, "
             f"30 % à droite. Après un pas, celui de gauche a {number(100 * left)} % du poids. Le "
-            "rééchantillonnage copie "
-            "chaque particule à proportion de son poids, et une copie pèse ensuite 1/N : ni plus, ni moins.",
+            "rééchantillonnage copie chaque particule à proportion de son poids, et une copie pèse ensuite 1/N "
+            ": ni plus, ni moins.",
             inputs=scene.inputs,
             expected="à peu près 70 % du poids à gauche",
             got=f"{number(100 * left)} %",
@@ -110,10 +110,9 @@ def _nothing_forgotten(bench: Bench) -> None:
     if kept < learned - FORGETS:
         raise Rejection(
             f"Un premier scan donne {number(100 * learned)} % du poids au nuage de droite. Le scan suivant ne "
-            "départage pas "
-            f"les deux nuages, et pourtant celui de droite n'a plus que {number(100 * kept)} % : ce que le "
-            "premier avait "
-            "appris est oublié. Le nouveau poids est l'ancien, multiplié par la vraisemblance.",
+            f"départage pas les deux nuages, et pourtant celui de droite n'a plus que {number(100 * kept)} % : "
+            "ce que le "
+            "premier avait appris est oublié. Le nouveau poids est l'ancien, multiplié par la vraisemblance.",
             inputs=after,
             expected=f"toujours {number(100 * learned)} % environ",
             got=f"{number(100 * kept)} %",
@@ -129,10 +128,10 @@ def _nothing_twice(bench: Bench) -> None:
     if there > 0.5 and useful < UNEVEN:
         raise Rejection(
             "40 particules sur 400 expliquent le scan : votre fonction les recopie, et c'est bien. Mais les "
-            "poids rendus "
-            f"restent très inégaux (N_eff = {number(useful * len(weights))} pour {len(weights)} particules) : "
-            "l'information "
-            "compterait deux fois, par les copies et par les poids. Après un rééchantillonnage, chaque copie pèse 1/N.",
+            f"poids rendus restent très inégaux (N_eff = {number(useful * len(weights))} pour {len(weights)} "
+            "particules) : "
+            "l'information compterait deux fois, par les copies et par les poids. Après un rééchantillonnage, "
+            "chaque copie pèse 1/N.",
             inputs=scene.inputs,
             expected=f"des poids égaux, 1/{len(weights)}",
             got=weights,

@@ -120,8 +120,7 @@ def replay(data: dict[str, Any]) -> Replay:
 
 def _cloud(data: dict[str, Any], k: int) -> Points:
     """The cloud kept after step k, or the last one kept before it."""
-    every = data.get("every", 1)
-    cloud = np.array(data["clouds"][k // every], dtype=float).reshape(-1, 3) / 100.0
+    cloud = np.array(data["clouds"][k // data["every"]], dtype=float).reshape(-1, 3) / 100.0
     return Points(cloud[:, :2], "estimate", size=2.2, headings=cloud[:, 2], opacity=0.6)
 
 

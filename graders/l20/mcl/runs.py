@@ -6,9 +6,9 @@ each run (`tests/graders/l20/test_mcl.py`, slow, does it again): see the docstri
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -92,9 +92,11 @@ class Following:
     holding: list[float] = field(default_factory=list)
     clouds: list[list[int]] = field(default_factory=list)
     particles: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    kind: str = "mcl"
     filmed: int = FILMED
+    every: int = 1
 
-    def steps(self, particles: Floats, weights: Floats) -> Any:
+    def steps(self, particles: Floats, weights: Floats) -> Iterator[tuple[Floats, Floats]]:
         """The cloud after each step."""
         self._keep(particles, weights, 0)
         for k, (move, scan) in enumerate(zip(self.journey.moves, self.journey.scans, strict=True)):
@@ -122,6 +124,8 @@ class Following:
         self.particles = particles
         gap, turn = journeys.away(particles, self.journey.truth[k])
         self.holding.append(float(weights[(gap < HOLDS[0]) & (turn < HOLDS[1])].sum()))
+        if k % self.every:
+            return
         shown = particles[np.linspace(0, len(particles) - 1, min(self.filmed, len(particles))).astype(int)]
         shown = np.clip(np.column_stack([shown[:, :2], np.remainder(shown[:, 2] + np.pi, 2 * np.pi) - np.pi]), -99, 99)
         self.clouds.append(np.round(100.0 * shown).astype(int).ravel().tolist())
@@ -129,7 +133,8 @@ class Following:
     def _film(self, *, ok: bool) -> FigureData:
         """Plain values; lengths and angles of the clouds in hundredths, to be short."""
         return {
-            "kind": "mcl",
+            "kind": self.kind,
+            "every": self.every,
             "number": self.run.number + 1,
             "ok": ok,
             "free": ["".join(".#"[not cell] for cell in row) for row in self.journey.map.free],
@@ -162,14 +167,15 @@ def _lost(follow: Following, gap: float, turn: float) -> Rejection:
     )
 
 
-def run_figure(follow: Following, title: str) -> FigureData:
+def run_figure(follow: Following, title: str, since: int = 0) -> FigureData:
+    """The way of the robot and of the estimates from a step on, and the cloud at the end."""
     cloud = follow.particles
     return {
         "kind": "run",
         "free": follow.journey.map.free,
-        "path": np.round(follow.journey.truth[:, :2], 3),
+        "path": np.round(follow.journey.truth[since:, :2], 3),
         "truth": follow.journey.truth[-1],
-        "estimates": np.round(np.array(follow.estimates)[:, :2], 3),
+        "estimates": np.round(np.array(follow.estimates)[max(since - 1, 0) :, :2], 3),
         "estimate": follow.estimates[-1],
         "after": np.round(cloud[:: max(1, -(-len(cloud) // 120))], 3),
         "title": title,

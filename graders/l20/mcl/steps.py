@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +13,14 @@ from graders.core.code.checks import Rejection
 from graders.core.contract.values import Arguments, Floats
 from graders.l20 import journeys
 from graders.l20.mcl.answers import ESTIMATE, STEP, stepped
-from graders.l20.mcl.scenes import ALWAYS, HALL, Step, in_the_hall, share_near, step
+from graders.l20.mcl.scenes import ALWAYS, HALL, Step, hall_kit, in_the_hall, judged, share_near, step
 from graders.l20.mcl.telling import cloud_figure, number, observed, pose_text
 from reference.se2 import compose
 
 MANY, HALF = 400, 200
 FEWEST_DISTINCT = 10
+#: Cells from the middle of a cloud beyond which a particle was sown anew.
+FAR = 3.0
 NEAR_PLACE, NEAR_HEADING = 0.3, 0.2
 WINS, FILLS = 0.6, 0.7
 STILL_SCANS = 8
@@ -63,11 +65,15 @@ def moved(bench: Bench) -> None:
     """On average, the particles make the move that the wheels told."""
     with in_the_hall(bench) as hall:
         for scene in heaps():
-            particles, weights = stepped(hall, scene.inputs)
-            mean = _mean(particles, weights)
-            gap, turn = journeys.away(mean, scene.truth)
-            if gap > NEAR_PLACE or turn > NEAR_HEADING:
-                raise _badly_moved(scene, particles, mean)
+            judged(hall, partial(_moves, scene), hall_kit)
+
+
+def _moves(scene: Step, bench: Bench) -> None:
+    particles, weights = stepped(bench, scene.inputs)
+    middle = _middle(particles, weights)
+    gap, turn = journeys.away(middle, scene.truth)
+    if gap > NEAR_PLACE or turn > NEAR_HEADING:
+        raise _badly_moved(scene, particles, middle)
 
 
 def _badly_moved(scene: Step, particles: Floats, mean: Floats) -> Rejection:
@@ -87,23 +93,29 @@ def dispersed(bench: Bench) -> None:
     """Particles that were the same are no more, neither in place nor in heading."""
     with in_the_hall(bench) as hall:
         for scene in heaps()[:2]:
-            particles, _ = stepped(hall, scene.inputs)
-            distinct = len(np.unique(np.round(particles, 9), axis=0))
-            frozen = next((name for k, name in ((2, "le même cap"), (0, "le même x"), (1, "le même y"))
-                           if np.ptp(particles[:, k]) < 1e-6), None)  # fmt: skip
-            if distinct >= FEWEST_DISTINCT and frozen is None:
-                continue
-            now = f"{distinct} poses différentes" if frozen is None else frozen if distinct > 1 else "la même pose"
-            raise Rejection(
-                f"{len(scene.particles)} particules confondues font un pas : elles ont encore toutes {now}. Sans un "
-                "bruit tiré pour chacune, les copies d'une particule restent confondues pour toujours."
-                if frozen
-                else f"{len(scene.particles)} particules confondues font un pas : il n'en reste que {now}.",
-                inputs={"une particule (toutes les mêmes)": scene.particles[0], "u": scene.move, "scan": scene.scan},
-                expected="des particules dispersées, en position et en cap",
-                got=particles[:6],
-                figure=cloud_figure(HALL, scene, particles, "Un pas de particules confondues"),
-            )
+            judged(hall, partial(_disperses, scene), hall_kit)
+
+
+def _disperses(scene: Step, bench: Bench) -> None:
+    """What a filter that sows anew adds here and there is no noise: the particles near the robot are looked at."""
+    particles, _ = stepped(bench, scene.inputs)
+    near = particles[np.hypot(*(particles[:, :2] - scene.truth[:2]).T) < FAR]
+    distinct = len(np.unique(np.round(near, 9), axis=0))
+    shared = ((2, "le même cap"), (0, "le même x"), (1, "le même y"))
+    frozen = next((name for k, name in shared if distinct and np.ptp(near[:, k]) < 1e-6), None)
+    if distinct >= FEWEST_DISTINCT and frozen is None:
+        return
+    now = f"{distinct} poses différentes" if frozen is None else frozen if distinct > 1 else "la même pose"
+    raise Rejection(
+        f"{len(scene.particles)} particules confondues font un pas : elles ont encore toutes {now}. Sans un "
+        "bruit tiré pour chacune, les copies d'une particule restent confondues pour toujours."
+        if frozen
+        else f"{len(scene.particles)} particules confondues font un pas : il n'en reste près du robot que {now}.",
+        inputs={"une particule (toutes les mêmes)": scene.particles[0], "u": scene.move, "scan": scene.scan},
+        expected="des particules dispersées, en position et en cap",
+        got=particles[:6],
+        figure=cloud_figure(HALL, scene, particles, "Un pas de particules confondues"),
+    )
 
 
 #: Where the robot is, where it is not, and its move. The last wrong place is the one where the robot arrives.
@@ -128,23 +140,25 @@ def doubts() -> tuple[Step, ...]:
 def won(bench: Bench) -> None:
     """The cloud that explains the scan gets the weight."""
     for scene, (_, elsewhere, _) in zip(doubts(), DOUBTS, strict=True):
-        particles, weights = stepped(bench, scene.inputs)
-        other = compose(elsewhere, scene.move)
-        share = float(weights[_nearer(particles, scene.truth, other)].sum())
-        if share < WINS:
-            raise Rejection(
-                f"La moitié des particules est là où est le robot, l'autre moitié près de {pose_text(other)}. "
-                "Le scan vient "
-                f"de {pose_text(scene.truth)} : ces particules doivent l'emporter, et elles n'ont que "
-                f"{number(100 * share)} % "
-                "du poids.",
-                inputs=scene.inputs,
-                expected=f"plus de {100 * WINS:.0f} % du poids près de {pose_text(scene.truth)}",
-                got=f"{number(100 * share)} %",
-                figure=cloud_figure(
-                    journeys.module_map().free, scene, particles, "Deux nuages, un scan", other, weights
-                ),
-            )
+        judged(bench, partial(_wins, scene, elsewhere))
+
+
+def _wins(scene: Step, elsewhere: tuple[float, float, float], bench: Bench) -> None:
+    particles, weights = stepped(bench, scene.inputs)
+    other = compose(elsewhere, scene.move)
+    share = float(weights[_nearer(particles, scene.truth, other)].sum())
+    if share < WINS:
+        raise Rejection(
+            f"La moitié des particules est là où est le robot, l'autre moitié près de {pose_text(other)}. "
+            "Le scan vient "
+            f"de {pose_text(scene.truth)} : ces particules doivent l'emporter, et elles n'ont que "
+            f"{number(100 * share)} % "
+            "du poids.",
+            inputs=scene.inputs,
+            expected=f"plus de {100 * WINS:.0f} % du poids près de {pose_text(scene.truth)}",
+            got=f"{number(100 * share)} %",
+            figure=cloud_figure(journeys.module_map().free, scene, particles, "Deux nuages, un scan", other, weights),
+        )
 
 
 def _nearer(particles: Floats, pose: Floats, other: Floats) -> NDArray[np.bool_]:
@@ -168,6 +182,10 @@ def still() -> tuple[Step, Floats]:
 @observed(STEP)
 def filled(bench: Bench) -> None:
     """After eight scans of a robot that stays, the particles are where it is."""
+    judged(bench, _fills)
+
+
+def _fills(bench: Bench) -> None:
     scene, scans = still()
     particles, weights = scene.particles, scene.weights
     for scan in scans:
@@ -194,7 +212,14 @@ def arguments_to_keep(rng: np.random.Generator) -> dict[str, Arguments]:
     return {STEP: scene.args, ESTIMATE: (scene.particles, scene.weights)}
 
 
-def _mean(particles: Floats, weights: Floats) -> Floats:
-    x, y, heading = particles.T
-    direction = np.dot(weights, np.exp(1j * heading))
-    return np.array([np.dot(weights, x), np.dot(weights, y), np.angle(direction)])
+def _middle(particles: Floats, weights: Floats) -> Floats:
+    """The median place, and the mean heading around it: a few particles sown elsewhere do not move it."""
+    place = np.array([_median(particles[:, k], weights) for k in (0, 1)])
+    near = np.hypot(*(particles[:, :2] - place).T) < FAR
+    return np.array([*place, np.angle(np.dot(weights[near], np.exp(1j * particles[near, 2])))])
+
+
+def _median(values: Floats, weights: Floats) -> float:
+    order = np.argsort(values)
+    cumulated = np.cumsum(weights[order])
+    return float(values[order][np.searchsorted(cumulated, 0.5 * cumulated[-1])])
