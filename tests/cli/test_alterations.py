@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from graders.core.code.checks import Cases, Check
 from graders.core.code.grading import CodeGrader
@@ -182,3 +183,9 @@ def test_processes_try_them_and_exercises_are_told_in_order(course: Course, tmp_
     assert "    +    return x + 2 if x else 8" in lines
     assert (second.split()[:2], "elle-même échoue" in reason) == (["✗", "l20/poses"], True)
     assert last.endswith("under=2/2")
+
+
+@pytest.mark.slow
+def test_a_shipped_exercise_reaches_the_goal(course: Course, capsys: Any) -> None:
+    assert alterations.run(course, (course.exercises["l20/kabsch"],)) == 0
+    assert capsys.readouterr().out.splitlines()[-1].endswith("under=0/1")

@@ -37,7 +37,7 @@ COMPARED = {
     ast.Is: ("is", ("is not",)),
     ast.IsNot: ("is not", ("is",)),
 }
-#: Below this a constant is a tolerance: twice it, or its opposite, changes nothing that is worth asking.
+#: Up to this a constant is a tolerance: twice it, or its opposite, changes nothing that is worth asking.
 TOLERANCE = 1e-6
 #: Names of rows and columns, which go in pairs.
 AXES = frozenset(map(frozenset, ("xy", "hw", "ij", ("dx", "dy"), ("ligne", "colonne"), ("lignes", "colonnes"))))
@@ -70,7 +70,7 @@ def _others(text: Text, node: ast.AST, value: float) -> Iterator[float]:
         yield 1 - value if value in (0, 1) else 0
     elif _is_index(text, node):
         yield from (value + 1, value - 1) if not signed else (value + 1, *((value - 1,) if value > 1 else ()))
-    elif 0 < abs(value) < TOLERANCE:
+    elif 0 < abs(value) <= TOLERANCE:
         yield from (0.0, 1.0)
     else:  # a term left out and a sign are the operator's business
         found = (

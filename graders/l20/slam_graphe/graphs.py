@@ -219,7 +219,7 @@ def chains(rng: np.random.Generator) -> Iterable[Graph]:
 
 
 def all_too_far() -> Graph:
-    """Every coordinate has to decrease, and more than once: who looks at the greatest step, and not at its size, stops."""
+    """Every coordinate decreases, more than once: who looks at the greatest step, and not at its size, stops."""
     straight = (edge(0, 1, (2, 0, 0)), edge(1, 2, (2, 0, 0)))
     return Graph(rows((0, 0, 0), (2.5, 0.5, 0.5), (5, 2, 1)), straight)
 

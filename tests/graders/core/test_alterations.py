@@ -199,3 +199,10 @@ def test_where_an_alteration_stands() -> None:
 
     source = "A = 2\n\n\ndef f():\n    def g():\n        return 3\n    return g() + 1\n"
     assert {at(one) for one in alterations(source)} == {(1, ""), (6, "g"), (7, "f")}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("exercise", sorted(CODE))
+def test_the_marks_that_are_shipped_are_of_something(exercise: str) -> None:
+    grader = CODE[exercise]
+    assert [str(fault) for fault in stale(read_equivalents(grader.folder), alterations(grader.solution))] == []
