@@ -19,7 +19,7 @@ from reference.registration import kabsch
 
 SIDE = 0.1  # metres
 MARGIN = 1.0
-#: Of the cells said to be free and to be walls, how many are; the course's map: 0.90 and 0.99, upside down 0.75 and 0.73.
+#: Of the cells said to be free and to be walls, how many are; the course's map: 0.90 and 0.99, mirrored 0.75 and 0.73.
 FREE, WALLS = 0.85, 0.93
 #: How far from a wall, in metres, a cell may be that is marked as one: poses, noise and cells are not finer.
 THICK = 0.2
