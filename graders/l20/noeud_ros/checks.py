@@ -4,6 +4,7 @@ is shown again by itself."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -38,14 +39,18 @@ class Failure:
 
 @dataclass(frozen=True, kw_only=True)
 class Scenes(Check):
-    """Play every scene, and judge each of its phases."""
+    """Play every scene, and judge each of its phases; `apart`, each in a process of its own, until one fails."""
 
     scenes: Callable[[np.random.Generator], Iterable[Scene]]
+    apart: bool = False
 
     def run(self, bench: Bench) -> None:
         first: Failure | None = None
         for scene in self.scenes(bench.rng):
-            log = self._played(bench, scene)
+            if self.apart and first is not None:
+                break
+            with bench.on(bench.kit) if self.apart else nullcontext(bench) as where:
+                log = self._played(where, scene)
             dids = [log.did(number, scene.pace) for number in range(len(scene.phases))]
             rights = [right(did, stop=one.stop) for did, one in zip(dids, scene.phases, strict=True)]
             bench.observe(NODE, np.array(dids, dtype=float), ok=all(rights))

@@ -73,6 +73,7 @@ CHECKS = (
         points=2,
         functions=FUNCTIONS,
         scenes=cases.approaches,
+        apart=True,
         hint="Quand la voie est libre de nouveau, votre nœud se tait-il ?",
     ),
 )
