@@ -19,7 +19,7 @@ from reference.se2 import relative, wrap_angle
 QUARTER = math.pi / 2
 
 # Maps that never change come before those that are drawn; on those of these seeds the known wrong programs fail.
-TELLING = {"systems": 0, "exact": 6, "wrapping": 0, "shared": 2, "weighted": 0, "turning": 1, "tour": 0}
+TELLING = {"systems": 0, "exact": 6, "wrapping": 0, "shared": 2, "weighted": 0, "turning": 1, "tour": 2}
 
 
 def cached(draw: Callable[[np.random.Generator], Iterable[Map]]) -> Callable[[np.random.Generator], Sequence[Map]]:
