@@ -96,6 +96,7 @@ class Subject:
     code: CodeGrader
     checks: tuple[Check, ...]
     policy: Policy
+    marks: Sequence[Mark]
 
     def first_failed(self, grader: Grader, source: str, seed: int) -> str | None:
         """The check that catches a program. What is raised, twice in a row, is our own failure."""
@@ -114,9 +115,9 @@ class Subject:
 def run(course: Course, asked: Sequence[Exercise]) -> int:
     """Tries and tells; 1 under the goal, or where a mark is wrong. Where none is asked for, all exercises of code.
 
-    Raises CannotRun for one that was asked for and has no code.
+    Raises CannotRun for one that was asked for and has no code, and for marks that cannot be read.
     """
-    subjects = [_subject(exercise) for exercise in asked or course.exercises.values() if asked or _coded(exercise)]
+    subjects = [subject_of(exercise) for exercise in asked or course.exercises.values() if asked or _coded(exercise)]
     found = [alterations(subject.code.solution) for subject in subjects]
     jobs = [(subject, alteration) for subject, its in zip(subjects, found, strict=True) for alteration in its]
     tallies = []
@@ -133,12 +134,15 @@ def _coded(exercise: Exercise) -> bool:
     return isinstance(exercise.grader, CodeGrader)
 
 
-def _subject(exercise: Exercise) -> Subject:
-    """Raises CannotRun where there is no code."""
+def subject_of(exercise: Exercise) -> Subject:
+    """The exercise with its marks. Raises CannotRun where there is no code, or marks that cannot be read."""
     code = exercise.grader
     if not isinstance(code, CodeGrader):
         raise CannotRun(f"l’exercice « {exercise.id} » n’a pas de solution en Python à changer.")
-    return Subject(exercise, code, code.checks, exercise.policy)
+    try:
+        return Subject(exercise, code, code.checks, exercise.policy, read_equivalents(code.folder))
+    except MalformedExerciseError as error:
+        raise CannotRun(str(error)) from error
 
 
 def work(grader: Grader, job: tuple[Subject, Alteration]) -> Trial:
@@ -159,15 +163,11 @@ def _ready(grader: Grader, subject: Subject) -> Subject | str:
 
 def tally(subject: Subject, trials: Sequence[Trial]) -> Tally:
     """What became of the alterations of an exercise, held against its marks."""
-    try:
-        marks = read_equivalents(subject.code.folder)
-    except MalformedExerciseError as error:
-        return Tally(subject.exercise.id, (), (str(error),))
     reasons = {trial.said for trial in trials}
     if all(trial.fate is Fate.BROKEN for trial in trials) and len(reasons) == 1:
         return Tally(subject.exercise.id, (), tuple(reasons))
-    faults = [str(fault) for fault in stale(marks, [trial.alteration for trial in trials])]
-    return Tally(subject.exercise.id, [_held(trial, marks) for trial in trials], faults)
+    faults = [str(fault) for fault in stale(subject.marks, [trial.alteration for trial in trials])]
+    return Tally(subject.exercise.id, [_held(trial, subject.marks) for trial in trials], faults)
 
 
 def _held(trial: Trial, marks: Sequence[Mark]) -> Trial:

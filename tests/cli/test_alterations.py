@@ -15,7 +15,7 @@ from graders.core.code.grading import CodeGrader
 from graders.core.compare.comparison import CloseTo
 from graders.core.contract.local import LOCAL
 from graders.l20 import world
-from server.cli import alterations, main
+from server.cli import CannotRun, alterations, main
 from server.cli.alterations import Fate
 from server.course import Course, Exercise
 from server.grading.joint import Grader
@@ -61,14 +61,9 @@ def exercise(course: Course, folder: Path, *checks: Check, solution: str = SOLUT
 
 def tally(one: Exercise) -> alterations.Tally:
     """As the command does, in this process and one after the other."""
-    subject = of(one)
+    subject = alterations.subject_of(one)
     trials = [alterations.work(HERE, (subject, each)) for each in alterations.alterations(subject.code.solution)]
     return alterations.tally(subject, trials)
-
-
-def of(one: Exercise) -> alterations.Subject:
-    assert isinstance(one.grader, CodeGrader)
-    return alterations.Subject(one, one.grader, one.grader.checks, one.policy)
 
 
 def diffs(found: list[alterations.Trial]) -> list[str]:
@@ -111,7 +106,8 @@ def test_what_is_marked_counts_neither_way_and_must_hold(course: Course, tmp_pat
     assert not found.well
     assert diffs(found.those(Fate.MISMARKED)) == ["if x < 0: → if x >= 0:"]
     marks.write_text("[[equivalent]]\n")
-    assert tally(one).faults
+    with pytest.raises(CannotRun, match=r"equivalents\.toml:1:"):
+        alterations.run(course, (one,))
 
 
 def test_a_survivor_of_our_own_is_under_the_goal_however_few_they_are() -> None:
@@ -132,7 +128,7 @@ def test_a_solution_that_fails_and_a_sandbox_that_fails_are_no_catch(course: Cou
     wrong = tally(exercise(course, tmp_path, check(20, 1.0), solution=SOLUTION.replace("2", "3")))
     assert not wrong.well
     assert "elle-même échoue" in wrong.faults[0]
-    subject = of(exercise(course, tmp_path, check(20, 1.0)))
+    subject = alterations.subject_of(exercise(course, tmp_path, check(20, 1.0)))
     trial = alterations.tried(BROKEN, subject, alterations.alterations(SOLUTION)[0])
     assert (trial.fate, trial.said) == (Fate.BROKEN, "OSError('plus de place')")
 
@@ -155,7 +151,7 @@ def test_behind_the_walls_what_never_ends_is_caught_too(
     endless = looping.replace("return -x", "x += 0")
     one = exercise(course, tmp_path, check(10, 1.0), check(10, -1.0), solution=looping)
     grader = Grader(course, course_sandbox)
-    subject = alterations.measured(grader, of(one))
+    subject = alterations.measured(grader, alterations.subject_of(one))
     assert subject.policy.cpu_seconds < one.policy.cpu_seconds
     assert subject.first_failed(grader, looping, 1) is None
     assert subject.first_failed(grader, endless, 1) == "en_-1.0"

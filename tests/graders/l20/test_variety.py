@@ -18,8 +18,8 @@ LEAST = 15
 #: A chain of stages, each of which is an exercise with styles of its own.
 CHAINS = {"l20/tp_slam": 2}
 SEEDS = range(30)
-#: Closed loops of many runs, of which one grading takes seconds.
-FEWER = {"l20/mcl": range(4), "l20/defi_kidnappe": range(2), "l20/tp_slam": range(1)}
+#: Where one grading takes seconds: closed loops of many runs, large graphs.
+FEWER = {"l20/mcl": range(4), "l20/defi_kidnappe": range(2), "l20/defi_robuste": range(10)}
 
 
 def honest(grader: CodeGrader) -> list[Path]:
