@@ -43,7 +43,7 @@ METHODS = words("copy clip cumsum round transpose conj conjugate ravel flatten s
 SYMMETRIC = words(
     "hypot minimum maximum min max fmin fmax logical_and logical_or logical_xor isclose allclose add multiply"
 )
-COMPOSITION = words("composer compose relatif relative matmul dot multi_dot")
+COMPOSITION = words("composer compose relatif relative matmul multi_dot")
 WRAP = re.compile("ramen|wrap|normalis|normaliz|modulo|arctan2|atan2|angle|phase")
 ANGLE_IN = words("sin cos tan")
 ANGLE_OUT = words("arctan2 atan2 arctan atan arccos acos arcsin asin angle phase")
