@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
 
@@ -59,12 +60,13 @@ def few() -> Step:
 def remembered(bench: Bench) -> None:
     """What scans cannot tell apart survives, what one has taught is not forgotten, and nothing counts twice."""
     with in_the_hall(bench) as hall:
-        for judge in (
+        judges: tuple[Callable[[Bench], None], ...] = (
             *(partial(_both_survive, scene=scene) for scene in twins()),
             *(partial(_as_likely_as_before, scene=scene) for scene in favourites()),
             _nothing_forgotten,
             _nothing_twice,
-        ):
+        )
+        for judge in judges:
             judged(hall, judge, hall_kit)
 
 

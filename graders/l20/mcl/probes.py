@@ -63,6 +63,8 @@ def where(scene: Step, particles: Floats, weights: Floats) -> str:
     """The mistake that leads nearest to the middle of the particles, and what noise they have."""
     place = np.median(particles[:, :2], axis=0)
     particles = particles[np.hypot(*(particles[:, :2] - place).T) < 2.0]  # some filters sow a few elsewhere
+    if len(particles) == 0:
+        return "dispersées partout"
     middle = np.array([*particles[:, :2].mean(axis=0), np.angle(np.exp(1j * particles[:, 2]).mean())])
     places = arrivals(scene.particles[0], scene.move)
     gaps = {name: float(np.add(*journeys.away(middle, place))) for name, place in places.items()}
