@@ -32,6 +32,8 @@ NEAR, TURNED = 0.7, 0.4
 #: The good particles at the start: standard deviations, in cells and in radians.
 START = (0.3, 0.15)
 TRACKING_SEED, GLOBAL_SEED = 1000, 2000
+#: The small maps on which four honest filters found the robot fifteen times in sixteen at least, among 22 drawn.
+CHOSEN = (3, 4, 19, 20, 0, 12, 13, 17)
 #: Of a film: particles a step, and how far from the robot, in cells and radians, a particle still holds it.
 FILMED, HOLDS, SOME = 90, (1.5, 0.6), 0.02
 
@@ -48,7 +50,7 @@ def tracking(number: int) -> tuple[Journey, Floats]:
 @cache
 def from_nowhere(number: int) -> Journey:
     """A journey on a small map of its own, 7 x 9."""
-    rng = np.random.default_rng(GLOBAL_SEED + number)
+    rng = np.random.default_rng(GLOBAL_SEED + CHOSEN[number])
     return journeys.wander(GridMap.from_free(world.random_map(rng, 7, 9)), STEPS_FROM_NOWHERE, rng)
 
 
