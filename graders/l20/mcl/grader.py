@@ -1,7 +1,7 @@
 """l20/mcl: Monte Carlo localisation, from the first cloud to the estimate, judged step by step and in closed loop.
 
-Measured on the honest filters of `specimens/ok`: all of 128 tracking runs succeed, where 6 of 8 are needed; if 98 % did,
-4 gradings in 10,000 would refuse one. On the small maps, chosen for it, 94 % of the runs succeed, where 3 of 8 are
+Measured on the honest filters of `specimens/ok`: all of 128 tracking runs succeed, where 6 of 8 are needed; if 98 %
+did, 4 gradings in 10,000 would refuse one. On the small maps, chosen for it, 94 % of the runs succeed, where 3 of 8 are
 needed: at 90 %, 1 grading in 40,000 refuses one. None failed a check of one step in 60 gradings of each.
 """
 
