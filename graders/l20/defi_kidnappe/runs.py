@@ -24,7 +24,7 @@ NEAR, IN_A_ROW = 1.5, 3
 #: Cells between where the robot was and where it is put.
 CARRIED = 5.0
 #: The journeys were chosen, among forty drawn, where five particles in a hundred sown anywhere find the robot again
-#: nearly nine times in ten: the remedy of the course must not be refused by bad luck. See `grader` for what was measured.
+#: nearly nine times in ten: the remedy of the course must not be refused by bad luck. Measured: see `grader`.
 SEED, CHOSEN = 3000, (0, 1, 3, 5, 9, 17, 20, 21, 24, 31, 35, 36, 10, 22, 34)
 FILMED, EVERY = 60, 2
 
