@@ -90,3 +90,16 @@ def test_every_page_and_every_exercise_is_cited() -> None:
     cited = {target.split("#")[0] for _, target in TARGETS}
     here = {f"page:{slug}" for slug in PAGES} | {f"exo:{slug}" for slug in EXERCISES}
     assert sorted(here - cited) == []
+
+
+def test_what_one_does_oneself_is_counted() -> None:
+    """The last table lists every exercise once, under its kind; the practical work's chain stands apart."""
+    listed = {
+        row.targets[0].removeprefix("exo:"): row.source.split(",")[0].rstrip("0123456789 ")
+        for row in ROWS
+        if row.source.startswith(("Code ", "Sans code ", "Chaîne"))
+    }
+    kinds = {"Code": "code", "Sans code": "answers", "Chaîne": "code"}
+    assert {slug: kinds[kind] for slug, kind in listed.items()} == {one.slug: one.kind for one in MODULE.exercises}
+    counts = [list(listed.values()).count(kind) for kind in ("Code", "Sans code", "Chaîne")]
+    assert counts == [17, 9, 1]
