@@ -83,7 +83,7 @@ def read(args: Arguments, value: Value) -> Value:
     assert isinstance(length, float)
     done = np.array([log.did(number, QUICK) for number in range(round(length / QUICK.length))], dtype=float)
     place = "" if log.hears_scans and log.commands else f"{_topics(log.heard)} → {_topics(log.announced)}"
-    return [done, place, bool(log.refused)]
+    return [done, place, bool(log.refused), any("undeclared" in reason for reason in log.refused)]
 
 
 def _topics(pairs: tuple[tuple[str, str], ...]) -> str:
