@@ -141,7 +141,11 @@ class Prober:
         shown = Shown(probes.calls, answers, right, probes.same)
         told = [k for k in shown.wrong() if probes.compared is None or k < probes.compared]
         for rows in self._candidates(index, answers) if told else ():
-            fits = [row for row in rows if row.mutant.speaks_of(blamed) and self._fits(index, row, answers)]
+            fits = [
+                row
+                for row in rows
+                if row.mutant.speaks_of(blamed) and self._fits(index, row, answers) and _says_enough(row, answers)
+            ]
             if fits:
                 return _agreed(fits) or _ruled(probes.rules, shown)
         return _ruled(probes.rules, shown)
@@ -235,6 +239,11 @@ class Prober:
             calls = probes.calls[:1] if k == 0 else probes.calls
             row.answers = list(_answers(row.mutant, probes, calls))
         return row.answers[k]
+
+
+def _says_enough(row: _Row, answers: Sequence[Seen]) -> bool:
+    """Of two mistakes, one may raise wherever it is called and hide the other: that it raises tells neither."""
+    return len(row.mutant.ids) == 1 or not all(isinstance(one, Fault) for one in answers)
 
 
 def _ruled(rules: Sequence[Rule], shown: Shown) -> Sequence[str]:
