@@ -8,7 +8,7 @@ from datetime import datetime
 from uuid import UUID
 
 from sqlalchemy import Row as Found
-from sqlalchemy import Select, and_, bindparam, exists, or_, select
+from sqlalchemy import Select, Uuid, and_, bindparam, exists, or_, select
 from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode, Shown, Sitting
@@ -71,7 +71,8 @@ def _asked() -> Select[UUID, Assignment, str, list[str], str, Sitting]:
 
 #: Asked with every page and every attempt: made once.
 OF_EVERYONE = _asked()
-OF_ALL = OF_EVERYONE.where(Membership.account_id == bindparam("account"))
+#: The type is said, since the column takes its own from the accounts, which need not have been imported yet.
+OF_ALL = OF_EVERYONE.where(Membership.account_id == bindparam("account", type_=Uuid()))
 OF_ONE = OF_ALL.where(AssignedExercise.exercise == bindparam("exercise"))
 
 

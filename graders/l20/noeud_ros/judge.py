@@ -82,12 +82,17 @@ def read_log(value: Value) -> Log:
 
 def _commands(value: dict[str, Value]) -> tuple[Floats, Floats]:
     for said in _dictionaries(value.get("publications")):
-        if (said.get("topic"), said.get("type")) == (COMMAND, TWIST):
+        if _is(said.get("topic"), COMMAND) and _is(said.get("type"), TWIST):
             instants, numbers = read_array(said.get("t")), read_array(said.get("valeurs"))
             if instants.ndim != 1 or numbers.shape != (len(instants), NUMBERS):
                 raise UnreadableError("ce n'est pas le compte rendu d'un nœud")
             return instants, numbers
     return np.zeros(0), np.zeros((0, NUMBERS))
+
+
+def _is(value: Value, text: str) -> bool:
+    """An array would be compared item by item."""
+    return isinstance(value, str) and value == text
 
 
 def _dictionaries(values: Value) -> Iterator[dict[str, Value]]:

@@ -65,6 +65,7 @@ VALUES = Scene(
         phase(beams(36, {18: 0.7}, far=INF), "", **SHORT),
         phase(beams(36, {18: 12.0}), "", distance=0.5),
         phase(beams(36, {18: 0.1}), "", distance=0.5, range_min=0.02),
+        phase(beams(36, {18: 2e-4}), "", distance=0.5, range_min=1e-4),  # less than 0.5 in millimetres too
     ],
     launched=0.6,
     pace=QUICK,

@@ -121,6 +121,21 @@ def test_a_mistake_is_recognised_in_another_style(name: str, old: str, new: str)
 
 
 @pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("self.vitesses.publish(Twist())", "pass"),
+        ("self.vitesses.publish(Twist())", "self.vitesses.publish(0.0)"),
+        ("n = len(scan.ranges)", "n = str(scan.ranges)"),
+        ("ArretUrgence(Node)", "ArretUrgence"),
+    ],
+)
+def test_silence_and_exceptions_that_many_mistakes_explain_have_no_name(old: str, new: str) -> None:
+    found = verdict(NODE.replace(old, new), 0)
+    assert found.score == 0.0
+    assert named(found) is None
+
+
+@pytest.mark.parametrize(
     ("old", "new", "where"),
     [
         (WINDOW, "scan.ranges[n // 2 - 13 : n // 2 + 13]", {"fenetre"}),
@@ -199,6 +214,8 @@ def test_figures_draw(theme: str) -> None:
     "value",
     [None, 3, [], {"publications": 3}, {"publications": [{"topic": "/cmd_vel"}]}, {"abonnements": [1, [2, 3], "x"]},
      {"publications": [{"topic": "/cmd_vel", "type": "geometry_msgs/msg/Twist", "t": [0.0], "valeurs": [[1.0]]}]},
+     {"publications": [{"topic": np.zeros(3), "type": np.ones((2, 2)), "t": 3}]},
+     {"abonnements": [np.zeros((2, 2)), [np.zeros(3), {}]], "reglages": [{"t": np.zeros(2), "accepte": np.ones(2)}]},
      {"reglages": [{"t": [1], "accepte": 3}, {"t": 1.0, "accepte": False, "raison": [9] * 999}]}],
 )  # fmt: skip
 def test_any_log_is_read_or_refused(value: Value) -> None:
