@@ -140,7 +140,10 @@ class Prober:
             return ()  # a mistake found in another function is all that there is to this one
         shown = Shown(probes.calls, answers, right, probes.same)
         told = [k for k in shown.wrong() if probes.compared is None or k < probes.compared]
-        for rows in self._candidates(index, answers) if told else ():
+        fails = all(isinstance(answer, Fault) for answer in answers)
+        for mistakes, rows in enumerate(self._candidates(index, answers) if told else (), 1):
+            if fails and mistakes > 1:
+                break  # exceptions alone tell too little: some pair of mistakes always raises the same ones
             fits = [row for row in rows if row.mutant.speaks_of(blamed) and self._fits(index, row, answers)]
             fits = [row for row in fits if not self._clashes(index, row)]
             if fits:

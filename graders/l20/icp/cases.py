@@ -39,6 +39,7 @@ class Kind:
     """How clouds are made: n points, Q with `more` of them or `fewer`; `least` iterations are needed at least.
 
     `seeds` are those whose clouds are `telling`: looking for some takes too long for a verdict, and a test tries them.
+    The first one is always asked: a mistake that shows on any other shows on it, or on another that is always asked.
     """
 
     seeds: tuple[int, ...]
@@ -95,20 +96,21 @@ def the_start_matters(case: Registration) -> bool:
     return all(apart(descend(P, Q, R, t, case.iterations)[-1], last) for R, t in others)
 
 
-ONE = Kind((2, 6, 7, 8, 10, 11, 12, 13, 15), n=5, n_iter=1)
-TWO = Kind((2, 6, 7, 8, 11, 12, 13, 15, 17), n=5, n_iter=2)
+ONE = Kind((10, 2, 6, 7, 8, 11, 12, 13, 15), n=5, n_iter=1)
+TWO = Kind((8, 2, 6, 7, 11, 12, 13, 15, 17), n=5, n_iter=2)
 ONE_FROM = Kind((0, 3, 4, 6, 9, 10, 12, 13, 15), n=6, n_iter=1, start=True)
-THREE_FROM = Kind((0, 9, 10, 18, 28, 30, 32, 35, 36), n=6, n_iter=3, start=True, more=2, least=4)
-SAME = Kind((0, 1, 2, 4, 7, 9, 11, 16, 17), n=6)
-LARGER = Kind((0, 3, 4, 10, 11, 12, 14, 15, 16), n=8, least=4)
-FROM = Kind((3, 6, 47, 68, 101, 121, 183, 211, 217), n=6, start=True)
-NOISY_FROM = Kind((6, 32, 33, 85, 105, 111, 117, 123, 145), n=8, start=True, noise=0.05)
-MORE = Kind((0, 2, 4, 7, 8, 9, 14, 18, 19), n=6, more=3)
+THREE_FROM = Kind((10, 0, 9, 18, 28, 30, 32, 35, 36), n=6, n_iter=3, start=True, more=2, least=4)
+SAME = Kind((4, 0, 1, 2, 7, 9, 11, 16, 17), n=6)
+LARGER = Kind((4, 0, 3, 10, 11, 12, 14, 15, 16), n=8, least=4)
+FROM = Kind((6, 3, 47, 68, 101, 121, 183, 211), n=6, start=True)
+NOISY_FROM = Kind((33, 6, 32, 85, 105, 117, 123), n=8, start=True, noise=0.05)
+MORE = Kind((4, 0, 2, 7, 8, 9, 14, 18, 19), n=6, more=3)
 FEWER = Kind((9, 10, 12, 14, 16, 17, 19, 20, 22), n=8, fewer=3)
-NOISY = Kind((0, 1, 2, 6, 9, 10, 11, 12, 14), n=7, more=2, noise=0.1)
-MIRROR = Kind((42, 148, 152, 186, 236, 317, 360, 439, 475), n=5, mirror=True)
+NOISY = Kind((9, 0, 1, 2, 6, 10, 11, 12, 14), n=7, more=2, noise=0.1)
+MIRROR = Kind((186, 42, 148, 152, 236, 317, 475), n=5, mirror=True)
 MIRROR_TWO = Kind((11, 49, 175, 319, 322, 383, 425, 498, 559), n=6, mirror=True, n_iter=2)
-MANY = Kind((23, 87, 115, 159, 165, 234, 258, 328, 337), n=12, n_iter=None, least=11)
+LONGEST = 87
+MANY = Kind((328, LONGEST, 23, 115, 159, 165, 234, 337), n=12, n_iter=None, least=11)
 SHORT = Kind((0, 3, 4, 10, 11, 12, 14, 16, 17), n=8, n_iter=2, noise=0.1, least=4)
 
 
@@ -147,8 +149,9 @@ def mirrored(rng: Rng) -> Iterator[Registration]:
 
 
 def without_count(rng: Rng) -> Iterator[Registration]:
-    """The number of iterations is not given, and many are needed."""
-    yield from MANY.some(rng, 2)
+    """The number of iterations is not given, and many are needed: fourteen at first."""
+    yield MANY.made(LONGEST)
+    yield from MANY.some(rng, 1)
 
 
 def for_errors(rng: Rng) -> Iterator[Registration]:

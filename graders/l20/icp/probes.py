@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graders.core.code.probes import Probes
+from graders.core.code.probes import Probes, Shown
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20 import world
 from graders.l20.icp import cases
@@ -14,7 +14,6 @@ from graders.l20.icp.judge import ERROR_ABSOLUTE, ERROR_RELATIVE, misplaced, rea
 KINDS = (
     (cases.TWO, 0), (cases.ONE, 0), (cases.SAME, 0), (cases.FROM, 0), (cases.ONE_FROM, 0), (cases.MORE, 0),
     (cases.FEWER, 0), (cases.NOISY, 0), (cases.MIRROR, 0), (cases.THREE_FROM, 0), (cases.THREE_FROM, 1),
-    (cases.MANY, 0),
 )  # fmt: skip
 
 
@@ -26,7 +25,12 @@ def _asked(kind: cases.Kind, seed: int) -> Registration:
     return case._replace(n_iter=len(descend(*case[:4], DEFAULT)) + 2)
 
 
-ASKED: tuple[Registration, ...] = (*(_asked(kind, kind.seeds[k]) for kind, k in KINDS), cases.example(3))
+#: The last two are one registration, first with the number of iterations, then without.
+ASKED: tuple[Registration, ...] = (
+    *(_asked(kind, kind.seeds[k]) for kind, k in KINDS),
+    cases.example(3),
+    *(cases.MANY.made(cases.LONGEST)._replace(n_iter=n_iter) for n_iter in (DEFAULT, None)),
+)
 OF_ERRORS: tuple[Registration, ...] = (
     *(_asked(kind, kind.seeds[1]) for kind in (cases.SHORT, cases.NOISY, cases.ONE_FROM, cases.THREE_FROM)),
     cases.example(3),
@@ -73,11 +77,16 @@ def _among(values: Floats, found: Floats) -> bool:
     return bool(np.all(np.any(gaps, axis=0)))
 
 
+def only_without_count(shown: Shown) -> str | None:
+    """Right each time that the number of iterations is given, the same one among them."""
+    return "defaut_faux" if shown.wrong() == [len(shown.calls) - 1] else None
+
+
 def _arguments(asked: tuple[Registration, ...]) -> tuple[Arguments, ...]:
     return tuple(case.arguments for case in asked)
 
 
 PROBES = (
-    Probes(function="icp", calls=_arguments(ASKED), kit=world.STILL, read=read_place),
+    Probes(function="icp", calls=_arguments(ASKED), kit=world.STILL, read=read_place, rules=(only_without_count,)),
     Probes(function="icp", calls=_arguments(OF_ERRORS), kit=world.STILL, read=read_errors),
 )

@@ -1,7 +1,7 @@
 """The inputs of l20/modele_faisceau: readings beside what was expected, then maps, simplest first.
 
-Shares are all positive and sum to one; a reading is exactly the expected one, exactly the range, or away from both by
-more than any tolerance; none is beyond the range.
+Shares are all positive, one case leaving little to chance, and sum to one; a reading is exactly the expected one,
+exactly the range, or away from both by more than any tolerance; none is beyond the range.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ MANY = 400
 USUAL = (0.7, 0.1, 0.1, 0.1)
 OTHER = (0.5, 0.25, 0.05, 0.2)
 THIRD = (0.35, 0.15, 0.4, 0.1)
+#: So little is left to chance that who raises small densities is seen.
+CERTAIN = (0.9, 0.06, 0.034, 0.006)
 
 
 def reading(
@@ -75,6 +77,7 @@ def echoes(rng: Rng) -> Iterator[Arguments]:
     yield reading([4.5], [3.0], 0.5, 8.0, OTHER, 0.5)
     yield reading([7.0], [1.0], 2.0, 12.0, USUAL, 1.5)
     yield reading([2.25, 6.5, 4.0], [2.0, 5.0, 3.5], 0.4, 9.0, OTHER, 0.8)
+    yield reading([9.5], [4.0], 0.3, 12.0, CERTAIN, 0.5)
     for source in telling_then(rng):
         for n in (1, 2, 6):
             yield _beyond(source, n)
@@ -147,6 +150,8 @@ FAR = plan("...#..... ......... ......... ......... ......... #........")
 ROOM = plan("######## #......# #......# #...#..# #......# #......# ########")
 SOLID = plan("##### ##.## #...# ##.## ##### #####")
 OPEN = plan("........... ........... ....#...... ........... .........#. ........... ........... .#.........")
+#: As wide as high, so that who exchanges rows and columns comes to an answer.
+SQUARE = plan(".#... ..... ..... ..... ....#")
 #: A breadth-first search by steps of 1 and of the diagonal goes wrong at two steps and one.
 KNIGHT = plan("....... ....... ....... ......# ....... .......")
 

@@ -7,7 +7,7 @@ import numpy as np
 from graders.core.code.probes import Probes, Rule, Shown
 from graders.core.contract.values import Arguments, UnreadableError, Value, read_array
 from graders.l20 import world
-from graders.l20.modele_faisceau.cases import CORNER, FAR, KNIGHT, OPEN, ROOM, reading
+from graders.l20.modele_faisceau.cases import CORNER, FAR, KNIGHT, OPEN, ROOM, SQUARE, reading
 
 ALPHA, BETA = (0.55, 0.22, 0.15, 0.08), (0.3, 0.1, 0.4, 0.2)
 READINGS: tuple[Arguments, ...] = (
@@ -21,7 +21,7 @@ READINGS: tuple[Arguments, ...] = (
     reading(np.full(400, 2.0), np.full(400, 9.0), 0.2, 11.0, ALPHA, 0.4),
 )
 SHORT, FULL = (1, 3, 4, 5, 6, 7), (2, 4, 5)
-MAPS: tuple[Arguments, ...] = tuple((libres,) for libres in (CORNER, KNIGHT, FAR, ROOM, OPEN))
+MAPS: tuple[Arguments, ...] = tuple((libres,) for libres in (CORNER, KNIGHT, FAR, ROOM, OPEN, SQUARE))
 
 
 def read(args: Arguments, value: Value) -> Value:

@@ -121,6 +121,13 @@ def test_mistakes_that_look_the_same_leave_what_they_share_or_nothing() -> None:
     assert named(written("(x + 2)", "y"), asked=twins) == ("b_seul",)
 
 
+def test_exceptions_alone_are_not_explained_by_two_mistakes() -> None:
+    edits = (edit("nul", "a + 1", "0 * a"), edit("quotient", "cote * autre", "autre / cote"))
+    asked = Prober(Model(MODEL, edits), (Probes(function="aire", calls=CALLS, kit=world.STILL),))
+    assert named(written("(x + 1)", "(y - 2)", "{1} / {0}"), asked=asked) == ("quotient",)
+    assert named(written("(0 * x)", "(y - 2)", "{1} / {0}"), asked=asked) == ()
+
+
 def test_a_function_that_remembers_is_told_so() -> None:
     source = "seen = []\n" + written("(x + 1 + len(seen))", "(y - 2)").replace(
         "return", "seen.append(1)\n    return", 1

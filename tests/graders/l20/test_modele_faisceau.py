@@ -95,6 +95,8 @@ WRONG = {
     "un rayon sur deux": "def log_vraisemblance(z, m, *a):\n    return _l(z[::2], m[::2], *a)",
     "un plancher à 0,02": "def log_vraisemblance(z, m, *a):\n"
     "    return sum(max(_l(z[k:k+1], m[k:k+1], *a), np.log(0.02)) for k in range(len(z)))",
+    "un plancher à 0,001": "def log_vraisemblance(z, m, *a):\n"
+    "    return sum(max(_l(z[k:k+1], m[k:k+1], *a), np.log(0.001)) for k in range(len(z)))",
     "une garde trop grande": "def log_vraisemblance(z, m, *a):\n"
     "    return sum(np.log(np.exp(_l(z[k:k+1], m[k:k+1], *a)) + 1e-6) for k in range(len(z)))",
     "le premier appel vaut pour tous": "M = {}\ndef log_vraisemblance(z, *a):\n"
@@ -120,6 +122,9 @@ NAMED = {
     "        p *= math.exp(_l(z[k:k+1], m[k:k+1], *a))\n    return np.log(p)",
     "logarithme_oublie": "def log_vraisemblance(*a):\n    return np.exp(_l(*a))",
     "lu_et_attendu_echanges": "def log_vraisemblance(m, z, *a):\n    return _l(z, m, *a)",
+    "carte_de_la_trousse": "def champ_distance(m):\n"
+    "    w = [(i, j) for i in range(H) for j in range(W) if not m[i, j]]\n"
+    "    return [[min(np.hypot(i - a, j - b) for a, b in w) for j in range(W)] for i in range(H)]",
     "moyenne": "def log_vraisemblance(z, *a):\n    return _l(z, *a) / len(z)",
     "valeurs_en_dur": "def log_vraisemblance(z, m, s, zm, a, l):\n    return _l(z, m, s, PORTEE_MAX, a, l)",
     "distance_par_pas": "def champ_distance(m):\n    from scipy.ndimage import distance_transform_cdt as d\n"
@@ -177,7 +182,7 @@ def test_readings_are_exactly_what_decides_of_a_cause_or_far_from_it(draw: cases
         for gap in (z - expected, z - z_max):
             assert np.all((gap == 0.0) | (np.abs(gap) > 0.009))
         assert alpha.sum() == pytest.approx(1.0)
-        assert alpha.min() > 0.04
+        assert alpha.min() > 0.005
         assert sigma > 0.0
         assert lam > 0.0
 
