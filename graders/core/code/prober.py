@@ -145,7 +145,6 @@ class Prober:
             if fails and mistakes > 1:
                 break  # exceptions alone tell too little: some pair of mistakes always raises the same ones
             fits = [row for row in rows if row.mutant.speaks_of(blamed) and self._fits(index, row, answers)]
-            fits = [row for row in fits if not self._clashes(index, row)]
             if fits:
                 return _agreed(fits) or _ruled(probes.rules, shown)
         return _ruled(probes.rules, shown)
@@ -173,15 +172,6 @@ class Prober:
             if not self.probes[index].same(one, other):
                 return False
         return True
-
-    def _clashes(self, index: int, row: _Row) -> bool:
-        """Does it never answer, where its mistakes alone do? Edits that do not go together raise whatever it may be."""
-        if len(row.mutant.edits) < 2 or not all(isinstance(one, Fault) for one in row.answers):
-            return False
-        alone = [one for one in self._all(index, 1) if one.mutant.edits and one.mutant.edits[0] in row.mutant.edits]
-        return not all(
-            any(isinstance(self._answer(index, one, k), Fault) for one in alone) for k in range(len(row.answers))
-        )
 
     def _all(self, index: int, mistakes: int) -> list[_Row]:
         key = (index, mistakes)
