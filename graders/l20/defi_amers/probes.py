@@ -44,6 +44,7 @@ SYSTEMS = (
     Map(rows((0, 0, -1.5), (1, 0, 1.5)), rows((1, 1)), (edge(0, 1, (1, 0.3, -3)),), (sight(0, 0, (1, 1.2), SLANTED),)),
     Map(rows((0, 0, 0.5), (1, 0, 1.5)), rows((1, 1)), (edge(0, 1, (1, 0.3, -1.2)),), (sight(1, 0, (1, 1.2), SLANTED),)),
     Map(START, LANDMARKS + 0.3, (*LOOP[:4], edge(0, 1, relative(TRUTH[0], TRUTH[1]) - 0.2, 5.0, 7.0)), AGAIN),
+    Map(POINT, rows((2, 1)), (edge(0, 1, (1, 0.5, 0.2)),), (sight(0, 0, (1, -3), SLANTED),)),
 )
 
 PLACED, PLACED_ROUND = placed(START, SEEN, 2), placed(AROUND, SEEN_ROUND, 2)

@@ -51,7 +51,7 @@ def drawn(rng: np.random.Generator) -> Iterator[Arguments]:
 
 
 def in_pieces(rng: np.random.Generator, pieces: int) -> Arguments:
-    """A graph of seven poses, piece by piece a chain, closed where there is room; numbers shuffled."""
+    """A graph of seven poses, piece by piece a chain, closed where there is room; numbers and directions shuffled."""
     poses = np.round(np.column_stack([rng.uniform(-2.0, 2.0, (7, 2)), rng.uniform(-3.0, 3.0, 7)]), 1).astype(np.float64)
     members = np.array_split(rng.permutation(7), pieces)
     edges = []
@@ -59,7 +59,8 @@ def in_pieces(rng: np.random.Generator, pieces: int) -> Arguments:
         pairs = [(group[k], group[k + 1]) for k in range(len(group) - 1)]
         if len(group) > 2:
             pairs.append((group[-1], group[0]))
-        for i, j in pairs:
+        for ends in pairs:
+            i, j = rng.permutation(ends)
             z = np.round(relative(poses[i], poses[j]) + rng.uniform(-0.5, 0.5, 3), 1)
             z[2] = math.remainder(z[2], math.tau)
             edges.append(edge(int(i), int(j), z, float(rng.choice([1, 2, 4])), float(rng.choice([1, 5]))))

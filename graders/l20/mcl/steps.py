@@ -118,7 +118,8 @@ def _disperses(scene: Step, bench: Bench) -> None:
     )
 
 
-#: Where the robot is, where it is not, and its move. The last wrong place is the one where the robot arrives.
+#: Where the robot is, where it is not, and its move. The last but two is the one where the robot arrives; in the last
+#: two it turns on the spot, and nothing but the order of the rays tells its heading.
 DOUBTS = (
     ((3.4, 3.2, 0.4), (11.2, 3.6, 0.4), (0.3, 0.0, 0.1)),
     ((3.0, 2.5, 0.3), (3.0, 2.5, 0.3 + np.pi / 2.0), (0.3, 0.0, 0.1)),
@@ -126,6 +127,8 @@ DOUBTS = (
     ((17.6, 2.4, -0.6), (17.6, 2.4, np.pi - 0.6), (0.3, 0.0, 0.1)),
     ((13.2, 12.3, 2.0), (3.0, 10.7, 2.0), (0.3, 0.0, 0.1)),
     ((9.6, 2.4, 0.2), (11.1, 2.704, 0.9), (1.6, 0.0, 0.7)),
+    ((3.0, 2.5, 0.3), (3.0, 2.5, 0.3 + np.pi / 2.0), (0.0, 0.0, 0.1)),
+    ((17.6, 2.4, -0.6), (17.6, 2.4, np.pi - 0.6), (0.0, 0.0, 0.1)),
 )
 
 
