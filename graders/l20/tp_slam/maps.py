@@ -19,7 +19,7 @@ from reference.registration import kabsch
 
 SIDE = 0.1  # metres
 MARGIN = 1.0
-#: One key scan in so many: of all of them the map is no better (free 0.90, walls 0.99), and is waited for thrice as long.
+#: One key scan in so many: of all of them the map is no better (free 0.90, walls 0.99), and takes thrice as long.
 EVERY = 3
 #: Of the cells said to be free and to be walls, how many are; the course's map: 0.90 and 1.00, mirrored 0.74 and 0.59.
 FREE, WALLS = 0.85, 0.93
