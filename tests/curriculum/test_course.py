@@ -1,8 +1,12 @@
 """What `balise check` proves of the course, in the real sandbox, on seeds that do not change."""
 
+import itertools
+from collections.abc import Iterator
+
 import pytest
 
 from graders.core.code.grading import CodeGrader
+from graders.core.contract.outcomes import Outcome
 from server.cli.check import Case, cases, examine
 from server.course import Exercise
 from server.grading.joint import Grader
@@ -15,17 +19,34 @@ COURSE = the_course()
 KNOWN = [(exercise, case) for exercise in COURSE.exercises.values() for case in cases(exercise)]
 
 
-def edits(exercise: Exercise) -> set[str]:
-    """The subjects of the mistakes that are but edits of a model, which a test of the probes recognises quicker."""
-    grader = exercise.grader
-    mistakes = grader.misconceptions if isinstance(grader, CodeGrader) else ()
-    return {f"erreur {one.id}" for one in mistakes if not one.whole}
+#: What ends before any check is run.
+AT_ONCE = ("spécimen syntax_error", "spécimen import_error", "spécimen missing_function")
 
 
+def quick(exercise: Exercise) -> Iterator[str]:
+    """The subjects of the fast suite: of code, one of each kind, and one in six of the mistakes that are whole files.
+
+    Right programs, and the mistakes that are but edits of a model, are tried there in this process, which is quicker;
+    the sandbox treats them as it does the reference. Nor does it run there what takes seconds each time.
+    """
+    subjects = [case.subject for case in cases(exercise)]
+    if not isinstance(exercise.grader, CodeGrader):
+        yield from subjects
+        return
+    if exercise.grader.long:
+        yield from (one for one in subjects if one.startswith(AT_ONCE))
+        return
+    edits = {f"erreur {one.id}" for one in exercise.grader.misconceptions if not one.whole}
+    tried = [one for one in subjects if one not in edits and not one.startswith(f"spécimen {Outcome.OK}/")]
+    for kind, group in itertools.groupby(tried, key=lambda one: one.split("/" if "/" in one else None)[0]):
+        yield from itertools.islice(group, 0, None if kind == "erreur" else 1, 6)
+
+
+QUICK = {(exercise.id, subject) for exercise in COURSE.exercises.values() for subject in quick(exercise)}
 PARAMETERS = [
     pytest.param(
         exercise, case, id=f"{exercise.id}-{case.subject}",
-        marks=[pytest.mark.slow] if case.subject in edits(exercise) else [],
+        marks=[] if (exercise.id, case.subject) in QUICK else [pytest.mark.slow],
     )
     for exercise, case in KNOWN
 ]  # fmt: skip

@@ -38,6 +38,15 @@ def some(values: Iterable[T]) -> list[T]:
     return found
 
 
+def one_in(count: int, cases: Iterable[Any]) -> list[Any]:
+    """Parameters of a test: one in so many of these in the fast suite, the others among the slow tests."""
+    return [case if k % count == 0 else _slow(case) for k, case in enumerate(some(cases))]
+
+
+def _slow(case: Any) -> Any:
+    return pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=pytest.mark.slow)
+
+
 @cache
 def the_course() -> Course:
     """The real course, its texts left as they are, its graders of code steady (see `tests.graders.reenactments`)."""

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import cache
+
+from graders.core.code.grading import CodeGrader
+from graders.core.compare.shrinking import Budget
 from graders.core.contract.findings import Judgement
 from graders.core.contract.local import LOCAL
 from graders.core.contract.verdict import Verdict
@@ -16,6 +21,22 @@ def judgement_of(exercise: str, source: str, seed: int) -> Judgement:
 def verdict_of(exercise: str, source: str, seed: int) -> Verdict:
     """The verdict of a program of ours, run in this process."""
     return judgement_of(exercise, source, seed).verdict
+
+
+def checked(exercise: str, source: str, seed: int, *, simplified: bool = False) -> Judgement:
+    """What the checks alone find: no mistake is named, and counterexamples are left as they are found or `simplified`.
+
+    To name a program that is like no known one, hundreds of mutants are asked first; a test that does not look at the
+    name does not wait for them.
+    """
+    return _unnamed(exercise, simplified).grade(source.encode(), LOCAL, seed=seed, version="v")
+
+
+@cache
+def _unnamed(exercise: str, simplified: bool) -> CodeGrader:
+    grader = CODE[exercise]
+    budget = grader.budget if simplified else Budget(calls=0)
+    return replace(grader, prober=None, misconceptions=(), budget=budget)
 
 
 def failed(found: Verdict) -> set[str]:

@@ -26,7 +26,7 @@ def integrer_scan(l, pose, scan, portee_max):
     for k, z in enumerate(scan):
         angle = theta + 2 * np.pi * k / len(scan)
         # Des petits pas, d'un cinquantième de case ; le dictionnaire ne garde chaque case qu'une fois.
-        votes = {case_du_rayon(x, y, angle, d): -L_OCC for d in np.arange(0, min(z, portee_max), 0.02)}
+        votes = {case_du_rayon(x, y, angle, d): -L_OCC for d in np.arange(0, min(z, portee_max), 0.05)}
         # Un rayon qui lit la portée n'a touché aucun mur. Sinon, la case d'arrêt est celle du point situé juste après
         # la distance lue : sur la face du mur, un arrondi donnerait la case d'avant. Elle n'est pas traversée.
         if z < portee_max:

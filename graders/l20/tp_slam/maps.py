@@ -19,7 +19,9 @@ from reference.registration import kabsch
 
 SIDE = 0.1  # metres
 MARGIN = 1.0
-#: Of the cells said to be free and to be walls, how many are; the course's map: 0.90 and 0.99, mirrored 0.75 and 0.73.
+#: One key scan in so many: of all of them the map is no better (free 0.90, walls 0.99), and takes thrice as long.
+EVERY = 3
+#: Of the cells said to be free and to be walls, how many are; the course's map: 0.90 and 1.00, mirrored 0.74 and 0.59.
 FREE, WALLS = 0.85, 0.93
 #: How far from a wall, in metres, a cell may be that is marked as one: poses, noise and cells are not finer.
 THICK = 0.2
@@ -27,10 +29,10 @@ LEAST_FREE = 2000
 
 
 def mapping(bench: Bench) -> None:
-    """The map of the key scans, in the frame of the first pose."""
+    """The map of some key scans, in the frame of the first pose."""
     chain = chain_of(bench)
-    poses = chain.poses
-    scans = journeys.simulated().scans[chain.keys]
+    poses, keys = chain.poses[::EVERY], chain.keys[::EVERY]
+    scans = journeys.simulated().scans[keys]
     shape, corner = frame()
     value = bench.call("carte", poses, scans, shape, corner, SIDE)
     try:
@@ -43,7 +45,7 @@ def mapping(bench: Bench) -> None:
             f"carte doit renvoyer un tableau de forme {shape}, sans nan ni infini.", inputs={"forme": list(shape)},
             expected=f"forme {shape}", got=f"forme {log_odds.shape}",
         )  # fmt: skip
-    free, walls, count = scores(log_odds, corner, poses, chain.keys)
+    free, walls, count = scores(log_odds, corner, poses, keys)
     well = free >= FREE and walls >= WALLS and count >= LEAST_FREE and float(np.abs(log_odds).max()) <= 5.0 + 1e-6
     bench.observe("carte", [free >= FREE, walls >= WALLS, count >= LEAST_FREE], ok=well)
     if not well:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -151,26 +152,43 @@ ODD = ("None", "'texte'", "[]", "[[1, 2], [3]]", "np.nan", "np.full((3, 3), np.i
        "[1].pop(3)")  # fmt: skip
 
 
-@pytest.mark.parametrize("exercise", CODE)
-def test_no_answer_upsets_the_rules_of_an_exercise(exercise: str) -> None:
+def of(exercise: str) -> Prober:
     asked = CODE[exercise].prober
     assert asked is not None
-    for probes in some(asked.probes):
+    return asked
+
+
+def asked_of_odd(prober: Prober) -> None:
+    for probes in some(prober.probes):
         for odd in ODD:
-            functions = sorted(asked.functions)
+            functions = sorted(prober.functions)
             source = "\n".join(f"def {name}(*args):\n    return {odd}\n" for name in functions)
             runner = Runner(LOCAL, source.encode(), world.STILL)
-            asked.recognise(runner, [probes.function], [])
+            prober.recognise(runner, [probes.function], [])
             runner.close()
 
 
 @pytest.mark.parametrize("exercise", CODE)
-def test_every_mistake_that_is_an_edit_is_recognised(exercise: str) -> None:
+def test_no_answer_upsets_the_rules_of_an_exercise(exercise: str) -> None:
+    """Without its edits, of which hundreds of mutants would be made before a rule is asked."""
+    prober = of(exercise)
+    asked_of_odd(Prober(replace(prober.model, edits=()), prober.probes))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("exercise", CODE)
+def test_no_answer_upsets_the_prober_of_an_exercise(exercise: str) -> None:
+    asked_of_odd(of(exercise))
+
+
+@pytest.mark.parametrize("rest", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2))])
+@pytest.mark.parametrize("exercise", CODE)
+def test_every_mistake_that_is_an_edit_is_recognised(exercise: str, rest: int) -> None:
+    """One in three in the fast suite, the others in the slow one."""
     grader = CODE[exercise]
-    assert grader.prober is not None
-    for mistake in some(one for one in grader.misconceptions if not one.whole):
+    for mistake in some([one for one in grader.misconceptions if not one.whole][rest::3]):
         runner = Runner(LOCAL, mistake.source.encode(), world.STILL)
-        found, last = grader.prober.recognise(runner, mistake.functions, [])
+        found, last = of(exercise).recognise(runner, mistake.functions, [])
         assert mistake.id in (found or last), mistake.id
         runner.close()
 
@@ -179,9 +197,8 @@ def test_every_mistake_that_is_an_edit_is_recognised(exercise: str) -> None:
 def test_the_solution_answers_the_probes_as_the_model_does(exercise: str) -> None:
     grader = CODE[exercise]
     runner = Runner(LOCAL, grader.solution.encode(), world.STILL)
-    assert grader.prober is not None
     with np.errstate(all="ignore"):
-        assert grader.prober.recognise(runner, grader.functions, []) == ((), ())
+        assert of(exercise).recognise(runner, grader.functions, []) == ((), ())
     runner.close()
 
 

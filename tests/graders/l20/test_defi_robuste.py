@@ -18,7 +18,7 @@ from graders.plotting import counterexample
 from reference.pose_graph import NormalEquations, PoseGraph, gauge_dimension, graduated_non_convexity
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
-from tests.support.verdicts import failed, judgement_of, named, verdict_of
+from tests.support.verdicts import checked, failed, judgement_of, named, verdict_of
 
 GRADER = CODE["l20/defi_robuste"]
 graded = partial(judgement_of, GRADER.exercise)
@@ -26,7 +26,7 @@ verdict = partial(verdict_of, GRADER.exercise)
 
 SPECIMENS = {one.path.stem: one.path.read_text(encoding="utf-8") for one in GRADER.specimens()}
 HONEST = sorted(one.path.stem for one in GRADER.specimens() if one.outcome is Outcome.OK)
-FEW = ("vectorise_geman_mcclure", "tukey_fonctions")
+FEW = ("vectorise_geman_mcclure",)
 ALL_GRAPHS = [(false, seed) for false, seeds in graphs.SEEDS.items() for seed in seeds]
 
 
@@ -94,10 +94,7 @@ def fine(one: graphs.Robust, answer: tuple[Floats, Floats]) -> bool:
 
 @pytest.mark.parametrize(
     ("false", "seed"),
-    [
-        pair if pair[1] == graphs.SEEDS[pair[0]][0] else pytest.param(*pair, marks=pytest.mark.slow)
-        for pair in ALL_GRAPHS
-    ],
+    [pair if pair == ALL_GRAPHS[-1] else pytest.param(*pair, marks=pytest.mark.slow) for pair in ALL_GRAPHS],
 )
 def test_every_kernel_passes_and_no_mistake_does(false: int, seed: int) -> None:
     one = graphs.robust_graph(seed, false)
@@ -126,14 +123,9 @@ def test_what_comes_back_in_other_forms_is_read_and_nonsense_is_refused() -> Non
         assert robust.judge(one, wrong) is not None
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_the_solution_gets_full_marks(seed: int) -> None:
-    assert verdict(GRADER.solution, seed).outcome is Outcome.OK
-
-
 def test_the_starter_earns_nothing() -> None:
     starter = (PROJECT / "curriculum/l20/exercices/defi_robuste/starter.py").read_text(encoding="utf-8")
-    assert verdict(starter, 1).score == 0.0
+    assert checked(GRADER.exercise, starter, 1).verdict.score == 0.0
 
 
 @pytest.mark.parametrize("name", [one if one in FEW else pytest.param(one, marks=pytest.mark.slow) for one in HONEST])
@@ -156,7 +148,7 @@ STYLES = {
     "suspicion": ("sens_des_poids", "return x, ponderer(x, aretes, delta)", "return x, 1 - ponderer(x, aretes, delta)"),
     "start": ("rien_ne_bouge", "x += pas.reshape(-1, 3)", "pass"),
 }  # fmt: skip
-NAMED = ("rank", "told last", "metres")
+NAMED = ("rank", "told last")
 
 
 @pytest.mark.parametrize(
@@ -167,10 +159,12 @@ def test_a_mistake_is_named_in_another_program_than_the_model(style: str) -> Non
     assert named(verdict(edited(old, new), 6)) == name
 
 
-def test_the_film_shows_the_reference_and_where_a_map_stays_bent() -> None:
-    right = REPLAYS["robuste"](json.loads(json.dumps(graded(GRADER.solution, 1).films["une_fausse"])))
+def test_the_solution_gets_full_marks_and_the_film_shows_the_reference_and_where_a_map_stays_bent() -> None:
+    best = graded(GRADER.solution, 1)
+    assert best.verdict.outcome is Outcome.OK
+    right = REPLAYS["robuste"](json.loads(json.dumps(best.films["une_fausse"])))
     assert not right.charts[0].marks
-    judgement = graded(edited(WEIGHED, PLAIN), 1)
+    judgement = checked(GRADER.exercise, edited(WEIGHED, PLAIN), 1)
     wrong = REPLAYS["robuste"](json.loads(json.dumps(judgement.films["une_fausse"])))
     assert wrong.charts[0].marks
     assert any("Ici" in frame.caption for frame in wrong.frames)

@@ -18,11 +18,10 @@ from graders.l20.lidar import cases, probes
 from graders.l20.lidar.checks import ACCEPTED, SameDistance
 from graders.plotting import counterexample
 from tests.graders.shipped import CODE
-from tests.support.quick import THEMES, some
-from tests.support.verdicts import failed, judgement_of, named, verdict_of
+from tests.support.quick import THEMES, one_in, some
+from tests.support.verdicts import checked, failed, named, verdict_of
 
 GRADER = CODE["l20/lidar"]
-grading = partial(judgement_of, GRADER.exercise)
 verdict = partial(verdict_of, GRADER.exercise)
 RAYS = {"axes", "obliques", "portee", "bord", "cartes"}
 DRAWINGS = (cases.along_axes, cases.oblique, cases.within_range, cases.over_the_edge, cases.anywhere)
@@ -61,14 +60,13 @@ def specimen(path: str) -> str:
     return (GRADER.folder / "specimens" / path).read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_the_solution_gets_full_marks(seed: int) -> None:
-    assert verdict(GRADER.solution, seed).score == 1.0
+def test_the_solution_gets_full_marks() -> None:
+    assert verdict(GRADER.solution, 1).score == 1.0
 
 
 def test_the_starter_earns_nothing() -> None:
     starter = (PROJECT / "curriculum/l20/exercices/lidar/starter.py").read_text(encoding="utf-8")
-    assert [verdict(starter, seed).score for seed in range(2)] == [0.0] * 2
+    assert checked(GRADER.exercise, starter, 1).verdict.score == 0.0
 
 
 SLOW_SPECIMENS = {"pas_d_un_millieme.py", "boites.py"}
@@ -98,7 +96,7 @@ def test_a_march_of_small_steps_passes(step: str, end: str) -> None:
     assert verdict(march(step=step, end=end.format(step=step)), 2).score == 1.0
 
 
-@pytest.mark.parametrize("step", ["0.15", "0.2", "0.25", "0.5", "1.0"])
+@pytest.mark.parametrize("step", ["0.2", "1.0"])
 def test_a_march_of_long_steps_is_refused_in_every_check_and_named(step: str) -> None:
     found = verdict(march(step=step), 2)
     assert failed(found) >= RAYS
@@ -107,7 +105,8 @@ def test_a_march_of_long_steps_is_refused_in_every_check_and_named(step: str) ->
 
 def test_a_march_of_long_steps_that_ends_in_their_middle_is_refused() -> None:
     for step in ("0.25", "0.3", "0.5"):
-        assert verdict(march(step=step, end=f"max(t - {step} / 2, 0.0)"), 2).score < 0.5
+        source = march(step=step, end=f"max(t - {step} / 2, 0.0)")
+        assert checked(GRADER.exercise, source, 2).verdict.score < 0.5
 
 
 OUTSIDE = "colonne < 0 or ligne < 0 or colonne >= {w} or ligne >= {h}"
@@ -128,7 +127,7 @@ MARCHING = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "changes"), MARCHING.items(), ids=MARCHING.keys())
+@pytest.mark.parametrize(("name", "changes"), one_in(3, MARCHING.items()), ids=MARCHING.keys())
 def test_a_mistake_is_named_in_a_march_too(name: str, changes: dict[str, str]) -> None:
     found = verdict(march(**changes), 3)
     assert found.score < 1.0
@@ -156,14 +155,15 @@ WRONG = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("source", WRONG.values(), ids=WRONG.keys())
+@pytest.mark.parametrize("source", one_in(2, WRONG.values()), ids=WRONG.keys())
 def test_subtly_wrong_programs_are_rejected(source: str) -> None:
-    assert verdict(source, 1).score < 1.0
+    assert checked(GRADER.exercise, source, 1).verdict.score < 1.0
 
 
 @pytest.mark.parametrize("name", ["rien_touche", "int_au_lieu_de_floor", "bord_du_mauvais_cote"])
 def test_the_same_checks_fail_whatever_the_seed(name: str) -> None:
-    assert len({frozenset(failed(verdict(mistake(name), seed))) for seed in range(3)}) == 1
+    found = {frozenset(failed(checked(GRADER.exercise, mistake(name), seed).verdict)) for seed in range(3)}
+    assert len(found) == 1
 
 
 def test_the_kit_has_no_lidar_to_ask() -> None:
@@ -257,9 +257,9 @@ def test_probes_are_judged_rays_which_a_march_answers_as_a_walk_does() -> None:
 
 @pytest.mark.parametrize("theme", THEMES)
 def test_figures_draw(theme: str) -> None:
-    figures = json.loads(json.dumps(grading(mistake("sens_de_y"), 0).figures))
+    figures = json.loads(json.dumps(checked(GRADER.exercise, mistake("sens_de_y"), 0).figures))
     assert set(figures) == RAYS
     assert counterexample(GRADER.exercise, figures["bord"], theme=theme).startswith(b"<?xml")
     data = figures["axes"]
-    for got in (None, -3.0, 1000.0, 0.0):
+    for got in (None, -3.0) if theme == "light" else (None, -3.0, 1000.0, 0.0):
         assert counterexample(GRADER.exercise, {**data, "got": got}, theme=theme).startswith(b"<?xml")

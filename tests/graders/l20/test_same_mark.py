@@ -7,7 +7,7 @@ import pytest
 from tests.graders.l20.boucles_styles import submission
 from tests.graders.l20.test_names_that_hold import BOUCLES, COMB, KABSCH, PREDIRE, SLAM, model
 from tests.graders.shipped import CODE
-from tests.support.verdicts import failed, verdict_of
+from tests.support.verdicts import checked, failed
 
 POSES = "l20/poses"
 SEEDS = range(2026, 2030)
@@ -62,6 +62,6 @@ PI = "import math\nPI = 3.14\n" + model(POSES, "np.pi - (np.pi - angle) % (2 * n
     ],
 )
 def test_the_same_checks_fail_whatever_the_seed(exercise: str, source: str) -> None:
-    first, *others = [failed(verdict_of(exercise, source, seed)) for seed in SEEDS]
+    first, *others = [failed(checked(exercise, source, seed).verdict) for seed in SEEDS]
     assert first
     assert all(found == first for found in others)
