@@ -28,12 +28,12 @@ def systeme(poses, aretes, poids):
 
 
 def ponderer(poses, aretes, delta):
-    """Les poids de Huber : 1 tant que l'erreur blanchie ne dépasse pas delta, puis delta / erreur."""
+    """Les poids de Huber, min(1, delta / erreur) : 1 tant que l'erreur blanchie ne dépasse pas delta."""
     normes = []
     for i, j, z, omega in aretes:
         e = arete(poses[i], poses[j], z)[0]
         normes.append(np.sqrt(e @ omega @ e))  # en écarts-types, pas en mètres
-    return np.minimum(1.0, delta / np.maximum(normes, 1e-12))
+    return delta / np.maximum(normes, delta)
 
 
 def dimension_noyau(poses, aretes):
@@ -41,7 +41,7 @@ def dimension_noyau(poses, aretes):
     H, _ = systeme(poses, aretes, np.ones(len(aretes)))
     valeurs = np.linalg.eigvalsh(H)
     # Les valeurs nulles ne le sont qu'aux arrondis près : on les compare à la plus grande.
-    return int(np.sum(valeurs < 1e-8 * valeurs[-1]))
+    return np.sum(valeurs < 1e-8 * valeurs.max())
 
 
 def gauss_newton_robuste(poses, aretes, delta, n_iter):
@@ -51,7 +51,7 @@ def gauss_newton_robuste(poses, aretes, delta, n_iter):
         H, b = systeme(x, aretes, ponderer(x, aretes, delta))
         pas = np.zeros(len(b))
         pas[3:] = np.linalg.solve(H[3:, 3:], -b[3:])
-        x += pas.reshape(-1, 3)
+        x += pas.reshape(x.shape)
         x[:, 2] = ramener(x[:, 2])
     # Les poids renvoyés sont ceux des poses finales.
     return x, ponderer(x, aretes, delta)

@@ -140,13 +140,13 @@ def edited(old: str, new: str) -> str:
 
 WEIGHED, PLAIN = "systeme(x, aretes, ponderer(x, aretes, delta))", "systeme(x, aretes, [1] * len(aretes))"
 STYLES = {
-    "rank": ("rang", "int(np.sum(valeurs < 1e-8", "int(np.sum(valeurs >= 1e-8"),
+    "rank": ("rang", "np.sum(valeurs < 1e-8", "np.sum(valeurs >= 1e-8"),
     "metres": ("erreur_non_blanchie", "e @ omega @ e", "e @ e"),
     "told last": ("moindres_carres_ordinaires", WEIGHED, PLAIN),
-    "upside down": ("poids_inverses", "delta / np.maximum(normes, 1e-12)", "np.array(normes) / delta"),
+    "upside down": ("poids_inverses", "delta / np.maximum(normes, delta)", "np.array(normes) / delta"),
     "no gauge": ("jauge_libre", "pas[3:] = np.linalg.solve(H[3:, 3:], -b[3:])", "pas = np.linalg.solve(H, -b)"),
     "suspicion": ("sens_des_poids", "return x, ponderer(x, aretes, delta)", "return x, 1 - ponderer(x, aretes, delta)"),
-    "start": ("rien_ne_bouge", "x += pas.reshape(-1, 3)", "pass"),
+    "start": ("rien_ne_bouge", "x += pas.reshape(x.shape)", "pass"),
 }  # fmt: skip
 NAMED = ("rank", "told last")
 
