@@ -99,7 +99,7 @@ def the_start_matters(case: Registration) -> bool:
 ONE = Kind((10, 2, 6, 7, 8, 11, 12, 13, 15), n=5, n_iter=1)
 TWO = Kind((8, 2, 6, 7, 11, 12, 13, 15, 17), n=5, n_iter=2)
 ONE_FROM = Kind((0, 3, 4, 6, 9, 10, 12, 13, 15), n=6, n_iter=1, start=True)
-THREE_FROM = Kind((10, 0, 9, 18, 28, 30, 32, 35, 36), n=6, n_iter=3, start=True, more=2, least=4)
+THREE_FROM = Kind((18, 10, 0, 9, 28, 30, 32, 35, 36), n=6, n_iter=3, start=True, more=2, least=4)
 SAME = Kind((4, 0, 1, 2, 7, 9, 11, 16, 17), n=6)
 LARGER = Kind((4, 0, 3, 10, 11, 12, 14, 15, 16), n=8, least=4)
 FROM = Kind((6, 3, 47, 68, 101, 121, 183, 211), n=6, start=True)
