@@ -10,6 +10,8 @@ from tests.browser.test_story import SOLUTION as POSES
 
 expect = sync_api.expect
 Page = sync_api.Page
+#: Seconds: a closed loop, or a long chain, takes some on a machine with nothing else to do.
+LONG = 300
 SEEN_ELSEWHERE = [[".statement"], [".hints"], [".cm-editor"]]
 
 
@@ -47,19 +49,25 @@ def looked_over(visitor: Visit, what: str) -> None:
     check(visitor, what, exclude=SEEN_ELSEWHERE)
 
 
+#: Quick, and right for small clouds: of a large one, it follows the last hundred particles alone.
 LOST = f"""{solution("mcl")}
 
-def estimer(particules, poids):
-    return particules[0]
+tout_le_pas = pas_mcl
+
+def pas_mcl(particules, poids, u, scan):
+    if len(particules) < 500:
+        return tout_le_pas(particules, poids, u, scan)
+    quelques, w = tout_le_pas(particules[-100:], poids[-100:] / np.sum(poids[-100:]), u, scan)
+    return np.tile(quelques, (5, 1)), np.tile(w, 5) / 5
 """
 
 
+@pytest.mark.slow
 def test_a_filter_that_loses_its_robot_is_watched_then_mended(visit: NewVisit) -> None:
     visitor = visit()
     page = opened(visitor, "mcl")
-    visitor.submit(LOST)
+    visitor.submit(LOST, LONG)
     verdict = page.locator("#verdict")
-    expect(verdict.locator(".diagnosis")).to_contain_text("sans raison particulière")
     loop = page.locator(".check-failed", has=page.locator("a[href='#film-suivi']"))
     loop.locator("summary").first.click()
     expect(loop).to_contain_text("essais réussis sur 8")
@@ -71,7 +79,7 @@ def test_a_filter_that_loses_its_robot_is_watched_then_mended(visit: NewVisit) -
     assert len(hint.locator(".prose").inner_text()) > 20
     looked_over(visitor, "a closed loop, lost")
 
-    visitor.submit(solution("mcl"))
+    visitor.submit(solution("mcl"), LONG)
     expect(verdict.locator(".score")).to_contain_text("20")
     expect(verdict.get_by_role("heading", name="Exercice réussi")).to_be_visible()
     play(page, "suivi")
@@ -81,7 +89,10 @@ READ_ONCE = (
     solution("noeud_ros")
     .replace('        distance_min = self.get_parameter("distance_min").value\n', "")
     .replace("d < distance_min for", "d < self.distance_min for")
-    .replace('"distance_min", 0.3)', '"distance_min", 0.3)\n        self.distance_min = self.get_parameter("distance_min").value')
+    .replace(
+        '"distance_min", 0.3)',
+        '"distance_min", 0.3)\n        self.distance_min = self.get_parameter("distance_min").value',
+    )
 )
 
 
@@ -113,7 +124,7 @@ def test_the_chain_of_part_a_stands_on_ones_own_functions(visit: NewVisit) -> No
     expect(course).to_contain_text("celle du cours")
     looked_over(visitor, "the chain, before")
 
-    visitor.submit(solution("tp_slam"))
+    visitor.submit(solution("tp_slam"), LONG)
     expect(page.locator("#verdict .score")).to_contain_text("20")
     expect(page.locator(".films details")).to_have_count(2)
     play(page, "graphe")
