@@ -107,15 +107,15 @@ class Visit:
         self.page.evaluate("text => navigator.clipboard.writeText(text)", code)
         self.page.keyboard.press("Control+v")
 
-    def verdict(self, kind: str = "done") -> None:
-        """Wait until a verdict stands that was not there before."""
-        self.page.wait_for_selector(f"[data-part=verdict][data-status={kind}]", timeout=30_000)
+    def verdict(self, kind: str = "done", patience: int = 30) -> None:
+        """Wait until a verdict stands that was not there before; `patience` in seconds."""
+        self.page.wait_for_selector(f"[data-part=verdict][data-status={kind}]", timeout=1000 * patience)
 
-    def submit(self, code: str) -> None:
+    def submit(self, code: str, patience: int = 30) -> None:
         self.write(code)
         self.page.evaluate("document.querySelector('[data-part=verdict]').dataset.status = 'old'")
         self.page.keyboard.press("Control+Enter")
-        self.verdict()
+        self.verdict(patience=patience)
 
 
 NewVisit = Callable[..., Visit]
