@@ -21,7 +21,7 @@ from graders.l20.defi_kidnappe.replays import REPLAYS
 from graders.plotting import counterexample
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
-from tests.support.verdicts import failed, named, verdict_of
+from tests.support.verdicts import checked, failed, named, verdict_of
 
 GRADER = CODE["l20/defi_kidnappe"]
 verdict = partial(verdict_of, GRADER.exercise)
@@ -64,7 +64,7 @@ def test_the_solution_passes_its_steps_and_finds_the_robot_on_film() -> None:
 
 def test_the_starter_earns_nothing() -> None:
     starter = (PROJECT / "curriculum/l20/exercices/defi_kidnappe/starter.py").read_text(encoding="utf-8")
-    assert verdict(starter, 0).score == 0.0
+    assert checked(GRADER.exercise, starter, 0).verdict.score == 0.0
 
 
 @pytest.mark.parametrize("name", ["sans_injection", "injectees_sans_poids", "produit_qui_s_annule"])

@@ -26,7 +26,7 @@ from graders.l20.mcl.scenes import HALL_KIT
 from graders.plotting import counterexample
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
-from tests.support.verdicts import failed, judgement_of, named, verdict_of
+from tests.support.verdicts import checked, failed, judgement_of, named, verdict_of
 
 GRADER = CODE["l20/mcl"]
 judgement = partial(judgement_of, GRADER.exercise)
@@ -62,7 +62,7 @@ def test_the_solution_gets_full_marks_and_leaves_films() -> None:
 
 def test_the_starter_earns_nothing() -> None:
     starter = (PROJECT / "curriculum/l20/exercices/mcl/starter.py").read_text(encoding="utf-8")
-    assert verdict(starter, 0).score == 0.0
+    assert checked(GRADER.exercise, starter, 0).verdict.score == 0.0
 
 
 NAMED = ("rotation_oubliee", "bruit_partage", "cap_absent_du_lidar", "jamais_reechantillonne", "copies_oubliees")
@@ -156,7 +156,7 @@ def test_an_honest_filter_never_fails_a_check_of_one_step(path: Path) -> None:
 
 @pytest.mark.parametrize("theme", THEMES)
 def test_what_failed_is_drawn(theme: str) -> None:
-    graded = judgement(mistake("scan_a_l_envers"), 1)
+    graded = checked(GRADER.exercise, mistake("scan_a_l_envers"), 1)
     assert set(graded.figures) == {"pesee", "immobile"}
     picture = counterexample(GRADER.exercise, graded.figures["pesee"], theme=theme)
     assert picture.startswith(b"<?xml")
@@ -190,7 +190,8 @@ def test_the_step_that_lost_the_robot_is_after_the_last_that_held_it(held: list[
 
 
 def test_a_file_that_always_raises_is_told_by_its_exception() -> None:
-    found = verdict(model("    x, y, cap = particules.T\n    theta", "    x, y = particules.T\n    theta"), 1)
+    source = model("    x, y, cap = particules.T\n    theta", "    x, y = particules.T\n    theta")
+    found = checked(GRADER.exercise, source, 1).verdict
     told = {check.id: check.message or "" for check in found.checks}
     assert found.outcome is Outcome.RUNTIME_ERROR
     assert "ValueError" in told["suivi"]
