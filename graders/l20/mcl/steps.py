@@ -15,7 +15,7 @@ from graders.l20 import journeys
 from graders.l20.mcl.answers import ESTIMATE, STEP, stepped
 from graders.l20.mcl.scenes import ALWAYS, HALL, Step, hall_kit, in_the_hall, judged, share_near, step
 from graders.l20.mcl.telling import cloud_figure, number, observed, pose_text
-from reference.se2 import compose
+from reference.se2 import compose, relative
 
 MANY, HALF = 400, 200
 FEWEST_DISTINCT = 10
@@ -96,14 +96,23 @@ def dispersed(bench: Bench) -> None:
             judged(hall, partial(_disperses, scene), hall_kit)
 
 
+#: Beside the truth, half of the particles within this, in cells and radians: ten times the noise of the wheels.
+WIDE = 0.35
+#: What particles that were the same may still share: the step forward or aside is that of their own frame.
+SAME = ("le même cap", "le même x", "le même y", "le même pas vers l'avant", "le même pas de côté")
+
+
 def _disperses(scene: Step, bench: Bench) -> None:
     """What a filter that sows anew adds here and there is no noise: the particles near the robot are looked at."""
-    particles, _ = stepped(bench, scene.inputs)
-    near = particles[np.hypot(*(particles[:, :2] - scene.truth[:2]).T) < FAR]
+    particles, weights = stepped(bench, scene.inputs)
+    close = np.hypot(*(particles[:, :2] - scene.truth[:2]).T) < FAR
+    near = particles[close]
     distinct = len(np.unique(np.round(near, 9), axis=0))
-    shared = ((2, "le même cap"), (0, "le même x"), (1, "le même y"))
-    frozen = next((name for k, name in shared if distinct and np.ptp(near[:, k]) < 1e-6), None)
+    steps = relative(scene.particles[:1], near)
+    columns = (near[:, 2], near[:, 0], near[:, 1], steps[:, 0], steps[:, 1])
+    frozen = next((name for name, it in zip(SAME, columns, strict=True) if distinct and np.ptp(it) < 1e-6), None)
     if distinct >= FEWEST_DISTINCT and frozen is None:
+        _not_too_much(scene, particles, np.abs(relative(scene.truth, near)), weights[close])
         return
     now = f"{distinct} poses différentes" if frozen is None else frozen if distinct > 1 else "la même pose"
     raise Rejection(
@@ -116,6 +125,23 @@ def _disperses(scene: Step, bench: Bench) -> None:
         got=particles[:6],
         figure=cloud_figure(HALL, scene, particles, "Un pas de particules confondues"),
     )
+
+
+def _not_too_much(scene: Step, particles: Floats, gaps: Floats, weights: Floats) -> None:
+    """The hall teaches nothing where these particles are: they lie as the noise has thrown them."""
+    axes = ("case vers l'avant", "case de côté", "radian")
+    for k, (axis, usual) in enumerate(zip(axes, ("0,05 case", "0,05 case", "0,03 rad"), strict=True)):
+        half = _median(gaps[:, k], weights)
+        if half > WIDE:
+            raise Rejection(
+                f"{len(scene.particles)} particules confondues font un pas : la moitié d'entre elles se trompent de "
+                f"plus de {number(half)} {axis}. L'écart-type des roues est de {usual} : un bruit dix fois plus grand "
+                "éparpille le nuage plus vite que les scans ne le resserrent.",
+                inputs={"une particule (toutes les mêmes)": scene.particles[0], "u": scene.move, "scan": scene.scan},
+                expected="un bruit de l'ordre de celui des roues, ou un peu plus",
+                got=particles[:6],
+                figure=cloud_figure(HALL, scene, particles, "Un pas de particules confondues"),
+            )
 
 
 #: Where the robot is, where it is not, and its move. The last but two is the one where the robot arrives; in the last
