@@ -81,7 +81,7 @@ def optimiser(chaine, recalages, deplacements, boucles):
     aretes = [(k, k + 1, z, information(0.02, 0.01)) for k, z in enumerate(recalages)]
     aretes += [(k, k + 1, z, information(0.03, 0.05)) for k, z in enumerate(deplacements)]
     aretes += [(a, b, z, information(0.03, 0.015)) for a, b, z in boucles]
-    return gauss_newton(chaine, aretes, 10)
+    return gauss_newton(chaine, aretes, 5)
 
 
 def carte(poses, scans, forme, origine, cote, portee=8.0):
