@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Callable
 from functools import partial
@@ -49,6 +50,17 @@ def test_the_null_space_has_three_dimensions_a_piece(cases: Callable[..., object
         assert kernel.expected(poses, edges) == null_space(poses, edges)
         sizes.add(kernel.expected(poses, edges))
     assert sizes == {3, 6, 9}
+
+
+def test_what_never_changes_catches_edges_followed_one_way() -> None:
+    for poses, edges in itertools.islice(kernel.drawn(np.random.default_rng(0)), 3):
+        left, pieces = set(range(len(poses))), 0
+        while left:
+            pieces, reached = pieces + 1, {min(left)}
+            while more := {j for i, j, _, _ in edges if i in reached} - reached:
+                reached |= more
+            left -= reached
+        assert 3 * pieces != kernel.expected(poses, edges)
 
 
 def test_a_pose_alone_is_a_piece() -> None:

@@ -224,6 +224,15 @@ def test_places_along_the_hall_look_the_same() -> None:
     assert np.abs(scan((2.2, 4.0, 0.1)) - one).max() > 1.0
 
 
+def test_only_the_order_of_the_rays_tells_the_heading_of_a_robot_that_turns_on_the_spot() -> None:
+    scan = kit_names(world.STILL)["lidar"]
+    for there, elsewhere, move in steps.DOUBTS[-2:]:
+        one, other = (scan(np.add(pose, move)) for pose in (there, elsewhere))
+        assert move[:2] == (0.0, 0.0)
+        assert np.sort(one) == pytest.approx(np.sort(other))
+        assert np.abs(one - other).max() > 1.0
+
+
 def test_the_quick_lidar_of_the_mutants_is_that_of_the_kit() -> None:
     rng = np.random.default_rng(0)
     poses = np.column_stack([rng.uniform(-1, 35, 300), rng.uniform(-1, 14, 300), rng.uniform(-4, 4, 300)])

@@ -106,6 +106,8 @@ def test_a_known_mistake_is_rejected_and_named(name: str) -> None:
             ("toujours_l_arret", TEST, "if True:"),
             ("seuil_en_dur", TEST, "if valides and min(valides) < 0.3:"),
             ("defaut_faux", '"distance_min", 0.3', '"distance_min", 1.0'),
+            ("lancement_ignore", '"distance_min", 0.3)', '"distance_min", 0.3, ignore_override=True)'),
+            ("invalide_fait_taire", TEST, "if len(valides) == 20 and min(valides) < seuil:"),
             ("centimetres", TEST, "if valides and min(valides) * 100 < seuil:"),
             ("autre_topic_d_entree", '"/scan"', '"/lidar"'),
             ("autre_topic_de_sortie", '"/cmd_vel"', '"~/cmd_vel"'),
@@ -158,6 +160,19 @@ def test_what_is_subtly_wrong_is_rejected(old: str, new: str, where: set[str]) -
     found = failed(checked(GRADER.exercise, NODE.replace(old, new), 0).verdict)
     assert where <= found
     assert where or not found
+
+
+def test_a_parameter_of_another_name_is_told_as_absent() -> None:
+    assert named(verdict(NODE.replace("distance_min", "distance_mini"), 0)) == "parametre_absent"
+
+
+def test_a_node_that_cannot_be_made_has_the_name_of_no_two_mistakes() -> None:
+    assert named(verdict(NODE.replace("self.sur_scan, 10", "self.sur_scan(), 10"), 0)) is None
+
+
+def test_a_narrow_window_has_the_same_mark_at_every_seed() -> None:
+    narrow = NODE.replace(WINDOW, "scan.ranges[n // 2 - 5 : n // 2 + 5]")
+    assert {frozenset(failed(verdict(narrow, seed))) for seed in range(3)} == {frozenset({"fenetre"})}
 
 
 def test_a_range_max_of_ten_metres_is_not_supposed() -> None:
