@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeVar
 
-from sqlalchemy.exc import OperationalError, SQLAlchemyError
+from sqlalchemy.exc import InterfaceError, OperationalError, SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from server.base.settings import Settings
@@ -114,10 +114,13 @@ class Worker:
         return lease, work
 
     def _read(self, db: Session, lease: Lease) -> Any:
-        """A job that cannot be read is a failed try: else its claim would be undone, and made again for ever."""
+        """A job that cannot be read is a failed try: else its claim would be undone, and made again for ever.
+
+        But for a database that does not answer: what it says of the transaction holds for every job.
+        """
         try:
             return self._tasks[lease.kind].read(db, lease)
-        except SQLAlchemyError:
+        except (OperationalError, InterfaceError):
             raise
         except Exception:
             log.exception("job %s %s cannot be read, try %d", lease.kind, lease.key, lease.tries)
