@@ -22,7 +22,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from server.sandbox import ProgramFault, Sandbox, Value
+from server.sandbox import Kit, ProgramFault, Sandbox, Value
 from server.sandbox.child import template
 
 from .family import template_of
@@ -68,7 +68,7 @@ def outcome(sandbox: Sandbox, path: Path, parent: int, *, drawing: bool) -> str:
     try:
         with (
             patch("server.sandbox.session.GRACE", GRACE.get(filed, 60.0)),
-            sandbox.open(source, policy=policy, drawing=drawing) as session,
+            sandbox.open(source, kit=Kit("outils"), policy=policy, drawing=drawing) as session,
         ):
             answers = [session.call("repondre", context).value for _ in range(2)]
     except ProgramFault as fault:

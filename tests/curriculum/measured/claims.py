@@ -34,6 +34,11 @@ BY_HAND = {
     ("annexes/notations", "ici"): "conventions",
     ("annexes/notations", "expression en Python"): "conventions",
     ("exercices/predire2d/enonce", "probabilité"): "what the exercise supposes",
+    ("exercices/lidar/enonce", "angle"): "an example: tests/curriculum/test_examples.py",
+    ("exercices/modele_faisceau/enonce", "lecture $z$"): "an example: tests/curriculum/test_examples.py",
+    ("exercices/occupation/enonce", "case"): "what the exercise supposes",
+    ("exercices/occupation/enonce", "case de la ligne 2"): "an example: tests/curriculum/test_examples.py",
+    ("exercices/tp_slam/enonce", "arêtes"): "what the exercise supposes",
     ("exercices/noeud_ros/enonce", "`distance_min`"): "what the exercise asks for: tests/graders/l20/test_noeud_ros.py",
 }
 

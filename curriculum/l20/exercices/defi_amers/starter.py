@@ -1,6 +1,6 @@
 def systeme(poses, amers, aretes, observations):
-    """H = JᵀΩJ et b = JᵀΩe, de taille 3n + 2m : les poses d'abord,
-    puis les amers ; aucune pose n'est fixée.
+    """H = JᵀΩJ et b = JᵀΩe, de taille 3n + 2m :
+    les poses d'abord, puis les amers ; aucune pose n'est fixée.
     """
     n, m = len(poses), len(amers)
     H = np.zeros((3 * n + 2 * m, 3 * n + 2 * m))

@@ -9,7 +9,7 @@ def pas_mcl(particules, poids, u, scan):
     """Un tour de filtre, qui garde une chance de se reprendre
     quand le robot a été enlevé.
     """
-    # À vous de jouer : déplacer, peser, rééchantillonner, injecter.
+    # À vous : déplacer, peser, rééchantillonner, injecter.
     return particules, poids
 
 

@@ -7,7 +7,7 @@ def dimension_noyau(poses, aretes):
 
 
 def gauss_newton_robuste(poses, aretes, delta, n_iter):
-    """Les poses (n, 3) corrigées, et un poids de [0, 1] par arête,
+    """Les poses (n, 3) corrigées, un poids de [0, 1] par arête,
     petit pour une arête fausse.
     """
     x = np.array(poses, dtype=float)

@@ -1,4 +1,4 @@
-# Vos fonctions d'avant sont là : from mes_fonctions import composer, relatif, kabsch…
+# Vos fonctions d'avant : from mes_fonctions import composer…
 
 
 def trajectoire(roues, L):
@@ -12,7 +12,7 @@ def poses_cles(poses):
 
 
 def recaler(points_a, points_b, depart):
-    """La pose de b vue de a, et la part des points de b bien placés."""
+    """La pose de b vue de a, et la part bien placée."""
     return depart, 0.0
 
 
