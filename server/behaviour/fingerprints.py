@@ -29,7 +29,7 @@ from server.database import Database, utc_now
 from server.gradebook import accepted
 from server.queue.port import GiveUp, Lease, Queue, Sender
 from server.sandbox.policy import Policy
-from server.sandbox.values import Shelf
+from server.sandbox.values import MENTION, Shelf
 
 log = logging.getLogger(__name__)
 
@@ -134,6 +134,8 @@ class FingerprintTask:
         asked = repository.asked(db, _grading(lease), datetime.fromisoformat(lease.payload["since"]))
         if asked is None or self._versions.get(asked.exercise) != asked.version:
             return None
+        if MENTION not in asked.source:
+            return asked
         return replace(asked, own=accepted.used_by(db, self._course, repository.submission(db, asked.grading_id)))
 
     def run(self, work: Asked) -> Behaviour:

@@ -21,8 +21,6 @@ from server.sandbox.values import Shelf
 #: The files of one student, by exercise ("l20/poses").
 Own = Mapping[str, bytes]
 NOTHING_OWN: Own = MappingProxyType({})
-#: What a program speaks of that imports such functions.
-MENTION = b"mes_fonctions"
 
 
 def closed(folder: Path, exercises: Sequence[Exercise], problems: list[Problem]) -> list[Exercise]:

@@ -10,9 +10,10 @@ from sqlalchemy.orm import Session
 from graders.core.contract.outcomes import Outcome
 from server.assignments import feedback
 from server.course.models import Course
-from server.course.reuse import MENTION, NOTHING_OWN, Own
+from server.course.reuse import NOTHING_OWN, Own
 from server.database import utc_now
 from server.gradebook.models import Grading
+from server.sandbox.values import MENTION
 from server.submissions.models import Submission
 
 

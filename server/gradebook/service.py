@@ -10,13 +10,13 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import Verdict
 from server.assignments import feedback
 from server.base.errors import NotFound
-from server.course.reuse import MENTION
 from server.database import Database
 from server.gradebook import repository, standings
 from server.gradebook.models import Grading
 from server.gradebook.schemas import Attempt, AttemptLine, Attempts, Graded, Progress
 from server.gradebook.standings import Counted, Sums
 from server.identity.models import Account
+from server.sandbox.values import MENTION
 from server.submissions import deals
 from server.submissions import repository as stored
 from server.submissions.models import Submission

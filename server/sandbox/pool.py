@@ -14,7 +14,6 @@ from typing import Self
 
 from server.sandbox import messages
 from server.sandbox.cgroups import Seats, hierarchies
-from server.sandbox.child import library
 from server.sandbox.child.walls import WALLS
 from server.sandbox.faults import FaultKind, NamespacesRefused, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.install import IMPORT_SETS, import_set
@@ -22,10 +21,8 @@ from server.sandbox.launch import Files, Setting
 from server.sandbox.policy import MIB, Policy
 from server.sandbox.process import Child, TemplateProcess
 from server.sandbox.session import Session
-from server.sandbox.values import Kit
+from server.sandbox.values import MENTION, Kit
 
-#: What a file that imports earlier functions speaks of.
-LIBRARY = library.NAME.encode()
 _log = logging.getLogger(__name__)
 #: Policies for which a template keeps spare children: the last ones used.
 _POLICIES = 3
@@ -301,7 +298,7 @@ def _logged(action: Callable[..., None], *arguments: object) -> None:
 
 def _imported(source: bytes, kit: Kit | None) -> Iterator[bytes]:
     """The earlier files that a source may come to run."""
-    if kit is not None and LIBRARY in source:
+    if kit is not None and MENTION in source:
         yield from (shelf.source for shelf in kit.library)
 
 

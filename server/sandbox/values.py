@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from server.sandbox.child import library
 from server.sandbox.child.codec import Value
+
+#: What a file that imports earlier functions speaks of.
+MENTION = library.NAME.encode()
 
 
 @dataclass(frozen=True)

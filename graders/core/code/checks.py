@@ -10,7 +10,7 @@ import itertools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -190,7 +190,7 @@ class Cases(Check):
             if (last.fault and last.fault.fatal) or not self.valid(args):
                 return None
             simpler = self._judged(args, _answer(bench, self.function, args))
-            return simpler if simpler is not None and _same_kind(failure, simpler) else None
+            return simpler if simpler is not None and same_kind(failure, simpler) else None
 
         return shrink_failure(failure, failure.args, self.shrinkers, again, bench.runner.budget)
 
@@ -241,7 +241,17 @@ def fault_rejection(fault: StudentFault, *, inputs: dict[str, Value] | None, exp
     return Rejection(fault.message + where, inputs=inputs, expected=expected, got=got, cause=fault.outcome)
 
 
-def _same_kind(first: Failure, other: Failure) -> bool:
+class Told(Protocol):
+    """Why an answer is held against a submission: a mismatch, or a fault."""
+
+    @property
+    def mismatch(self) -> Mismatch | None: ...
+
+    @property
+    def fault(self) -> StudentFault | None: ...
+
+
+def same_kind(first: Told, other: Told) -> bool:
     """A shrunk case must fail as the first one did: by the same exception, or by a wrong value of the same cause."""
     if first.fault or other.fault:
         return bool(first.fault and other.fault) and first.fault.exception == other.fault.exception  # type: ignore[union-attr]

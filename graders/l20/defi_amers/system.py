@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection
+from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection, same_kind
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Mismatch, unreadable, wrong_shape
 from graders.core.compare.shrinking import shrink_failure
@@ -125,13 +125,6 @@ class Failure:
     mismatch: Mismatch | None
     fault: StudentFault | None
 
-    def resembles(self, other: Failure) -> bool:
-        if self.fault or other.fault:
-            return bool(self.fault and other.fault) and self.fault.exception == other.fault.exception  # type: ignore[union-attr]
-        assert self.mismatch is not None
-        assert other.mismatch is not None
-        return (self.mismatch.slip, self.mismatch.cause) == (other.mismatch.slip, other.mismatch.cause)
-
 
 @dataclass(frozen=True, kw_only=True)
 class Systems(Check):
@@ -174,7 +167,7 @@ def _shrunk(bench: Bench, failure: Failure) -> Failure:
         except StudentFault as fault:
             answer = fault
         simpler = failure_of(one, answer)
-        return simpler if simpler is not None and simpler.resembles(failure) else None
+        return simpler if simpler is not None and same_kind(failure, simpler) else None
 
     return shrink_failure(failure, (failure.one,), (simpler_points,), again, bench.runner.budget)
 

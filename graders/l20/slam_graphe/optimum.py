@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Check, Rejection, drawable, fault_rejection
+from graders.core.code.checks import Check, Rejection, drawable, fault_rejection, same_kind
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
 from graders.core.compare.shrinking import shrink_failure
@@ -128,14 +128,6 @@ class Answered:
     def failed(self) -> bool:
         return self.mismatch is not None or self.fault is not None
 
-    def resembles(self, other: Answered) -> bool:
-        """Failed in the same way: a shrunk counterexample must show the same mistake."""
-        if self.fault or other.fault:
-            return bool(self.fault and other.fault) and self.fault.exception == other.fault.exception  # type: ignore[union-attr]
-        assert self.mismatch is not None
-        assert other.mismatch is not None
-        return (self.mismatch.slip, self.mismatch.cause) == (other.mismatch.slip, other.mismatch.cause)
-
 
 @dataclass(frozen=True, kw_only=True)
 class Optimum(Check):
@@ -221,7 +213,7 @@ def _shrunk(bench: Bench, failure: Answered) -> Answered:
         if last.fault and _hopeless(last.fault):
             return None
         simpler = answered(bench, arguments[0], record=False)
-        return simpler if simpler.failed and simpler.resembles(failure) else None
+        return simpler if simpler.failed and same_kind(failure, simpler) else None
 
     return shrink_failure(failure, (failure.graph,), (simpler_graphs,), again, bench.runner.budget)
 

@@ -20,7 +20,7 @@ from graders.core.contract.values import Floats
 from graders.l20 import parcours, world
 from graders.l20.tp_slam import journeys
 from reference.metrics import absolute_trajectory_error
-from reference.se2 import compose, relative
+from reference.se2 import relative
 
 T = TypeVar("T")
 Loop = tuple[int, int, Floats]
@@ -78,10 +78,6 @@ class Chain:
         assert lent is not None, "the course's chain is whole"
         return lent
 
-    def whole(self) -> bool:
-        """Is every stage up to the matches the submission's own?"""
-        return self.own.keys is not None and self.own.matches is not None
-
 
 _CHAINS: WeakKeyDictionary[Runner, Chain] = WeakKeyDictionary()
 
@@ -91,14 +87,6 @@ def chain_of(bench: Bench) -> Chain:
     found = _CHAINS.setdefault(bench.runner, Chain())
     found.borrowed = False
     return found
-
-
-def added_up(steps: Floats) -> Floats:
-    """The poses (k, 3) that relative poses (k - 1, 3) come to, from the zero pose."""
-    poses = [np.zeros(3)]
-    for step in steps:
-        poses.append(compose(poses[-1], step))
-    return np.array(poses)
 
 
 def steps_of(poses: Floats) -> Floats:
@@ -124,7 +112,7 @@ def _course() -> Results:
     clouds = [journeys.cloud(run.scans[k]) for k in keys]
     moves = steps_of(odometry[keys])
     matches = np.array([ask("recaler", clouds[k], clouds[k + 1], moves[k])[0] for k in range(len(moves))])
-    start = added_up(matches)
+    start = journeys.added_up(matches)
     loops: list[Loop] = ask("fermetures", run.scans[keys], start)
     return Results(odometry, keys, matches, loops, np.asarray(ask("optimiser", start, matches, moves, loops)))
 

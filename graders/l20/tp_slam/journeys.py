@@ -18,7 +18,9 @@ import numpy as np
 
 from graders.core.contract.values import Floats
 from graders.l20 import parcours
+from reference.formats.carmen import beam_angles
 from reference.se2 import compose, relative
+from reference.world.scan import Scan
 
 LOG = Path(__file__).with_name("intel.npz")
 SEED = 20
@@ -65,23 +67,29 @@ def indoor() -> Indoor:
         ranges, poses = log["centimetres"] / 100.0, np.asarray(log["poses"], dtype=np.float64)
     rng = np.random.default_rng(SEED)
     truth = relative(poses[0], poses)
-    clouds = [cloud(scan, REACH, -np.pi / 2.0, np.pi) for scan in ranges]
+    clouds = [Scan.from_sensor(scan, beam_angles(len(scan)), REACH).points() for scan in ranges]
     return Indoor(clouds, truth, _drifting(truth, rng), _loops(truth, rng))
 
 
-def cloud(scan: Floats, reach: float = parcours.REACH, first: float = 0.0, turn: float = 2.0 * np.pi) -> Floats:
-    """The points (m, 2) that a scan has seen, in the robot's frame; its rays share out `turn`, from `first` on."""
-    angles = first + turn * np.arange(len(scan)) / len(scan)
-    return np.asarray(np.column_stack([scan * np.cos(angles), scan * np.sin(angles)])[scan < reach])
+def cloud(scan: Floats) -> Floats:
+    """The points (m, 2) that a scan of the simulated journey has seen, in the robot's frame."""
+    return Scan.full_turn(scan, parcours.REACH).points()
+
+
+def added_up(steps: Sequence[Floats] | Floats) -> Floats:
+    """The poses (k, 3) that relative poses (k - 1, 3) come to, from the zero pose."""
+    poses = [np.zeros(3)]
+    for step in steps:
+        poses.append(compose(poses[-1], step))
+    return np.array(poses)
 
 
 def _drifting(truth: Floats, rng: np.random.Generator) -> Floats:
-    poses = [np.zeros(3)]
-    for k in range(len(truth) - 1):
-        step = relative(truth[k], truth[k + 1])
+    steps = []
+    for step in relative(truth[:-1], truth[1:]):
         missed = rng.normal(0.0, NOISE) + np.array([STRETCH, 0.0, PULL]) * step[0]
-        poses.append(compose(poses[-1], step + missed))
-    return np.array(poses)
+        steps.append(step + missed)
+    return added_up(steps)
 
 
 def _loops(truth: Floats, rng: np.random.Generator) -> list[tuple[int, int, Floats]]:

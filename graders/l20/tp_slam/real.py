@@ -7,7 +7,7 @@ import numpy as np
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.l20.tp_slam import journeys
-from graders.l20.tp_slam.chain import Loop, added_up, ate, chain_of, steps_of
+from graders.l20.tp_slam.chain import Loop, ate, chain_of, steps_of
 from graders.l20.tp_slam.stages import film, matched, read_poses
 from graders.l20.tp_slam.told import metres
 
@@ -30,7 +30,7 @@ def through_the_laboratory(bench: Bench) -> None:
     moves = steps_of(place.odometry)
     pairs = [(place.clouds[k], place.clouds[k + 1], moves[k]) for k in range(len(moves))]
     matches, _ = matched(bench, pairs)
-    start = added_up(matches)
+    start = journeys.added_up(matches)
     along = ate(start, place.truth)
     if along >= MATCHED:
         bench.observe("recaler", "intel", ok=False)

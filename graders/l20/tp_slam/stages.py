@@ -18,7 +18,6 @@ from graders.l20.tp_slam.chain import (
     KEY_TURN,
     Chain,
     Loop,
-    added_up,
     ate,
     chain_of,
     steps_of,
@@ -35,7 +34,6 @@ GOOD_MATCHES = 0.9
 #: In metres: odometry alone comes to 0.58, the matches to 0.19, the graph to 0.10.
 MATCHED, SOLVED = 0.40, 0.15
 TRUE_LOOP, TRUE_LOOP_TURN = 0.25, 0.15
-MOST_FALSE = 0
 LEAST_LOOPS, GAP = 35, 20
 
 
@@ -117,7 +115,7 @@ def matching(bench: Bench) -> None:
     found, parts = matched(bench, [(clouds[k], clouds[k + 1], moves[k]) for k in range(len(moves))])
     missed = relative(truth, found)
     near = (np.hypot(missed[:, 0], missed[:, 1]) < NEAR) & (np.abs(missed[:, 2]) < NEAR_TURN)
-    error = ate(added_up(found), truth_at(chain.keys))
+    error = ate(journeys.added_up(found), truth_at(chain.keys))
     well = bool(near.mean() >= GOOD_MATCHES and error < MATCHED)
     bench.observe("recaler", round(float(near.mean()), 1), ok=well)
     if not well:
@@ -163,7 +161,7 @@ def matched(bench: Bench, calls: list[tuple[Floats, Floats, Floats]]) -> tuple[F
 def closing(bench: Bench) -> None:
     """Places seen again: enough of them, and not one that is false."""
     chain = chain_of(bench)
-    start, truth = added_up(chain.matches), truth_at(chain.keys)
+    start, truth = journeys.added_up(chain.matches), truth_at(chain.keys)
     loops = read_loops(bench, bench.call("fermetures", journeys.simulated().scans[chain.keys], start), len(start))
     missed = np.array([relative(relative(truth[a], truth[b]), z) for a, b, z in loops]).reshape(-1, 3)
     false = (np.hypot(missed[:, 0], missed[:, 1]) > TRUE_LOOP) | (np.abs(missed[:, 2]) > TRUE_LOOP_TURN)
@@ -224,7 +222,7 @@ def solving(bench: Bench) -> None:
     """The graph of all that: odometry, matches, loops."""
     chain = chain_of(bench)
     matches, loops = chain.matches, chain.loops
-    moves, start, truth = steps_of(chain.odometry[chain.keys]), added_up(matches), truth_at(chain.keys)
+    moves, start, truth = steps_of(chain.odometry[chain.keys]), journeys.added_up(matches), truth_at(chain.keys)
     got = read_poses(bench, "optimiser", bench.call("optimiser", start, matches, moves, loops), len(start))
     before, after = ate(start, truth), ate(got, truth)
     bench.observe("optimiser", after < SOLVED, ok=after < SOLVED)

@@ -53,9 +53,6 @@ def test_a_stage_that_fails_costs_the_others_nothing() -> None:
     assert (named(found) or "").startswith("sans_confirmation")
 
 
-SMALL = {"poses_cles": small.keys, "recaler": small.matches, "optimiser": small.graphs, "carte": small.maps}
-
-
 @pytest.mark.parametrize("edit", some(EDITS), ids=lambda edit: edit.id)
 def test_every_mistake_is_named(edit: object) -> None:
     assert GRADER.prober is not None
