@@ -43,9 +43,15 @@ def elsewhere(particles: Floats, weights: Floats) -> str:
         return NOBODY
     if weights[far].sum() <= 0.0:
         return WEIGHTLESS
-    if far.sum() > 1 and np.all(np.ptp(particles[far], axis=0) < 1e-9):
+    if far.sum() > 1 and np.all(np.ptp(particles[far], axis=0) < 1e-9) and written(particles[far][0]):
         return "au même endroit"
     return "presque toutes ailleurs" if far.mean() > 0.7 else "quelques-unes ailleurs"
+
+
+def written(pose: Floats) -> bool:
+    """Is it a pose that one writes, and not one that was drawn? Copies of the likeliest candidate are no mistake."""
+    parts = np.append(pose[:2] * 12.0, pose[2] / np.pi * 12.0)
+    return bool(np.all(np.abs(parts - np.round(parts)) < 1e-6))
 
 
 def never_elsewhere(shown: Shown) -> str | None:

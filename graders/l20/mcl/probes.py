@@ -134,6 +134,8 @@ TWO = [(TWINS[0], SIDE), (TWINS[1], SIDE)]
 MILD = step(RNG, TWO, (0.4, 0.0, 0.1), in_hall=True, weights=(0.77, 0.23))
 SHARP = step(RNG, [(TWINS[0], 12), (TWINS[1], 88)], (0.4, 0.0, 0.1), in_hall=True, weights=(0.8, 0.2))
 FEW = step(RNG, [((18.0, 4.0, 0.0), 12), ((2.2, 4.0, 0.0), 88)], (0.3, 0.0, 0.0), in_hall=True)
+# The same, where the weights that come in say it already: who draws before weighing has to copy here.
+KNOWN = replace(FEW, particles=FEW.particles.copy(), weights=np.repeat([0.96 / 12, 0.04 / 88], [12, 88]))
 EVEN = step(RNG, TWO, (0.4, 0.0, 0.1), in_hall=True)
 LOST = replace(_two((2.2, 2.2, 0.8), (31.5, 10.6, -2.4)), scan=np.full(journeys.BEAMS, HALL_RANGE))
 SCENES: list[tuple[Label, Step]] = [
@@ -145,13 +147,14 @@ SCENES: list[tuple[Label, Step]] = [
     (repeated, EVEN),
     (summed, EVEN),
     (summed, LOST),
+    (copied, KNOWN),
 ]
 #: A scene stands for its first argument: labels are found by it.
 STEPS: tuple[tuple[Label, Step, Arguments], ...] = tuple(
     (label, scene, (scene.particles.copy(), scene.weights, scene.move, scene.scan)) for label, scene in SCENES
 )
 MOTIONS, FIGHTS = range(len(HEAPS)), range(len(HEAPS), len(HEAPS) + len(DUELS))
-KEPT_MILD, KEPT_SHARP, COPIED, REPEATED, SUMMED, UNDERFLOWN = range(FIGHTS.stop, len(STEPS))
+KEPT_MILD, KEPT_SHARP, COPIED, REPEATED, SUMMED, UNDERFLOWN, TOLD = range(FIGHTS.stop, len(STEPS))
 
 
 def read_step(args: Arguments, value: Value) -> Value:
@@ -227,9 +230,9 @@ def no_weights(shown: Shown) -> str | None:
 
 def never_drawn(shown: Shown) -> str | None:
     """Moves and weighs rightly, and copies nothing, neither where it should nor elsewhere."""
-    kept = shown.got[COPIED] == "gardées, poids inégaux" and shown.got[REPEATED] == "toutes"
+    kept = all(shown.got[k] == "gardées, poids inégaux" for k in (COPIED, TOLD))
     right = not set(shown.wrong()) & {*MOTIONS, *FIGHTS}
-    return "jamais_reechantillonne" if kept and right else None
+    return "jamais_reechantillonne" if kept and right and shown.got[REPEATED] == "toutes" else None
 
 
 # -- initialiser and estimer ------------------------------------------------------------------------------------------
