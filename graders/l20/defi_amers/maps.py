@@ -14,6 +14,8 @@ from functools import cached_property
 
 import numpy as np
 
+from graders.core.compare.comparison import Mismatch
+from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats, Value
 from graders.l20.slam_graphe.graphs import Edge, Pair, Weights, along, measure, odometry
 from reference import pose_graph
@@ -164,3 +166,13 @@ def around(rng: np.random.Generator, count: int, radius: float) -> Floats:
     """Landmarks (count, 2) about a circle, in one decimal."""
     turn = math.tau * (np.arange(count) + rng.uniform(0.2, 0.8)) / count
     return np.round(radius * np.column_stack([np.cos(turn), np.sin(turn)]) + rng.uniform(-0.4, 0.4, (count, 2)), 1)
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A map on which a function is wrong: what came back and why it is wrong, or the fault."""
+
+    one: Map
+    got: Value
+    mismatch: Mismatch | None
+    fault: StudentFault | None

@@ -20,7 +20,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20.defi_amers.described import described
-from graders.l20.defi_amers.maps import Map
+from graders.l20.defi_amers.maps import Failure, Map
 from graders.l20.defi_amers.simpler import simpler_maps
 from graders.l20.slam_graphe.optimum import CHI2_TOLERANCE, COARSENESS, FAR, LOST, POSE_TOLERANCE, SAME_VALLEY, gaps
 from reference.se2 import wrap_angle
@@ -113,16 +113,6 @@ def fingerprint(one: Map, got: Value) -> Value:
         return found.message
     numbers = np.concatenate([found.poses.ravel(), found.landmarks.ravel()])
     return numbers / COARSENESS if np.all(np.abs(numbers) < FAR) else LOST
-
-
-@dataclass(frozen=True)
-class Failure:
-    """A map that was not brought to its optimum: what came back and why it is wrong, or the fault."""
-
-    one: Map
-    got: Value
-    mismatch: Mismatch | None
-    fault: StudentFault | None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,7 +20,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, Reply, StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20.defi_amers.described import described
-from graders.l20.defi_amers.maps import Map
+from graders.l20.defi_amers.maps import Failure, Map
 from graders.l20.defi_amers.simpler import simpler_points
 
 FUNCTION = "systeme"
@@ -114,16 +114,6 @@ def fingerprint(one: Map, got: Value) -> Value:
     if isinstance(answer, Mismatch):
         return answer.message
     return np.concatenate([answer.H.ravel(), answer.b]) / COARSE
-
-
-@dataclass(frozen=True)
-class Failure:
-    """A point at which H or b is wrong: what came back and why it is wrong, or the fault."""
-
-    one: Map
-    got: Value
-    mismatch: Mismatch | None
-    fault: StudentFault | None
 
 
 @dataclass(frozen=True, kw_only=True)
