@@ -41,7 +41,7 @@ CHECKS = (
         title="Un pas : un nuage (n, 3), et des poids de somme 1",
         points=1,
         functions=(STEP,),
-        protocol=steps.well_formed,
+        protocol=trials.well_formed,
         hint="Après l'injection, que vaut la somme de vos poids ?",
     ),
     Trial(

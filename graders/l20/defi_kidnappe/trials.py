@@ -13,9 +13,11 @@ from graders.core.contract.values import Floats
 from graders.l20 import journeys
 from graders.l20.mcl.answers import STEP, stepped
 from graders.l20.mcl.scenes import ALWAYS, SPREAD, Step, judged, scan_of, step
+from graders.l20.mcl.steps import plain_steps
 from graders.l20.mcl.telling import cloud_figure, number, observed, pose_text
 from graders.l20.world import RANGE
 
+LARGE = (120, 100, 200)
 COUNT, CALM, LOST_SCANS = 200, 5, 15
 FAR = 3.0
 HERE, THERE = np.array([3.6, 3.4, 0.6]), np.array([19.4, 11.3, -2.0])
@@ -32,6 +34,13 @@ def astray() -> tuple[Step, ...]:
              np.array(pose))
         for pose in ((11.5, 7.9, 0.0), (19.4, 11.3, -2.0), (22.3, 14.4, 2.5))
     )  # fmt: skip
+
+
+@observed(STEP)
+def well_formed(bench: Bench) -> None:
+    """Particles (n, 3), and weights of sum 1. The clouds are large: some filters always sow the same number anew."""
+    for scene in plain_steps(LARGE):
+        stepped(bench, scene.inputs)
 
 
 @observed(STEP)

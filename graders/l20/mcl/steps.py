@@ -27,12 +27,12 @@ STILL_SCANS = 8
 
 
 @cache
-def plain_steps() -> tuple[Step, ...]:
-    """Clouds of 40, 7 and 200 particles, with unequal weights, in which a good part is near the robot."""
+def plain_steps(counts: tuple[int, int, int] = (40, 7, 200)) -> tuple[Step, ...]:
+    """Clouds of so many particles, with unequal weights, in which a good part is near the robot."""
     rng = np.random.default_rng(ALWAYS)
     steps = []
-    for (x, y, heading), count in (((3.4, 3.2, 0.7), 40), ((19.6, 4.4, -2.0), 7), ((11.5, 7.9, 2.9), 200)):
-        made = step(rng, [((x, y, heading), count)], (0.5, 0.1, 0.2), spread=(0.25, 0.1))
+    for pose, count in zip(((3.4, 3.2, 0.7), (19.6, 4.4, -2.0), (11.5, 7.9, 2.9)), counts, strict=True):
+        made = step(rng, [(pose, count)], (0.5, 0.1, 0.2), spread=(0.25, 0.1))
         weights = rng.uniform(0.5, 1.5, count)
         steps.append(replace(made, weights=weights / weights.sum()))
     return tuple(steps)

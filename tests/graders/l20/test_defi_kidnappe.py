@@ -51,6 +51,17 @@ def failing(source: str, seed: int) -> set[str]:
     return {finding.result.id for finding in found if not finding.passed}
 
 
+def test_a_filter_that_always_sows_as_many_anew_passes_the_steps() -> None:
+    """The statement gives no size to the clouds of the steps but this one."""
+    least = 60
+    assert f"{least} particules au moins" in (PROJECT / "curriculum/l20/exercices/defi_kidnappe/enonce.md").read_text()
+    wary = GRADER.solution.replace(
+        "    particules, poids = un_pas", f"    assert len(poids) >= {least}\n    particules, poids = un_pas"
+    )
+    assert wary != GRADER.solution
+    assert not failing(wary, 2)
+
+
 def test_the_solution_passes_its_steps_and_finds_the_robot_on_film() -> None:
     assert not failing(GRADER.solution, 2)
     run, lost = played(GRADER.solution.encode(), 0, 1)
