@@ -48,6 +48,8 @@ def recaler(points_a, points_b, depart):
         R, t = kabsch(bouges[proches], points_a[voisins[proches]])
         correction = np.array([t[0], t[1], np.arctan2(R[1, 0], R[0, 0])])
         pose = composer(correction, pose)
+        if np.max(np.abs(correction)) < 1e-9:
+            break
     ecarts, voisins = arbre.query(bouger(pose, points_b))
     return pose, float(np.mean(ecarts < 0.1))
 

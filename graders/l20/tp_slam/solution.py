@@ -38,7 +38,10 @@ def recaler(points_a, points_b, depart):
             return pose, 0.0
         R, t = kabsch(bouges[proches], points_a[voisins[proches]])
         # La correction s'applique à des points déjà placés dans a : elle se compose à gauche.
-        pose = np.asarray(composer((t[0], t[1], np.arctan2(R[1, 0], R[0, 0])), pose))
+        correction = np.array([t[0], t[1], np.arctan2(R[1, 0], R[0, 0])])
+        pose = np.asarray(composer(correction, pose))
+        if np.max(np.abs(correction)) < 1e-9:
+            break  # les voisins sont restés les mêmes : les tours suivants ne changeraient plus rien
     ecarts, _ = arbre.query(bouger(pose, points_b))
     return pose, float(np.mean(ecarts < 0.1))
 
