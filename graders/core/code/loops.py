@@ -23,13 +23,17 @@ LONGEST = 240.0
 
 @dataclass
 class Run:
-    """One run as it goes: its number from 0, the bench of its own process, the step that it has come to, and what is
-    kept of it for a film."""
+    """One run as it goes: its number from 0, the bench of its own process, the step that it has come to, and who makes
+    a film of it as far as it went."""
 
     number: int
     bench: Bench
     step: int = 0
-    film: FigureData | None = None
+    filming: Callable[[], FigureData] | None = None
+
+    @property
+    def film(self) -> FigureData | None:
+        return None if self.filming is None else self.filming()
 
     @property
     def place(self) -> str:
@@ -50,11 +54,12 @@ class Failed:
 
 @dataclass
 class Tally:
-    """The runs so far: how many succeeded, why the others did not, and the film that is kept of one of them."""
+    """The runs so far: how many succeeded, why the others did not, and who makes the film that is kept of one of them:
+    only that one is made."""
 
     succeeded: int = 0
     failures: list[Failed] = field(default_factory=list)
-    film: FigureData | None = None
+    filming: Callable[[], FigureData] | None = None
     stopped: bool = False
 
     @property
@@ -89,8 +94,8 @@ class ClosedLoop(Check):
         if bench.runner.failed.intersection(self.after):
             raise self._waits()
         tally = self._tally(bench)
-        if tally.film is not None:
-            bench.film(tally.film)
+        if tally.filming is not None:
+            bench.film(tally.filming())
         bench.observe(self.id, tally.succeeded >= self.needed, ok=tally.succeeded >= self.needed)
         if tally.succeeded < self.needed:
             raise self._told(tally)
@@ -104,8 +109,8 @@ class ClosedLoop(Check):
                 break
             run = Run(number, bench)
             why = self._why(run)
-            if run.film is not None and not tally.failures:
-                tally.film = run.film
+            if run.filming is not None and not tally.failures:
+                tally.filming = run.filming
             if why is None:
                 tally.succeeded += 1
             else:

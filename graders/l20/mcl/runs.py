@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
@@ -110,10 +110,10 @@ class Following:
 
     def estimate(self, pose: Floats) -> None:
         self.estimates.append(pose)
-        self.run.film = self._film(ok=False)
+        self.run.filming = partial(self._film, ok=False)
 
     def finished(self, *, ok: bool) -> None:
-        self.run.film = self._film(ok=ok)
+        self.run.filming = partial(self._film, ok=ok)
 
     @property
     def lost_at(self) -> int | None:

@@ -32,7 +32,7 @@ class Programs:
 
 def play(run: Run) -> None:
     """The program says, from the number of the run, whether it succeeds."""
-    run.film = {"kind": "essai", "number": run.number}
+    run.filming = lambda: {"kind": "essai", "number": run.number}
     run.step = 2
     if not run.bench.call("essai", run.number):
         raise Rejection("le robot est perdu.", inputs={"x": 1.0}, expected=2, got=3)
