@@ -79,29 +79,36 @@ def _distance(murs, x, y, angle, portee):
 
 
 def _distances(murs, x, y, angle, portee):
-    """Les mêmes distances pour des tableaux de rayons, tous avancés ensemble."""
+    """Les mêmes distances pour des tableaux de rayons, tous avancés ensemble.
+
+    La grille est lue à plat, et chaque tableau à deux lignes dit ce qu'il en est des bords en y, puis des bords en x.
+    """
     dx, dy = np.cos(angle), np.sin(angle)
-    colonne, ligne = np.floor(x).astype(int), np.floor(y).astype(int)
+    vers_x, vers_y = dx > 0, dy > 0
+    colonne, ligne = np.floor(x), np.floor(y)
+    largeur, plat = murs.shape[1], murs.ravel()
+    case = ((ligne + 1) * largeur + colonne + 1).astype(int)
     with np.errstate(divide="ignore", invalid="ignore"):
-        saut_x, saut_y = np.abs(1.0 / dx), np.abs(1.0 / dy)
-        bord_x = np.where(dx == 0, np.inf, (colonne + (dx > 0) - x) / dx)
-        bord_y = np.where(dy == 0, np.inf, (ligne + (dy > 0) - y) / dy)
-    pas_x, pas_y = np.where(dx > 0, 1, -1), np.where(dy > 0, 1, -1)
-    distance = np.where(murs[ligne + 1, colonne + 1], 0.0, portee)
-    actifs = np.flatnonzero(~murs[ligne + 1, colonne + 1])
-    while actifs.size:
-        en_x = bord_x[actifs] < bord_y[actifs]
-        ix, iy = actifs[en_x], actifs[~en_x]
-        t = np.where(en_x, bord_x[actifs], bord_y[actifs])
-        colonne[ix] += pas_x[ix]
-        bord_x[ix] += saut_x[ix]
-        ligne[iy] += pas_y[iy]
-        bord_y[iy] += saut_y[iy]
-        trop_loin = t >= portee
-        touche = ~trop_loin
-        touche[touche] = murs[ligne[actifs[touche]] + 1, colonne[actifs[touche]] + 1]
-        distance[actifs[touche]] = t[touche]
-        actifs = actifs[~(touche | trop_loin)]
+        saut = np.abs(1.0 / np.stack([dy, dx]))
+        bord = np.stack([(ligne + vers_y - y) / dy, (colonne + vers_x - x) / dx])
+    bord[0, dy == 0] = bord[1, dx == 0] = np.inf
+    pas = np.stack([np.where(vers_y, largeur, -largeur), np.where(vers_x, 1, -1)])
+    dans_un_mur = plat.take(case)
+    distance = np.where(dans_un_mur, 0.0, portee)
+    rayons, rangs = np.arange(len(case)), np.arange(len(case))
+    restent = np.flatnonzero(~dans_un_mur)
+    while restent.size:
+        if restent.size < rayons.size:
+            rayons, case, rangs = rayons.take(restent), case.take(restent), rangs[: restent.size]
+            bord, saut, pas = (tableau.take(restent, axis=1) for tableau in (bord, saut, pas))
+        prochain = np.where(bord[1] < bord[0], rangs + rangs.size, rangs)
+        t = bord.take(prochain)
+        case += pas.take(prochain)
+        bord.put(prochain, t + saut.take(prochain))
+        mur, trop_loin = plat.take(case), t >= portee
+        touche = np.flatnonzero(mur & ~trop_loin)
+        distance[rayons.take(touche)] = t.take(touche)
+        restent = np.flatnonzero(~(mur | trop_loin))
     return distance
 
 
