@@ -12,7 +12,7 @@ import sys
 import time
 from argparse import Namespace
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from graders.core.contract.findings import Judgement
@@ -28,18 +28,24 @@ from server.submissions.deals import SEED_BITS
 
 Judge = Callable[[Judgement], str]
 
+#: Seconds of the processor after which a program is stopped that is known to be stopped: which limit it is does not
+#: matter, and those of some exercises are long.
+ENDLESS_SECONDS = 2.0
+
 
 @dataclass(frozen=True)
 class Case:
     """A submission that is known; `judge` says what is wrong with its judgement, or nothing.
 
-    `write` gives it for a seed, and it is judged on `rounds` seeds.
+    `write` gives it for a seed, and it is judged on `rounds` seeds. One that is `endless` is stopped sooner than the
+    others.
     """
 
     subject: str
     write: Callable[[int], bytes]
     judge: Judge
     rounds: int = 1
+    endless: bool = False
 
 
 @dataclass(frozen=True)
@@ -128,7 +134,8 @@ def _summary(exercises: int, faults: int, seconds: float) -> str:
 def cases(exercise: Exercise) -> Iterator[Case]:
     """Everything that is known of an exercise, with what must be found of it."""
     reference, *others = (
-        Case(known.subject, known.write, judge_of(known), known.rounds) for known in exercise.grader.known()
+        Case(known.subject, known.write, judge_of(known), known.rounds, known.outcome is Outcome.TIMEOUT)
+        for known in exercise.grader.known()
     )
     yield reference
     yield Case("fichier de départ", lambda _: exercise.starter.encode(), not_full_marks)
@@ -146,8 +153,11 @@ def judge_of(known: Known) -> Judge:
 
 def examine(grader: Grader, exercise: Exercise, case: Case, seed: int) -> Examination:
     """What is wrong with a case on `seed`, or on one of the seeds that follow it."""
+    policy = exercise.policy
+    if case.endless:
+        policy = replace(policy, cpu_seconds=min(policy.cpu_seconds, ENDLESS_SECONDS))
     for trial_seed in range(seed, seed + case.rounds):
-        judgement = grader.grade(exercise.id, case.write(trial_seed), trial_seed)
+        judgement = grader.grade(exercise.id, case.write(trial_seed), trial_seed, policy=policy)
         fault = case.judge(judgement) or unwatchable(exercise.id, judgement)
         if fault:
             return Examination(exercise.id, case.subject, fault, trial_seed)

@@ -129,17 +129,25 @@ class Grader:
         return SandboxPrograms(self._sandbox, policy, reuse.shelves(self._course, exercise_id, own))
 
     def grade(
-        self, exercise_id: str, source: bytes, seed: int, *, submission: UUID | None = None, own: Own = NOTHING_OWN
+        self,
+        exercise_id: str,
+        source: bytes,
+        seed: int,
+        *,
+        submission: UUID | None = None,
+        own: Own = NOTHING_OWN,
+        policy: Policy | None = None,
     ) -> Judgement:
         """Never raises for a reason of ours: after a second failure the verdict is `internal_error`.
 
-        `own` holds the files whose functions the program finds in `mes_fonctions` instead of the course's.
+        `own` holds the files whose functions the program finds in `mes_fonctions` instead of the course's; `policy` are
+        other limits than the exercise's.
         """
         version = self._course.version_of(exercise_id)
         for try_number in range(1, TRIES + 1):
             try:
                 exercise = self._course.exercises[exercise_id]
-                programs = self.programs(exercise_id, exercise.policy, own)
+                programs = self.programs(exercise_id, policy or exercise.policy, own)
                 return exercise.grader.grade(source, programs, seed=seed, version=version)
             except Exception:
                 # All that it takes to grade the same again: the source is in the database, or the caller has it.

@@ -165,8 +165,8 @@ class Shifted:
     def __init__(self, grader: Grader, source: str) -> None:
         self.grader, self.source = grader, source.encode()
 
-    def grade(self, exercise: str, source: bytes, seed: int) -> Any:
-        return self.grader.grade(exercise, self.source, seed)
+    def grade(self, exercise: str, source: bytes, seed: int, **options: Any) -> Any:
+        return self.grader.grade(exercise, self.source, seed, **options)
 
 
 def test_check_tries_all_that_is_known_of_an_exercise_and_notices_what_is_wrong(
