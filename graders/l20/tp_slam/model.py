@@ -86,9 +86,25 @@ def optimiser(chaine, recalages, deplacements, boucles):
     return gauss_newton(chaine, aretes, 5)
 
 
-def carte(poses, scans, forme, origine, cote, portee=8.0):
-    from mes_fonctions import integrer_scan
+def integrer_scan(l, pose, scan, portee):
+    x, y, theta = pose
+    hauteur, largeur = l.shape
+    votes = np.array(l, dtype=float)
+    for k, z in enumerate(scan):
+        angle = theta + 2 * np.pi * k / len(scan)
+        d = np.append(np.arange(0, min(z, portee), 0.05), z + 1e-6)
+        i, j = np.floor(y + d * np.sin(angle)).astype(int), np.floor(x + d * np.cos(angle)).astype(int)
+        dedans = (i >= 0) & (i < hauteur) & (j >= 0) & (j < largeur)
+        cases = np.where(dedans, i * largeur + j, -1)
+        arret = cases[-1] if z < portee else -1
+        traversees = np.unique(cases[:-1])
+        votes.flat[traversees[(traversees >= 0) & (traversees != arret)]] -= np.log(0.7 / 0.3)
+        if arret >= 0:
+            votes.flat[arret] += np.log(0.7 / 0.3)
+    return np.clip(votes, -5, 5)
 
+
+def carte(poses, scans, forme, origine, cote, portee=8.0):
     l = np.zeros(forme)
     for pose, scan in zip(poses, scans, strict=True):
         en_cases = np.array([(pose[0] - origine[0]) / cote, (pose[1] - origine[1]) / cote, pose[2]])
