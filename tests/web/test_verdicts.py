@@ -42,7 +42,9 @@ def test_what_is_returned_together_is_named(inputs: dict[str, object], expected:
         assert [name for name, _ in value.items] == names
 
 
-@pytest.mark.parametrize("grader", CODE.values(), ids=CODE.keys())
+@pytest.mark.parametrize(
+    "grader", [pytest.param(one, id=name, marks=[pytest.mark.slow] * one.long) for name, one in CODE.items()]
+)
 def test_a_named_mistake_is_shown_with_all_that_explains_it(grader: CodeGrader) -> None:
     mistake = grader.misconceptions[0]
     grading = grader.grade(mistake.source.encode(), LOCAL, seed=1, version="0")

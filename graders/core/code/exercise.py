@@ -27,6 +27,7 @@ class CodeDefinition(Definition):
     misconceptions: tuple[Misconception, ...] = ()
     prober: Prober | None = None
     long: bool = False
+    heavy: bool = False
 
     @property
     def judged(self) -> frozenset[str]:
@@ -44,17 +45,24 @@ class CodeDefinition(Definition):
         same_functions(self.folder, self.misconceptions, functions)
         return CodeGrader(
             self.exercise, self.folder, tuple(functions), self.checks, self.kit, self.misconceptions, self.solution,
-            prober=self.prober, long=self.long,
+            prober=self.prober, long=self.long, heavy=self.heavy,
         )  # fmt: skip
 
 
 def code(
-    file: str, *, checks: Sequence[Check], kit: KitMaker, probes: Sequence[Probes] = (), long: bool = False
+    file: str,
+    *,
+    checks: Sequence[Check],
+    kit: KitMaker,
+    probes: Sequence[Probes] = (),
+    long: bool = False,
+    heavy: bool = False,
 ) -> CodeDefinition:
     """Describe an exercise from its grader's module: `code(__file__, checks=…, kit=…)`.
 
     `probes` are asked of a submission whose checks failed, and their answers compared with the model's mutants. One
-    that is `long` takes seconds to grade a right program: it is not rehearsed.
+    that is `long` takes seconds to grade any program: it is not rehearsed. One that is `heavy` takes about a second to
+    grade a right program, a fifth of it at most by being the first: only a mistake is rehearsed.
 
     Raises MalformedExerciseError when the folder does not hold together.
     """
@@ -73,4 +81,4 @@ def code(
         if m.whole and not m.ruled
     ]
     prober = Prober(model, probes, whole) if model is not None else None
-    return CodeDefinition(folder, tuple(checks), kit, solution, misconceptions, prober, long)
+    return CodeDefinition(folder, tuple(checks), kit, solution, misconceptions, prober, long, heavy)

@@ -44,8 +44,8 @@ UNSIMPLIFIED = Budget(calls=0)
 class CodeGrader:
     """Grades one exercise of code, whose `functions` a submission writes; `folder` is the place of its grader.
 
-    `reenactor` re-enacts its misconceptions; `budget` is what shrinking one counterexample may cost; one that is `long`
-    takes seconds to grade a right program.
+    `reenactor` re-enacts its misconceptions; `budget` is what shrinking one counterexample may cost; `long` and
+    `heavy` are as in `code`.
     """
 
     exercise: str
@@ -59,6 +59,7 @@ class CodeGrader:
     budget: Budget = DEFAULT_BUDGET
     prober: Prober | None = None
     long: bool = False
+    heavy: bool = False
 
     def grade(self, source: bytes, programs: Programs, *, seed: int, version: str) -> Judgement:
         """The verdict of a file: every check is run on the program that `programs` starts of it.
@@ -143,11 +144,12 @@ class CodeGrader:
     def rehearse(self) -> None:
         """Grade the solution and a mistake in this process: what is imported and compiled at first use then is.
 
-        Not where grading takes seconds: what is saved then is nothing beside it.
+        Not what takes long to grade whether it is the first or not: what is saved then is nothing beside it.
         """
         if self.long:
             return
-        for source in (self.solution, *(mistake.source for mistake in self.misconceptions[:1])):
+        mistakes = [mistake.source for mistake in self.misconceptions[:1]]
+        for source in mistakes if self.heavy else (self.solution, *mistakes):
             self.grade(source.encode(), LOCAL, seed=0, version="")
 
     def mistakes(self) -> frozenset[str]:
