@@ -90,7 +90,8 @@ class ClosedLoop(Check):
             raise self._waits()
         tally = self._tally(bench)
         if tally.film is not None:
-            bench.film(tally.film)
+            counts = {"runs": self.runs, "needed": self.needed, "succeeded": tally.succeeded}
+            bench.film({**tally.film, **counts})
         bench.observe(self.id, tally.succeeded >= self.needed, ok=tally.succeeded >= self.needed)
         if tally.succeeded < self.needed:
             raise self._told(tally)
