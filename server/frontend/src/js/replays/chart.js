@@ -77,7 +77,8 @@ export class Chart {
   #layout(ctx, width) {
     const xs = [...this.data.series.flatMap((one) => one.x), ...this.data.cursor];
     const ys = [...this.data.series.flatMap((one) => one.y), ...this.data.levels.map((one) => one.y)];
-    const [x0, x1] = widened(Math.min(...xs), Math.max(...xs));
+    const gap = this.data.series.some((one) => one.style === "bars") ? closest(xs) : 0;
+    const [x0, x1] = widened(Math.min(...xs) - gap / 2, Math.max(...xs) + gap / 2);
     const whole = this.data.series.every((one) => one.x.every(Number.isInteger));
     const known = ys.filter((y) => y !== null && (!this.data.logarithmic || y > 0));
     const [low, high] = this.data.yRange;
@@ -91,6 +92,7 @@ export class Chart {
     const least = this.data.logarithmic ? y0 : -Infinity;
     this.plot = {
       left, right, bottom, ticks, labels,
+      bar: Math.min(36, Math.max(4, (0.5 * gap * (right - left)) / (x1 - x0))),
       xTicks: nice(x0, x1, Math.max(2, Math.floor((right - left) / 60)), whole ? 1 : 0),
       x: (x) => left + ((right - left) * (x - x0)) / (x1 - x0),
       y: (y) => bottom - ((bottom - MARGIN.top) * (level(Math.max(y, least)) - from)) / (to - from),
@@ -115,8 +117,9 @@ export class Chart {
   }
 
   #curve(ctx, { x, y, color, style }, colours, now) {
+    const side = style === "bars" ? this.plot.bar / 2 + 1 : 0; // the bar of this moment is whole
     for (const [from, to, opacity] of [[-Infinity, now, 1], [now, Infinity, this.data.timeless ? 1 : 0.22]]) {
-      const [a, b] = [from, to].map((edge) => Math.min(Math.max(this.plot.x(edge), -1e4), 1e4));
+      const [a, b] = [from, to].map((edge) => Math.min(Math.max(this.plot.x(edge) + side, -1e4), 1e4));
       ctx.save();
       ctx.beginPath();
       ctx.rect(a - (opacity < 1 ? 0 : 4), 0, b - a + (opacity < 1 ? 0 : 4), this.height);
@@ -139,7 +142,7 @@ export class Chart {
         ctx.moveTo(px + 2.5, py);
         ctx.arc(px, py, 2.5, 0, 2 * Math.PI);
       } else if (style === "bars" && y[i] !== null) {
-        ctx.rect(px - 2, py, 4, this.plot.bottom - py);
+        ctx.rect(px - this.plot.bar / 2, py, this.plot.bar, this.plot.bottom - py);
       } else if (y[i] !== null) {
         if (!down) ctx.moveTo(px, py);
         else if (style === "steps") ctx.lineTo(px, last);
@@ -208,6 +211,12 @@ function swatch({ color, style }) {
 
 function widened(low, high) {
   return high > low ? [low, high] : [low, low + 1];
+}
+
+/** The least distance between two different numbers. */
+function closest(xs) {
+  const sorted = [...new Set(xs)].sort((a, b) => a - b);
+  return sorted.length > 1 ? Math.min(...sorted.slice(1).map((x, i) => x - sorted[i])) : 1;
 }
 
 /** About `wanted` round numbers between two, `finest` apart at least. */
