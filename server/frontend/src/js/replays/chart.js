@@ -6,6 +6,7 @@ import { decimal, lowered, make, mark } from "./dom.js";
 const HEIGHT = 132;
 const MARGIN = { top: 8, right: 12, bottom: 20 };
 const X_LABEL = 16;
+const LINE = 15; // pixels between two labels, one under the other
 const LEFT = 36; // at least, so that charts one above the other share their axis
 
 export class Chart {
@@ -164,13 +165,18 @@ export class Chart {
       ctx.textAlign = "right";
       haloed(ctx, colours, level.label, right, y(level.y) - 2 < 14 ? y(level.y) + 16 : y(level.y) - 2);
     }
+    const said = []; // where the labels of marks are, so that none lies on another
     for (const mark of this.data.marks) {
       const px = x(mark.x);
       ctx.strokeStyle = ctx.fillStyle = css(colours[mark.color]);
       ctx.setLineDash([4, 3]);
       stroke(ctx, [px, MARGIN.top], [px, bottom]);
-      ctx.textAlign = px > (left + right) / 2 ? "right" : "left";
-      haloed(ctx, colours, mark.label, px + (px > (left + right) / 2 ? -4 : 4), MARGIN.top + 12);
+      const [late, wide] = [px > (left + right) / 2, ctx.measureText(mark.label).width + 4];
+      const [from, to] = late ? [px - wide, px] : [px, px + wide];
+      const above = said.filter((one) => one.from < to && from < one.to).length;
+      said.push({ from, to });
+      ctx.textAlign = late ? "right" : "left";
+      haloed(ctx, colours, mark.label, px + (late ? -4 : 4), MARGIN.top + 12 + LINE * above);
     }
     ctx.setLineDash([]);
   }
