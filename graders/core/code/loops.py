@@ -95,7 +95,8 @@ class ClosedLoop(Check):
             raise self._waits()
         tally = self._tally(bench)
         if tally.filming is not None:
-            bench.film(tally.filming())
+            counts = {"runs": self.runs, "needed": self.needed, "succeeded": tally.succeeded}
+            bench.film({**tally.filming(), **counts})
         bench.observe(self.id, tally.succeeded >= self.needed, ok=tally.succeeded >= self.needed)
         if tally.succeeded < self.needed:
             raise self._told(tally)

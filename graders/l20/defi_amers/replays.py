@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -32,10 +33,13 @@ ALT = (
     "chaque itération de votre programme, poses et balises se déplacent. En vert, ce que chaque pose voit ; en rouge, "
     "l'écart qui reste avec la balise. En pointillé bleu, le minimum à atteindre. Dessous, une courbe suit χ²."
 )
-#: Beyond the tour by this share of it, a map is out of sight.
-MARGIN = 0.35
+#: Beyond the tour by this share of it, a map is out of sight; and the room left around all that is in it.
+MARGIN, ROOM = 0.3, 0.06
 #: What came back is rounded to thousandths.
 SEEN = 20 * POSE_TOLERANCE
+#: Sums above it are told by their power of ten.
+HUGE = 1e6
+RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def tour(data: dict[str, Any]) -> Replay:
@@ -50,7 +54,7 @@ def tour(data: dict[str, Any]) -> Replay:
     least = one.chi2(*one.optimum)
     lost = next((k for k in range(1, len(costs)) if costs[k] > 1.02 * costs[k - 1]), None)
     return Replay(
-        _view(one),
+        _view(one, steps),
         [Frame(_layers(one, step, k), _caption(k, costs, lost, data["ended"])) for k, step in enumerate(steps)],
         _summary(one, steps[-1], costs, least, data["passed"]),
         layers=_under(one),
@@ -61,7 +65,7 @@ def tour(data: dict[str, Any]) -> Replay:
                 "itération",
                 logarithmic=True,
                 levels=[Level(max(least, 1e-2), "minimum", "truth")],
-                marks=[] if lost is None else [Mark(float(lost), "χ² augmente")],
+                marks=[] if lost is None else [Mark(float(lost), "ici χ² augmente")],
             )
         ],
         legend=[
@@ -69,17 +73,22 @@ def tour(data: dict[str, Any]) -> Replay:
             Key("ring", "estimate", "vos balises"),
             Key("dashed", "truth", "le minimum : poses et balises"),
             Key("line", "measure", "ce que vos poses voient"),
+            Key("line", "alert", "écart avec la balise"),
         ],
         period=1.0,
         alt=ALT,
     )
 
 
-def _view(one: Map) -> View:
+def _view(one: Map, steps: list[tuple[Floats, Floats]]) -> View:
+    """The start and the optimum, and what comes between as far as it does not make them tiny."""
     places = np.vstack([one.optimum[0][:, :2], one.optimum[1], one.poses[:, :2], one.landmarks])
     low, high = places.min(axis=0), places.max(axis=0)
-    room = MARGIN * float((high - low).max())
-    (x0, y0), (x1, y1) = (low - room).tolist(), (high + room).tolist()
+    size = float((high - low).max())
+    seen = np.vstack([places, *(np.vstack([poses[:, :2], landmarks]) for poses, landmarks in steps)])
+    low = np.maximum(seen.min(axis=0), low - MARGIN * size) - ROOM * size
+    high = np.minimum(seen.max(axis=0), high + MARGIN * size) + ROOM * size
+    (x0, y0), (x1, y1) = low.tolist(), high.tolist()
     return View(x0, y0, x1, y1, up=True)
 
 
@@ -105,20 +114,28 @@ def _layers(one: Map, step: tuple[Floats, Floats], k: int) -> list[Layer]:
     ]
 
 
+def _told(cost: float) -> str:
+    """A cost, as one reads it: a huge one as so many times a power of ten."""
+    if cost < HUGE:
+        return decimal(cost, 1)
+    power = math.floor(math.log10(cost))
+    return f"{decimal(cost / 10.0**power, 1)} × 10{str(power).translate(RAISED)}"
+
+
 def _caption(k: int, costs: list[float], lost: int | None, ended: bool) -> str:
     if k == 0:
-        return f"Le départ : l'odométrie, et chaque balise là où elle a été vue d'abord. χ² = {decimal(costs[0], 1)}."
+        return f"Le départ : l'odométrie, et chaque balise là où elle a été vue d'abord. χ² = {_told(costs[0])}."
     if ended and k == len(costs) - 1:
-        return f"Ce que votre programme a renvoyé quand il a été jugé : χ² = {decimal(costs[k], 1)}."
+        return f"Ce que votre programme a renvoyé quand il a été jugé : χ² = {_told(costs[k])}."
     if k == lost:
-        return f"Itération {k} : ici χ² monte de {decimal(costs[k - 1], 1)} à {decimal(costs[k], 1)} ; le pas est faux."
-    return f"Itération {k} de votre programme : χ² = {decimal(costs[k], 1)}."
+        return f"Itération {k} : ici χ² monte de {_told(costs[k - 1])} à {_told(costs[k])} ; le pas est faux."
+    return f"Itération {k} de votre programme : χ² = {_told(costs[k])}."
 
 
 def _summary(one: Map, last: tuple[Floats, Floats], costs: list[float], least: float, passed: bool) -> list[str]:
     equations = 3 * len(one.edges) + 2 * len(one.sightings)
     free = equations - 3 * (len(one.poses) - 1) - 2 * len(one.landmarks)
-    texts = [f"χ² passe de {decimal(costs[0], 1)} à {decimal(costs[-1], 1)} ; au minimum, il vaut {decimal(least, 1)}."]
+    texts = [f"χ² passe de {_told(costs[0])} à {_told(costs[-1])} ; au minimum, il vaut {decimal(least, 1)}."]
     poses, landmarks = one.optimum
     away = float(max(np.abs(gaps(poses, last[0])).max(), np.abs(landmarks - last[1]).max()))
     if passed and away < SEEN:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from graders.core.contract.values import Floats
-from graders.l20.defi_robuste.graphs import DELTA, WEIGHT, Robust
+from graders.l20.defi_robuste.graphs import DELTA, RATIO, WEIGHT, Robust
 from graders.l20.slam_graphe.graphs import edge
 from graders.scene.replay import (
     Chart,
@@ -54,25 +54,33 @@ def robust(data: dict[str, Any]) -> Replay:
     errors = [one.error(poses) for poses, _ in steps]
     lies = [float(weights[one.false].max()) for _, weights in steps]
     wrong = _wrong(one, errors, lies, len(stops))
+    why = "" if wrong is None else _reason(errors[wrong], lies[wrong], errors[1])
+    numbers = np.arange(1.0, len(steps) + 1.0)
     return Replay(
         _view(one),
-        [Frame(_layers(one, *step, k), _caption(k, stops, errors, lies, wrong)) for k, step in enumerate(steps)],
+        [
+            Frame(_layers(one, *step, k), _caption(k, stops, errors, lies, why if k == wrong else ""))
+            for k, step in enumerate(steps)
+        ],
         _summary(errors, lies, len(stops)),
         layers=[Polyline(one.truth[:, :2], "truth", 1.2, dashed=True)],
         charts=[
             Chart(
                 "Écart quadratique moyen à la vérité",
-                [Series("écart", "estimate", errors, style="steps")],
-                y_range=(0.0, None),
-                levels=[Level(0.4 * errors[1], "à ne pas dépasser", "ink")],
-                marks=[] if wrong is None else [Mark(float(wrong), "ici")],
+                [Series("écart", "estimate", errors, numbers, style="bars")],
+                "image",
+                (0.0, None),
+                levels=[Level(RATIO * errors[1], "à ne pas dépasser", "ink")],
+                marks=[] if wrong is None else [Mark(wrong + 1.0, _mark(errors[wrong], lies[wrong], errors[1]))],
+                cursor=numbers.tolist(),
             ),
             Chart(
                 "Poids de la fausse arête la mieux crue",
-                [Series("poids", "alert", lies, style="steps")],
+                [Series("poids", "alert", lies, numbers, style="bars")],
                 "image",
                 (0.0, 1.05),
                 levels=[Level(WEIGHT, "à ne pas dépasser", "ink")],
+                cursor=numbers.tolist(),
             ),
         ],
         legend=[
@@ -112,16 +120,29 @@ def _layers(one: Robust, poses: Floats, weights: Floats, k: int) -> list[Layer]:
 
 def _wrong(one: Robust, errors: list[float], lies: list[float], count: int) -> int | None:
     """The frame where what was judged goes wrong: the first from which the false edge is believed to the end."""
-    if not count or (errors[BEFORE + count - 1] < 0.4 * errors[1] and lies[BEFORE + count - 1] < WEIGHT):
+    if not count or (errors[BEFORE + count - 1] < RATIO * errors[1] and lies[BEFORE + count - 1] < WEIGHT):
         return None
-    bad = [k for k in range(BEFORE, BEFORE + count) if errors[k] >= 0.4 * errors[1] or lies[k] >= WEIGHT]
+    bad = [k for k in range(BEFORE, BEFORE + count) if errors[k] >= RATIO * errors[1] or lies[k] >= WEIGHT]
     first = BEFORE + count - 1
     while first - 1 in bad:
         first -= 1
     return first
 
 
-def _caption(k: int, stops: list[int], errors: list[float], lies: list[float], wrong: int | None) -> str:
+def _reason(error: float, lie: float, plain: float) -> str:
+    """What is wrong with a map, as its caption says it."""
+    if error < RATIO * plain:
+        return "Ici, la carte est bonne, mais vos poids croient encore la fausse fermeture."
+    if lie < WEIGHT:
+        return "Ici, la fausse fermeture est débranchée, mais la carte reste loin de la vérité."
+    return "Ici, la fausse fermeture tire encore la carte."
+
+
+def _mark(error: float, lie: float, plain: float) -> str:
+    return "ici la fausse est crue" if lie >= WEIGHT and error < RATIO * plain else "ici la carte est tordue"
+
+
+def _caption(k: int, stops: list[int], errors: list[float], lies: list[float], here: str) -> str:
     away = f"écart à la vérité : {decimal(errors[k], 2)}"
     if k == 0:
         return f"Le départ, l'odométrie seule ; {away}."
@@ -130,9 +151,8 @@ def _caption(k: int, stops: list[int], errors: list[float], lies: list[float], w
     if k == len(errors) - 1:
         return f"La référence, avec le noyau de Huber et δ = {decimal(DELTA, 0)} ; {away}."
     stop = stops[k - BEFORE]
-    here = " Ici, la fausse fermeture tire encore la carte." if k == wrong else ""
     turns = "1 itération" if stop == 1 else f"{stop} itérations"
-    return f"Votre programme, {turns} ; {away} ; la fausse arête pèse {decimal(lies[k], 2)}.{here}"
+    return f"Votre programme, {turns} ; {away} ; la fausse arête pèse {decimal(lies[k], 2)}. {here}".rstrip()
 
 
 def _summary(errors: list[float], lies: list[float], count: int) -> list[str]:
@@ -144,8 +164,8 @@ def _summary(errors: list[float], lies: list[float], count: int) -> list[str]:
         return [*texts, "Votre programme n'a rien renvoyé que l'on puisse dessiner."]
     mine = BEFORE + count - 1
     texts.append(
-        f"Votre carte s'en écarte de {decimal(errors[mine], 2)}, et vous croyez encore la fausse fermeture "
-        f"pour {decimal(lies[mine], 3)}."
+        f"Votre carte s'en écarte de {decimal(errors[mine], 2)}, et la fausse fermeture y garde un poids de "
+        f"{decimal(lies[mine], 3)}."
     )
     return texts
 

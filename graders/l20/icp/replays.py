@@ -41,7 +41,7 @@ def iterations(data: dict[str, Any]) -> Replay:
         wanted.append(float(np.sum((right - Q[_nearest(right, Q)]) ** 2)))
         layers: list[Layer] = [
             Segments(own, Q[pairs], "measure", width=1.2, opacity=0.7, glide=True),
-            Points(right, "faint", size=4.0, glide=True),
+            Points(right, "second", size=4.5, opacity=0.55, glide=True),
             Points(own, "estimate", size=3.0, glide=True),
         ]
         if wrong == k:
@@ -59,7 +59,7 @@ def iterations(data: dict[str, Any]) -> Replay:
         charts=[
             Chart(
                 "Somme des carrés des distances aux plus proches",
-                [Series("la vôtre", "estimate", errors), Series("attendue", "truth", wanted, style="dashed")],
+                [Series("la vôtre", "estimate", errors), Series("attendue", "second", wanted, style="dashed")],
                 "itération",
                 (0.0, None),
                 marks=marks,
@@ -68,7 +68,7 @@ def iterations(data: dict[str, Any]) -> Replay:
         legend=[
             Key("dot", "truth", "Q, le premier scan"),
             Key("dot", "estimate", "P, déplacé par votre code"),
-            Key("dot", "faint", "P, déplacé comme attendu"),
+            Key("dot", "second", "P, déplacé comme attendu"),
             Key("line", "measure", "paires"),
         ],
         period=0.9,

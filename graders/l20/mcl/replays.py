@@ -118,6 +118,10 @@ def replay(data: dict[str, Any]) -> Replay:
     )
 
 
+def cells(distance: float | Floats) -> str:
+    return f"{decimal(float(distance), 2)} case{'s' * (float(distance) >= 2.0)}"
+
+
 def _cloud(data: dict[str, Any], k: int) -> Points:
     """The cloud kept after step k, or the last one kept before it."""
     cloud = np.array(data["clouds"][k // data["every"]], dtype=float).reshape(-1, 3) / 100.0
@@ -132,9 +136,7 @@ def _rays(pose: Floats, scan: Floats) -> Rays:
 
 def _caption(data: dict[str, Any], k: int, estimate: Floats, truth: Floats) -> str:
     gap, turn = away(estimate, truth)
-    text = (
-        f"Pas {k} : votre estimation est à {decimal(float(gap), 2)} case du robot, cap à {decimal(float(turn), 2)} rad."
-    )
+    text = f"Pas {k} : votre estimation est à {cells(gap)} du robot, cap à {decimal(float(turn), 2)} rad."
     if k == data["jump"]:
         return f"Pas {k} : on vient de déposer le robot ailleurs, sans rien dire à ses roues."
     return f"{text} Ici le nuage a perdu le robot." if k == data["lost"] else text
@@ -167,11 +169,14 @@ def _summary(data: dict[str, Any], told: list[Floats], reference: list[Floats], 
         return [f"Essai {data['number']}, {verdict} : votre programme s'est arrêté avant la première estimation."]
     ends = [float(away(poses[-1], truth[len(poses)])[0]) for poses in (told, reference)]
     texts = [
-        f"Essai {data['number']}, {verdict} : après {len(told)} pas, votre estimation est à {decimal(ends[0], 2)} case "
-        f"du robot, celle du filtre de référence à {decimal(ends[1], 2)} case."
+        f"Essai {data['number']}, {verdict} : après {len(told)} pas, votre estimation est à {cells(ends[0])} "
+        f"du robot, celle du filtre de référence à {cells(ends[1])}."
     ]
     if data["lost"] is not None:
         texts.append(f"À partir du pas {data['lost']}, plus aucune de vos particules n'est près du robot.")
+    if "needed" in data:  # films of before do not say what their check made of the other runs
+        enough = "c'est fait" if data["succeeded"] >= data["needed"] else "il en manque"
+        texts.append(f"La vérification demande {data['needed']} essais réussis sur {data['runs']} : {enough}.")
     texts.append("Le filtre de référence part de particules semées partout, et en sème de nouvelles à chaque scan.")
     return texts
 

@@ -17,7 +17,6 @@ from graders.scene.replay import (
     Frame,
     Grid,
     Key,
-    Labels,
     Layer,
     Mark,
     Pose,
@@ -31,8 +30,7 @@ from graders.scene.replay import (
 from reference.occupancy import InverseSensorModel, OccupancyGrid, probability
 from reference.world.scan import Scan
 
-#: Between the two maps, and above them.
-GAP, HEAD = 2.0, 1.6
+MINE, EXPECTED = 0, 1
 #: Log-odds nearer to 0 say nothing of a cell.
 UNKNOWN = 0.1
 LEVELS = 32
@@ -67,7 +65,6 @@ def growing_map(data: dict[str, Any]) -> Replay:
     mine = [np.array(one, dtype=float) for one in data["maps"]]
     right = expected_maps(poses, scans, mine)
     height, width = _free().shape
-    aside = np.array([width + GAP, 0.0])
     first, cell = data["wrong"], data["cell"]
     frames, counts = [], []
     for k in range(max(1, len(mine))):
@@ -76,30 +73,30 @@ def growing_map(data: dict[str, Any]) -> Replay:
         wrong = _wrong(Integration(before, poses[k], scans[k], world.RANGE), own) if mine else np.zeros((0, 2))
         counts.append(len(wrong))
         layers: list[Layer] = [
-            Grid(_shades(own), "occupancy"),
-            Grid(_shades(right[k]), "occupancy", (float(aside[0]), 0.0)),
-            *_robot(poses[k], scans[k], np.zeros(2)),
-            *_robot(poses[k], scans[k], aside),
-            Circles(wrong, 0.45, "alert", filled=False),
+            Grid(_shades(own), "occupancy", panel=MINE),
+            Grid(_shades(right[k]), "occupancy", panel=EXPECTED),
+            *_robot(poses[k], scans[k]),
+            Circles(wrong, 0.45, "alert", filled=False, panel=MINE),
         ]
         if first == k and cell:
             at = np.array([[cell[1] + 0.5, cell[0] + 0.5]])
-            layers.append(Circles(np.vstack([at, at + aside]), 0.9, "second", filled=False))
+            layers.append(Circles(at, 0.9, "second", filled=False))
         frames.append(Frame(layers, _caption(k, first, cell, len(wrong))))
-    names = [[width / 2.0, -HEAD / 2.0], [width / 2.0 + aside[0], -HEAD / 2.0]]
-    marks = [] if first is None else [Mark(float(min(first, len(frames) - 1)), "première erreur")]
+    numbers = np.arange(1.0, len(frames) + 1.0)
+    marks = [] if first is None else [Mark(float(min(first + 1, len(frames))), "première erreur")]
     return Replay(
-        View(-0.2, -HEAD, 2.0 * width + GAP + 0.2, height + 0.2),
+        View(-0.2, -0.2, width + 0.2, height + 0.2),
         frames,
         _summary(mine, counts, first, cell),
-        over=[_walls(np.zeros(2)), _walls(aside), Labels(names, ["la vôtre", "attendue"])],
+        over=[_walls()],
         charts=[
             Chart(
                 "Cases que ce scan ne devait pas changer ainsi",
-                [Series("cases", "alert", counts, style="steps")],
+                [Series("cases", "alert", counts, numbers, style="bars")],
                 "scan",
                 (0.0, None),
                 marks=marks,
+                cursor=numbers.tolist(),
             )
         ],
         legend=[
@@ -109,6 +106,7 @@ def growing_map(data: dict[str, Any]) -> Replay:
             *([Key("ring", "second", "première case fausse")] if cell else []),
         ],
         period=0.8,
+        panels=("Votre carte", "La carte attendue"),
     )
 
 
@@ -122,28 +120,27 @@ def _shades(grid: Floats) -> Floats:
     return np.asarray(np.round(probability(grid) * LEVELS) / LEVELS)
 
 
-def _robot(pose: Floats, scan: Floats, shift: Floats) -> list[Layer]:
+def _robot(pose: Floats, scan: Floats) -> list[Layer]:
     headings = pose[2] + 2.0 * np.pi * np.arange(len(scan)) / len(scan)
-    origin = pose[:2] + shift
-    ends = origin + scan[:, None] * np.column_stack([np.cos(headings), np.sin(headings)])
-    return [Rays(origin, ends, hits=scan < world.RANGE), Pose([*origin, pose[2]], "truth", glide=True)]
+    ends = pose[:2] + scan[:, None] * np.column_stack([np.cos(headings), np.sin(headings)])
+    return [Rays(pose[:2], ends, hits=scan < world.RANGE), Pose(pose, "truth", glide=True)]
 
 
-def _walls(shift: Floats) -> Segments:
+def _walls() -> Segments:
     """The line between free cells and walls."""
     free = np.pad(_free(), 1)
     rows, columns = np.nonzero(free[1:] != free[:-1])
     across = np.column_stack([columns - 1, rows, columns, rows])
     rows, columns = np.nonzero(free[:, 1:] != free[:, :-1])
     down = np.column_stack([columns, rows - 1, columns, rows])
-    ends = np.vstack([across, down]) + np.tile(shift, 2)
+    ends = np.vstack([across, down]).astype(np.float64)
     return Segments(ends[:, :2], ends[:, 2:], "truth", width=1.0, opacity=0.6)
 
 
 def _caption(k: int, first: int | None, cell: list[int] | None, wrong: int) -> str:
     text = f"Scan {k + 1}"
     if first == k:
-        where = f" : la case ({cell[0]}, {cell[1]}) n'est pas ce qu'elle doit être" if cell else ""
+        where = f" : la case (ligne {cell[0]}, colonne {cell[1]}) n'est pas ce qu'elle doit être" if cell else ""
         return f"{text}. Ici votre carte s'écarte de la règle{where}."
     if not wrong:
         return f"{text} : chaque case jugée a changé comme elle le devait."
@@ -157,7 +154,7 @@ def _summary(mine: list[Floats], counts: list[int], first: int | None, cell: lis
             f"En {len(mine)} scans, votre carte connaît {decimal(share, 0)} % des cases.",
             "Elle peut différer de l'autre là où les rayons effleurent une case : ces cases sont libres.",
         ]
-    where = f", dans la case ({cell[0]}, {cell[1]})" if cell else ""
+    where = f", dans la case (ligne {cell[0]}, colonne {cell[1]})" if cell else ""
     texts = [f"La première erreur est au scan {first + 1}{where}."]
     if len(mine) <= first:
         return [*texts, "Votre fonction n'y a pas rendu de grille : le film s'arrête là."]

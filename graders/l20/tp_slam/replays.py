@@ -29,6 +29,8 @@ from reference.se2 import transform
 YOURS, TRUE = 0, 1
 #: One point in so many is drawn.
 THIN = 4
+#: As the chart numbers them.
+STAGES = (1.0, 2.0, 3.0, 4.0)
 ALT = (
     "Deux plans côte à côte : à gauche, votre trajectoire et les points vus d'elle, étape par étape ; à droite, la "
     "vraie trajectoire et les mêmes points. D'abord tordus par l'odométrie, vos murs se redressent avec les recalages, "
@@ -60,10 +62,12 @@ def chaine(data: dict[str, Any]) -> Replay:
         charts=[
             Chart(
                 "Erreur de la trajectoire (ATE, en m)",
-                [Series("ATE", "estimate", errors, style="bars")],
-                y_range=(0.0, None),
-                marks=[Mark(worse, "ici, l'étape a fait pire que celle d'avant")] if worse is not None else [],
+                [Series("ATE", "estimate", errors, STAGES, style="bars")],
+                "1 odométrie, 2 recalages, 3 boucles, 4 graphe",
+                (0.0, None),
+                marks=[Mark(worse + 1.0, "ici, c'est pire qu'avant")] if worse is not None else [],
                 levels=[Level(errors[0], "odométrie")],
+                cursor=STAGES,
             )
         ],
         legend=[

@@ -220,7 +220,7 @@ def test_the_map_is_filmed_beside_that_which_is_expected() -> None:
     wrong = json.loads(json.dumps(checked(GRADER.exercise, edited("theta + 2", "theta - 2"), 1).films["carte"]))
     assert wrong["wrong"] == 0
     body = REPLAYS[wrong["kind"]](wrong).wire()
-    assert body["charts"][0]["marks"][0]["x"] == 0
+    assert body["charts"][0]["marks"][0]["x"] == 1
     assert "s’écarte de la règle" in body["frames"][0]["caption"]
 
 

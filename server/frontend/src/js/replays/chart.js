@@ -6,6 +6,7 @@ import { decimal, lowered, make, mark } from "./dom.js";
 const HEIGHT = 132;
 const MARGIN = { top: 8, right: 12, bottom: 20 };
 const X_LABEL = 16;
+const LINE = 15; // pixels between two labels, one under the other
 const LEFT = 36; // at least, so that charts one above the other share their axis
 
 export class Chart {
@@ -77,7 +78,8 @@ export class Chart {
   #layout(ctx, width) {
     const xs = [...this.data.series.flatMap((one) => one.x), ...this.data.cursor];
     const ys = [...this.data.series.flatMap((one) => one.y), ...this.data.levels.map((one) => one.y)];
-    const [x0, x1] = widened(Math.min(...xs), Math.max(...xs));
+    const gap = this.data.series.some((one) => one.style === "bars") ? closest(xs) : 0;
+    const [x0, x1] = widened(Math.min(...xs) - gap / 2, Math.max(...xs) + gap / 2);
     const whole = this.data.series.every((one) => one.x.every(Number.isInteger));
     const known = ys.filter((y) => y !== null && (!this.data.logarithmic || y > 0));
     const [low, high] = this.data.yRange;
@@ -91,6 +93,7 @@ export class Chart {
     const least = this.data.logarithmic ? y0 : -Infinity;
     this.plot = {
       left, right, bottom, ticks, labels,
+      bar: Math.min(36, Math.max(4, (0.5 * gap * (right - left)) / (x1 - x0))),
       xTicks: nice(x0, x1, Math.max(2, Math.floor((right - left) / 60)), whole ? 1 : 0),
       x: (x) => left + ((right - left) * (x - x0)) / (x1 - x0),
       y: (y) => bottom - ((bottom - MARGIN.top) * (level(Math.max(y, least)) - from)) / (to - from),
@@ -115,8 +118,9 @@ export class Chart {
   }
 
   #curve(ctx, { x, y, color, style }, colours, now) {
+    const side = style === "bars" ? this.plot.bar / 2 + 1 : 0; // the bar of this moment is whole
     for (const [from, to, opacity] of [[-Infinity, now, 1], [now, Infinity, this.data.timeless ? 1 : 0.22]]) {
-      const [a, b] = [from, to].map((edge) => Math.min(Math.max(this.plot.x(edge), -1e4), 1e4));
+      const [a, b] = [from, to].map((edge) => Math.min(Math.max(this.plot.x(edge) + side, -1e4), 1e4));
       ctx.save();
       ctx.beginPath();
       ctx.rect(a - (opacity < 1 ? 0 : 4), 0, b - a + (opacity < 1 ? 0 : 4), this.height);
@@ -139,7 +143,7 @@ export class Chart {
         ctx.moveTo(px + 2.5, py);
         ctx.arc(px, py, 2.5, 0, 2 * Math.PI);
       } else if (style === "bars" && y[i] !== null) {
-        ctx.rect(px - 2, py, 4, this.plot.bottom - py);
+        ctx.rect(px - this.plot.bar / 2, py, this.plot.bar, this.plot.bottom - py);
       } else if (y[i] !== null) {
         if (!down) ctx.moveTo(px, py);
         else if (style === "steps") ctx.lineTo(px, last);
@@ -161,13 +165,18 @@ export class Chart {
       ctx.textAlign = "right";
       haloed(ctx, colours, level.label, right, y(level.y) - 2 < 14 ? y(level.y) + 16 : y(level.y) - 2);
     }
+    const said = []; // where the labels of marks are, so that none lies on another
     for (const mark of this.data.marks) {
       const px = x(mark.x);
       ctx.strokeStyle = ctx.fillStyle = css(colours[mark.color]);
       ctx.setLineDash([4, 3]);
       stroke(ctx, [px, MARGIN.top], [px, bottom]);
-      ctx.textAlign = px > (left + right) / 2 ? "right" : "left";
-      haloed(ctx, colours, mark.label, px + (px > (left + right) / 2 ? -4 : 4), MARGIN.top + 12);
+      const [late, wide] = [px > (left + right) / 2, ctx.measureText(mark.label).width + 4];
+      const [from, to] = late ? [px - wide, px] : [px, px + wide];
+      const above = said.filter((one) => one.from < to && from < one.to).length;
+      said.push({ from, to });
+      ctx.textAlign = late ? "right" : "left";
+      haloed(ctx, colours, mark.label, px + (late ? -4 : 4), MARGIN.top + 12 + LINE * above);
     }
     ctx.setLineDash([]);
   }
@@ -208,6 +217,12 @@ function swatch({ color, style }) {
 
 function widened(low, high) {
   return high > low ? [low, high] : [low, low + 1];
+}
+
+/** The least distance between two different numbers. */
+function closest(xs) {
+  const sorted = [...new Set(xs)].sort((a, b) => a - b);
+  return sorted.length > 1 ? Math.min(...sorted.slice(1).map((x, i) => x - sorted[i])) : 1;
 }
 
 /** About `wanted` round numbers between two, `finest` apart at least. */
