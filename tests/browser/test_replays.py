@@ -88,6 +88,57 @@ def test_the_robot_is_dragged_and_moved_with_keys(visit: NewVisit) -> None:
     expect(where).to_contain_text("x = 11,50, y = 8,20")
 
 
+LESSONS = {
+    "lidar": "localiser", "filtre-grille": "localiser", "mcl": "localiser", "occupation": "cartographier",
+    "icp": "slam", "graphe": "slam", "a-etoile": "ros2",
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("width", "height"), [(1280, 900), (390, 844)])
+def test_what_one_moves_and_the_drawing_are_seen_together(visit: NewVisit, width: int, height: int) -> None:
+    visitor = visit(width=width, height=height)
+    for name, lesson in LESSONS.items():
+        visitor.open(f"/l20/lire/{lesson}")
+        figure = visitor.page.locator(f"#rejeu-{name}")
+        figure.evaluate("figure => figure.scrollIntoView()")
+        canvas = figure.locator("canvas.replay-canvas")
+        expect(canvas).to_be_visible()
+        fields = figure.locator(".replay-settings :is(input, select, button):visible")
+        assert fields.count() > 0
+        for field in fields.all():
+            if width < 1280:  # the page scrolls, the drawing stays
+                field.evaluate("field => field.scrollIntoView({ block: 'nearest' })")
+            else:
+                figure.evaluate("figure => figure.scrollIntoView()")
+            drawn, moved = canvas.bounding_box(), field.bounding_box()
+            assert drawn is not None, name
+            assert moved is not None, name
+            foot = drawn["y"] + drawn["height"]
+            assert -1 < drawn["y"] < foot <= height + 1, name
+            assert moved["y"] + moved["height"] <= height + 1, name
+            assert width == 1280 or foot <= moved["y"] + 1, name
+        assert visitor.page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_keys_that_every_keyboard_has_lead_through_the_frames(visit: NewVisit) -> None:
+    page = reading(visit(width=1280), "lidar")  # a scene in which arrows move the robot
+    counter = page.locator(".replay-counter")
+    expect(counter).to_have_text("36 / 36")
+    page.locator("canvas.replay-canvas").focus()
+    for key, shown in {"r": "1 / 36", "s": "2 / 36", "S": "3 / 36", "p": "2 / 36", "f": "36 / 36"}.items():
+        page.keyboard.press(key)
+        expect(counter).to_have_text(shown)
+    page.locator(".replay-settings input[type=range]").first.focus()
+    page.keyboard.press("r")
+    expect(counter).to_have_text("1 / 36")
+    page.locator(".replay-transport select").focus()
+    page.keyboard.press("f")  # in a list of choices a letter looks for a choice
+    expect(counter).to_have_text("1 / 36")
+    page.get_by_text("Au clavier").click()
+    expect(page.locator(".replay-help")).to_contain_text("image suivante")
+
+
 @pytest.mark.slow
 def test_nothing_moves_by_itself_and_nothing_glides_when_motion_is_not_wanted(visit: NewVisit) -> None:
     page = reading(visit(reduced_motion="reduce"), "lidar")

@@ -5,6 +5,7 @@ import { onThemeChange, readColours } from "./colours.js";
 import { Settings, Transport } from "./controls.js";
 import { button, lowered, make, mark } from "./dom.js";
 import { Drag } from "./drag.js";
+import { ALONE, GOALS, keysHelp } from "./keys.js";
 import { Source } from "./source.js";
 import { Stage } from "./stage.js";
 
@@ -19,8 +20,7 @@ export class Player {
 
   constructor(figure) {
     this.figure = figure;
-    const keys = "Space ArrowLeft ArrowRight Home End";
-    this.canvas = make("canvas", { class: "replay-canvas", tabindex: "0", role: "img", "aria-keyshortcuts": keys });
+    this.canvas = make("canvas", { class: "replay-canvas", tabindex: "0", role: "img", "aria-keyshortcuts": ALONE });
     this.caption = make("p", { class: "replay-caption" });
     this.summary = make("div", { class: "replay-summary", "aria-live": "polite" });
     this.status = make("div", { class: "replay-status", role: "status" }, "Calcul en cours…");
@@ -126,7 +126,9 @@ export class Player {
     this.canvas.setAttribute("aria-label", data.alt);
     this.view = make("div", { class: "replay-view" }, this.#drawings(data), this.caption);
     const { title, legend, view, transport, charts, settings, summary } = this;
-    this.body.replaceChildren(title, legend, view, transport.element, charts, settings.element, summary);
+    const turns = data.parameters.find((one) => one.kind === "pose")?.turns;
+    const help = keysHelp(turns);
+    this.body.replaceChildren(title, legend, view, transport.element, settings.element, charts, summary, help);
     if (data.wrong) {
       this.astray.textContent = data.wrong[1];
       transport.element.after(make("p", { class: "replay-astray" }, this.astray));
@@ -202,14 +204,15 @@ export class Player {
 
   #key(event) {
     if (event.altKey || event.ctrlKey || event.metaKey || !this.data) return;
-    const onCanvas = event.target === this.canvas;
-    const plays = onCanvas || event.target === this.transport.range;
+    const { target } = event;
+    const onCanvas = target === this.canvas;
+    const slides = target.type === "range";
     if (onCanvas && this.drag.key(event)) event.preventDefault();
-    else if (event.key === " " && plays) this.#caught(event, () => this.toggle());
-    else if (onCanvas) {
-      const [now, last] = [this.#index(), this.data.frames.length - 1];
-      const goals = { ArrowRight: now + 1, ArrowLeft: now - 1, Home: 0, End: last };
-      if (event.key in goals) this.#caught(event, () => this.seek(goals[event.key]));
+    else if (event.key === " ") {
+      if (onCanvas || slides) this.#caught(event, () => this.toggle());
+    } else if (onCanvas || (event.key.length === 1 && (slides || target.type === "button"))) {
+      const goal = GOALS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+      if (goal) this.#caught(event, () => this.seek(goal(this.#index(), this.data.frames.length - 1)));
     }
   }
 
