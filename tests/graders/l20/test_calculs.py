@@ -52,3 +52,23 @@ def test_the_evidence_is_that_of_bayes(seed: int) -> None:
     passed = int(right["retours"])
     states = [(bounded * (miss / p0) ** k, (1 - bounded) * ((1 - miss) / (1 - p0)) ** k) for k in (passed, passed - 1)]
     assert [occupied < free for occupied, free in states] == [True, False]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_tools_are_those_of_plain_arithmetic(seed: int) -> None:
+    one = grader("calcul_outils")
+    data, right = dict(one.data(seed)), one.right(seed)
+    a, b, c, d, e, f, g, h = (data[name] for name in "abcdefgh")
+    assert right["produit"] == a * f + b * h
+    assert right["transposee"] == b * e + d * g
+    assert right["trace"] == a * e + b * g + c * f + d * h
+    assert right["ponderee"] == pytest.approx((data["ex"] / data["sx"]) ** 2 + (data["ey"] / data["sy"]) ** 2)
+    squares, determinant = a * a + b * b + c * c + d * d, a * d - b * c
+    assert right["sigma"] ** 4 - squares * right["sigma"] ** 2 + determinant**2 == pytest.approx(0.0, abs=1e-6)
+    assert right["sigma"] ** 2 >= squares / 2 - 1e-9
+    assert right["axe"] == pytest.approx(2 * math.sqrt(data["v"] + abs(data["w"])))
+    assert right["gradient"] == 2 * data["v"] * data["zx"] + 2 * data["w"] * data["zy"]
+    turned = complex(data["co"], data["si"]) * complex(data["zx"], data["zy"])
+    assert right["tour"] == pytest.approx(turned.real)
+    assert math.exp(right["logodds"]) == pytest.approx((data["p"] / (1 - data["p"])) ** data["k"])
+    assert right["poids"] / (1 - right["poids"]) == pytest.approx(math.exp(data["l1"] - data["l2"]))
