@@ -53,6 +53,8 @@ from server.grading.supervisor import WORKER_COMMAND, Supervisor
 from server.grading.task import give_ups
 from server.identity import service as accounts
 from server.identity.service import Accounts
+from server.offline.routes import router as offline_router
+from server.offline.service import Archives
 from server.pages.accounts import router as accounts_router
 from server.pages.comments import router as comments_router
 from server.pages.drawn import router as drawn_router
@@ -106,6 +108,7 @@ ROUTERS = (
     pages_router,
     drawn_router,
     reading_router,
+    offline_router,
     cells_router,
     replays_router,
 )
@@ -175,6 +178,14 @@ class Services:
         return Figures(self.course, self.database, Pictures(Helper(program()), kept))
 
     @cached_property
+    def downloads(self) -> Downloads:
+        return Downloads(self.course)
+
+    @cached_property
+    def archives(self) -> Archives:
+        return Archives(self.course, self.figures, self.downloads, self.settings.data_dir / "archives")
+
+    @cached_property
     def give_ups(self) -> Mapping[str, GiveUp]:
         """The end of each kind of job that has failed too often."""
         return {
@@ -229,6 +240,7 @@ class Services:
                 stack.push_async_callback(run_in_threadpool, self._listen())
             stack.push_async_callback(self.cells.close)
             stack.push_async_callback(self.figures.pictures.close)
+            stack.push_async_callback(self.archives.close)
             await stack.enter_async_context(self.supervisor)
             chores = [asyncio.create_task(chore) for chore in (self.keep_recovering(), self.keep_tidying())]
             yield
@@ -291,7 +303,8 @@ def _share(app: FastAPI, services: Services) -> None:
     provide(app, services.personal, Classes(services.database, services.settings), Presence(services.database))
     provide(app, Regrades(course, services.queue))
     provide(app, services.submissions, services.collecting)
-    provide(app, services.boards, services.figures, services.supervisor, Downloads(course), Desk(Replays()))
+    provide(app, services.boards, services.figures, services.supervisor, services.downloads, Desk(Replays()))
+    provide(app, services.archives)
     check_provided(app)
 
 

@@ -48,6 +48,8 @@ def _parser() -> argparse.ArgumentParser:
             "login", help="garde un jeton pour « balise submit », lu au clavier ou sur l’entrée standard"
         )
     )
+    help_text = "écrit tout ce qui se lit d’un module dans une archive ZIP, qui s’ouvre sans serveur"
+    _export(commands.add_parser("export", help=help_text, description=f"{help_text.capitalize()}."))
     commands.add_parser("worker", help="corrige pour un serveur, depuis une autre machine (BALISE_DATABASE_URL)")
     _admin(commands.add_parser("admin", help="ce que fait un administrateur"))
     return parser
@@ -135,6 +137,11 @@ def _submit(parser: argparse.ArgumentParser) -> None:
 
 def _login(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--server", required=True, metavar="URL", help="adresse du serveur")
+
+
+def _export(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("module", metavar="MODULE", help="module, comme l20")
+    parser.add_argument("file", type=Path, metavar="FILE", help="archive à écrire")
 
 
 def _exercise_and_file(parser: argparse.ArgumentParser, nargs: str | None = None) -> None:

@@ -29,6 +29,19 @@ await build({
   logLevel: "warning",
 });
 
+// Browsers refuse modules from a folder: the pages of an archive have one plain script.
+await build({
+  entryPoints: ["src/js/offline.js"],
+  outdir: out,
+  outbase: "src",
+  bundle: true,
+  format: "iife",
+  minify: true,
+  legalComments: "eof",
+  target: ["es2022", "safari16"],
+  logLevel: "warning",
+});
+
 await mkdir(join(out, "katex/fonts"), { recursive: true });
 await cp(join(katex, "katex.min.js"), join(out, "katex/katex.min.js"));
 const css = await readFile(join(katex, "katex.min.css"), "utf8");

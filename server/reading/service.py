@@ -30,6 +30,7 @@ from server.reading.schemas import (
     TermView,
 )
 from server.web import deadlines
+from server.web.deadlines import DueView
 from server.web.schemas import ExerciseRow, FigureView
 from server.web.views import Reader, exercise_row, in_order, lesson_href, module_link, on_the_way, resumed
 from server.web.words import plural
@@ -50,6 +51,11 @@ def find_lesson(module: Module, slug: str) -> Lesson:
 
 def course_home(reader: Reader, module: Module) -> CourseHome:
     progress = gradebook.progress(reader.db, reader.account)
+    return home_view(module, progress, deadlines.soon(reader.db, reader.account, progress, module.slug))
+
+
+def home_view(module: Module, progress: Mapping[str, Progress], due: tuple[DueView, ...]) -> CourseHome:
+    """A module's page for one who stands there in its exercises, and has that to hand in."""
     rows = _rows(in_order(module), progress)
     way = on_the_way(module)
     sessions = tuple(
@@ -83,7 +89,7 @@ def course_home(reader: Reader, module: Module) -> CourseHome:
         kit_href=f"/{module.slug}/kit/{module.slug}.py",
         done=sum(row.own.done for row in rows.values()),
         total=len(rows),
-        due=deadlines.soon(reader.db, reader.account, progress, module.slug),
+        due=due,
     )
 
 
@@ -143,6 +149,11 @@ def duration(minutes: int) -> str:
 
 
 def lesson_page(reader: Reader, module: Module, lesson: Lesson) -> LessonPage:
+    return lesson_view(module, lesson, gradebook.progress(reader.db, reader.account))
+
+
+def lesson_view(module: Module, lesson: Lesson, progress: Mapping[str, Progress]) -> LessonPage:
+    """A lesson for one who stands there in the module's exercises."""
     way = on_the_way(module)
     place = way.index(lesson)
     return LessonPage(
@@ -156,7 +167,7 @@ def lesson_page(reader: Reader, module: Module, lesson: Lesson) -> LessonPage:
         objectives=lesson.objectives,
         html=Markup(lesson.html),
         contents=contents(lesson),
-        exercises=tuple(_rows(exercises_after(module, lesson), gradebook.progress(reader.db, reader.account)).values()),
+        exercises=tuple(_rows(exercises_after(module, lesson), progress).values()),
         terms=_terms(module, lesson),
         previous=_link(way[place - 1]) if place else None,
         following=_link(way[place + 1]) if place + 1 < len(way) else None,

@@ -30,18 +30,29 @@ def is_built() -> bool:
 
 
 @lru_cache(maxsize=1)
-def _stamp() -> str:
+def stamp() -> str:
+    """What the addresses of static files change with."""
     return (BUILT / STAMP).read_text(encoding="utf-8")[:12] if is_built() else "source"
 
 
 def address(name: str) -> str:
     """The address of a static file, which changes with its content: it may be cached for ever."""
-    return f"{PREFIX}/{_stamp()}/{name}"
+    return f"{root()}/{name}"
+
+
+def root() -> str:
+    """What the addresses of static files begin with."""
+    return f"{PREFIX}/{stamp()}"
+
+
+def folder() -> Path:
+    """Where static files are."""
+    return BUILT if is_built() else SOURCES
 
 
 @lru_cache(maxsize=1)
 def _files() -> StaticFiles:
-    return StaticFiles(directory=BUILT if is_built() else SOURCES)
+    return StaticFiles(directory=folder())
 
 
 async def serve(scope: Scope, version: str, name: str) -> Response:
@@ -50,6 +61,6 @@ async def serve(scope: Scope, version: str, name: str) -> Response:
     A page that was opened before an update asks for the old version: it gets the new file, and does not keep it.
     """
     answer = await _files().get_response(name, scope)
-    current = is_built() and version == _stamp()
+    current = is_built() and version == stamp()
     answer.headers["Cache-Control"] = FOREVER if current else "no-cache"
     return answer

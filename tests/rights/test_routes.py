@@ -86,6 +86,7 @@ OTHER_VALUES = {
     "GET /{module}/kit/{file}": {"file": "l20.py"},
     "GET /static/{version}/{name:path}": {"version": "source", "name": "img/favicon.svg"},
     "GET /{module}/lire/{slug}": {"slug": "localiser"},
+    "POST /{module}/hors-ligne": {"module": "l99"},  # an archive takes seconds to make
     "GET /{module}/figures/{name}.svg": {"name": "carto-sigmoide"},
     "GET /{module}/rejeux/{name}": {"name": "lidar"},
     "GET /bienvenue/{token}": {"token": "{invitation}"},

@@ -1,6 +1,9 @@
 // Answers from the server: one request at a time, and of the wishes that come in meanwhile only the last one counts.
 
 export class Source {
+  /** Where answers come from: an archive, which has no server, puts its own in this place. */
+  static answer = fromServer;
+
   #wanted = null;
   #busy = false;
 
@@ -21,7 +24,7 @@ export class Source {
       const asked = this.#wanted;
       this.#wanted = null;
       try {
-        const data = await this.#fetch(asked);
+        const data = await Source.answer(this.address, asked);
         this.answered(data);
       } catch (error) {
         if (!this.#wanted) this.failed(error);
@@ -30,15 +33,13 @@ export class Source {
     this.#busy = false;
     this.waiting(false);
   }
+}
 
-  async #fetch(settings) {
-    const query = new URLSearchParams(settings).toString();
-    const answer = await fetch(query ? `${this.address}?${query}` : this.address, {
-      headers: { Accept: "application/json" },
-    });
-    if (!answer.headers.get("content-type")?.includes("json")) throw new Error("Le serveur n’a pas pu calculer.");
-    const data = await answer.json();
-    if (!answer.ok) throw new Error(data.detail);
-    return data;
-  }
+async function fromServer(address, settings) {
+  const query = new URLSearchParams(settings).toString();
+  const answer = await fetch(query ? `${address}?${query}` : address, { headers: { Accept: "application/json" } });
+  if (!answer.headers.get("content-type")?.includes("json")) throw new Error("Le serveur n’a pas pu calculer.");
+  const data = await answer.json();
+  if (!answer.ok) throw new Error(data.detail);
+  return data;
 }

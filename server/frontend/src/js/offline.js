@@ -1,0 +1,48 @@
+// The pages of an archive, opened from a folder without a server: one plain script, since browsers refuse modules there.
+// A replay has come along with the settings that it begins with, as a script too, since they refuse to fetch as well.
+
+import { setUpContents } from "./reading/contents.js";
+import { setUpDrawings } from "./reading/drawings.js";
+import { setUpFormulas } from "./reading/formulas.js";
+import { setUpPrinting } from "./reading/print.js";
+import { setUpTerms } from "./reading/terms.js";
+import { enhance } from "./replays/index.js";
+import { Source } from "./replays/source.js";
+
+const scenes = (globalThis.baliseScenes = {});
+const reading = document.querySelector(".reading");
+
+/** Whatever the settings: others than the first are the server's to compute, and cannot be asked for here. */
+Source.answer = async (address) => {
+  const name = address.split("/").at(-1).replace(/\.js$/, "");
+  if (!(name in scenes)) await brought(address);
+  return scenes[name];
+};
+
+function brought(address) {
+  return new Promise((done, failed) => {
+    const script = document.createElement("script");
+    script.src = address;
+    script.onload = done;
+    script.onerror = () => failed(new Error("Son fichier manque dans l’archive."));
+    document.head.append(script);
+  });
+}
+
+function note(words) {
+  const line = document.createElement("p");
+  line.className = "offline-note soft small";
+  line.textContent = words;
+  return line;
+}
+
+if (reading) {
+  setUpDrawings(reading);
+  setUpTerms(reading);
+  if (document.querySelector(".reading-bar")) setUpContents(reading);
+  setUpPrinting(reading);
+  setUpFormulas(reading);
+  for (const figure of reading.querySelectorAll("figure.replay"))
+    figure.append(note("Hors ligne, l’animation garde ses réglages de départ : les autres se calculent sur le serveur du cours."));
+  enhance(reading);
+}

@@ -1,0 +1,59 @@
+"""The addresses of a module's archive: the page that gives it, and the file, which touches no database."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from pathlib import Path
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Request
+from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse
+
+from server.base.provided import provided
+from server.offline.schemas import OfflinePage
+from server.offline.service import Archives, Making
+from server.offline.site import folder
+from server.web.dependencies import Reading
+from server.web.rendering import page
+from server.web.schemas import ModuleLink
+from server.web.views import module_link
+
+ArchivesOf = Annotated[Archives, Depends(provided(Archives))]
+REFRESH = 4  # seconds
+
+router = APIRouter(include_in_schema=False)
+
+
+@router.get("/{module:module}/hors-ligne")
+async def offline(request: Request, archives: ArchivesOf, reader: Reading, module: str) -> HTMLResponse:
+    course_module = archives.module(module)
+    view = shown(module_link(course_module), await archives.look(course_module))
+    headers = {"Refresh": str(REFRESH)} if view.state == "making" else {}
+    return page(request, "offline/page.html", reader.account, headers=headers, page=view)
+
+
+@router.post("/{module:module}/hors-ligne")
+async def prepare(archives: ArchivesOf, module: str) -> RedirectResponse:
+    await archives.prepare(archives.module(module))
+    return RedirectResponse(f"/{module}/hors-ligne", HTTPStatus.SEE_OTHER)
+
+
+@router.get("/{module:module}/hors-ligne.zip")
+async def archive(archives: ArchivesOf, module: str) -> FileResponse:
+    course_module = archives.module(module)
+    path = await archives.file(course_module)
+    name = f"{folder(course_module)}.zip"
+    return FileResponse(path, media_type="application/zip", filename=name, headers={"Cache-Control": "no-cache"})
+
+
+def shown(module: ModuleLink, found: Path | Making | None) -> OfflinePage:
+    if isinstance(found, Path):
+        return OfflinePage(module, "ready", size=in_megabytes(found))
+    if found is None:
+        return OfflinePage(module, "wanted")
+    return OfflinePage(module, "failed" if found.failed else "making", done=found.done, total=found.total)
+
+
+def in_megabytes(path: Path) -> str:
+    """« 3,4 Mo »."""
+    return f"{max(path.stat().st_size / 1e6, 0.1):.1f}\u00a0Mo".replace(".", ",")

@@ -1,0 +1,171 @@
+"""The files of a module's archive: every page as a visitor sees it, with addresses that need no service.
+
+The figures come from outside (`pictures`): the service has a process that draws them, the command line draws here.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from markupsafe import Markup
+
+from server.base.archive import archive_of
+from server.base.digest import digest
+from server.base.paths import ROOT, TEMPLATES
+from server.course import Course, Exercise, Module
+from server.figures import orders
+from server.figures.orders import Theme
+from server.offline.addresses import ON_THE_SERVER, Places
+from server.offline.schemas import OfflineExercise
+from server.reading import service as reading
+from server.reading.downloads import Downloads
+from server.replays import service as replays
+from server.web import assets
+from server.web.rendering import account_view, environment
+from server.web.views import exercise_href, lesson_href, module_link
+
+#: A picture of the texts, by the drawing's name and the theme.
+Pictures = Mapping[tuple[str, Theme], bytes]
+THEMES: tuple[Theme, ...] = ("light", "dark")
+#: What of the front end the pages of an archive may ask for; style sheets ask for the rest by themselves.
+STYLES = ("css", "katex", "img")
+SCRIPTS = ("js/theme.js", "js/offline.js")
+NOT_FOR_READING = {".js"}
+
+
+def version(module: Module) -> str:
+    """Of all that an archive is made of: the same version, the same bytes."""
+    parts = [
+        (module.slug, ROOT / "curriculum" / module.slug),
+        ("templates", TEMPLATES),
+        ("graders", ROOT / "graders" / "scene"),
+        ("reading", ROOT / "server" / "reading"),
+        ("text", ROOT / "server" / "text"),
+        ("offline", Path(__file__).parent),
+    ]
+    return digest(parts, f"{assets.stamp()} {orders.code_version()}".encode())
+
+
+def pictured(module: Module) -> list[tuple[str, Theme]]:
+    """The pictures that an archive needs: those that its lessons show."""
+    shown = dict.fromkeys(name for lesson in module.lessons for name in lesson.figures if name in module.drawings)
+    return [(name, theme) for name in shown for theme in THEMES]
+
+
+def archive(course: Course, module: Module, pictures: Pictures, downloads: Downloads) -> bytes:
+    """A ZIP whose files stand in one folder. Slow at first (formulas, replays: seconds): call it in a thread."""
+    return archive_of(folder(module), Site(course, module, pictures, downloads).files())
+
+
+def folder(module: Module) -> str:
+    return f"balise-{module.slug}"
+
+
+class Site:
+    """One module, to be written once."""
+
+    def __init__(self, course: Course, module: Module, pictures: Pictures, downloads: Downloads) -> None:
+        self._course, self._module, self._pictures, self._downloads = course, module, pictures, downloads
+        self._scripts = replays.Replays()
+        self._places = Places(assets.root(), dict(self._addresses()))
+
+    def files(self) -> dict[str, bytes]:
+        """By their places in the archive."""
+        made = {place: self._places.relative(page, place).encode() for place, page in self._pages()}
+        return {**made, **dict(self._brought()), **_static()}
+
+    def _addresses(self) -> Iterator[tuple[str, str]]:
+        """The address of everything that the archive holds, and its place there."""
+        slug = self._module.slug
+        yield f"/{slug}", "index.html"
+        if self._module.glossary:
+            yield f"/{slug}/glossaire", "glossaire.html"
+        for lesson in self._module.lessons:
+            yield lesson_href(lesson), f"lire/{lesson.slug}.html"
+        for exercise in self._module.exercises:
+            yield exercise_href(exercise), f"exercices/{exercise.slug}.html"
+        for name, theme in self._pictures:
+            yield f"/{slug}/figures/{name}.svg?theme={theme}", f"figures/{name}-{theme}.svg"
+        for name in self._replays():
+            yield f"/{slug}/rejeux/{name}", f"rejeux/{name}.js"
+        for name in self._module.files:
+            yield f"/{slug}/fichiers/{name}.zip", f"fichiers/{name}.zip"
+        if slug in self._module.kits:
+            yield f"/{slug}/kit/{slug}.py", f"{slug}.py"
+
+    def _replays(self) -> list[str]:
+        return list(dict.fromkeys(name for lesson in self._module.lessons for name in lesson.replays))
+
+    def _pages(self) -> Iterator[tuple[str, str]]:
+        module = self._module
+        yield "index.html", self._page("module.html", page=reading.home_view(module, {}, ()))
+        yield ON_THE_SERVER, self._page("offline/server.html")
+        if module.glossary:
+            yield "glossaire.html", self._page("reading/glossary.html", page=reading.glossary_page(module))
+        for lesson in module.lessons:
+            view = reading.lesson_view(module, lesson, {})
+            yield f"lire/{lesson.slug}.html", self._page("reading/lesson.html", page=view)
+        for exercise in module.exercises:
+            page = self._page("offline/exercise.html", page=self._exercise(exercise))
+            yield f"exercices/{exercise.slug}.html", page
+
+    def _page(self, template: str, **context: Any) -> str:
+        module = self._module
+        around = {"base": "offline/base.html", "module": module_link(module), "terms": len(module.glossary)}
+        visitor = {"account": account_view(None), "scripts": assets.is_built()}
+        return environment().get_template(template).render(**around, **visitor, **context)
+
+    def _exercise(self, exercise: Exercise) -> OfflineExercise:
+        lesson = next((one for one in self._module.lessons if one.slug == exercise.seance), None)
+        return OfflineExercise(
+            module=module_link(self._module),
+            title=exercise.title,
+            summary=exercise.summary,
+            stars=exercise.stars,
+            lesson=(lesson_href(lesson), lesson.label) if lesson else None,
+            functions=tuple((function.signature, function.returns) for function in exercise.functions),
+            statement=Markup(exercise.statement_html),
+            starter=exercise.starter if exercise.kind == "code" else "",
+            file=f"{exercise.slug}.py",
+        )
+
+    def _brought(self) -> Iterator[tuple[str, bytes]]:
+        """What pages show or give, and is no page."""
+        slug = self._module.slug
+        for (name, theme), picture in self._pictures.items():
+            yield f"figures/{name}-{theme}.svg", picture
+        for name in self._replays():
+            yield f"rejeux/{name}.js", self._scene(name)
+        for name in self._module.files:
+            yield f"fichiers/{name}.zip", self._downloads.archive(slug, name)
+        if slug in self._module.kits:
+            yield f"{slug}.py", "".join(self._module.kits[slug].values()).encode()
+
+    def _scene(self, name: str) -> bytes:
+        """A replay with the settings that it begins with, as a script: a page of a folder may not fetch."""
+        script = self._scripts.find(self._module.slug, name)
+        scene = json.dumps(script.run(script.read([])), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+        return f"globalThis.baliseScenes[{json.dumps(name)}] = {scene};\n".encode()
+
+
+def _static() -> dict[str, bytes]:
+    """Style sheets and what they ask for; scripts where they were built, as a folder's modules are refused."""
+    root = assets.folder()
+    styles = [path for name in STYLES for path in (root / name).rglob("*") if path.suffix not in NOT_FOR_READING]
+    scripts = [root / name for name in SCRIPTS] if assets.is_built() else []
+    wanted = [path for path in (*styles, *scripts) if path.is_file()]
+    return {f"static/{path.relative_to(root).as_posix()}": path.read_bytes() for path in wanted}
+
+
+def drawn_here(module: Module, advance: Callable[[], None] = lambda: None) -> Pictures:
+    """The pictures, drawn in this very process. Loads matplotlib; half a minute for a module."""
+    from server.figures.lessons import draw
+
+    pictures = {}
+    for name, theme in pictured(module):
+        pictures[name, theme] = draw(module.drawings[name], theme, "svg").picture
+        advance()
+    return pictures
