@@ -51,6 +51,10 @@ def _parser() -> argparse.ArgumentParser:
         )
     )
     commands.add_parser("worker", help="corrige pour un serveur, depuis une autre machine (BALISE_DATABASE_URL)")
+    help_text = "sauvegarde la base de données, le service allant son cours, et vérifie la sauvegarde"
+    options.backup(commands.add_parser("backup", help=help_text, description=f"{help_text.capitalize()}."))
+    help_text = "remet une sauvegarde à la place de la base de données, le service étant arrêté"
+    options.restore(commands.add_parser("restore", help=help_text, description=f"{help_text.capitalize()}."))
     options.admin(commands.add_parser("admin", help="ce que fait un administrateur"))
     return parser
 

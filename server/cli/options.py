@@ -1,4 +1,4 @@
-"""The options of `balise admin …`, one function for each group of actions."""
+"""The options of what administrators run: `balise backup`, `restore` and `admin`."""
 
 import argparse
 from collections.abc import Callable
@@ -10,13 +10,31 @@ MOST_DAYS = 36500
 Actions = Callable[[str, str], argparse.ArgumentParser]
 
 
+def backup(parser: argparse.ArgumentParser) -> None:
+    help_text = "fichier à faire, ou dossier où le faire (par défaut : ici, nommé d’après l’heure)"
+    parser.add_argument("file", nargs="?", type=Path, metavar="FILE", help=help_text)
+    _common(parser)
+
+
+def restore(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("file", type=Path, metavar="FILE", help="fichier que « balise backup » a fait")
+    how = parser.add_mutually_exclusive_group()
+    how.add_argument("--replace", action="store_true", help="à la place de la base de données qui s’y trouve")
+    how.add_argument("--check", action="store_true", help="vérifie seulement la sauvegarde")
+    _common(parser)
+
+
+def _common(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
+    parser.add_argument("--json", action="store_true", help="répond en JSON, pour un programme")
+
+
 def admin(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
 
     def action(name: str, help_text: str) -> argparse.ArgumentParser:
         one = actions.add_parser(name, help=help_text, description=f"{help_text[0].upper()}{help_text[1:]}.")
-        one.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
-        one.add_argument("--json", action="store_true", help="répond en JSON, pour un programme")
+        _common(one)
         return one
 
     _accounts(action)

@@ -15,6 +15,7 @@ from server.cli.admin import access, accounts, upkeep
 from server.cli.admin.answer import Action
 from server.cli.configuration import read_settings
 from server.database import Database
+from server.database.migrate import WrongSchema, require_current
 from server.web import school_time
 
 ACTIONS: Mapping[str, Action] = {
@@ -41,7 +42,10 @@ def run(arguments: Namespace) -> int:
     school_time.use(settings.time_zone)
     with closing(Database(settings.url)) as database:
         try:
+            require_current(database.engine)
             answer = ACTIONS[arguments.action](database, settings, arguments)
+        except WrongSchema as wrong:
+            raise CannotRun(str(wrong)) from wrong
         except ServiceError as refused:
             raise CannotRun(refused.detail) from refused
         except SQLAlchemyError as error:
