@@ -118,6 +118,11 @@ class Settings(BaseSettings):
         ge=0,
         description="students of whom nothing was heard for so long are erased; 0: when somebody asks for it",
     )
+    guest_days: int = Field(
+        default=30,
+        ge=0,
+        description="guests who have sent nothing and are in no class are erased so long after they came; 0: never",
+    )
     trusted_proxy: str = Field(
         default="",
         description="addresses or networks, separated by commas, of the reverse proxies whose `X-Forwarded-For` and "

@@ -6,7 +6,9 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 
+from server.cli import options
 from server.cli.french import speak_french
+from server.cli.options import bounded
 
 CANNOT = 2
 Command = Callable[[argparse.Namespace], int]
@@ -51,31 +53,12 @@ def _parser() -> argparse.ArgumentParser:
     help_text = "écrit tout ce qui se lit d’un module dans une archive ZIP, qui s’ouvre sans serveur"
     _export(commands.add_parser("export", help=help_text, description=f"{help_text.capitalize()}."))
     commands.add_parser("worker", help="corrige pour un serveur, depuis une autre machine (BALISE_DATABASE_URL)")
-    _admin(commands.add_parser("admin", help="ce que fait un administrateur"))
+    help_text = "sauvegarde la base de données, le service allant son cours, et vérifie la sauvegarde"
+    options.backup(commands.add_parser("backup", help=help_text, description=f"{help_text.capitalize()}."))
+    help_text = "remet une sauvegarde à la place de la base de données, le service étant arrêté"
+    options.restore(commands.add_parser("restore", help=help_text, description=f"{help_text.capitalize()}."))
+    options.admin(commands.add_parser("admin", help="ce que fait un administrateur"))
     return parser
-
-
-def _admin(parser: argparse.ArgumentParser) -> None:
-    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
-    help_text = "refait les bilans (meilleure note, nombre d’essais) d’après l’historique des corrections"
-    standings = actions.add_parser("standings", help=help_text, description=f"{help_text.capitalize()}.")
-    standings.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
-    help_text = "donne un lien, qui ne sert qu’une fois, pour choisir un nouveau mot de passe"
-    link = actions.add_parser("reset-link", help=help_text, description=f"{help_text.capitalize()}.")
-    link.add_argument("login", metavar="LOGIN", help="identifiant du compte")
-    link.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
-    link.add_argument(
-        "--server", metavar="URL", default="", help="adresse publique du service, à mettre devant le lien"
-    )
-    help_text = "donne un rôle à un compte : student, teacher ou administrator"
-    role = actions.add_parser("role", help=help_text, description=f"{help_text.capitalize()}.")
-    role.add_argument("login", metavar="LOGIN", help="identifiant du compte")
-    role.add_argument("role", metavar="ROLE", choices=("student", "teacher", "administrator"), help="son nouveau rôle")
-    role.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
-    help_text = "dit quels comptes d’élèves dépassent la durée de conservation réglée, ou les efface"
-    purge = actions.add_parser("purge", help=help_text, description=f"{help_text.capitalize()}.")
-    purge.add_argument("--yes", action="store_true", help="les efface, pour de bon")
-    purge.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
 
 
 def _demo(parser: argparse.ArgumentParser) -> None:
@@ -151,22 +134,16 @@ def _exercise_and_file(parser: argparse.ArgumentParser, nargs: str | None = None
 
 
 def _port(text: str) -> int:
-    return _bounded(text, 65535, "le port")
+    return bounded(text, 65535, "le port")
 
 
 def _seed(text: str) -> int:
-    return _bounded(text, 2**53 - 1, "la graine")
+    return bounded(text, 2**53 - 1, "la graine")
 
 
 def _pupils(text: str) -> int:
-    return max(1, _bounded(text, 800, "le nombre d’élèves"))
+    return max(1, bounded(text, 800, "le nombre d’élèves"))
 
 
 def _seeds(text: str) -> int:
-    return max(1, _bounded(text, 1000, "le nombre de graines"))
-
-
-def _bounded(text: str, most: int, what: str) -> int:
-    if not text.isascii() or not text.isdigit() or int(text) > most:
-        raise argparse.ArgumentTypeError(f"{what} doit être un entier de 0 à {most}")
-    return int(text)
+    return max(1, bounded(text, 1000, "le nombre de graines"))

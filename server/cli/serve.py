@@ -1,10 +1,8 @@
 """`balise serve`: the whole service on embedded defaults."""
 
 import errno
-import fcntl
 import gc
 import logging
-import os
 import signal
 import socket
 from argparse import Namespace
@@ -20,11 +18,12 @@ from server.app import create_app
 from server.base.provided import provided_to
 from server.base.settings import Settings
 from server.cli import CannotRun
+from server.cli.alone import alone
 from server.cli.configuration import read_settings
 from server.cli.local import Probing, require_safe_sandbox, start_probing
 from server.course import Course, load
 from server.database import Database
-from server.database.migrate import upgrade
+from server.database.migrate import WrongSchema, upgrade
 from server.figures.service import Figures
 from server.grading.supervisor import Supervisor
 from server.identity import links
@@ -52,7 +51,7 @@ def serve(settings: Settings, host: str, port: int, announce: Announce, prepare:
     """The service, until it is told to stop. `prepare` comes before it, on a migrated database; `announce` once it
     answers, with its address."""
     logging.basicConfig(level=logging.WARNING, format=LOG_FORMAT)
-    with _listening(host, port) as listener, _alone(settings):
+    with _listening(host, port) as listener, alone(settings):
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, _leave)
         probing = start_probing()
@@ -147,28 +146,12 @@ def _refused(error: OSError, host: str, port: int) -> str:
     return f"impossible d’écouter sur {host}:{port} : {error.strerror}."
 
 
-@contextmanager
-def _alone(settings: Settings) -> Iterator[None]:
-    """One server at a time on a data folder: two would take each other's workers for dead."""
-    try:
-        settings.data_dir.mkdir(parents=True, exist_ok=True)
-        lock = (settings.data_dir / "balise.lock").open("w")
-    except OSError as error:
-        raise CannotRun(f"le dossier des données {settings.data_dir} ne convient pas : {error.strerror}.") from error
-    with lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            raise CannotRun(f"un autre serveur utilise déjà {settings.data_dir} (autre dossier : --data).") from error
-        lock.write(f"{os.getpid()}\n")
-        lock.flush()
-        yield
-
-
 def _migrate(settings: Settings) -> None:
     database = Database(settings.url)
     try:
         upgrade(database.engine)
+    except WrongSchema as error:
+        raise CannotRun(str(error)) from error
     except SQLAlchemyError as error:
         raise CannotRun(f"la base de données ne convient pas : {error}") from error
     finally:

@@ -3,6 +3,7 @@
 import os
 import sys
 from argparse import Namespace
+from contextlib import closing
 
 from sqlalchemy import make_url
 from sqlalchemy.exc import OperationalError
@@ -11,6 +12,8 @@ from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
 from server.cli.local import require_safe_sandbox, start_probing
+from server.database import Database
+from server.database.migrate import WrongSchema, require_current
 from server.grading.process import run as run_worker
 from server.grading.process import start_logging, stop_on_signals
 from server.queue.polling import Polling
@@ -27,12 +30,16 @@ def run(_arguments: Namespace) -> int:
     start_logging(f"worker[{os.getpid()}]")
     stop_on_signals(interrupt=True)
     try:
+        with closing(Database(settings.url)) as database:
+            require_current(database.engine)
         wake_up = _wake_up(settings)
         place = make_url(settings.url).render_as_string(hide_password=True)
         print(f"Balise corrige ce qui attend dans {place} ; Ctrl+C pour arrêter.", flush=True)
         run_worker(settings, *wake_up)
     except Stop:
         return 0
+    except WrongSchema as wrong:
+        raise CannotRun(str(wrong)) from wrong
     except OperationalError as error:
         raise CannotRun(f"la base de données ne répond pas : {error.orig}") from error
     return 0

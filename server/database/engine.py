@@ -18,7 +18,8 @@ from sqlalchemy.orm import Session, sessionmaker
 
 from server.database.base import Base, table_of
 
-PRAGMAS = ("journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON", "busy_timeout=15000")
+#: How long to wait comes first: the mode of a new file is changed by one process at a time.
+PRAGMAS = ("busy_timeout=15000", "journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON")
 AFTER_COMMIT = "after_commit"
 
 

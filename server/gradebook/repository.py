@@ -7,7 +7,7 @@ from typing import Any
 from uuid import UUID, uuid4
 
 from sqlalchemy import ColumnElement, Row, and_, bindparam, exists, func, insert, or_, select, tuple_, update
-from sqlalchemy.orm import Session, undefer
+from sqlalchemy.orm import Session, defer, undefer
 
 from graders.core.contract.bounds import bounded
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
@@ -15,6 +15,7 @@ from server.classes.models import Membership, Status
 from server.database import table_of
 from server.gradebook.models import ClassOpening, Grading, SolutionOpening
 from server.gradebook.schemas import Graded
+from server.identity.models import Account
 from server.submissions.models import Submission
 
 _submissions = table_of(Submission)
@@ -169,6 +170,19 @@ def add(db: Session, submission_id: UUID, graded: Graded) -> UUID:
     }
     db.execute(ADD, row)
     return identity
+
+
+def failed(db: Session) -> Sequence[Submission]:
+    """All of which the grading that counts is an error of ours, as they were sent."""
+    query = select(Submission).join(Grading, Grading.id == Submission.grading_id).options(defer(Submission.source))
+    query = query.where(Grading.outcome == Outcome.INTERNAL_ERROR)
+    return db.execute(query.order_by(Submission.created_at, Submission.id)).scalars().all()
+
+
+def with_author(db: Session, submission_id: UUID) -> tuple[Submission, Account] | None:
+    query = select(Submission, Account).join(Account, Account.id == Submission.account_id)
+    row = db.execute(query.where(Submission.id == submission_id)).one_or_none()
+    return None if row is None else (row[0], row[1])
 
 
 def point(db: Session, submission_id: UUID, grading_id: UUID) -> None:

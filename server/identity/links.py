@@ -14,7 +14,7 @@ from server.identity import repository, secrets
 from server.identity.models import Account, Invitation, Role
 from server.identity.schemas import normalised_login
 
-USED = "Ce lien a déjà servi, ou n’existe pas."
+USED = "Ce lien a déjà servi, n’est plus valable ou n’existe pas."
 ENDED = "Ce lien a déjà servi, ou n’est plus valable : demandez-en un autre à votre enseignant."
 
 
@@ -28,9 +28,16 @@ def invite_administrator(db: Session) -> str | None:
     return token
 
 
+def invite(db: Session, role: Role, lasting: timedelta) -> str:
+    """A one-time token by which somebody makes an account of this role; others that wait stay good."""
+    token = secrets.new_token()
+    db.add(Invitation(token_digest=secrets.digest(token), role=role, expires_at=utc_now() + lasting))
+    return token
+
+
 def check_invitation(db: Session, token: str) -> Invitation:
     """Raises NotFound."""
-    invitation = repository.open_invitation(db, secrets.digest(token))
+    invitation = repository.open_invitation(db, secrets.digest(token), utc_now())
     if invitation is None:
         raise NotFound(USED)
     return invitation
@@ -45,8 +52,10 @@ def use_invitation(db: Session, token: str) -> Role:
 
 
 def to_new_password(db: Session, login: str, settings: Settings) -> tuple[Account, str]:
-    """Whose link it is, and its token; an earlier one of this account stops working. Raises NotFound."""
+    """Whose link it is, and its token; an earlier one of this account stops working. Raises NotFound, Conflict."""
     account = by_login(db, login)
+    if account.disabled_at is not None:
+        raise Conflict(f"Le compte « {account.login} » est suspendu : rétablissez-le d’abord.")
     return account, link_of(db, account, timedelta(hours=settings.password_link_hours))
 
 
@@ -78,6 +87,6 @@ def use(db: Session, token: str) -> Account:
     """The same, once: of two uses at the same time one only gets the account. Raises Conflict."""
     account_id = repository.use_password_link(db, secrets.digest(token), utc_now())
     account = None if account_id is None else repository.by_id(db, account_id)
-    if account is None:
+    if account is None or account.disabled_at is not None:
         raise Conflict(ENDED)
     return account

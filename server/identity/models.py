@@ -33,6 +33,8 @@ class Account(Base):
     login: Mapped[str | None] = mapped_column(String(254), unique=True)
     password_hash: Mapped[str | None] = mapped_column(String(255))
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+    #: Since when nobody enters by it any more; its work stays.
+    disabled_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
 
     @property
     def is_guest(self) -> bool:
@@ -80,11 +82,12 @@ class PasswordLink(Base):
 
 
 class Invitation(Base):
-    """A one-time link that gives `role` to whoever opens it first."""
+    """A one-time link that gives `role` to whoever opens it first; without `expires_at`, however late."""
 
     __tablename__ = "invitation"
 
     token_digest: Mapped[str] = mapped_column(String(DIGEST_LENGTH), primary_key=True)
     role: Mapped[str] = mapped_column(String(16))
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+    expires_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
     used_at: Mapped[datetime | None] = mapped_column(UtcDateTime)

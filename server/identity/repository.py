@@ -4,11 +4,13 @@ from collections.abc import Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import delete, func, select, update
+from sqlalchemy import ColumnElement, and_, delete, func, or_, select, update
 from sqlalchemy.orm import Session
 
 from server.database import upserting, utc_now
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, PasswordLink, Role
+
+_enabled = Account.disabled_at.is_(None)
 
 
 def by_id(db: Session, account_id: UUID) -> Account | None:
@@ -23,7 +25,7 @@ def by_session(db: Session, token_digest: str, now: datetime) -> Account | None:
     query = (
         select(Account)
         .join(BrowserSession, BrowserSession.account_id == Account.id)
-        .where(BrowserSession.token_digest == token_digest, BrowserSession.expires_at > now)
+        .where(BrowserSession.token_digest == token_digest, BrowserSession.expires_at > now, _enabled)
     )
     return db.execute(query).scalar_one_or_none()
 
@@ -33,7 +35,7 @@ def by_api_token(db: Session, token_digest: str, now: datetime) -> tuple[Account
     query = (
         select(Account, ApiToken.last_used_at)
         .join(ApiToken, ApiToken.account_id == Account.id)
-        .where(ApiToken.token_digest == token_digest, ApiToken.expires_at > now)
+        .where(ApiToken.token_digest == token_digest, ApiToken.expires_at > now, _enabled)
     )
     row = db.execute(query).one_or_none()
     return None if row is None else (row[0], row[1])
@@ -53,8 +55,19 @@ def count_accounts(db: Session) -> int:
 
 
 def count_administrators(db: Session) -> int:
-    query = select(func.count()).select_from(Account).where(Account.role == Role.administrator)
+    query = select(func.count()).select_from(Account).where(Account.role == Role.administrator, _enabled)
     return db.execute(query).scalar_one()
+
+
+def named(db: Session, *, role: Role | None, sought: str, most: int) -> Sequence[Account]:
+    """Some of the accounts with a login, by their logins: of a role, and of which login or name holds a text."""
+    query = select(Account).where(Account.login.is_not(None)).order_by(Account.login).limit(most)
+    if role is not None:
+        query = query.where(Account.role == role)
+    if sought:
+        held = (column.icontains(sought, autoescape=True) for column in (Account.login, Account.name))
+        query = query.where(or_(*held))
+    return db.execute(query).scalars().all()
 
 
 def delete_session(db: Session, token_digest: str) -> None:
@@ -115,6 +128,7 @@ def forget_ended(db: Session, now: datetime) -> None:
     """Removes what is past its end, whoever's it was."""
     for table in (BrowserSession, ApiToken, PasswordLink):
         db.execute(delete(table).where(table.expires_at < now))
+    db.execute(delete(Invitation).where(Invitation.expires_at < now, Invitation.used_at.is_(None)))
 
 
 def keep_password_link(db: Session, account_id: UUID, token_digest: str, expires_at: datetime) -> None:
@@ -124,11 +138,15 @@ def keep_password_link(db: Session, account_id: UUID, token_digest: str, expires
     db.execute(statement.on_conflict_do_update(index_elements=["account_id"], set_=row))
 
 
+def delete_password_link(db: Session, account_id: UUID) -> None:
+    db.execute(delete(PasswordLink).where(PasswordLink.account_id == account_id))
+
+
 def by_password_link(db: Session, token_digest: str, now: datetime) -> Account | None:
     query = (
         select(Account)
         .join(PasswordLink, PasswordLink.account_id == Account.id)
-        .where(PasswordLink.token_digest == token_digest, PasswordLink.expires_at > now)
+        .where(PasswordLink.token_digest == token_digest, PasswordLink.expires_at > now, _enabled)
     )
     return db.execute(query).scalar_one_or_none()
 
@@ -154,8 +172,8 @@ def delete_unused_invitations(db: Session, role: Role) -> None:
     db.execute(delete(Invitation).where(Invitation.role == role, Invitation.used_at.is_(None)))
 
 
-def open_invitation(db: Session, token_digest: str) -> Invitation | None:
-    query = select(Invitation).where(Invitation.token_digest == token_digest, Invitation.used_at.is_(None))
+def open_invitation(db: Session, token_digest: str, now: datetime) -> Invitation | None:
+    query = select(Invitation).where(Invitation.token_digest == token_digest, _still_open(now))
     return db.execute(query).scalar_one_or_none()
 
 
@@ -163,9 +181,13 @@ def use_invitation(db: Session, token_digest: str, now: datetime) -> Role | None
     """Marks the invitation as used, in one conditional statement: of two simultaneous uses one only gets the role."""
     statement = (
         update(Invitation)
-        .where(Invitation.token_digest == token_digest, Invitation.used_at.is_(None))
+        .where(Invitation.token_digest == token_digest, _still_open(now))
         .values(used_at=now)
         .returning(Invitation.role)
     )
     role = db.execute(statement).scalar_one_or_none()
     return None if role is None else Role(role)
+
+
+def _still_open(now: datetime) -> ColumnElement[bool]:
+    return and_(Invitation.used_at.is_(None), or_(Invitation.expires_at.is_(None), Invitation.expires_at > now))

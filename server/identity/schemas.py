@@ -36,6 +36,15 @@ def new_account(name: str, login: str, password: str) -> NewAccount:
     return wanted
 
 
+def unlocked_account(name: str, login: str) -> NewAccount:
+    """The same for an account of which the owner chooses a password later."""
+    wanted = NewAccount(" ".join(name.split()), normalised_login(login), "")
+    problems = {field: problem for field, problem in _checks(wanted) if problem and field != "password"}
+    if problems:
+        raise RefusedForm(problems)
+    return wanted
+
+
 def _checks(wanted: NewAccount) -> list[tuple[str, str]]:
     return [
         ("name", "" if _printable(wanted.name, NAME_LENGTH) else "Indiquez un nom de 1 à 100 caractères."),

@@ -19,7 +19,14 @@ from server.database import Database, utc_now
 from server.identity import links, repository, secrets
 from server.identity.hashing import Hashing
 from server.identity.models import Account, BrowserSession, Role
-from server.identity.schemas import NewAccount, RefusedForm, new_password, normalised_login, valid_login
+from server.identity.schemas import (
+    NewAccount,
+    RefusedForm,
+    new_password,
+    normalised_login,
+    unlocked_account,
+    valid_login,
+)
 from server.limits import service as limits
 
 ALLOWANCES_KEPT = timedelta(days=7)
@@ -29,6 +36,7 @@ TAKEN = "Cet identifiant n’est pas disponible : choisissez-en un autre, ou con
 WRONG_PASSWORD = "Ce n’est pas votre mot de passe actuel."
 NO_PASSWORD = "Un invité n’a pas de mot de passe."
 TOO_MANY_ACCOUNTS = "Trop de comptes créés depuis cette adresse : réessayez dans {seconds} s."
+DISABLED = "Ce compte est suspendu : adressez-vous à qui administre ce serveur."
 WRONG_LOGIN = "Identifiant ou mot de passe incorrect."
 TOO_MANY_LOGINS = "Trop d’essais de connexion : réessayez dans {seconds} s."
 LAST_ADMINISTRATOR = "Ce serveur garde au moins un administrateur : nommez-en un autre d’abord."
@@ -119,6 +127,9 @@ class Accounts:
 
     def _come_back(self, account: Account, visitor: Account | None) -> Opened:
         with self.database.write() as db:
+            now = repository.by_id(db, account.id)
+            if now is None or now.disabled_at is not None:
+                raise RefusedForm({"password": DISABLED})
             self._bring_along(db, visitor, account.id)
             return self._open_session(db, account)
 
@@ -204,9 +215,41 @@ def make_for_list(db: Session, login: str, name: str) -> Account:
     return account
 
 
+def create(db: Session, login: str, name: str, role: Role) -> Account:
+    """An account that an administrator makes, without a password yet. Raises RefusedForm."""
+    wanted = unlocked_account(name, login)
+    _require_free(db, wanted.login)
+    account = make_for_list(db, wanted.login, wanted.name)
+    account.role = role
+    return account
+
+
+def disable(db: Session, account: Account) -> None:
+    """Nobody enters by it from now on: sessions, tokens and links end. Raises Conflict for the last administrator."""
+    if account.is_administrator and account.disabled_at is None and repository.count_administrators(db) == 1:
+        raise Conflict(LAST_ADMINISTRATOR)
+    account.disabled_at = account.disabled_at or utc_now()
+    repository.delete_sessions_of(db, account.id)
+    repository.delete_tokens_of(db, account.id)
+    repository.delete_password_link(db, account.id)
+
+
+def enable(account: Account) -> None:
+    account.disabled_at = None
+
+
+def revoke_session(db: Session, account: Account, name: str) -> bool:
+    """Closes the sessions of which the digest begins by this; whether there was one."""
+    found = [one for one in repository.sessions_of(db, account.id) if one.token_digest.startswith(name)]
+    for one in found:
+        repository.delete_session(db, one.token_digest)
+    return bool(found)
+
+
 def change_role(db: Session, account: Account, role: Role) -> None:
     """Raises Conflict where nobody would be administrator any more."""
-    if account.is_administrator and role is not Role.administrator and repository.count_administrators(db) == 1:
+    counts = account.is_administrator and account.disabled_at is None
+    if counts and role is not Role.administrator and repository.count_administrators(db) == 1:
         raise Conflict(LAST_ADMINISTRATOR)
     account.role = role
 

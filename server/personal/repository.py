@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, and_, delete, exists, or_, select
+from sqlalchemy import ColumnElement, and_, delete, exists, func, or_, select
 from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, SchoolClass, Seat, Status
@@ -55,6 +55,27 @@ def lost_guests(db: Session, before: datetime, most: int) -> Sequence[UUID]:
         ~exists().where(ApiToken.account_id == Account.id),
     )
     return db.execute(query.limit(most)).scalars().all()
+
+
+def delete_idle_guests(db: Session, before: datetime, most: int) -> int:
+    """Some of the guests from before that time who have sent nothing and are in no class; how many."""
+    some = select(Account.id).where(_idle_guest(before)).limit(most).with_for_update(skip_locked=True)
+    found = db.execute(some).scalars().all()
+    gone = delete(Account).where(Account.id.in_(found), _idle_guest(before)).returning(Account.id)
+    return len(db.execute(gone).all())
+
+
+def count_idle_guests(db: Session, before: datetime) -> int:
+    return db.execute(select(func.count()).select_from(Account).where(_idle_guest(before))).scalar_one()
+
+
+def _idle_guest(before: datetime) -> ColumnElement[bool]:
+    return and_(
+        Account.role == Role.guest,
+        Account.created_at < before,
+        ~exists().where(Submission.account_id == Account.id),
+        ~exists().where(Membership.account_id == Account.id),
+    )
 
 
 def silent_students(db: Session, before: datetime, most: int) -> Sequence[UUID]:

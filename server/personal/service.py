@@ -49,12 +49,31 @@ class Personal:
             identity.delete_account(db, account_id)
 
     def forget_guests(self, now: datetime) -> int:
-        """Erases some of the guests that nothing leads to any more; how many."""
+        """Erases some of the guests that nothing leads to any more, and some who have done nothing; how many."""
         with self._database.read() as db:
             lost = repository.lost_guests(db, now - GUEST_GRACE, most=GUESTS_AT_ONCE)
         for account_id in lost:
             self.erase(account_id)
-        return len(lost)
+        if not self._settings.guest_days:
+            return len(lost)
+        return len(lost) + self._forget_some_idle(now - timedelta(days=self._settings.guest_days))
+
+    def count_idle_guests(self, before: datetime) -> int:
+        """The guests from before that time without any work."""
+        with self._database.read() as db:
+            return repository.count_idle_guests(db, before)
+
+    def forget_idle_guests(self, before: datetime) -> int:
+        """Erases all of them; how many."""
+        total = erased = self._forget_some_idle(before)
+        while erased == GUESTS_AT_ONCE:
+            total += (erased := self._forget_some_idle(before))
+        return total
+
+    def _forget_some_idle(self, before: datetime) -> int:
+        """Who sends a first file in this very moment keeps it: it is asked again in the transaction that erases."""
+        with self._database.write() as db:
+            return repository.delete_idle_guests(db, before, most=GUESTS_AT_ONCE)
 
     def outdated(self, now: datetime) -> Sequence[Account]:
         """Some of the students whom the establishment's settings keep no longer: those of left_days and silent_days."""

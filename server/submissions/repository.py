@@ -1,11 +1,11 @@
 """Queries on submissions and deals."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
 from sqlalchemy import ColumnElement, and_, func, or_, select, update
-from sqlalchemy.orm import Session
+from sqlalchemy.orm import Session, defer
 
 from server.database import upserting, utc_now
 from server.submissions.models import Deal, Submission
@@ -13,6 +13,12 @@ from server.submissions.models import Deal, Submission
 
 def by_id(db: Session, submission_id: UUID) -> Submission | None:
     return db.get(Submission, submission_id)
+
+
+def ungraded(db: Session) -> Sequence[Submission]:
+    """All that waits for its first grading, as it was sent."""
+    query = select(Submission).where(Submission.grading_id.is_(None)).options(defer(Submission.source))
+    return db.execute(query.order_by(Submission.created_at, Submission.id)).scalars().all()
 
 
 def waiting(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, int]:

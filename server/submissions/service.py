@@ -136,6 +136,14 @@ class Submissions:
         self._queue.put(db, GRADE, key_of(submission.id), sender=sender, most=most)
         return submission
 
+    def requeue(self, db: Session, submission: Submission, account: Account) -> bool:
+        """Has it graded (again); False where a job does that already."""
+        if self._queue.position(db, GRADE, key_of(submission.id)) is not None:
+            return False
+        sender = sender_of(account, "", member=classes.is_member(db, account.id))
+        self._queue.put(db, GRADE, key_of(submission.id), sender=sender)
+        return True
+
     def place(self, db: Session, submission: Submission) -> Place:
         if submission.grading_id is not None:
             return Place(State.done)

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from datetime import UTC, datetime, timedelta, timezone
+from pathlib import Path
+from threading import Barrier
 
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
-from sqlalchemy import select
+from sqlalchemy import select, text
 
+from server.base.settings import Settings
+from server.cli import main
 from server.database import Database, after_commit
-from server.database.migrate import upgrade
+from server.database.migrate import WrongSchema, head, require_current, upgrade
 from server.identity.models import Account
 from server.limits.models import Allowance
 from server.tables import metadata
@@ -84,3 +89,51 @@ def test_times_come_back_aware_and_equal(database: Database) -> None:
         read = db.execute(select(Account.created_at)).scalar_one()
     assert read == noon
     assert read.utcoffset() == timedelta(0)
+
+
+def test_processes_that_start_together_migrate_once(postgres_url: str, tmp_path: Path) -> None:
+    """Each with an engine of its own, as processes have; on a new SQLite file, and in a new schema of PostgreSQL."""
+    schema = f"{postgres_url}{'&' if '?' in postgres_url else '?'}options=-csearch_path%3Dtogether"
+    with closing(Database(postgres_url)) as first, first.engine.begin() as connection:
+        connection.execute(text("DROP SCHEMA IF EXISTS together CASCADE"))
+        connection.execute(text("CREATE SCHEMA together"))
+    for url in (f"sqlite:///{tmp_path / 'new' / 'balise.sqlite3'}", schema):
+        together = Barrier(4)
+
+        def start(url: str = url, together: Barrier = together) -> None:
+            with closing(Database(url)) as database:
+                together.wait()
+                upgrade(database.engine)
+                require_current(database.engine)
+
+        with ThreadPoolExecutor(4) as pool:
+            for done in [pool.submit(start) for _ in range(4)]:
+                done.result()
+
+
+def test_the_database_of_a_newer_version_is_refused_and_left_as_it_is(
+    database: Database, both: Settings, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with database.write() as db:
+        db.execute(text("UPDATE alembic_version SET version_num = '9999'"))
+    try:
+        with pytest.raises(WrongSchema, match=r"plus récente.*9999"):
+            upgrade(database.engine)
+        if both.database_url:
+            monkeypatch.setenv("BALISE_DATABASE_URL", both.database_url)
+        assert main(["admin", "accounts", "--data", str(both.data_dir)]) == 2
+        assert "plus récente" in capsys.readouterr().err
+        with database.read() as db:
+            assert db.execute(text("SELECT version_num FROM alembic_version")).scalar_one() == "9999"
+    finally:
+        with database.write() as db:
+            db.execute(text("UPDATE alembic_version SET version_num = :head"), {"head": head()})
+
+
+def test_who_does_not_migrate_refuses_an_older_database(tmp_path: Path) -> None:
+    with closing(Database(f"sqlite:///{tmp_path / 'balise.sqlite3'}")) as database:
+        with pytest.raises(WrongSchema, match="absent"):
+            require_current(database.engine)
+        upgrade(database.engine, "0001")
+        with pytest.raises(WrongSchema, match=r"plus ancienne.*0001"):
+            require_current(database.engine)

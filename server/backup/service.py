@@ -1,0 +1,85 @@
+"""Making a backup, and restoring one, whatever the database."""
+
+from collections.abc import Collection
+from contextlib import closing
+from datetime import datetime
+from pathlib import Path
+
+from sqlalchemy import make_url
+
+from server.backup import postgres, sqlite
+from server.backup.archive import BackupError, Manifest, reading, write_manifest, writing
+from server.base.settings import Settings
+from server.database import Database, utc_now
+from server.database.migrate import is_known
+
+
+def back_up(settings: Settings, path: Path, known: Collection[str]) -> Manifest:
+    """Saves the database as it is now, others writing or not, then restores that elsewhere to check it.
+
+    `known`: the tables that are ours. Raises BackupError; no file is left then.
+    """
+    made_at = utc_now().isoformat(timespec="seconds")
+    with writing(path) as archive:
+        file = _sqlite_file(settings)
+        if file is not None:
+            manifest = sqlite.save(archive, file, made_at)
+        else:
+            with closing(Database(settings.url)) as database:
+                manifest = postgres.save(archive, database, known, made_at)
+        write_manifest(archive, manifest)
+    try:
+        check(settings, path)
+    except BaseException:
+        path.unlink()
+        raise
+    return manifest
+
+
+def check(settings: Settings, path: Path) -> Manifest:
+    """Restores a backup where nobody sees it, and compares. Raises BackupError."""
+    with reading(path) as (archive, manifest):
+        _require_fitting(settings, manifest)
+        if manifest.engine == "sqlite":
+            sqlite.check(archive, manifest, path.parent)
+        else:
+            with closing(Database(settings.url)) as database:
+                postgres.check(archive, manifest, database)
+    return manifest
+
+
+def restore(
+    settings: Settings, path: Path, known: Collection[str], *, replace: bool, now: datetime
+) -> tuple[Manifest, Path | None]:
+    """Puts a backup in the place of the database, which nobody may be using; where the old file is now, of SQLite.
+
+    Raises BackupError, and then nothing has changed.
+    """
+    with reading(path) as (archive, manifest):
+        _require_fitting(settings, manifest)
+        file = _sqlite_file(settings)
+        if file is not None:
+            if file.exists() and not replace:
+                raise BackupError(f"{file} existe déjà : --replace le remplace, et le garde à côté.")
+            return manifest, sqlite.restore(archive, manifest, file, f".avant-{now:%Y%m%d-%H%M%S}")
+        with closing(Database(settings.url)) as database:
+            postgres.restore(archive, manifest, database, known, replace=replace)
+        return manifest, None
+
+
+def _sqlite_file(settings: Settings) -> Path | None:
+    url = make_url(settings.url)
+    return Path(url.database or "") if url.get_backend_name() == "sqlite" else None
+
+
+def _require_fitting(settings: Settings, manifest: Manifest) -> None:
+    here = "postgresql" if _sqlite_file(settings) is None else "sqlite"
+    if manifest.engine != here:
+        raise BackupError(
+            f"cette sauvegarde est d’une base {manifest.engine}, et BALISE_DATABASE_URL en dit une {here}."
+        )
+    if not is_known(manifest.revision):
+        raise BackupError(
+            f"cette sauvegarde vient d’une version plus récente de Balise (schéma {manifest.revision}) : "
+            "installez-la d’abord."
+        )

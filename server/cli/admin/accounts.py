@@ -1,0 +1,78 @@
+"""`balise admin …` on accounts: making, finding, inviting, disabling, and the links that lead into them."""
+
+from argparse import Namespace
+from datetime import timedelta
+
+from server.base.settings import Settings
+from server.cli.admin.answer import ROLES, Answer, told, who
+from server.database import Database
+from server.identity import links, repository, service
+from server.identity.models import Role
+from server.web.words import plural
+
+BEHIND = "À mettre derrière l’adresse du service (--server URL l’ajoute)."
+
+
+def create(database: Database, settings: Settings, arguments: Namespace) -> Answer:
+    days = settings.first_password_days
+    with database.write() as db:
+        account = service.create(db, arguments.login, arguments.name, Role(arguments.role))
+        token = links.link_of(db, account, timedelta(days=days))
+    first = f"Compte créé : {who(account)}, {ROLES[account.role]}. Son premier mot de passe se choisit par ce lien, qui"
+    return _link(f"{first} ne sert qu’une fois, pendant {plural(days, 'jour')} :", token, arguments, told(account))
+
+
+def reset_link(database: Database, settings: Settings, arguments: Namespace) -> Answer:
+    with database.write() as db:
+        account, token = links.to_new_password(db, arguments.login, settings)
+    hours = plural(settings.password_link_hours, "heure")
+    line = f"Pour {who(account)} : ce lien ne sert qu’une fois, et pendant {hours}."
+    return _link(line, token, arguments, told(account))
+
+
+def invite(database: Database, settings: Settings, arguments: Namespace) -> Answer:
+    days = settings.first_password_days
+    role = Role(arguments.role)
+    with database.write() as db:
+        token = links.invite(db, role, timedelta(days=days))
+    line = f"Ce lien ouvre un compte d’{ROLES[role]} ; il ne sert qu’une fois, et pendant {plural(days, 'jour')}."
+    return _link(line, token, arguments, {"role": role}, page="bienvenue")
+
+
+def _link(
+    line: str, token: str, arguments: Namespace, data: dict[str, object], page: str = "nouveau-mot-de-passe"
+) -> Answer:
+    link = f"{arguments.server.rstrip('/')}/{page}/{token}"
+    return Answer([line, link], {**data, "link": link}, "" if arguments.server else BEHIND)
+
+
+def role(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
+    with database.write() as db:
+        account = links.by_login(db, arguments.login)
+        service.change_role(db, account, Role(arguments.role))
+    return Answer([f"{who(account)} : {ROLES[account.role]}."], told(account))
+
+
+def disable(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
+    with database.write() as db:
+        account = links.by_login(db, arguments.login)
+        service.disable(db, account)
+    line = f"{who(account)} : suspendu. Ses sessions et ses jetons ont pris fin ; son travail reste."
+    return Answer([line], told(account))
+
+
+def enable(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
+    with database.write() as db:
+        account = links.by_login(db, arguments.login)
+        service.enable(account)
+    return Answer([f"{who(account)} : rétabli, avec le mot de passe qu’il avait."], told(account))
+
+
+def accounts(database: Database, _settings: Settings, arguments: Namespace) -> Answer:
+    role = Role(arguments.role) if arguments.role else None
+    with database.read() as db:
+        found = repository.named(db, role=role, sought=arguments.search, most=arguments.most + 1)
+    shown, more = found[: arguments.most], len(found) > arguments.most
+    lines = [f"  {who(one)} : {ROLES[one.role]}{', suspendu' if one.disabled_at else ''}" for one in shown]
+    end = f"{plural(len(shown), 'compte')}{' ; il y en a d’autres (--most, --search)' if more else ''}."
+    return Answer([*lines, end], {"accounts": [told(one) for one in shown], "more": more})

@@ -1,0 +1,64 @@
+"""What an action of `balise admin` answers: lines for people, the same as data for programs."""
+
+import json
+import sys
+from argparse import Namespace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import datetime
+from typing import Any
+from uuid import UUID
+
+from server.base.settings import Settings
+from server.database import Database
+from server.identity.models import Account, Role
+
+ROLES: Mapping[str, str] = {
+    Role.guest: "invité",
+    Role.student: "étudiant",
+    Role.teacher: "enseignant, qui crée des classes",
+    Role.administrator: "administrateur, qui a toutes les classes",
+}
+
+
+@dataclass(frozen=True)
+class Answer:
+    """`data` is JSON once identities and times are text; `hint` goes to the standard error, for people alone."""
+
+    lines: Sequence[str]
+    data: Mapping[str, Any] = field(default_factory=dict)
+    hint: str = ""
+
+    def show(self, as_json: bool) -> None:
+        if as_json:
+            print(json.dumps(self.data, ensure_ascii=False, default=_text))
+            return
+        print("\n".join(self.lines))
+        if self.hint:
+            print(self.hint, file=sys.stderr)
+
+
+Action = Callable[[Database, Settings, Namespace], Answer]
+
+
+def _text(value: object) -> str:
+    if isinstance(value, datetime):
+        return value.isoformat()
+    if isinstance(value, UUID):
+        return str(value)
+    raise TypeError(f"{value!r} is not told in JSON")
+
+
+def told(account: Account) -> dict[str, Any]:
+    """An account, without anything secret."""
+    return {
+        "login": account.login,
+        "name": account.name,
+        "role": account.role,
+        "created_at": account.created_at,
+        "disabled_at": account.disabled_at,
+    }
+
+
+def who(account: Account) -> str:
+    return f"{account.name} ({account.login or 'sans identifiant'})"

@@ -1,0 +1,66 @@
+"""`balise admin …` on what is kept: standings, what is to be erased, what is to be graded."""
+
+from argparse import Namespace
+from datetime import timedelta
+
+from server.base.settings import Settings
+from server.cli import CannotRun
+from server.cli.admin.answer import Answer, told, who
+from server.course import Course
+from server.database import Database, utc_now
+from server.gradebook import requeuing
+from server.gradebook import service as gradebook
+from server.personal.service import PURGED_AT_ONCE, Personal
+from server.queue.port import NoSignals
+from server.queue.postgres import PostgresSignals
+from server.queue.service import TableQueue
+from server.submissions.service import Submissions
+from server.web.words import plural
+
+
+def standings(database: Database, _settings: Settings, _arguments: Namespace) -> Answer:
+    total, changed = gradebook.rebuild(database)
+    corrected = plural(changed, "ligne corrigée", "lignes corrigées")
+    line = f"Bilans refaits d’après l’historique des corrections : {corrected}, {total} en tout."
+    return Answer([line], {"standings": total, "changed": changed})
+
+
+def purge(database: Database, settings: Settings, arguments: Namespace) -> Answer:
+    """Without `--yes`, only tells."""
+    if not (settings.left_days or settings.silent_days):
+        raise CannotRun("rien ne fixe de durée : voyez BALISE_LEFT_DAYS et BALISE_SILENT_DAYS dans le README.")
+    personal = _personal(database, settings)
+    found = personal.purge(utc_now()) if arguments.yes else personal.outdated(utc_now())
+    more = len(found) == PURGED_AT_ONCE
+    end = plural(len(found), "compte effacé", "comptes effacés") if arguments.yes else _to_erase(len(found))
+    lines = [*(f"  {who(account)}" for account in found), f"{end}{' ; recommencez pour la suite' if more else ''}."]
+    return Answer(lines, {"accounts": list(map(told, found)), "erased": arguments.yes, "more": more})
+
+
+def _to_erase(count: int) -> str:
+    return f"{plural(count, 'compte à effacer', 'comptes à effacer')} : le service le fait de lui-même, --yes aussi"
+
+
+def purge_guests(database: Database, settings: Settings, arguments: Namespace) -> Answer:
+    """Those without work. Without `--yes`, only tells."""
+    personal = _personal(database, settings)
+    before = utc_now() - timedelta(days=arguments.days)
+    count = personal.forget_idle_guests(before) if arguments.yes else personal.count_idle_guests(before)
+    done = "effacé" if arguments.yes else "à effacer, avec --yes"
+    many = "effacés" if arguments.yes else done
+    kind = plural(count, f"invité sans travail {done}", f"invités sans travail {many}")
+    return Answer(
+        [f"{kind}, d’il y a plus de {plural(arguments.days, 'jour')}."], {"guests": count, "erased": arguments.yes}
+    )
+
+
+def requeue(database: Database, settings: Settings, arguments: Namespace) -> Answer:
+    on_postgres = settings.url.startswith("postgresql")
+    submissions = Submissions(settings, TableQueue(PostgresSignals() if on_postgres else NoSignals()))
+    found = requeuing.requeue(database, submissions, failed=arguments.failed, names=arguments.submissions)
+    line = f"{plural(len(found), 'essai remis', 'essais remis')} dans la file de correction."
+    return Answer([*(f"  {name}" for name in found), line], {"requeued": found})
+
+
+def _personal(database: Database, settings: Settings) -> Personal:
+    return Personal(database, settings, Course({}, ()))

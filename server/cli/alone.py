@@ -1,0 +1,27 @@
+"""The lock of a data folder: one server, or one restoration, at a time."""
+
+import fcntl
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from server.base.settings import Settings
+from server.cli import CannotRun
+
+
+@contextmanager
+def alone(settings: Settings) -> Iterator[None]:
+    """One server at a time on a data folder: two would take each other's workers for dead."""
+    try:
+        settings.data_dir.mkdir(parents=True, exist_ok=True)
+        lock = (settings.data_dir / "balise.lock").open("w")
+    except OSError as error:
+        raise CannotRun(f"le dossier des données {settings.data_dir} ne convient pas : {error.strerror}.") from error
+    with lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            raise CannotRun(f"un autre serveur utilise déjà {settings.data_dir} (autre dossier : --data).") from error
+        lock.write(f"{os.getpid()}\n")
+        lock.flush()
+        yield

@@ -1,0 +1,44 @@
+"""`balise backup`: saves the database while the service goes on, and checks what it has saved."""
+
+import json
+from argparse import Namespace
+from pathlib import Path
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from server.backup import service
+from server.backup.archive import BackupError, Manifest
+from server.cli import CannotRun
+from server.cli.admin import require_database
+from server.cli.configuration import read_settings
+from server.database import utc_now
+from server.tables import metadata
+from server.web.words import plural
+
+OURS = frozenset(metadata.tables)
+
+
+def run(arguments: Namespace) -> int:
+    settings = read_settings(data_dir=arguments.data)
+    require_database(settings)
+    name = f"balise-{utc_now():%Y%m%d-%H%M%S}.zip"
+    path = Path(arguments.file) if arguments.file else Path(name)
+    path = path / name if path.is_dir() else path
+    try:
+        manifest = service.back_up(settings, path, OURS)
+    except BackupError as error:
+        raise CannotRun(str(error)) from error
+    except SQLAlchemyError as error:
+        raise CannotRun(f"la base de données ne convient pas : {error}") from error
+    show(manifest, path, arguments.json, f"Sauvegarde faite dans {path}, et vérifiée en la restaurant à part")
+    return 0
+
+
+def show(manifest: Manifest, path: Path, as_json: bool, said: str) -> None:
+    if as_json:
+        print(json.dumps({"file": str(path), **manifest.told()}, ensure_ascii=False))
+        return
+    width = max(map(len, manifest.tables), default=0)
+    for table, saved in manifest.tables.items():
+        print(f"  {table:<{width}} {saved.rows:>9}")
+    print(f"{said} : {plural(manifest.rows, 'ligne')}, empreinte {manifest.digest[:16]}.")

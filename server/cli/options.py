@@ -1,0 +1,119 @@
+"""The options of what administrators run: `balise backup`, `restore` and `admin`."""
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+
+ROLES = ("student", "teacher", "administrator")
+MOST_DAYS = 36500
+
+Actions = Callable[[str, str], argparse.ArgumentParser]
+
+
+def backup(parser: argparse.ArgumentParser) -> None:
+    help_text = "fichier à faire, ou dossier où le faire (par défaut : ici, nommé d’après l’heure)"
+    parser.add_argument("file", nargs="?", type=Path, metavar="FILE", help=help_text)
+    _common(parser)
+
+
+def restore(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("file", type=Path, metavar="FILE", help="fichier que « balise backup » a fait")
+    how = parser.add_mutually_exclusive_group()
+    how.add_argument("--replace", action="store_true", help="à la place de la base de données qui s’y trouve")
+    how.add_argument("--check", action="store_true", help="vérifie seulement la sauvegarde")
+    _common(parser)
+
+
+def _common(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
+    parser.add_argument("--json", action="store_true", help="répond en JSON, pour un programme")
+
+
+def admin(parser: argparse.ArgumentParser) -> None:
+    actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+
+    def action(name: str, help_text: str) -> argparse.ArgumentParser:
+        one = actions.add_parser(name, help=help_text, description=f"{help_text[0].upper()}{help_text[1:]}.")
+        _common(one)
+        return one
+
+    _accounts(action)
+    _access(action)
+    _upkeep(action)
+
+
+def _accounts(action: Actions) -> None:
+    create = action("create", "crée un compte, et donne le lien qui en choisit le premier mot de passe")
+    _login(create)
+    create.add_argument("--name", required=True, metavar="NOM", help="nom, comme il est montré")
+    create.add_argument("--role", choices=ROLES, default="student", help="rôle (par défaut : %(default)s)")
+    _server(create)
+    invite = action("invite", "donne un lien, qui ne sert qu’une fois, pour ouvrir un compte d’enseignant")
+    invite.add_argument("--role", choices=ROLES[1:], default="teacher", help="rôle (par défaut : %(default)s)")
+    _server(invite)
+    reset = action("reset-link", "donne un lien, qui ne sert qu’une fois, pour choisir un nouveau mot de passe")
+    _login(reset)
+    _server(reset)
+    role = action("role", "donne un rôle à un compte : student, teacher ou administrator")
+    _login(role)
+    role.add_argument("role", metavar="ROLE", choices=ROLES, help="son nouveau rôle")
+    _login(action("disable", "suspend un compte : plus personne n’y entre, son travail reste"))
+    _login(action("enable", "rétablit un compte suspendu"))
+    accounts = action("accounts", "liste les comptes qui ont un identifiant")
+    accounts.add_argument("--role", choices=ROLES, help="seulement ceux de ce rôle")
+    accounts.add_argument(
+        "--search", default="", metavar="TEXTE", help="seulement ceux dont l’identifiant ou le nom l’a"
+    )
+    accounts.add_argument("--most", type=positive, default=200, metavar="N", help="au plus (par défaut : %(default)s)")
+
+
+def _access(action: Actions) -> None:
+    _login(action("sessions", "liste les sessions ouvertes d’un compte"))
+    _login(action("tokens", "liste les jetons d’un compte"))
+    revoke = action("revoke", "ferme des sessions et révoque des jetons d’un compte")
+    _login(revoke)
+    help_text = "session ou jeton, comme « sessions » et « tokens » les nomment"
+    revoke.add_argument("names", nargs="*", metavar="NAME", help=help_text)
+    revoke.add_argument("--all", action="store_true", help="tous")
+
+
+def _upkeep(action: Actions) -> None:
+    action("standings", "refait les bilans (meilleure note, nombre d’essais) d’après l’historique des corrections")
+    purge = action("purge", "dit quels comptes d’élèves dépassent la durée de conservation réglée, ou les efface")
+    _yes(purge)
+    guests = action("purge-guests", "dit combien d’invités n’ont rien envoyé, ou les efface")
+    guests.add_argument(
+        "--days", type=days, default=7, metavar="N", help="venus il y a plus de N jours (par défaut : %(default)s)"
+    )
+    _yes(guests)
+    requeue = action("requeue", "remet à corriger les essais que plus rien ne corrige")
+    requeue.add_argument("submissions", nargs="*", metavar="SUBMISSION", help="ces essais seulement")
+    requeue.add_argument("--failed", action="store_true", help="ceux aussi dont la correction a échoué de notre côté")
+
+
+def _login(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("login", metavar="LOGIN", help="identifiant du compte")
+
+
+def _server(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--server", metavar="URL", default="", help="adresse publique du service, à mettre devant le lien"
+    )
+
+
+def _yes(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--yes", action="store_true", help="les efface, pour de bon")
+
+
+def positive(text: str) -> int:
+    return max(1, bounded(text, 100_000, "ce nombre"))
+
+
+def days(text: str) -> int:
+    return bounded(text, MOST_DAYS, "le nombre de jours")
+
+
+def bounded(text: str, most: int, what: str) -> int:
+    if not text.isascii() or not text.isdigit() or int(text) > most:
+        raise argparse.ArgumentTypeError(f"{what} doit être un entier de 0 à {most}")
+    return int(text)

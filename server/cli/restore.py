@@ -1,0 +1,33 @@
+"""`balise restore`: puts a backup in the place of the database, the service being stopped."""
+
+import sys
+from argparse import Namespace
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from server.backup import service
+from server.backup.archive import BackupError
+from server.cli import CannotRun
+from server.cli.alone import alone
+from server.cli.backup import OURS, show
+from server.cli.configuration import read_settings
+from server.database import utc_now
+from server.database.migrate import WrongSchema
+
+
+def run(arguments: Namespace) -> int:
+    settings = read_settings(data_dir=arguments.data)
+    try:
+        if arguments.check:
+            show(service.check(settings, arguments.file), arguments.file, arguments.json, "Sauvegarde intacte")
+            return 0
+        with alone(settings):
+            manifest, kept = service.restore(settings, arguments.file, OURS, replace=arguments.replace, now=utc_now())
+    except (BackupError, WrongSchema) as error:
+        raise CannotRun(str(error)) from error
+    except SQLAlchemyError as error:
+        raise CannotRun(f"la base de données ne convient pas : {error}") from error
+    show(manifest, arguments.file, arguments.json, f"Restauré tel que le {manifest.made_at}")
+    if kept is not None:
+        print(f"Ce qui s’y trouvait est gardé dans {kept}.", file=sys.stderr)
+    return 0

@@ -1,0 +1,232 @@
+"""Backups: whole under load, checked, and refused where they are not what they say."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sqlite3
+import stat
+import threading
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+from uuid import UUID
+
+import pytest
+from sqlalchemy import select, text
+
+from server.backup import service
+from server.backup.archive import MANIFEST, BackupError
+from server.base.settings import Settings
+from server.cli import main
+from server.cli.alone import alone
+from server.cli.backup import OURS
+from server.database import Database, utc_now
+from server.database.migrate import require_current, upgrade
+from server.gradebook.models import Grading
+from server.identity.models import Account
+from server.queue.models import Job
+from server.submissions.models import Submission
+from server.submissions.service import Submissions
+from tests.support.service import EXERCISE, QUIET, new_account, worker_of
+
+#: What COPY, JSON and SQLite each have a way of their own to write.
+AWKWARD = "é ’\t\\N \\ \" ' $$ \r\n \u2028 𝔸"
+
+
+@contextmanager
+def busy(database: Database, settings: Settings, writers: int = 3) -> Iterator[dict[UUID, bytes]]:
+    """Students who send without pause, and a worker that grades; what was acknowledged so far, while it goes on."""
+    acknowledged: dict[UUID, bytes] = {}
+    over = threading.Event()
+    store = Submissions(settings.model_copy(update={"submission_refill_seconds": 0, "waiting_each": 10**6}), QUIET)
+    started = threading.Barrier(writers + 2)
+
+    def send(account: Account) -> None:
+        started.wait()
+        number = 0
+        while not over.is_set():
+            number += 1
+            code = f"# {AWKWARD} {account.id} {number}"
+            with database.write() as db:
+                made = store.submit(db, account, EXERCISE, code, address="192.0.2.1")
+            acknowledged[made.id] = code.encode()
+
+    def grade() -> None:
+        worker = worker_of(database, settings)
+        started.wait()
+        while not over.is_set():
+            worker.step()
+
+    accounts = [new_account(database, name=f"{AWKWARD} {number}"[:90]) for number in range(writers)]
+    threads = [threading.Thread(target=send, args=(account,)) for account in accounts] + [
+        threading.Thread(target=grade)
+    ]
+    for thread in threads:
+        thread.start()
+    try:
+        started.wait()
+        while len(acknowledged) < 10:
+            over.wait(0.01)
+        yield acknowledged
+    finally:
+        over.set()
+        for thread in threads:
+            thread.join()
+
+
+def test_what_was_acknowledged_before_a_backup_under_load_is_restored(
+    database: Database, both: Settings, tmp_path: Path
+) -> None:
+    file = tmp_path / "save.zip"
+    with busy(database, both) as acknowledged:
+        before = dict(acknowledged)
+        manifest = service.back_up(both, file, OURS)
+        while len(acknowledged) < len(before) + 5:
+            threading.Event().wait(0.01)
+    database.close()
+    restored, kept = service.restore(both, file, OURS, replace=True, now=utc_now())
+    assert restored == manifest
+    again = Database(both.url)
+    with again.read() as db:
+        found = {row[0]: row[1] for row in db.execute(select(Submission.id, Submission.source))}
+        waiting = {UUID(key) for key in db.execute(select(Job.key)).scalars()}
+        graded = set(db.execute(select(Grading.submission_id)).scalars())
+        names = db.execute(select(Account.name)).scalars().all()
+    again.close()
+    assert before.items() <= found.items() <= acknowledged.items()
+    assert len(found) < len(acknowledged), "the service had gone on"
+    assert waiting | graded == found.keys(), "each is graded, or waits"
+    assert not waiting & graded
+    assert len(names) == 3
+    assert (kept is not None) == both.url.startswith("sqlite")
+
+
+def test_a_backup_says_how_many_rows_there_are_of_what(database: Database, both: Settings, tmp_path: Path) -> None:
+    new_account(database)
+    first = service.back_up(both, tmp_path / "1.zip", OURS)
+    assert {name for name, saved in first.tables.items() if saved.rows} == {"account", "alembic_version"}
+    assert first.tables.keys() == OURS | {"alembic_version"}
+    if both.url.startswith("sqlite"):
+        assert service.check(both, tmp_path / "1.zip") == first
+    with database.write() as db:
+        db.execute(text("UPDATE account SET name = 'Eve'"))
+    changed = service.back_up(both, tmp_path / "2.zip", OURS)
+    assert changed.differences(first.tables) == ["account"], "and all else is what it was"
+    assert stat.S_IMODE((tmp_path / "2.zip").stat().st_mode) == 0o600
+    assert sorted(path.name for path in tmp_path.glob("*.zip*")) == ["1.zip", "2.zip"], "nothing half written"
+
+
+def test_no_table_counts_by_itself(database: Database) -> None:
+    """A sequence would have to be restored too."""
+    if database.engine.dialect.name == "postgresql":
+        with database.read() as db:
+            assert db.execute(text("SELECT count(*) FROM pg_sequences")).scalar_one() == 0
+
+
+def altered(file: Path, made: Path, member: str, change: Any) -> Path:
+    """The same archive, with one of its members changed."""
+    with zipfile.ZipFile(file) as old, zipfile.ZipFile(made, "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            new.writestr(name, change(content) if name == member else content)
+    return made
+
+
+def test_a_damaged_backup_changes_nothing(database: Database, both: Settings, tmp_path: Path) -> None:
+    ada = new_account(database, name="Ada Lovelace")
+    file = tmp_path / "save.zip"
+    service.back_up(both, file, OURS)
+    data = "balise.sqlite3" if both.url.startswith("sqlite") else "tables/account.copy"
+    (tmp_path / "cut.zip").write_bytes(file.read_bytes()[:-30])
+    (tmp_path / "text.zip").write_text("bonjour")
+    damaged = [
+        altered(file, tmp_path / "row.zip", data, lambda content: content.replace(b"Ada Lovelace", b"Eve Lovelace")),
+        altered(file, tmp_path / "count.zip", MANIFEST, lambda text: text.replace(b'"rows": 1', b'"rows": 2')),
+        altered(file, tmp_path / "short.zip", data, lambda content: content[: len(content) // 2]),
+        tmp_path / "cut.zip",
+        tmp_path / "text.zip",
+        tmp_path / "absent.zip",
+    ]
+    for path in damaged:
+        with pytest.raises(BackupError):
+            service.restore(both, path, OURS, replace=True, now=utc_now())
+    newer = altered(file, tmp_path / "newer.zip", MANIFEST, _from_the_future)
+    with pytest.raises(BackupError, match="plus récente"):
+        service.check(both, newer)
+    with pytest.raises(BackupError, match="--replace"):
+        service.restore(both, file, OURS, replace=False, now=utc_now())
+    with database.read() as db:
+        assert db.execute(select(Account.id)).scalars().all() == [ada.id]
+
+
+def _from_the_future(manifest: bytes) -> bytes:
+    return json.dumps({**json.loads(manifest), "revision": "9999"}).encode()
+
+
+def test_a_backup_of_another_engine_is_refused(sqlite: Database, settings: Settings, tmp_path: Path) -> None:
+    service.back_up(settings, tmp_path / "save.zip", OURS)
+    elsewhere = settings.model_copy(update={"database_url": "postgresql://localhost/nulle-part"})
+    with pytest.raises(BackupError, match="sqlite"):
+        service.check(elsewhere, tmp_path / "save.zip")
+
+
+def test_the_commands_save_and_restore_beside_what_was_there(
+    sqlite: Database, settings: Settings, tmp_path: Path, capsys: Any
+) -> None:
+    new_account(sqlite)
+    data = ["--data", str(settings.data_dir)]
+    assert main(["backup", str(tmp_path), *data]) == 0
+    (file,) = tmp_path.glob("balise-*.zip")
+    said = capsys.readouterr().out
+    assert str(file) in said
+    assert "vérifiée" in said
+    assert main(["backup", str(file), *data]) == 2
+    assert main(["restore", str(file), *data]) == 2
+    assert "--replace" in capsys.readouterr().err
+    assert main(["restore", str(file), "--check", "--json", *data]) == 0
+    assert json.loads(capsys.readouterr().out)["tables"]["account"]["rows"] == 1
+    new_account(sqlite)
+    sqlite.close()
+    assert main(["restore", str(file), "--replace", *data]) == 0
+    (kept,) = settings.data_dir.glob("balise.sqlite3.avant-????????-??????")
+    for path, count in ((settings.data_dir / "balise.sqlite3", 1), (kept, 2)):
+        assert sqlite3.connect(path).execute("SELECT count(*) FROM account").fetchone() == (count,)
+    shutil.rmtree(settings.data_dir)
+    assert main(["restore", str(file), *data]) == 0, "to a new machine"
+    migrated_one = Database(settings.url)
+    with migrated_one.read() as db:
+        assert len(db.execute(select(Account.id)).all()) == 1
+    migrated_one.close()
+    assert main(["backup", "--data", str(tmp_path / "elsewhere")]) == 2
+
+
+def test_a_restoration_waits_for_the_service_to_be_stopped(
+    sqlite: Database, settings: Settings, tmp_path: Path, capsys: Any
+) -> None:
+    data = ["--data", str(settings.data_dir)]
+    assert main(["backup", str(tmp_path / "save.zip"), *data]) == 0
+    with alone(settings):
+        assert main(["restore", str(tmp_path / "save.zip"), "--replace", *data]) == 2
+    assert "un autre serveur" in capsys.readouterr().err
+
+
+def test_what_is_no_database_of_ours_is_not_saved(settings: Settings, tmp_path: Path) -> None:
+    settings.data_dir.mkdir(parents=True)
+    sqlite3.connect(settings.data_dir / "balise.sqlite3").execute("CREATE TABLE other (x)").connection.close()
+    with pytest.raises(BackupError, match="rien n’est sauvegardé"):
+        service.back_up(settings, tmp_path / "save.zip", OURS)
+    assert not [path for path in tmp_path.iterdir() if path != settings.data_dir]
+
+
+def test_an_older_backup_comes_to_the_current_schema(settings: Settings, tmp_path: Path) -> None:
+    old = Database(settings.url)
+    upgrade(old.engine, "0016")
+    old.close()
+    assert service.back_up(settings, tmp_path / "old.zip", OURS).revision == "0016"
+    service.restore(settings, tmp_path / "old.zip", OURS, replace=True, now=utc_now())
+    now = Database(settings.url)
+    require_current(now.engine)
+    now.close()
