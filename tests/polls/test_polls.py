@@ -111,7 +111,7 @@ def test_a_class_is_counted_by_its_active_students_in_as_many_queries_as_nobody(
     with Counted(site.database) as full:
         page = browser.get(path).text
     icp = page[page.index('href="/l20/lire/slam#rejeu-icp"') :]
-    assert "3 sur 3 élèves ont répondu, 2 juste." in icp
+    assert "3 sur 3 élèves ont répondu, 2 justes." in icp
     assert re.findall(r'poll-count">(\d+)<', icp)[:3] == ["1", "2", "0"]
     assert len(full.statements) <= len(empty.statements)
     student = person(site, account=people[0]).browser(site)
