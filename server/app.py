@@ -40,6 +40,7 @@ from server.desk.marks.routes import router as marks_router
 from server.desk.own.routes import router as own_router
 from server.desk.people.keeping import router as keeping_router
 from server.desk.people.routes import router as classes_router
+from server.desk.polls.routes import router as polls_router
 from server.desk.regrades.routes import router as regrades_router
 from server.desk.sitting.routes import router as sitting_router
 from server.desk.talk.routes import router as talking_router
@@ -99,6 +100,7 @@ ROUTERS = (
     talking_router,
     marks_router,
     journal_router,
+    polls_router,
     regrades_router,
     groups_router,
     sitting_router,

@@ -10,6 +10,7 @@ from server.gradebook import models as gradebook
 from server.identity import models as identity
 from server.limits import models as limits
 from server.marks import models as marks
+from server.polls import models as polls
 from server.queue import models as queue
 from server.regrades import models as regrades
 from server.submissions import models as submissions
@@ -42,6 +43,7 @@ TABLES = (
     comments.Note,
     comments.NoteReader,
     marks.Override,
+    polls.PollAnswer,
     regrades.Regrade,
     regrades.RegradeItem,
     behaviour.BehaviourGroup,

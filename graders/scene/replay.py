@@ -5,6 +5,7 @@ A file `curriculum/<module>/rejeux/<name>.py` holds
     TITLE = "…"                          shown above the drawing
     ALT = "…"                            what the drawing shows, in words, for those who do not see it
     PARAMETERS = {"rayons": Slider("Nombre de rayons", 4, 180, 4, 36), "tirage": Draw(), …}
+    PREDICTION = Prediction("…", …)      what readers are asked before they play it; may be left out
     def compute(values: Values, rng: np.random.Generator) -> Replay: …
 
 `compute` depends on nothing but its arguments: `rng` is seeded by the parameter of kind `Draw`, if there is one. It is
@@ -37,6 +38,7 @@ from graders.scene.layers import (
 )
 from graders.scene.packing import SceneError, rounded
 from graders.scene.parameters import Choice, Dragged, Draw, Event, Parameter, Slider, Switch, Values
+from graders.scene.prediction import Prediction
 from graders.typography import french
 
 __all__ = [
@@ -60,6 +62,7 @@ __all__ = [
     "Points",
     "Polyline",
     "Pose",
+    "Prediction",
     "Rays",
     "Replay",
     "SceneError",

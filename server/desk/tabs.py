@@ -13,6 +13,7 @@ STAFF: tuple[tuple[Right, str, str], ...] = (
     (Right.see_students, "Devoirs", "/devoirs"),
     (Right.read_marks, "Carnet", "/carnet"),
     (Right.read_work, "Questions", "/questions"),
+    (Right.read_work, "Prévisions", "/previsions"),
     (Right.see_students, "Élèves", "/eleves"),
     (Right.read_log, "Journal", "/journal"),
     (Right.regrade, "Recorrections", "/recalculs"),

@@ -29,6 +29,7 @@ from server.identity.models import Account
 from server.marks import repository as marks
 from server.marks.models import Override
 from server.personal import repository
+from server.polls import repository as polls
 from server.submissions import repository as submissions
 from server.submissions.models import Submission
 
@@ -147,6 +148,17 @@ def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
         "deals": [
             {"exercise": one.exercise, "seed": one.seed, "created_at": _time(one.created_at)}
             for one in repository.deals_of(db, account_id)
+        ],
+        "lesson_answers": [
+            {
+                "question": one.poll,
+                "first": one.answer,
+                "last": one.last,
+                "tries": one.tries,
+                "answered_at": _time(one.answered_at),
+                "last_at": _time(one.last_at),
+            }
+            for one in polls.all_of(db, account_id)
         ],
         "solutions_opened": [
             {"exercise": one.exercise, "opened_at": _time(one.opened_at)}

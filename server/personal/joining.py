@@ -10,14 +10,17 @@ from server.classes import service as classes
 from server.comments import service as comments
 from server.gradebook import service as gradebook
 from server.marks import service as marks
+from server.polls import repository as polls
 
 
 def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
-    """Attempts, deals, what is said of them, tests, classes, exemptions, marks. Inside the caller's transaction."""
+    """Attempts, deals, answers to lessons, what is said of them, tests, classes, exemptions, marks. Inside the
+    caller's transaction."""
     comments.adopt(db, guest_id, account_id)
     gradebook.adopt(db, guest_id, account_id)
     sittings.adopt(db, guest_id, account_id)
     classes.adopt(db, guest_id, account_id)
     exempting.adopt(db, guest_id, account_id)
     marks.adopt(db, guest_id, account_id)
+    polls.move(db, guest_id, account_id)
     audit.move(db, guest_id, account_id)

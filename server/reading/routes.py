@@ -5,14 +5,17 @@ from __future__ import annotations
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
-from fastapi.responses import HTMLResponse
+from fastapi.responses import HTMLResponse, JSONResponse
 
+from server.base.errors import Unauthorised
 from server.base.provided import provided
 from server.base.request import client_address
 from server.figures.dependencies import FiguresOf
 from server.figures.orders import MEDIA_TYPES, Theme
+from server.polls import service as polls
 from server.reading import service
 from server.reading.downloads import Downloads
+from server.reading.schemas import NewAnswer
 from server.web.dependencies import Reading
 from server.web.rendering import once, page
 from server.web.views import find_module
@@ -36,6 +39,17 @@ def lesson(request: Request, module: str, slug: str, reader: Reading) -> HTMLRes
     course_module = find_module(reader.course, module)
     view = service.lesson_page(reader, course_module, service.find_lesson(course_module, slug))
     return page(request, "reading/lesson.html", reader.account, page=view)
+
+
+@router.post("/{module:module}/previsions")
+def say(module: str, body: NewAnswer, reader: Reading) -> JSONResponse:
+    """Keeps what somebody answers to a question of the lessons; tells what they answered first."""
+    course_module = find_module(reader.course, module)
+    if reader.account is None:
+        raise Unauthorised("Sans compte, votre navigateur garde ce que vous répondez.")
+    poll = polls.find(course_module, body.question)
+    first = polls.say(reader.db, reader.account, course_module, poll, body.answer)
+    return JSONResponse({"first": first}, headers={"Cache-Control": "no-store"})
 
 
 @router.get("/{module:module}/glossaire")

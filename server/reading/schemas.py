@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from markupsafe import Markup
+from pydantic import BaseModel, ConfigDict, Field
 
+from server.polls.models import ANSWER_LENGTH, POLL_LENGTH
 from server.web.deadlines import DueView
 from server.web.schemas import ExerciseRow, FigureView, ModuleLink
 
@@ -93,7 +95,8 @@ class TermView:
 
 @dataclass(frozen=True)
 class LessonPage:
-    """A lesson. `terms` are the words whose definition it may be asked for."""
+    """A lesson. `terms` are the words whose definition it may be asked for; `said` is, as JSON, what the reader
+    answered first to its questions, by name."""
 
     module: ModuleLink
     slug: str
@@ -104,6 +107,7 @@ class LessonPage:
     duration: str
     objectives: tuple[str, ...]
     html: Markup
+    said: str
     contents: tuple[Entry, ...]
     exercises: tuple[ExerciseRow, ...]
     terms: tuple[TermView, ...]
@@ -144,3 +148,12 @@ class SearchPage:
     read_as: str
     hits: tuple[HitView, ...]
     examples: tuple[str, ...]
+
+
+class NewAnswer(BaseModel):
+    """What somebody answers to a question of a lesson, both by their ids."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    question: str = Field(max_length=POLL_LENGTH)
+    answer: str = Field(max_length=ANSWER_LENGTH)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
@@ -16,6 +17,7 @@ from server.course.kinds import KINDS, SEANCE
 from server.course.models import Heading, Lesson, Term
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, Progress
+from server.polls import service as polls
 from server.reading import search
 from server.reading.schemas import (
     CourseHome,
@@ -166,6 +168,7 @@ def lesson_view(module: Module, lesson: Lesson, progress: Mapping[str, Progress]
         duration=duration(lesson.minutes),
         objectives=lesson.objectives,
         html=Markup(lesson.html),
+        said=json.dumps(dict(polls.said_in(reader.db, reader.account, module, lesson)), ensure_ascii=False),
         contents=contents(lesson),
         exercises=tuple(_rows(exercises_after(module, lesson), progress).values()),
         terms=_terms(module, lesson),

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from graders.scene.parameters import Draw, Parameter, RefusedError, Value, Values
+from graders.scene.prediction import Prediction
 from graders.scene.replay import Replay
 from graders.typography import french
 from server.base.caches import Lately
@@ -39,6 +40,7 @@ class Script:
     alt: str
     parameters: Mapping[str, Parameter]
     compute: Callable[[Values, np.random.Generator], Replay]
+    prediction: Prediction | None = None
 
     def read(self, query: Iterable[tuple[str, str]]) -> Values:
         """The settings that an address asks for, defaults elsewhere. Raises Invalid, which names the parameter."""
@@ -65,7 +67,9 @@ class Script:
             {"name": name, "label": french(parameter.label), **parameter.describe()}
             for name, parameter in self.parameters.items()
         ]
-        head = {"title": french(self.title), "alt": french(self.alt), "parameters": described}
+        head: dict[str, Any] = {"title": french(self.title), "alt": french(self.alt), "parameters": described}
+        if self.prediction:
+            head["prediction"] = self.prediction.wire()
         return {**head, "values": dict(values.by_name), **scene.wire()}
 
 
@@ -120,6 +124,10 @@ def names_in(module: Path) -> tuple[str, ...]:
 
 @lru_cache(maxsize=256)
 def load(module: Path, name: str) -> Script:
-    """A replay read from its file; an error in the file is raised as it is."""
+    """A replay read from its file; an error in the file is raised as it is. Raises Invalid for settings of its
+    question that it does not have."""
     source = load_file(module / "rejeux" / f"{name.replace('-', '_')}.py")
-    return Script(name, source.TITLE, source.ALT, dict(source.PARAMETERS), source.compute)
+    prediction: Prediction | None = getattr(source, "PREDICTION", None)
+    script = Script(name, source.TITLE, source.ALT, dict(source.PARAMETERS), source.compute, prediction)
+    script.read(prediction.settings.items() if prediction else ())
+    return script

@@ -110,7 +110,7 @@ def test_what_one_moves_and_the_drawing_are_seen_together(visit: NewVisit, width
             if width < 1280:  # the page scrolls, the drawing stays
                 field.evaluate("field => field.scrollIntoView({ block: 'nearest' })")
             else:
-                figure.evaluate("figure => figure.scrollIntoView()")
+                canvas.evaluate("canvas => canvas.scrollIntoView()")
             drawn, moved = canvas.bounding_box(), field.bounding_box()
             assert drawn is not None, name
             assert moved is not None, name
@@ -119,6 +119,41 @@ def test_what_one_moves_and_the_drawing_are_seen_together(visit: NewVisit, width
             assert moved["y"] + moved["height"] <= height + 1, name
             assert width == 1280 or foot <= moved["y"] + 1, name
         assert visitor.page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+@pytest.mark.slow
+def test_what_one_expects_stands_beside_what_happens_and_is_kept(visit: NewVisit) -> None:
+    visitor = visit()
+    page = visitor.open("/l20/lire/slam")
+    figure = page.locator("#rejeu-graphe")
+    figure.evaluate("figure => figure.scrollIntoView()")
+    asked = figure.locator(".replay-prediction")
+    expect(asked).to_contain_text("Que devient la carte")
+    expect(asked).not_to_contain_text("7 cases")
+    figure.locator(".replay-transport select").select_option("4")
+    asked.get_by_label("Meilleure").check()
+    asked.get_by_role("button").click()
+    expect(asked).to_contain_text("Vous aviez dit : Meilleure")
+    expect(asked).not_to_contain_text("Ce qui arrive :")
+    expect(figure.get_by_label("Ajouter une fausse fermeture")).to_be_checked()
+    expect(asked).to_contain_text("autre chose arrive")
+    expect(asked).to_contain_text("L’écart passe de 1,8 à 7 cases")
+    expect(figure.locator(".replay-counter")).to_have_text(re.compile(r"^(\d+) / \1$"))
+    page.reload()  # a visitor's browser has kept it
+    figure.evaluate("figure => figure.scrollIntoView()")
+    expect(asked).to_contain_text("Vous aviez dit : Meilleure")
+    expect(asked).not_to_contain_text("L’écart passe de 1,8")
+
+
+def test_a_replay_plays_without_an_answer(visit: NewVisit) -> None:
+    page = reading(visit(width=1280), "graphe")
+    figure = page.locator("#rejeu-graphe")
+    asked = figure.locator(".replay-prediction")
+    expect(asked.get_by_role("radio")).to_have_count(3)
+    figure.locator(".replay-transport select").select_option("4")
+    figure.get_by_role("button", name="Lecture").click()
+    expect(figure.locator(".replay-counter")).to_have_text(re.compile(r"^(\d+) / \1$"))
+    expect(asked.get_by_role("radio")).to_have_count(3)
 
 
 def test_keys_that_every_keyboard_has_lead_through_the_frames(visit: NewVisit) -> None:

@@ -19,6 +19,7 @@ from graders.scene.replay import (
     Key,
     Layer,
     Pose,
+    Prediction,
     Rays,
     Replay,
     Series,
@@ -47,6 +48,21 @@ PARAMETERS = {
     "portee": Slider("Portée du lidar", 2, 12, 1, 4, "cases"),
     "tirage": Draw(default=3),
 }
+PREDICTION = Prediction(
+    "Le robot part entre deux pièces jumelles, qui se ressemblent comme deux gouttes d'eau. Quand saura-t-il de quel "
+    "côté il est ?",
+    (
+        ("tout_de_suite", "Dès le premier scan."),
+        ("en_chemin", "Après quelques pas, quand un scan distinguera les deux côtés."),
+        ("jamais", "Jamais : tout y est pareil."),
+    ),
+    right="en_chemin",
+    why=(
+        "Après le premier scan, la croyance a 4 bosses : il ne suffit pas. C'est en bougeant que le robot rencontre ce "
+        "qui diffère d'un côté à l'autre. À partir du pas 7, il ne reste qu'une bosse, et c'est la bonne."
+    ),
+    settings={"depart": "jumelles"},
+)
 STEPS = 12
 BUMP = 0.2
 TWINS = """

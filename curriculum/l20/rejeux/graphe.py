@@ -17,6 +17,7 @@ from graders.scene.replay import (
     Layer,
     Points,
     Polyline,
+    Prediction,
     Replay,
     Segments,
     Series,
@@ -47,6 +48,21 @@ PARAMETERS = {
     "noyau": Choice("Noyau robuste", (("aucun", "aucun"), ("huber", "de Huber"), ("dcs", "DCS")), "aucun"),
     "tirage": Draw(default=5),
 }
+PREDICTION = Prediction(
+    "L'odométrie seule s'écarte du vrai trajet de 1,8 case. On ajoute une vraie fermeture de boucle, et une fausse ; "
+    "aucun noyau robuste. Que devient la carte ?",
+    (
+        ("meilleure", "Meilleure : la vraie fermeture et toute l'odométrie l'emportent sur la fausse."),
+        ("egale", "Ni mieux ni pire : l'une défait ce que fait l'autre."),
+        ("pire", "Bien pire qu'avec l'odométrie seule."),
+    ),
+    right="pire",
+    why=(
+        "L'écart passe de 1,8 à 7 cases. Une fermeture pèse bien plus qu'un pas d'odométrie, et les moindres carrés "
+        "plient tout le reste pour la satisfaire. Choisissez maintenant le noyau DCS : l'écart tombe à 0,5 case."
+    ),
+    settings={"fausse": "1"},
+)
 START = (3.5, 3.5, 0.0)
 ROUTE = (
     (11.5, 3.5), (11.5, 7.9), (19.5, 7.9), (19.5, 5.5), (19.5, 7.9), (17.5, 7.9), (17.5, 13.5), (11.5, 13.5),

@@ -18,6 +18,7 @@ from graders.scene.replay import (
     Level,
     Points,
     Pose,
+    Prediction,
     Replay,
     Segments,
     Series,
@@ -47,6 +48,21 @@ PARAMETERS = {
     "elagage": Switch("Ne garder que les 70 % de paires les plus courtes"),
     "tirage": Draw(),
 }
+PREDICTION = Prediction(
+    "On part d'un nuage trop tourné, de 60°. ICP apparie au plus proche, déplace, recommence. Où s'arrêtera-t-il ?",
+    (
+        ("bonne", "Au bon recalage, après plus de tours."),
+        ("ailleurs", "À un autre recalage, faux."),
+        ("jamais", "Nulle part : l'écart monte et descend sans fin."),
+    ),
+    right="ailleurs",
+    why=(
+        "L'écart descend à chaque tour, c'est un théorème, et tout s'arrête après 28 tours ; mais à 89° de la bonne "
+        "pose. Les plus proches voisins étaient de faux partenaires, et la pièce se ressemble quand on la tourne d'un "
+        "quart de tour : c'est un minimum local."
+    ),
+    settings={"rotation": "60"},
+)
 FIRST, SECOND = np.array([11.0, 4.0, 0.0]), np.array([11.4, 3.9, 0.4])
 BEAMS, REACH = 90, 7.0
 MOST = 60

@@ -15,6 +15,7 @@ from graders.scene.replay import (
     Key,
     Level,
     Pose,
+    Prediction,
     Rays,
     Replay,
     Segments,
@@ -39,6 +40,21 @@ PARAMETERS = {
     "bruit": Slider("Bruit (écart-type)", 0.0, 1.0, 0.05, 0.0, "case"),
     "tirage": Draw(),
 }
+PREDICTION = Prediction(
+    "Ramenons la portée à 4 cases. Que lira un rayon qui part vers un mur plus éloigné ?",
+    (
+        ("zero", "0 : il n'a rien touché."),
+        ("portee", "4 cases, la portée."),
+        ("distance", "La distance du mur, même s'il est plus loin."),
+        ("hasard", "Un nombre quelconque."),
+    ),
+    right="portee",
+    why=(
+        "Il lit la portée, 4 cases : cela ne dit pas qu'un mur est là, mais qu'il n'y en a pas avant. Ici, 22 des 36 "
+        "rayons sont dans ce cas ; ce sont les tirets du dessin, et la courbe s'y aplatit sur le trait de la portée."
+    ),
+    settings={"portee": "4"},
+)
 SECONDS = 5.0
 
 

@@ -20,6 +20,7 @@ from graders.scene.replay import (
     Mark,
     Points,
     Pose,
+    Prediction,
     Rays,
     Replay,
     Series,
@@ -54,6 +55,22 @@ PARAMETERS = {
     "enlevement": Event("Enlever le robot", "Ne plus l'enlever", STEPS + 1),
     "tirage": Draw(default=1),
 }
+PREDICTION = Prediction(
+    "Au pas 20, le nuage est bien groupé autour du robot. On enlève alors le robot, et on le pose ailleurs ; aucune "
+    "particule n'est injectée. Que fera le nuage ?",
+    (
+        ("suit", "Il rejoint le robot en un ou deux pas : les scans suffisent."),
+        ("lentement", "Il le retrouve, mais lentement."),
+        ("perdu", "Il ne le retrouve pas."),
+    ),
+    right="perdu",
+    why=(
+        "Le rééchantillonnage ne fait que recopier des particules qui existent : s'il n'y en a aucune près du robot, "
+        "aucun scan n'en fera naître. À la fin, l'erreur est encore de 6 cases. Remettez 5 % de particules injectées : "
+        "le robot est retrouvé 12 pas après l'enlèvement."
+    ),
+    settings={"enlevement": "20", "injection": "0"},
+)
 REACH, LIDAR_SIGMA = 8.0, 0.1
 FINE = 4
 STRIDE, TURN = 0.7, 0.6

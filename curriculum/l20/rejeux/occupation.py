@@ -18,6 +18,7 @@ from graders.scene.replay import (
     Layer,
     Polyline,
     Pose,
+    Prediction,
     Rays,
     Replay,
     Series,
@@ -50,6 +51,21 @@ PARAMETERS = {
     "bruit": Slider("Bruit du lidar σ", 0.0, 0.5, 0.05, 0.05, "case"),
     "tirage": Draw(default=1),
 }
+PREDICTION = Prediction(
+    "Les mêmes scans, mais placés aux poses que donne l'odométrie, qui dérive un peu. Quelle carte obtiendra-t-on ?",
+    (
+        ("bonne", "La même, ou presque : des dizaines de scans compensent une petite dérive."),
+        ("trouee", "Une carte juste, mais pleine de trous."),
+        ("double", "Une carte dont les murs penchent et se dédoublent."),
+    ),
+    right="double",
+    why=(
+        "Au retour, l'odométrie se trompe de 2 cases et de 8°, et chaque scan est écrit là où le robot se croit : les "
+        "murs vus deux fois sont dessinés deux fois. Des cases connues, 19 % sont fausses, contre 2 % "
+        "avec les vraies poses."
+    ),
+    settings={"poses": "odometrie"},
+)
 START = (3.5, 3.5, 0.0)
 ROUTE = (
     (11.5, 3.5), (11.5, 7.9), (19.5, 7.9), (19.5, 5.5), (19.5, 7.9), (17.5, 7.9), (17.5, 13.5), (7.6, 13.5),

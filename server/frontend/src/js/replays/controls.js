@@ -62,7 +62,7 @@ export class Settings {
     this.currentStep = currentStep;
     this.#defaults = Object.fromEntries(parameters.map(({ name }) => [name, asText(values[name])]));
     this.#values = { ...this.#defaults };
-    this.reset = button("Réglages de départ", () => this.#restore(), "link-button");
+    this.reset = button("Réglages de départ", () => this.take({}), "link-button");
     const fields = parameters.map((one) => this.#field(one)).filter(Boolean);
     this.element = make("div", { class: "replay-settings", hidden: fields.length === 0 }, ...fields, this.reset);
     this.#refresh();
@@ -71,6 +71,13 @@ export class Settings {
   /** Set one value from outside: the robot that was dragged. */
   set(name, value) {
     this.#values[name] = asText(value);
+    this.#refresh();
+    this.changed(this.asked());
+  }
+
+  /** Set all of them: `{name: text}`, defaults elsewhere. */
+  take(settings) {
+    this.#values = { ...this.#defaults, ...settings };
     this.#refresh();
     this.changed(this.asked());
   }
@@ -84,11 +91,6 @@ export class Settings {
     this.#shown[name](asText(value));
   }
 
-  #restore() {
-    this.#values = { ...this.#defaults };
-    this.#refresh();
-    this.changed({});
-  }
 
   #refresh() {
     for (const [name, text] of Object.entries(this.#values)) this.#shown[name]?.(text);

@@ -6,6 +6,7 @@ import { Settings, Transport } from "./controls.js";
 import { button, lowered, make, mark } from "./dom.js";
 import { Drag } from "./drag.js";
 import { ALONE, GOALS, keysHelp } from "./keys.js";
+import { Prediction } from "./prediction.js";
 import { Source } from "./source.js";
 import { Stage } from "./stage.js";
 
@@ -17,6 +18,7 @@ export class Player {
   #speed = 1;
   #last = 0;
   #asked = false;
+  #launched = false;
 
   constructor(figure) {
     this.figure = figure;
@@ -75,6 +77,14 @@ export class Player {
     this.#draw();
   }
 
+  /** Plays from the beginning, with these settings. */
+  launch(settings) {
+    this.#playing = false;
+    this.#launched = true;
+    this.settings.take(settings);
+    this.prediction.element.scrollIntoView({ block: "start" });
+  }
+
   pause() {
     if (!this.#playing) return;
     this.#playing = false;
@@ -95,6 +105,7 @@ export class Player {
     this.#position = Math.min(end, this.#position + elapsed * (this.#speed / this.data.period));
     this.#last = now;
     if (this.#position >= end || document.hidden) this.#playing = false;
+    if (this.#position >= end) this.prediction?.ended(this.settings.asked());
     this.#draw();
     if (this.#playing) requestAnimationFrame((next) => this.#tick(next));
   }
@@ -115,6 +126,10 @@ export class Player {
     for (const stage of this.stages) stage.show(data);
     this.#watchPose(data);
     this.#draw();
+    if (!this.#launched || this.source.waits) return;
+    this.#launched = false;
+    this.#position = 0;
+    this.toggle();
   }
 
   #build(data) {
@@ -128,12 +143,21 @@ export class Player {
     const { title, legend, view, transport, charts, settings, summary } = this;
     const turns = data.parameters.find((one) => one.kind === "pose")?.turns;
     const help = keysHelp(turns);
-    this.body.replaceChildren(title, legend, view, transport.element, settings.element, charts, summary, help);
+    this.prediction = this.#asks(data.prediction);
+    const asked = this.prediction ? [this.prediction.element] : [];
+    const head = make("div", { class: "replay-head" }, ...asked, title, legend);
+    this.body.replaceChildren(head, view, transport.element, settings.element, charts, summary, help);
     if (data.wrong) {
       this.astray.textContent = data.wrong[1];
       transport.element.after(make("p", { class: "replay-astray" }, this.astray));
     }
     this.#dress();
+  }
+
+  #asks(prediction) {
+    if (!prediction) return null;
+    const name = this.figure.dataset.source.split("/").slice(2).join("/");
+    return new Prediction(prediction, name, this.figure, { launch: (settings) => this.launch(settings) });
   }
 
   /** The canvas, or one for each panel under its title; keys are pressed on the first. */

@@ -14,6 +14,11 @@ export class Source {
     this.waiting = waiting;
   }
 
+  /** True when something newer is asked for than what was just answered. */
+  get waits() {
+    return this.#wanted !== null;
+  }
+
   /** Ask for the data with these settings, `{name: text}`. */
   async ask(settings) {
     this.#wanted = settings;

@@ -1,0 +1,1 @@
+"""How a class answered the questions of the lessons."""

@@ -1,0 +1,24 @@
+"""The page on which who teaches a class sees what its students expected, before they saw it."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request
+from fastapi.responses import Response
+
+from server.desk.asking import log_in_first
+from server.desk.polls.views import polls_page
+from server.rights import service as rights
+from server.rights.models import Right
+from server.web.dependencies import Reading
+from server.web.rendering import page
+
+router = APIRouter(include_in_schema=False)
+
+
+@router.get("/classes/{class_id}/previsions")
+def predictions(request: Request, class_id: str, reader: Reading) -> Response:
+    if reader.account is None:
+        return log_in_first(request)
+    place = rights.require(reader.db, reader.account, Right.read_work, class_id)
+    view = polls_page(reader.db, reader.course, place)
+    return page(request, "classes/polls.html", reader.account, page=view)

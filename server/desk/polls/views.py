@@ -1,0 +1,44 @@
+"""From the answers of a class to what its page of predictions shows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+
+from sqlalchemy.orm import Session
+
+from server.course import Course
+from server.desk.polls.schemas import LessonPolls, OptionRow, PollRow, PollsPage
+from server.desk.views import head
+from server.polls import repository, service
+from server.polls.schemas import Poll, Said
+from server.rights.service import Place
+
+PATH = "/previsions"
+
+
+def polls_page(db: Session, course: Course, place: Place) -> PollsPage:
+    """Two queries, however many questions and students there are."""
+    module = course.modules.get(place.school_class.module)
+    lessons: tuple[LessonPolls, ...] = ()
+    if module is not None:
+        said = service.spread(db, place.school_class.id, module)
+        titles = {f"/{module.slug}/lire/{lesson.slug}": lesson.title for lesson in module.lessons}
+        asked = groupby(service.of_module(module).values(), key=lambda poll: poll.href.partition("#")[0])
+        lessons = tuple(
+            LessonPolls(titles[href], tuple(_row(poll, said.get(poll.name, ())) for poll in polls))
+            for href, polls in asked
+        )
+    return PollsPage(head(course, place, PATH), repository.students(db, place.school_class.id), lessons)
+
+
+def _row(poll: Poll, said: Sequence[Said]) -> PollRow:
+    """Answers that the question no longer offers are not counted."""
+    counts = {option.id: sum(one.students for one in said if one.first == option.id) for option in poll.options}
+    answered = sum(counts.values())
+    options = tuple(
+        OptionRow(option.words, option.right, counts[option.id], round(100 * counts[option.id] / max(1, answered)))
+        for option in poll.options
+    )
+    found = sum(option.students for option in options if option.right)
+    return PollRow(poll.title, poll.href, poll.question, answered, found, options)
