@@ -106,7 +106,7 @@ class Site:
         if module.glossary:
             yield "glossaire.html", self._page("reading/glossary.html", page=reading.glossary_page(module))
         for lesson in module.lessons:
-            view = reading.lesson_view(module, lesson, {})
+            view = reading.lesson_view(module, lesson, {}, {})
             yield f"lire/{lesson.slug}.html", self._page("reading/lesson.html", page=view)
         for exercise in module.exercises:
             page = self._page("offline/exercise.html", page=self._exercise(exercise))

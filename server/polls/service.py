@@ -27,9 +27,8 @@ def of_module(module: Module) -> Mapping[str, Poll]:
 
 
 def _of_lesson(lesson: Lesson) -> Iterator[Poll]:
-    folder = lesson.text.source.path.parents[1]
     for name in lesson.replays:
-        source = load_file(folder / "rejeux" / f"{name.replace('-', '_')}.py")
+        source = load_file(lesson.text.source.path.parents[1] / "rejeux" / f"{name.replace('-', '_')}.py")
         prediction: Prediction | None = getattr(source, "PREDICTION", None)
         if prediction is not None:
             yield _before(lesson, name, source.TITLE, prediction)

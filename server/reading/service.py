@@ -151,11 +151,14 @@ def duration(minutes: int) -> str:
 
 
 def lesson_page(reader: Reader, module: Module, lesson: Lesson) -> LessonPage:
-    return lesson_view(module, lesson, gradebook.progress(reader.db, reader.account))
+    said = dict(polls.said_in(reader.db, reader.account, module, lesson))
+    return lesson_view(module, lesson, gradebook.progress(reader.db, reader.account), said)
 
 
-def lesson_view(module: Module, lesson: Lesson, progress: Mapping[str, Progress]) -> LessonPage:
-    """A lesson for one who stands there in the module's exercises."""
+def lesson_view(
+    module: Module, lesson: Lesson, progress: Mapping[str, Progress], said: Mapping[str, str]
+) -> LessonPage:
+    """A lesson for one who stands there in the module's exercises, and who has `said` this before its replays."""
     way = on_the_way(module)
     place = way.index(lesson)
     return LessonPage(
@@ -168,7 +171,7 @@ def lesson_view(module: Module, lesson: Lesson, progress: Mapping[str, Progress]
         duration=duration(lesson.minutes),
         objectives=lesson.objectives,
         html=Markup(lesson.html),
-        said=json.dumps(dict(polls.said_in(reader.db, reader.account, module, lesson)), ensure_ascii=False),
+        said=json.dumps(dict(said), ensure_ascii=False),
         contents=contents(lesson),
         exercises=tuple(_rows(exercises_after(module, lesson), progress).values()),
         terms=_terms(module, lesson),
