@@ -81,7 +81,7 @@ def layers(found: Gestures, first: float, stretch: float, last: float) -> list[L
         Polyline(FLAG @ done.T, "second", width=3.0, glide=True),
         Segments([[0, 0]], [ends[0]], "estimate", width=3.0, glide=True),
         Segments([[0, 0]], [ends[1]], "measure", width=3.0, glide=True),
-        Labels(1.12 * ends, ["v_{1}", "v_{2}"], glide=True),
+        Labels(1.12 * ends, ["v₁", "v₂"], glide=True),
     ]
 
 
