@@ -182,7 +182,7 @@ def test_every_invitation_to_try_has_its_folded_answer() -> None:
             asked += 1
             assert re.match(r"\n\n:::+ repli Réponse\n", text[found.end() :]), found[0][:60]
         assert len(ANSWER.findall(text)) == sum(not ELSEWHERE.search(one[0]) for one in ASKED.finditer(text))
-    assert asked == 31
+    assert asked == 33
 
 
 def test_every_trial_changes_what_its_cell_holds() -> None:

@@ -15,6 +15,7 @@ from graders.scene.replay import (
     Points,
     Polyline,
     Pose,
+    Prediction,
     Replay,
     Slider,
     Values,
@@ -42,6 +43,21 @@ PARAMETERS = {
     "pas": Slider("Nombre de pas de deux cases", 1, 10, 1, 6),
     "tirage": Draw(),
 }
+PREDICTION = Prediction(
+    "Le robot va tout droit, et chaque particule se trompe surtout en tournant. Où sera la moyenne du nuage ?",
+    (
+        ("la", "Exactement là où l'odométrie place le robot."),
+        ("deca", "En deçà : plus près du départ."),
+        ("dela", "Au-delà : plus loin du départ."),
+    ),
+    right="deca",
+    why=(
+        "Un cap faux, à droite comme à gauche, fait avancer moins loin dans la bonne direction : les erreurs ne se "
+        "compensent qu'en travers. La moyenne est à 1,87 case de l'endroit que dit l'odométrie, et le nuage se "
+        "courbe en arc autour du départ."
+    ),
+    settings={"a2": "0.12", "a3": "0.05"},
+)
 COUNT = 400
 STRIDE = 2.0
 THIN = 1e-9

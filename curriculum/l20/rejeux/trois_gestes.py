@@ -12,6 +12,7 @@ from graders.scene.replay import (
     Labels,
     Layer,
     Polyline,
+    Prediction,
     Replay,
     Segments,
     Slider,
@@ -34,6 +35,20 @@ PARAMETERS = {
     "c": Slider("Ligne 2, colonne 1", -3, 3, 0.5, 2),
     "d": Slider("Ligne 2, colonne 2", -3, 3, 0.5, 2),
 }
+PREDICTION = Prediction(
+    "Deux axes perpendiculaires bien choisis sont emportés par la matrice. Que fait leur angle, du début à la fin ?",
+    (
+        ("droit", "Il reste droit à chaque geste."),
+        ("cisaille", "Il s'ouvre ou se ferme pendant l'étirement."),
+        ("hasard", "Il change à chaque geste, et redevient droit à la fin."),
+    ),
+    right="droit",
+    why=(
+        "Le premier geste amène ces deux axes sur ceux du repère, et c'est le long de ceux-là que l'on étire : ici de "
+        "2,83 et de 1,41. Ils s'allongent sans pivoter. N'importe quelle autre paire d'axes serait cisaillée : "
+        "c'est ce qui rend ces deux-là bien choisis."
+    ),
+)
 PARTS = 6
 FLAG = np.array([(0.0, 0.0), (0.0, 1.0), (0.7, 0.75), (0.0, 0.5)])
 CIRCLE = np.array([(np.cos(t), np.sin(t)) for t in np.linspace(0.0, 2.0 * np.pi, 73)])
@@ -81,7 +96,7 @@ def layers(found: Gestures, first: float, stretch: float, last: float) -> list[L
         Polyline(FLAG @ done.T, "second", width=3.0, glide=True),
         Segments([[0, 0]], [ends[0]], "estimate", width=3.0, glide=True),
         Segments([[0, 0]], [ends[1]], "measure", width=3.0, glide=True),
-        Labels(1.12 * ends, ["v_{1}", "v_{2}"], glide=True),
+        Labels(1.12 * ends, ["v₁", "v₂"], glide=True),
     ]
 
 

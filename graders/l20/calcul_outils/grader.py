@@ -17,10 +17,12 @@ Floats = NDArray[np.float64]
 
 TURNS = ((0.6, 0.8), (0.8, 0.6), (-0.6, 0.8), (0.6, -0.8), (0.8, -0.6), (-0.8, 0.6))
 
+ENTRIES = (-4, -3, -2, -1, 1, 2, 3, 4, 5)
+
 
 def deal(rng: np.random.Generator) -> Data:
     """Small whole matrices, a covariance whose axes are the diagonals, a turn whose cosine and sine are tenths."""
-    A, B = rng.integers(-4, 6, (2, 2)), rng.integers(-4, 6, (2, 2))
+    A, B = rng.choice(ENTRIES, (2, 2, 2))
     v = int(rng.integers(3, 10))
     co, si = TURNS[int(rng.integers(len(TURNS)))]
     zx, zy = rng.choice([-4, -3, -2, 2, 3, 4, 5], 2)
