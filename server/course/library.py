@@ -26,13 +26,15 @@ FENCE = "+++"
 class Library:
     """What a module's folder has to read. Texts are read at the first need, all of them for the first name.
 
-    `exercises` (slug to title) is filled in once the exercises are known.
+    Once the exercises are known, `exercises` (slug to title) and `questions` (`exercise/question`, where one ticks
+    options) are filled in.
     """
 
     folder: Path
     drawings: Mapping[str, Drawing]
     problems: list[Problem]
     exercises: dict[str, str] = field(default_factory=dict)
+    questions: set[str] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         self.lessons = tuple(self._lessons())
@@ -54,6 +56,7 @@ class Library:
             terms={term.id: term.word for term in self.glossary.values()},
             pictures={drawing.name: _picture(drawing) for drawing in self.drawings.values()},
             replays=self.replays,
+            questions=self.questions,
             files=self.files,
         )
 

@@ -170,6 +170,11 @@ class Lesson:
         return self.text.replays
 
     @property
+    def questions(self) -> tuple[str, ...]:
+        """The questions of exercises that it asks, `exercise/question`."""
+        return self.text.questions
+
+    @property
     def cells(self) -> tuple[Cell, ...]:
         return self.text.cells
 

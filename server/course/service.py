@@ -11,6 +11,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from graders.core.answers.choice import ChoiceGrader
 from graders.core.code.exercise import CodeDefinition
 from graders.core.contract.kits import kits_of
 from graders.core.contract.malformed import MalformedExerciseError
@@ -114,6 +115,7 @@ def _module(sources: Sources, path: Path, problems: list[Problem], look: Look) -
     exercises = reuse.closed(path / "exercices", exercises, problems)
     exercises.sort(key=lambda exercise: (exercise.stars, exercise.order, exercise.slug))
     library.exercises.update({exercise.slug: exercise.title for exercise in exercises})
+    library.questions.update(_ticked(exercises))
     if look is not Look.no:
         exercises = [exercise for exercise in exercises if not _note(problems, _faults(exercise, look))]
         _note(problems, library.check(formulas=look is Look.drawn))
@@ -153,6 +155,13 @@ def _faults(exercise: Exercise, look: Look) -> Iterator[Problem]:
     if exercise.answers is not None:
         path = exercise.statement.source.path.with_name(questions.FILE)
         yield from questions.problems(path, exercise.answers, exercise.names, formulas=look is Look.drawn)
+
+
+def _ticked(exercises: list[Exercise]) -> Iterator[str]:
+    """The questions that a lesson may ask: those of which one ticks the options."""
+    for exercise in exercises:
+        if isinstance(exercise.answers, ChoiceGrader):
+            yield from (f"{exercise.slug}/{question.id}" for question in exercise.answers.questions)
 
 
 def _lost(module: Path, exercises: list[Exercise], library: Library) -> Iterator[Problem]:

@@ -106,7 +106,7 @@ class Site:
         if module.glossary:
             yield "glossaire.html", self._page("reading/glossary.html", page=reading.glossary_page(module))
         for lesson in module.lessons:
-            view = reading.lesson_view(module, lesson, {}, {})
+            view = reading.lesson_view(module, lesson, {}, None)
             yield f"lire/{lesson.slug}.html", self._page("reading/lesson.html", page=view)
         for exercise in module.exercises:
             page = self._page("offline/exercise.html", page=self._exercise(exercise))
@@ -147,7 +147,9 @@ class Site:
     def _scene(self, name: str) -> bytes:
         """A replay with the settings that it begins with, as a script: a page of a folder may not fetch."""
         script = self._scripts.find(self._module.slug, name)
-        scene = json.dumps(script.run(script.read([])), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+        shown = script.run(script.read([]))
+        shown.pop("prediction", None)  # it is played with settings that a folder cannot compute
+        scene = json.dumps(shown, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
         return f"globalThis.baliseScenes[{json.dumps(name)}] = {scene};\n".encode()
 
 

@@ -2,42 +2,70 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
+from dataclasses import replace
 from functools import lru_cache
 from uuid import UUID
 
+from markupsafe import Markup, escape
 from sqlalchemy.orm import Session
 
+from graders.core.answers.choice import ChoiceGrader, ChoiceQuestion
 from graders.scene.prediction import Prediction
 from graders.typography import french
-from server.base.errors import Invalid, NotFound
+from server.assignments import feedback
+from server.base.errors import Conflict, Invalid, NotFound, Unauthorised
 from server.course.code import load_file
-from server.course.models import Lesson, Module
+from server.course.models import Exercise, Lesson, Module
 from server.identity.models import Account
 from server.polls import repository
-from server.polls.schemas import Option, Poll, Said
+from server.polls.schemas import Marked, Option, Poll, Said
 
+#: Of the letters, hence of the order of the options: the same for all who read.
+ORDER = 20
 NO_QUESTION = "Cette question n’existe pas."
 
 
 @lru_cache(maxsize=32)
 def of_module(module: Module) -> Mapping[str, Poll]:
     """Every question of a module, by name, in the order of the lessons."""
-    return {poll.name: poll for lesson in module.lessons for poll in _of_lesson(lesson)}
+    return {poll.name: poll for lesson in module.lessons for poll in _of_lesson(module, lesson)}
 
 
-def _of_lesson(lesson: Lesson) -> Iterator[Poll]:
+def _of_lesson(module: Module, lesson: Lesson) -> Iterator[Poll]:
     for name in lesson.replays:
         source = load_file(lesson.text.source.path.parents[1] / "rejeux" / f"{name.replace('-', '_')}.py")
         prediction: Prediction | None = getattr(source, "PREDICTION", None)
         if prediction is not None:
             yield _before(lesson, name, source.TITLE, prediction)
+    for name in lesson.questions:
+        found = _ticked(module, name)
+        if found is not None:
+            yield _after(lesson, name, *found)
 
 
 def _before(lesson: Lesson, name: str, title: str, asked: Prediction) -> Poll:
-    options = tuple(Option(one, french(words), one == asked.right) for one, words in asked.answers)
+    options = tuple(Option(one, escape(french(words)), one == asked.right) for one, words in asked.answers)
     href = f"/{lesson.module}/lire/{lesson.slug}#rejeu-{name}"
-    return Poll(f"rejeux/{name}", french(title), href, french(asked.question), options, before=True)
+    return Poll(f"rejeux/{name}", french(title), href, escape(french(asked.question)), options, before=True)
+
+
+def _after(lesson: Lesson, name: str, exercise: Exercise, question: ChoiceQuestion) -> Poll:
+    """Its options stand in an order that does not tell the right one."""
+    order = [question.option(one) for one in question.letters(ORDER).by_letter.values()]
+    options = tuple(Option(one.id, Markup(exercise.line(one.text)), one.right) for one in order)
+    href = f"/{lesson.module}/lire/{lesson.slug}#question-{name.replace('/', '-')}"
+    asked = Markup(exercise.line(question.text))
+    return Poll(name, french(question.title), href, asked, options, before=False, several=question.several)
+
+
+def _ticked(module: Module, name: str) -> tuple[Exercise, ChoiceQuestion] | None:
+    """The question of an exercise, `slug/question`; None where it is no longer there."""
+    slug, _, identity = name.partition("/")
+    for exercise in module.exercises:
+        if exercise.slug == slug and isinstance(exercise.answers, ChoiceGrader):
+            return next(((exercise, one) for one in exercise.answers.questions if one.id == identity), None)
+    return None
 
 
 def find(module: Module, name: str) -> Poll:
@@ -48,13 +76,39 @@ def find(module: Module, name: str) -> Poll:
     return poll
 
 
-def say(db: Session, account: Account, module: Module, poll: Poll, answer: str) -> str:
-    """Keeps an answer; of what one expects of a replay, the first alone. What was said first. Raises Invalid."""
-    if answer not in {option.id for option in poll.options}:
+def say(db: Session, account: Account | None, module: Module, poll: Poll, answer: str) -> Marked:
+    """Keeps an answer, of who has an account; of what one expects of a replay, the first alone. Marks it, but for that.
+
+    Raises Invalid; Unauthorised for what a visitor expects, which their browser keeps; Conflict where a test asks it.
+    """
+    ids = set(answer.split(","))
+    unknown = ids - {option.id for option in poll.options}
+    if unknown or answer != ",".join(sorted(ids)) or (len(ids) > 1 and not poll.several):
         raise Invalid("Cette réponse n’est pas de celles que la question propose.")
+    if account is None and poll.before:
+        raise Unauthorised("Sans compte, votre navigateur garde ce que vous répondez.")
+    marked = Marked("") if poll.before else _marked(db, account, module, poll, ids)
+    if account is None:
+        return marked
     name = f"{module.slug}/{poll.name}"
     (repository.keep_first if poll.before else repository.keep)(db, account.id, name, answer)
-    return repository.first_answers(db, account.id, [name])[name]
+    return replace(marked, first=repository.first_answers(db, account.id, [name])[name])
+
+
+def _marked(db: Session, account: Account | None, module: Module, poll: Poll, ids: Set[str]) -> Marked:
+    """As the exercise that the question is of would mark it."""
+    found = _ticked(module, poll.name)
+    if found is None:
+        raise NotFound(NO_QUESTION)
+    exercise, question = found
+    if account is not None and feedback.of(db, account.id, exercise.id).tests:
+        raise Conflict("Cette question est d’un contrôle : sa réponse vous sera dite quand il sera rendu.")
+    assert isinstance(exercise.answers, ChoiceGrader)
+    letters = sorted(question.letters(ORDER).by_name[one] for one in ids)
+    written = letters if question.several else letters[0]
+    findings = exercise.answers.judge({question.id: written}, ORDER)
+    result = next(finding.result for finding in findings if finding.result.id == question.id)
+    return Marked("", result.passed, exercise.prose(result.message))
 
 
 def said_in(db: Session, account: Account | None, module: Module, lesson: Lesson) -> Mapping[str, str]:

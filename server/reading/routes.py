@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse
 
-from server.base.errors import Unauthorised
 from server.base.provided import provided
 from server.base.request import client_address
 from server.figures.dependencies import FiguresOf
@@ -43,13 +43,11 @@ def lesson(request: Request, module: str, slug: str, reader: Reading) -> HTMLRes
 
 @router.post("/{module:module}/previsions")
 def say(module: str, body: NewAnswer, reader: Reading) -> JSONResponse:
-    """Keeps what somebody answers to a question of the lessons; tells what they answered first."""
+    """Keeps what somebody answers to a question of the lessons; tells what they answered first, and if it is right."""
     course_module = find_module(reader.course, module)
-    if reader.account is None:
-        raise Unauthorised("Sans compte, votre navigateur garde ce que vous répondez.")
     poll = polls.find(course_module, body.question)
-    first = polls.say(reader.db, reader.account, course_module, poll, body.answer)
-    return JSONResponse({"first": first}, headers={"Cache-Control": "no-store"})
+    marked = polls.say(reader.db, reader.account, course_module, poll, body.answer)
+    return JSONResponse(asdict(marked), headers={"Cache-Control": "no-store"})
 
 
 @router.get("/{module:module}/glossaire")

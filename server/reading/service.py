@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import groupby
+from typing import Any
 
 from markupsafe import Markup
 
@@ -33,11 +34,13 @@ from server.reading.schemas import (
 )
 from server.web import deadlines
 from server.web.deadlines import DueView
+from server.web.rendering import environment
 from server.web.schemas import ExerciseRow, FigureView
 from server.web.views import Reader, exercise_row, in_order, lesson_href, module_link, on_the_way, resumed
 from server.web.words import plural
 
 DEEPEST = 3  # level of the smallest headings in a table of contents
+QUESTION = re.compile(r'<section class="asked" id="[^"]*" data-question="([^"]+)">')
 TERM_LINK = re.compile(r'data-term="([^"]+)"')
 HOUR = 60
 EXAMPLES = 4  # words proposed to one who has not found, or not looked yet
@@ -151,14 +154,15 @@ def duration(minutes: int) -> str:
 
 
 def lesson_page(reader: Reader, module: Module, lesson: Lesson) -> LessonPage:
-    said = dict(polls.said_in(reader.db, reader.account, module, lesson))
+    said = polls.said_in(reader.db, reader.account, module, lesson)
     return lesson_view(module, lesson, gradebook.progress(reader.db, reader.account), said)
 
 
 def lesson_view(
-    module: Module, lesson: Lesson, progress: Mapping[str, Progress], said: Mapping[str, str]
+    module: Module, lesson: Lesson, progress: Mapping[str, Progress], said: Mapping[str, str] | None
 ) -> LessonPage:
-    """A lesson for one who stands there in the module's exercises, and who has `said` this before its replays."""
+    """A lesson for one who stands there in the module's exercises, and `said` so to its questions; None where nobody
+    hears them."""
     way = on_the_way(module)
     place = way.index(lesson)
     return LessonPage(
@@ -170,14 +174,25 @@ def lesson_view(
         summary=lesson.summary,
         duration=duration(lesson.minutes),
         objectives=lesson.objectives,
-        html=Markup(lesson.html),
-        said=json.dumps(dict(said), ensure_ascii=False),
+        html=_with_questions(module, lesson, heard=said is not None),
+        said=json.dumps(dict(said or {}), ensure_ascii=False),
         contents=contents(lesson),
         exercises=tuple(_rows(exercises_after(module, lesson), progress).values()),
         terms=_terms(module, lesson),
         previous=_link(way[place - 1]) if place else None,
         following=_link(way[place + 1]) if place + 1 < len(way) else None,
     )
+
+
+@lru_cache(maxsize=512)
+def _with_questions(module: Module, lesson: Lesson, *, heard: bool) -> Markup:
+    """A lesson's text, its questions written where they stand; `heard`: they are marked there."""
+    macros: Any = environment().get_template("reading/asked.html").module
+
+    def written(match: re.Match[str]) -> str:
+        return match[0] + str((macros.asked if heard else macros.read)(module.slug, polls.find(module, match[1])))
+
+    return Markup(QUESTION.sub(written, lesson.html))
 
 
 @lru_cache(maxsize=512)

@@ -93,3 +93,19 @@ def test_on_paper_everything_is_unfolded_and_nothing_is_dark(visit: NewVisit, sc
     for details in page.locator("details.block-correction").all():
         assert details.evaluate(height) > 10
     assert len(page.pdf(prefer_css_page_size=True)) > 20_000
+
+
+@pytest.mark.slow
+def test_a_question_is_marked_where_it_stands(visit: NewVisit) -> None:
+    page = visit(width=390).open("/l20/lire/localiser")
+    asked = page.locator("#question-verification-odometrie")
+    asked.get_by_role("button", name="Vérifier").click()
+    expect(asked.get_by_role("status")).to_contain_text("Choisissez d’abord")
+    asked.get_by_label("Elle est fausse de quelques").check()
+    asked.get_by_role("button", name="Vérifier").click()
+    expect(asked.get_by_role("status")).to_contain_text("Pas encore")
+    expect(asked.get_by_role("status")).to_contain_text("ne la bornent pas")
+    asked.get_by_label("Elle est précise d’un instant").check()
+    expect(asked.get_by_role("status")).to_be_empty()
+    page.keyboard.press("Enter")
+    expect(asked.get_by_role("status")).to_contain_text("Juste")

@@ -9,6 +9,7 @@ from html import unescape
 import pytest
 from sqlalchemy import select
 
+from server.assignments.models import Mode
 from server.classes.models import Seat, Status
 from server.course import Course
 from server.database import Database
@@ -16,7 +17,7 @@ from server.identity.models import Account, Role
 from server.personal.joining import adopt
 from server.polls import repository, service
 from server.polls.models import PollAnswer
-from tests.support.classes import new_class, person, seat
+from tests.support.classes import assign, new_class, person, seat
 from tests.support.counting import Counted
 from tests.support.service import Site, new_account
 
@@ -33,24 +34,81 @@ def test_each_replay_of_the_module_asks_one_question_with_one_right_answer(cours
     module = course.modules["l20"]
     found = service.of_module(module)
     replays = [name for lesson in module.lessons for name in lesson.replays]
-    assert list(found) == [f"rejeux/{name}" for name in replays]
+    assert [name for name, poll in found.items() if poll.before] == [f"rejeux/{name}" for name in replays]
     for poll in found.values():
-        assert sum(option.right for option in poll.options) == 1
+        assert sum(option.right for option in poll.options) == 1 or poll.several
         assert not any("'" in text for text in (poll.question, *(option.words for option in poll.options)))
 
 
 def test_the_first_answer_is_kept_and_shown_again(site: Site) -> None:
     ada = person(site)
     browser = ada.browser(site)
-    assert browser.post("/l20/previsions", json=ICP).json() == {"first": "ailleurs"}
-    assert browser.post("/l20/previsions", json={**ICP, "answer": "bonne"}).json() == {"first": "ailleurs"}
+    told = {"first": "ailleurs", "right": None, "why": ""}
+    assert browser.post("/l20/previsions", json=ICP).json() == told
+    assert browser.post("/l20/previsions", json={**ICP, "answer": "bonne"}).json() == told
     assert kept(site.database, ada.account) == {"l20/rejeux/icp": ("ailleurs", "ailleurs", 1)}
-    told = SAID.search(browser.get("/l20/lire/slam").text)
-    assert told
-    assert json.loads(unescape(told[1])) == {"rejeux/icp": "ailleurs"}
+    shown = SAID.search(browser.get("/l20/lire/slam").text)
+    assert shown
+    assert json.loads(unescape(shown[1])) == {"rejeux/icp": "ailleurs"}
     elsewhere = SAID.search(browser.get("/l20/lire/localiser").text)
     assert elsewhere
     assert elsewhere[1] == "{}"
+
+
+def test_each_seance_of_lessons_asks_questions_of_the_quiz(course: Course) -> None:
+    module = course.modules["l20"]
+    asked = {lesson.slug: lesson.questions for lesson in module.lessons if lesson.questions}
+    assert asked.keys() == {"localiser", "cartographier", "slam", "ros2"}
+    assert all(name.startswith("verification/") for names in asked.values() for name in names)
+    every = [name for names in asked.values() for name in names]
+    assert len(set(every)) == len(every) == 26
+    places = [[option.right for option in service.find(module, name).options].index(True) for name in every]
+    assert len(set(places)) > 2
+
+
+def test_a_question_is_marked_in_place_and_every_try_is_counted(site: Site) -> None:
+    ada = person(site)
+    browser = ada.browser(site)
+    wrong = browser.post("/l20/previsions", json={"question": "verification/amcl", "answer": "precision"}).json()
+    assert (wrong["first"], wrong["right"]) == ("precision", False)
+    assert "fait aussi bien" in wrong["why"]
+    assert "plusieurs bosses" not in wrong["why"]
+    right = browser.post("/l20/previsions", json={"question": "verification/amcl", "answer": "bosses"}).json()
+    assert (right["first"], right["right"]) == ("precision", True)
+    assert kept(site.database, ada.account) == {"l20/verification/amcl": ("precision", "bosses", 2)}
+
+
+def test_a_visitor_is_marked_too_and_not_kept(site: Site) -> None:
+    several = {"question": "verification/produit", "answer": "confiance,zero"}
+    assert site.client.post("/l20/previsions", json=several).json()["right"] is True
+    part = site.client.post("/l20/previsions", json={**several, "answer": "zero"}).json()
+    assert part["right"] is False
+    assert "il manque" in part["why"]
+    with site.database.read() as db:
+        assert db.execute(select(PollAnswer)).all() == []
+
+
+def test_no_option_of_a_question_says_that_it_is_right(site: Site) -> None:
+    page = site.client.get("/l20/lire/localiser").text
+    assert page.count('<section class="asked"') == 9
+    start = page.index('id="question-verification-amcl"')
+    asked = page[start : page.index("</section>", start)]
+    assert asked.count('type="radio"') == 4
+    assert "right" not in asked
+    assert "Dans un bâtiment où des endroits se ressemblent" not in asked
+
+
+def test_a_test_that_asks_it_is_no_oracle(site: Site) -> None:
+    teacher = person(site, Role.teacher, "Emmy")
+    made = new_class(site.database, teacher.account)
+    ada = person(site)
+    seat(site.database, made, ada.account)
+    assign(site.database, made, "l20/verification", mode=Mode.test, title="Interro")
+    body = {"question": "verification/amcl", "answer": "bosses"}
+    refused = ada.browser(site).post("/l20/previsions", json=body)
+    assert refused.status_code == 409
+    assert "Oui" not in refused.text
+    assert kept(site.database, ada.account) == {}
 
 
 @pytest.mark.parametrize(
@@ -61,6 +119,9 @@ def test_the_first_answer_is_kept_and_shown_again(site: Site) -> None:
         ("/l20/previsions", {"question": "rejeux/icp"}, 422),
         ("/l20/previsions", {"question": "rejeux/icp", "answer": "x" * 10_000}, 422),
         ("/l20/previsions", {"question": "rejeux/_carte", "answer": "bonne"}, 404),
+        ("/l20/previsions", {"question": "verification/amcl", "answer": "bosses,precision"}, 422),
+        ("/l20/previsions", {"question": "verification/produit", "answer": "zero,zero"}, 422),
+        ("/l20/previsions", {"question": "verification/rayon_court", "answer": "melange"}, 404),
         ("/l20/previsions", {"question": "../icp", "answer": "bonne"}, 404),
         ("/l21/previsions", ICP, 404),
         ("/l20/previsions", {**ICP, "account": "0"}, 422),

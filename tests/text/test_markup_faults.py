@@ -35,6 +35,8 @@ BAD = {
         5,
         "« #fig-trace » figure deux fois",
     ),
+    "unknown question": ("::: question absent/q\n:::\n", 1, "question inconnue : « absent/q »"),
+    "malformed question": ("::: question absent\n:::\n", 1, "il faut un nom et rien d’autre"),
     "unknown replay": ("::: rejeu absent\nA\n:::\n", 1, "rejeu inconnu : « absent »"),
     "unknown label": ("A\nB [x](#absent)\n", 2, "étiquette inconnue : « #absent »"),
     "link that nobody can name": ("::: note #a\nA\n:::\n\nB [](#a)\n", 5, "n’a pas de numéro"),

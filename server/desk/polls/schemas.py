@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from markupsafe import Markup
+
 from server.desk.schemas import ClassHead
 
 
@@ -11,7 +13,7 @@ from server.desk.schemas import ClassHead
 class OptionRow:
     """One answer: so many students gave it first; `share` is their part of those who answered, from 0 to 100."""
 
-    words: str
+    words: Markup
     right: bool
     students: int
     share: int
@@ -23,7 +25,7 @@ class PollRow:
 
     title: str
     href: str
-    question: str
+    question: Markup
     answered: int
     found: int
     options: tuple[OptionRow, ...]

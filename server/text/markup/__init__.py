@@ -91,6 +91,11 @@ class Text:
         return tuple(self.outline.replays)
 
     @property
+    def questions(self) -> tuple[str, ...]:
+        """The questions of exercises that it asks, `exercise/question`."""
+        return tuple(self.outline.questions)
+
+    @property
     def cells(self) -> tuple[Cell, ...]:
         return tuple(self.outline.cells)
 

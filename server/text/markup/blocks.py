@@ -8,8 +8,10 @@ from dataclasses import dataclass
 from server.text.markup.text import SLUG
 
 LABEL = re.compile(SLUG)
+#: A question of an exercise: the exercise's slug, and its own name.
+QUESTION = re.compile(r"[a-z0-9_]{1,60}/[a-z][a-z0-9_]{0,39}")
 #: Anchors that are given by the engine: a label may not look like one.
-RESERVED = re.compile(r"(s|fig|rejeu|cellule|t)-|fn(ref)?\d|texte$|titre$|exercices$|objectifs$|definitions$")
+RESERVED = re.compile(r"(s|fig|rejeu|question|cellule|t)-|fn(ref)?\d|texte$|titre$|exercices$|objectifs$|definitions$")
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,7 @@ KINDS = {
 EQUATION = Kind("Équation", "équation", "de l’", numbered=True)
 #: Folded ones: their label is that of the block that they prove or answer.
 FOLDED = {"preuve": "Démonstration", "correction": "Correction", "repli": ""}
-MEDIA = ("figure", "rejeu")
+MEDIA = ("figure", "rejeu", "question")
 ALL = (*KINDS, *FOLDED, *MEDIA)
 
 
@@ -52,7 +54,7 @@ class BadBlock(Exception):
 class Block:
     """A block's first line. `label` is its own, or for a folded block the one that it speaks of.
 
-    `name` is that of a figure or of a replay. `parent` is the label of the block around it.
+    `name` is that of a figure, of a replay or of a question. `parent` is the label of the block around it.
     """
 
     kind: str
@@ -85,7 +87,7 @@ def read(info: str, line: int, parent: str) -> Block:
 
 
 def _medium(kind: str, name: str, line: int) -> Block:
-    if not LABEL.fullmatch(name):
+    if not (QUESTION if kind == "question" else LABEL).fullmatch(name):
         raise BadBlock(f"il faut un nom et rien d’autre après « {kind} » (la légende va en dessous) : « {name} »")
     return Block(kind, "", "", name, line)
 

@@ -61,7 +61,7 @@ class Label:
 
 @dataclass(frozen=True)
 class Reference:
-    """Something that the text speaks of. `what` is link, figure, rejeu, or bloc (what a proof proves)."""
+    """Something that the text speaks of. `what` is link, figure, rejeu, question, or bloc (what a proof proves)."""
 
     what: str
     target: str
@@ -79,6 +79,7 @@ class Outline:
     sections: list[Section] = field(default_factory=list)
     figures: list[str] = field(default_factory=list)
     replays: list[str] = field(default_factory=list)
+    questions: list[str] = field(default_factory=list)
     cells: list[Cell] = field(default_factory=list)
     references: list[Reference] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
@@ -97,6 +98,8 @@ def missing(reference: Reference, names: Names, lesson: str) -> str:
         return "" if target in names.pictures else f"figure inconnue : « {target} »"
     if reference.what == "rejeu":
         return "" if target in names.replays else f"rejeu inconnu : « {target} »"
+    if reference.what == "question":
+        return "" if target in names.questions else f"question inconnue : « {target} »"
     if reference.what == "bloc":
         return "" if target in names.labels else f"étiquette inconnue : « #{target} »"
     try:
@@ -202,10 +205,15 @@ class _Walk:
             self._text.append(f"{LEFT}{HEAD}#{block.label}{RIGHT}")  # « théorème 1 » can be looked for
 
     def _medium(self, token: Token, kind: str, name: str) -> None:
-        if not self._only_in_pages(token, "une figure" if kind == "figure" else "un rejeu"):
+        what, prefix, found = {
+            "figure": ("une figure", "fig", self.found.figures),
+            "rejeu": ("un rejeu", "rejeu", self.found.replays),
+            "question": ("une question", "question", self.found.questions),
+        }[kind]
+        if not self._only_in_pages(token, what):
             return
-        self._anchor(f"{'fig' if kind == 'figure' else 'rejeu'}-{name}", token)
-        (self.found.figures if kind == "figure" else self.found.replays).append(name)
+        self._anchor(f"{prefix}-{name.replace('/', '-')}", token)
+        found.append(name)
         self._refer(kind, name, token)
 
     def _label(self, token: Token, label: str, kind: str) -> None:

@@ -167,6 +167,8 @@ def _block_open(writer: Writer, tokens: Sequence[Token], index: int) -> str:
         return _figure_open(writer, block, tokens[index])
     if block.kind == "rejeu":
         return _replay_open(writer, block, tokens[index])
+    if block.kind == "question":
+        return _question_open(writer, block, tokens[index])
     if block.folded:
         state = " open" if block.kind == "preuve" else ""
         return f'<details class="block block-{block.kind}"{state}>'
@@ -178,6 +180,8 @@ def _block_close(_writer: Writer, tokens: Sequence[Token], index: int) -> str:
     block: Block | None = tokens[index].meta["block"]
     if block is None:
         return "</div>\n"
+    if block.kind == "question":
+        return "</section>\n"
     if block.name:
         return "</figcaption></figure>\n"
     if block.folded:
@@ -265,6 +269,13 @@ def _replay_open(writer: Writer, block: Block, token: Token) -> str:
     source = f"/{writer.names.module}/rejeux/{block.name}"
     opening = f'<figure class="replay" id="rejeu-{block.name}" data-source="{source}">'
     return f'{opening}<div class="replay-stage"></div><figcaption>'
+
+
+def _question_open(writer: Writer, block: Block, token: Token) -> str:
+    """Where a question stands: who serves the lesson writes it there, since it is an exercise's."""
+    if not writer.exists("question", block.name, token):
+        return f'<section><code class="fault">{block.name}</code>'
+    return f'<section class="asked" id="question-{block.name.replace("/", "-")}" data-question="{block.name}">'
 
 
 def _footnote_anchor(_writer: Writer, tokens: Sequence[Token], index: int) -> str:

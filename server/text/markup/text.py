@@ -79,6 +79,7 @@ class Names:
     terms: Mapping[str, str] = field(default_factory=dict)
     pictures: Mapping[str, Picture] = field(default_factory=dict)
     replays: Collection[str] = ()
+    questions: Collection[str] = ()
     files: Collection[str] = ()
 
     def link(self, target: str, lesson: str) -> Link:

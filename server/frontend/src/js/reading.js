@@ -1,6 +1,7 @@
 // The pages to read. Without this script they can be read just as well.
 
 import { setUpContents } from "./reading/contents.js";
+import { setUpQuestions } from "./reading/asked.js";
 import { setUpCopying } from "./reading/copy.js";
 import { setUpDrawings } from "./reading/drawings.js";
 import { setUpFormulas } from "./reading/formulas.js";
@@ -19,6 +20,7 @@ if (reading) {
   setUpReadMarks(reading);
   setUpPrinting(reading);
   setUpFormulas(reading);
+  setUpQuestions(reading);
   if (reading.querySelector("section.cell")) import("./cells.js").then(({ enhance }) => enhance(reading));
   if (reading.querySelector("figure.replay")) import("./replays/index.js").then(({ enhance }) => enhance(reading));
 }

@@ -1,0 +1,62 @@
+// Questions of a lesson, marked in place: what is wrong says why, and one may answer again.
+
+export function setUpQuestions(page) {
+  const [module] = page.dataset.reading.split("/");
+  const said = parse(page.dataset.said);
+  for (const section of page.querySelectorAll(".asked[data-question]")) {
+    const form = section.querySelector("form");
+    if (form) new Question(form, module, section.dataset.question, said[section.dataset.question]);
+  }
+}
+
+class Question {
+  constructor(form, module, name, first) {
+    this.form = form;
+    this.module = module;
+    this.name = name;
+    this.place = form.querySelector(".asked-mark");
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.#check();
+    });
+    form.addEventListener("change", () => this.place.replaceChildren());
+    for (const id of (first ?? "").split(",")) {
+      const input = [...form.elements].find((one) => one.value === id && id);
+      if (input) input.checked = true;
+    }
+  }
+
+  async #check() {
+    const ids = new FormData(this.form).getAll("reponse").sort();
+    if (!ids.length) {
+      this.#tell("", "Choisissez d’abord une réponse.");
+      return;
+    }
+    const answer = await fetch(`/${this.module}/previsions`, {
+      method: "POST",
+      headers: { "Content-Type": "application/json", Accept: "application/json" },
+      body: JSON.stringify({ question: this.name, answer: ids.join(",") }),
+    }).catch(() => null);
+    const told = await answer?.json().catch(() => null);
+    if (!answer?.ok || !told) this.#tell("", told?.detail ?? "Le serveur n’a pas répondu. Réessayez.");
+    else this.#tell(told.right ? "right" : "wrong", told.right ? "✓ Juste." : "✗ Pas encore.", told.why);
+  }
+
+  #tell(kind, words, html = "") {
+    const head = document.createElement("p");
+    head.className = `asked-${kind}`;
+    head.textContent = words;
+    const why = document.createElement("div");
+    why.className = "prose";
+    why.innerHTML = html; // the server's own, from the course's files
+    this.place.replaceChildren(head, why);
+  }
+}
+
+function parse(text) {
+  try {
+    return JSON.parse(text ?? "{}") ?? {};
+  } catch {
+    return {};
+  }
+}
