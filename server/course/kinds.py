@@ -33,3 +33,4 @@ KINDS = (
 )
 BY_FOLDER = {kind.folder: kind for kind in KINDS}
 SEANCE = KINDS[0]
+PAPER = BY_FOLDER["sujets"]
