@@ -29,6 +29,8 @@ KINDS = (
     LessonKind("tp", "tp", "Travaux pratiques", 4),
     LessonKind("defi", "defis", "Défis", 5),
     LessonKind("annexe", "annexes", "Annexes", 6),
+    LessonKind("sujet", "sujets", "Sujets d’épreuve", 7),
 )
 BY_FOLDER = {kind.folder: kind for kind in KINDS}
 SEANCE = KINDS[0]
+PAPER = BY_FOLDER["sujets"]

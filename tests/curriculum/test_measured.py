@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from reference.se2 import relative
-from tests.curriculum.measured import graphs, journey, particles, singles
+from tests.curriculum.measured import graphs, journey, laboratory, particles, singles
 from tests.curriculum.measured.claims import BY_HAND, MEASURES
 from tests.curriculum.measured.tables import FOLDER, Measure, Table, agrees, seconds, tables
 
@@ -133,6 +133,44 @@ def test_the_practical_work_passes_its_own_checkpoints() -> None:
     assert min(shares) > 0.7
     for i, j, z in [*((k, k + 1, step.T_a_b) for k, step in enumerate(journey.steps())), *journey.closures()]:
         assert np.hypot(*(z - relative(true[scans[i]], true[scans[j]]))[:2]) < 0.03
+
+
+@pytest.mark.slow
+def test_the_real_scans_pass_their_checkpoints() -> None:
+    """With the course's own solutions; to within what the details of an ICP change."""
+    found = laboratory.run()
+    blind, right, ahead = laboratory.reading()
+    assert says("tp/slam-navigation", "120 scans, dont 1 104 lectures ne voient rien")
+    assert blind == 1104
+    assert says("tp/slam-navigation", "18 paires proposées, 15 gardées")
+    apart = np.hypot(*np.diff(laboratory.truth()[:, :2], axis=0).T)
+    assert says("tp/slam-navigation", "il y a 70 cm en moyenne")
+    assert apart.mean() == pytest.approx(0.70, abs=0.01)
+    assert (found.tried, found.kept) == (18, pytest.approx(15, abs=1))
+    for told, value in (
+        ("un mur à $1,09$ m à droite", right),
+        ("un autre à $2,63$ m devant", ahead),
+        ("ATE de $1,19$ m", found.odometry),
+        ("ATE de $0,30$ m. La part", found.chain),
+        ("descend jusqu'à $0,37$", found.least_share),
+        ("ATE de $0,11$ m avec les boucles", found.graph),
+        ("$0,31$ m sans elles", found.without),
+    ):
+        assert says("tp/slam-navigation", told)
+        assert value == pytest.approx(float(re.findall(r"\d,\d+", told)[0].replace(",", ".")), abs=0.0125)
+    assert round(found.odometry / found.graph) == 11
+    assert says("tp/slam-navigation", "6 751 carrés avec l'odométrie, 4 058 avec votre graphe, 3 531 avec les poses")
+    assert laboratory.squares() == pytest.approx((6751, 4058, 3531), rel=0.01)
+
+
+@pytest.mark.slow
+def test_the_published_graph_of_the_laboratory_ends_where_the_text_says() -> None:
+    """By sparse steps, and the error of the course's solution: its own steps, which are dense, take a minute."""
+    poses, edges, start, end = laboratory.published()
+    assert says("tp/slam-navigation", "1 228 poses, 1 483 arêtes", "part de plus de cinq millions", "$214,17$")
+    assert (poses, edges) == (1228, 1483)
+    assert start > 5e6
+    assert end == pytest.approx(214.17086, abs=1e-4)
 
 
 @pytest.mark.slow

@@ -114,6 +114,23 @@ def test_an_assignment_is_given_shown_changed_and_taken_back(school: School) -> 
     assert school.stored(Assignment) == []
 
 
+def test_a_paper_of_the_course_is_given_as_a_test_of_its_time(school: School) -> None:
+    listed = school.martin.get(f"{school.href}/devoirs").text
+    (href,) = re.findall(rf'href="({school.href}/devoirs/nouveau\?sujet=\w+)"', listed)
+    form = unescape(school.martin.get(href).text)
+    ticked = re.findall(r'name="exercice" value="([^"]+)" checked', form)
+    paper = ("epreuve_calculs", "epreuve_preuve", "epreuve_lecture", "occupation")
+    assert set(ticked) == {f"l20/{slug}" for slug in paper}
+    chosen = {name: re.findall(rf'name="{name}"[^>]* value="([^"]+)"', form)[0] for name in ("titre", "duree")}
+    assert chosen["duree"] == "120"
+    assert re.search(r'value="test"[^>]*(checked|selected)', form)
+    school.give(**chosen, exercice=ticked, mode="test", retard="accept", par_jour="")
+    (made,) = school.stored(Assignment)
+    assert (made.title, made.mode, made.duration_minutes) == (chosen["titre"], "test", 120)
+    unknown = school.martin.get(f"{school.href}/devoirs/nouveau?sujet=slam").text
+    assert not re.search(r'name="exercice" value="[^"]+" checked', unknown)
+
+
 def test_a_field_left_as_it_was_keeps_the_very_second(school: School) -> None:
     href = school.give()
     exact = datetime(2031, 10, 26, 1, 30, 17, tzinfo=UTC)  # the second 2:30 of that night in Paris

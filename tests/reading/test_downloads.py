@@ -92,3 +92,13 @@ def test_it_comes_as_a_file(site_of_the_course: TestClient) -> None:
     assert answer.headers["content-disposition"] == 'attachment; filename="parcours.zip"'
     assert site_of_the_course.get("/l20/fichiers/absent.zip").status_code == 404
     assert 'href="/l20/fichiers/parcours.zip"' in site_of_the_course.get("/l20/lire/slam-navigation").text
+
+
+def test_the_real_scans_come_with_what_says_them() -> None:
+    with zipfile.ZipFile(io.BytesIO(Downloads(the_course()).archive("l20", "intel"))) as archive:
+        files = {name.removeprefix("intel/"): archive.read(name) for name in archive.namelist()}
+    told = files["LISEZ-MOI.txt"].decode()
+    assert all(name in told for name in files.keys() - {"LISEZ-MOI.txt"})
+    tables = [table(files[name]) for name in ("scans.csv", "odometrie.csv", "boucles.csv")]
+    assert [one.shape for one in tables] == [(120, 180), (120, 3), (18, 5)]
+    assert len(read_tum(files["reference.tum"].decode())) == 120

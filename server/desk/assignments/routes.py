@@ -15,8 +15,9 @@ from server.database.dependencies import Db
 from server.desk import views
 from server.desk.asking import log_in_first
 from server.desk.assignments import forms as assignment_forms
+from server.desk.assignments import papers
 from server.desk.assignments import views as assignment_views
-from server.desk.assignments.schemas import AssignmentFormPage, AssignmentValues
+from server.desk.assignments.schemas import AssignmentFormPage
 from server.identity.dependencies import SignedIn
 from server.rights import service as rights
 from server.rights.models import Right
@@ -42,12 +43,14 @@ def all_of_class(request: Request, class_id: str, reader: Reading) -> Response:
 
 
 @router.get(f"{LIST}/nouveau")
-def new(request: Request, class_id: str, reader: Reading) -> Response:
+def new(request: Request, class_id: str, reader: Reading, sujet: str = "") -> Response:
+    """`sujet` names a paper of the course, for which the form is filled."""
     if reader.account is None:
         return log_in_first(request)
     place = rights.require(reader.db, reader.account, Right.keep_assignments, class_id)
     require_open(place.school_class)
-    view = assignment_views.form_page(reader.course, place, AssignmentValues())
+    values = papers.values(reader.course, place.school_class.module, sujet)
+    view = assignment_views.form_page(reader.course, place, values)
     return page(request, "classes/assignment_form.html", reader.account, page=view)
 
 

@@ -50,6 +50,15 @@ class AssignmentsPage:
     students: int
     may_keep: bool
     zone: str
+    papers: tuple[PaperLink, ...]
+
+
+@dataclass(frozen=True)
+class PaperLink:
+    """A paper of the course, and the form that gives it as a test."""
+
+    href: str
+    title: str
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from server.course import Course
 from server.database import utc_now
 from server.desk import repository as desk
 from server.desk import views
-from server.desk.assignments import words
+from server.desk.assignments import papers, words
 from server.desk.assignments.late_line import line_of
 from server.desk.assignments.schemas import (
     AssignmentFormPage,
@@ -71,7 +71,9 @@ def assignments_page(db: Session, course: Course, place: Place) -> AssignmentsPa
         _row(one, len(exercises.get(one.id, ())), exempted.get(one.id, 0), finished.get(one.id, 0), now) for one in rows
     )
     students = classes.counts(db, [place.school_class.id])[place.school_class.id][0]
-    return AssignmentsPage(views.head(course, place, TAB), shown, students, may_keep(place), school_time.zone_name())
+    given = papers.links(course, place.school_class.module, views.href_of(place.school_class))
+    head, zone = views.head(course, place, TAB), school_time.zone_name()
+    return AssignmentsPage(head, shown, students, may_keep(place), zone, given)
 
 
 def may_keep(place: Place) -> bool:
