@@ -51,6 +51,9 @@ from server.figures.store import Store
 from server.grading import regrading
 from server.grading.supervisor import WORKER_COMMAND, Supervisor
 from server.grading.task import give_ups
+from server.health.metrics import Metrics
+from server.health.readiness import Readiness
+from server.health.routes import router as health_router
 from server.identity import service as accounts
 from server.identity.service import Accounts
 from server.pages.accounts import router as accounts_router
@@ -84,6 +87,7 @@ GZIP_LEVEL = 4  # mathematics in HTML shrink twelvefold; higher levels gain litt
 RECOVER_EVERY = 3.0  # seconds
 TIDY_EVERY = 3600.0
 ROUTERS = (
+    health_router,
     api_router,
     guide_router,
     accounts_router,
@@ -291,6 +295,7 @@ def _share(app: FastAPI, services: Services) -> None:
     provide(app, services.personal, Classes(services.database, services.settings), Presence(services.database))
     provide(app, Regrades(course, services.queue))
     provide(app, services.submissions, services.collecting)
+    provide(app, Readiness(services.database, services.supervisor), Metrics(services.database, services.supervisor))
     provide(app, services.boards, services.figures, services.supervisor, Downloads(course), Desk(Replays()))
     check_provided(app)
 
@@ -301,6 +306,7 @@ def _protect(app: FastAPI, settings: Settings) -> None:
     app.add_middleware(middleware.SessionCookie, max_age=settings.session_days * DAY)
     app.add_middleware(middleware.SecurityHeaders)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=GZIP_LEVEL)
+    app.add_middleware(middleware.Trail, proxied=bool(settings.trusted_proxies))
 
 
 def _lesson(app: FastAPI) -> None:

@@ -2,7 +2,6 @@
 
 import errno
 import gc
-import logging
 import signal
 import socket
 from argparse import Namespace
@@ -15,6 +14,7 @@ from fastapi import FastAPI
 from sqlalchemy.exc import SQLAlchemyError
 
 from server.app import create_app
+from server.base import logs
 from server.base.provided import provided_to
 from server.base.settings import Settings
 from server.cli import CannotRun
@@ -31,7 +31,6 @@ from server.submissions.events import Events
 
 GRACE = 2  # seconds left to open connections when the server stops
 BACKLOG = 2048
-LOG_FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 
 
 Prepare = Callable[[Settings, Course, Probing], None]
@@ -50,7 +49,7 @@ def run(arguments: Namespace) -> int:
 def serve(settings: Settings, host: str, port: int, announce: Announce, prepare: Prepare | None = None) -> int:
     """The service, until it is told to stop. `prepare` comes before it, on a migrated database; `announce` once it
     answers, with its address."""
-    logging.basicConfig(level=logging.WARNING, format=LOG_FORMAT)
+    logs.start("", settings.log_format)
     with _listening(host, port) as listener, alone(settings):
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, _leave)

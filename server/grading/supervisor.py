@@ -53,6 +53,18 @@ class Supervisor:
         self._tasks = [asyncio.create_task(self._keep(slot)) for slot in range(self._settings.workers)]
         return self
 
+    @property
+    def wanted(self) -> int:
+        return self._settings.workers
+
+    @property
+    def stopping(self) -> bool:
+        return self._stopping
+
+    def alive(self) -> int:
+        """How many workers stand at this moment."""
+        return sum(running.process.returncode is None for running in list(self._running.values()))
+
     def expect_the_end(self) -> None:
         """The server has been told to stop: workers that end now, having been told too, are missed by nobody."""
         self._stopping = True
