@@ -18,6 +18,7 @@ from server.api.documentation import with_problem_schema
 from server.api.guide import router as guide_router
 from server.api.routes import router as api_router
 from server.base import middleware
+from server.base.gate import Gate
 from server.base.helper import Helper
 from server.base.provided import check_provided, provide
 from server.base.settings import Settings
@@ -122,6 +123,7 @@ class Services:
     settings: Settings
     course: Course
     worker_command: Sequence[str]
+    walls: Gate
 
     @cached_property
     def events(self) -> Events:
@@ -147,7 +149,7 @@ class Services:
 
     @cached_property
     def supervisor(self) -> Supervisor:
-        return Supervisor(self.settings, self.switchboard, self.take_back, self.worker_command)
+        return Supervisor(self.settings, self.switchboard, self.take_back, self.worker_command, self.walls)
 
     @cached_property
     def watch(self) -> Watch:
@@ -167,7 +169,7 @@ class Services:
 
     @cached_property
     def cells(self) -> Cells:
-        return Cells(self.settings, self.course.kits)
+        return Cells(self.settings, self.course.kits, walls=self.walls)
 
     @cached_property
     def boards(self) -> Boards:
@@ -236,6 +238,7 @@ class Services:
             await stack.enter_async_context(self.supervisor)
             chores = [asyncio.create_task(chore) for chore in (self.keep_recovering(), self.keep_tidying())]
             yield
+            self.walls.shut()
             for chore in chores:
                 chore.cancel()
                 with suppress(asyncio.CancelledError):
@@ -258,10 +261,18 @@ async def _keep(seconds: float, doing: Callable[[], None], failed: str) -> None:
 
 
 def create_app(
-    settings: Settings, *, course: Course | None = None, worker_command: Sequence[str] = WORKER_COMMAND
+    settings: Settings,
+    *,
+    course: Course | None = None,
+    worker_command: Sequence[str] = WORKER_COMMAND,
+    walls: Gate | None = None,
 ) -> FastAPI:
-    """The application. Its database must be at the current schema (see `server.database.migrate`)."""
-    services = Services(settings, course or load(render=False, check=True), tuple(worker_command))
+    """The application. Its database must be at the current schema (see `server.database.migrate`).
+
+    No student's code runs before `walls` is open; without it, they are known to stand.
+    """
+    course = course or load(render=False, check=True)
+    services = Services(settings, course, tuple(worker_command), walls or Gate(opened=True))
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
@@ -295,7 +306,8 @@ def _share(app: FastAPI, services: Services) -> None:
     provide(app, services.personal, Classes(services.database, services.settings), Presence(services.database))
     provide(app, Regrades(course, services.queue))
     provide(app, services.submissions, services.collecting)
-    provide(app, Readiness(services.database, services.supervisor), Metrics(services.database, services.supervisor))
+    provide(app, Readiness(services.database, services.supervisor, services.walls))
+    provide(app, Metrics(services.database, services.supervisor))
     provide(app, services.boards, services.figures, services.supervisor, Downloads(course), Desk(Replays()))
     check_provided(app)
 

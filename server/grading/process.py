@@ -13,6 +13,7 @@ from graders.core.contract.findings import Judgement
 from server.base.settings import Settings
 from server.behaviour.fingerprints import FINGERPRINT, FingerprintTask, Sweeper
 from server.course import Course, load
+from server.course.memory import MEMORY, Memory
 from server.database import Database
 from server.grading.joint import Grader, SandboxPrograms
 from server.grading.regrading import RegradeTask
@@ -64,7 +65,7 @@ def _warm(sandbox: Sandbox, course: Course) -> None:
 
 def run(settings: Settings, work: WorkSource, signals: Signals, renewed: Callable[[str], object] = str) -> None:
     """Grades with the real course and sandbox until told to stop. `renewed` is told why a template was replaced."""
-    course = load(render=False)
+    course = load(render=False, memory=Memory(settings.data_dir / MEMORY))
     gc.freeze()
     database = Database(settings.url)
     with closing(database), Sandbox(course.kits, renewed=renewed) as sandbox:

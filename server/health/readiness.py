@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from sqlalchemy.exc import SQLAlchemyError
 
+from server.base.gate import Gate
 from server.database import Database
 from server.grading.supervisor import Supervisor
 from server.health import repository
@@ -14,10 +15,17 @@ from server.health import repository
 class Readiness:
     database: Database
     supervisor: Supervisor
+    walls: Gate
 
     def checks(self) -> Mapping[str, str]:
         """By what is looked at, `ok` or what is amiss."""
-        return {"database": self._database(), "workers": self._workers(), "service": self._service()}
+        walls = "ok" if self.walls.is_open else "being tried"
+        return {
+            "database": self._database(),
+            "walls": walls,
+            "workers": self._workers(),
+            "service": self._service(),
+        }
 
     def _database(self) -> str:
         try:
