@@ -18,6 +18,7 @@ from server.api.documentation import with_problem_schema
 from server.api.guide import router as guide_router
 from server.api.routes import router as api_router
 from server.base import middleware
+from server.base.gate import Gate
 from server.base.helper import Helper
 from server.base.provided import check_provided, provide
 from server.base.settings import Settings
@@ -52,6 +53,9 @@ from server.figures.store import Store
 from server.grading import regrading
 from server.grading.supervisor import WORKER_COMMAND, Supervisor
 from server.grading.task import give_ups
+from server.health.metrics import Metrics
+from server.health.readiness import Readiness
+from server.health.routes import router as health_router
 from server.identity import service as accounts
 from server.identity.service import Accounts
 from server.offline.routes import router as offline_router
@@ -87,6 +91,7 @@ GZIP_LEVEL = 4  # mathematics in HTML shrink twelvefold; higher levels gain litt
 RECOVER_EVERY = 3.0  # seconds
 TIDY_EVERY = 3600.0
 ROUTERS = (
+    health_router,
     api_router,
     guide_router,
     accounts_router,
@@ -123,6 +128,7 @@ class Services:
     settings: Settings
     course: Course
     worker_command: Sequence[str]
+    walls: Gate
 
     @cached_property
     def events(self) -> Events:
@@ -148,7 +154,7 @@ class Services:
 
     @cached_property
     def supervisor(self) -> Supervisor:
-        return Supervisor(self.settings, self.switchboard, self.take_back, self.worker_command)
+        return Supervisor(self.settings, self.switchboard, self.take_back, self.worker_command, self.walls)
 
     @cached_property
     def watch(self) -> Watch:
@@ -168,7 +174,7 @@ class Services:
 
     @cached_property
     def cells(self) -> Cells:
-        return Cells(self.settings, self.course.kits)
+        return Cells(self.settings, self.course.kits, walls=self.walls)
 
     @cached_property
     def boards(self) -> Boards:
@@ -246,6 +252,7 @@ class Services:
             await stack.enter_async_context(self.supervisor)
             chores = [asyncio.create_task(chore) for chore in (self.keep_recovering(), self.keep_tidying())]
             yield
+            self.walls.shut()
             for chore in chores:
                 chore.cancel()
                 with suppress(asyncio.CancelledError):
@@ -268,10 +275,18 @@ async def _keep(seconds: float, doing: Callable[[], None], failed: str) -> None:
 
 
 def create_app(
-    settings: Settings, *, course: Course | None = None, worker_command: Sequence[str] = WORKER_COMMAND
+    settings: Settings,
+    *,
+    course: Course | None = None,
+    worker_command: Sequence[str] = WORKER_COMMAND,
+    walls: Gate | None = None,
 ) -> FastAPI:
-    """The application. Its database must be at the current schema (see `server.database.migrate`)."""
-    services = Services(settings, course or load(render=False, check=True), tuple(worker_command))
+    """The application. Its database must be at the current schema (see `server.database.migrate`).
+
+    No student's code runs before `walls` is open; without it, they are known to stand.
+    """
+    course = course or load(render=False, check=True)
+    services = Services(settings, course, tuple(worker_command), walls or Gate(opened=True))
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
@@ -305,6 +320,8 @@ def _share(app: FastAPI, services: Services) -> None:
     provide(app, services.personal, Classes(services.database, services.settings), Presence(services.database))
     provide(app, Regrades(course, services.queue))
     provide(app, services.submissions, services.collecting)
+    provide(app, Readiness(services.database, services.supervisor, services.walls))
+    provide(app, Metrics(services.database, services.supervisor))
     provide(app, services.boards, services.figures, services.supervisor, services.downloads, Desk(Replays()))
     provide(app, services.archives)
     check_provided(app)
@@ -316,6 +333,7 @@ def _protect(app: FastAPI, settings: Settings) -> None:
     app.add_middleware(middleware.SessionCookie, max_age=settings.session_days * DAY)
     app.add_middleware(middleware.SecurityHeaders)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=GZIP_LEVEL)
+    app.add_middleware(middleware.Trail, proxied=bool(settings.trusted_proxies))
 
 
 def _lesson(app: FastAPI) -> None:

@@ -9,6 +9,7 @@ from server.base.paths import ROOT
 from server.base.settings import Settings
 
 _PR_SET_PDEATHSIG = 1
+LOGS = "BALISE_LOG_FORMAT"
 
 
 def die_with(parent: int) -> None:
@@ -28,8 +29,8 @@ def environment(settings: Settings) -> dict[str, str]:
 
 
 def bare_environment() -> dict[str, str]:
-    """The same without any setting, for a process that needs none: the database's password is among them."""
-    others = {name: value for name, value in os.environ.items() if not name.startswith("BALISE_")}
+    """The same without any setting but the form of logs: the database's password is among them."""
+    others = {name: value for name, value in os.environ.items() if name == LOGS or not name.startswith("BALISE_")}
     return {**others, "PYTHONPATH": _path()}
 
 

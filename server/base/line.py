@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import logging
 import os
 import signal
 import socket
 import threading
 from collections.abc import Iterator
 
-from server.base import frames
+from server.base import frames, logs
 from server.base.children import die_with
 
 #: Helpers leave the processors to graders, pages and whoever else has something to do.
@@ -40,7 +39,7 @@ def to_service(name: str, line: int, parent: int) -> Line:
     Ctrl+C, and whoever stops a service with all its processes, tell helpers too: the service ends them in its order.
     """
     die_with(parent)
-    logging.basicConfig(level=logging.WARNING, format=f"%(asctime)s %(levelname)s {name} %(name)s: %(message)s")
+    logs.start(name, os.environ.get("BALISE_LOG_FORMAT", logs.TEXT))
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
     os.nice(NICE)

@@ -1,8 +1,10 @@
-"""What every answer goes through: bounded bodies, refusal of cross-site requests, session cookie, security headers.
+"""What every answer goes through: a name for the logs, bounded bodies, refusal of cross-site requests, session cookie,
+security headers.
 
 Plain ASGI, so that streams (server-sent events) pass through untouched.
 """
 
+import time
 from collections.abc import Awaitable, Callable
 from urllib.parse import urlsplit
 
@@ -11,6 +13,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from server.base import logs
 from server.base.errors import Forbidden, ServiceError, TooLarge
 from server.base.request import COOKIE, SAFE_METHODS
 from server.base.sizes import size
@@ -35,7 +38,40 @@ SECURITY_HEADERS = {
     "Cross-Origin-Opener-Policy": "same-origin",
 }
 API = "/api/"
+REQUEST_ID = "X-Request-ID"
 Refuse = Callable[[Request, ServiceError], Response]
+
+
+class Trail:
+    """Gives each request a name, which goes with what it has done later, and tells in the logs what came of it.
+
+    A trusted proxy may have named it already. Its route is told, and not its address: addresses hold one-time links.
+    """
+
+    def __init__(self, app: ASGIApp, proxied: bool) -> None:
+        self._app, self._proxied = app, proxied
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            return await self._app(scope, receive, send)
+        given = Headers(scope=scope).get(REQUEST_ID, "") if self._proxied else ""
+        name = given if logs.ID.fullmatch(given) else logs.new_id()
+        began, status = time.perf_counter(), 500
+
+        async def send_with_name(message: Message) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                MutableHeaders(scope=message)[REQUEST_ID] = name
+            await send(message)
+
+        with logs.on_behalf(name):
+            try:
+                await self._app(scope, receive, send_with_name)
+            finally:
+                route = getattr(scope.get("route"), "path", "")
+                seconds = round(time.perf_counter() - began, 4)
+                logs.tell("request", method=scope["method"], route=route, status=status, seconds=seconds)
 
 
 class SecurityHeaders:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from ipaddress import ip_network
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from pydantic import Field, field_validator
@@ -135,6 +135,17 @@ class Settings(BaseSettings):
         json_schema_extra=_told("`Europe/Paris`"),
     )
 
+    log_format: Literal["text", "json"] = Field(
+        default="text",
+        description="`text` for people, `json` for one object a line, with the requests and what came of them",
+        json_schema_extra=_told("`text`"),
+    )
+    metrics_token: str = Field(
+        default="",
+        repr=False,
+        description="what Prometheus shows to read `/metrics`, as a bearer token; without it nobody reads them",
+        json_schema_extra=_told("none"),
+    )
     lease_seconds: Seconds = Field(
         default=30.0, gt=0, description="a worker that has given no sign of life for so long loses its submission"
     )

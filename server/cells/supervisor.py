@@ -11,6 +11,7 @@ from functools import partial
 
 from server.base.children import environment
 from server.base.errors import Crowded, Failed
+from server.base.gate import Gate, ShutError
 from server.base.helper import IDLE, Helper, Program, UnansweredError
 from server.base.settings import Settings
 from server.base.turns import FullError, Turns
@@ -38,7 +39,9 @@ class Cells:
         command: Sequence[str] = COMMAND,
         patience: float = PATIENCE,
         idle: float = IDLE,
+        walls: Gate | None = None,
     ) -> None:
+        self._walls = walls or Gate(opened=True)
         files = {name: dict(texts) for name, texts in kits.items()}
         beginning = json.dumps({"kits": files, "at_once": settings.cells_at_once}).encode()
         self.helper = Helper(Program(command, environment(settings), MAX_ANSWER, patience, idle, beginning))
@@ -82,8 +85,9 @@ class Cells:
 
     async def _ask(self, question: dict[str, str]) -> bytes:
         try:
+            await self._walls.passed()
             return await self.helper.ask(json.dumps(question).encode())
-        except UnansweredError as error:
+        except (UnansweredError, ShutError) as error:
             raise Failed(FAILED) from error
 
     async def close(self) -> None:

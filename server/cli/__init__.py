@@ -1,6 +1,7 @@
 """The command line, where each command is a module that is imported only when it is asked for."""
 
 import argparse
+import gc
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
@@ -21,7 +22,7 @@ class CannotRun(Exception):
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs a command; returns its exit status."""
     arguments = _parser().parse_args(argv)
-    command: Command = import_module(f"server.cli.{arguments.command}").run
+    command = _command(arguments.command)
     try:
         return command(arguments)
     except CannotRun as reason:
@@ -32,6 +33,16 @@ def main(argv: Sequence[str] | None = None) -> int:
         return CANNOT
     except KeyboardInterrupt:
         return 130
+
+
+def _command(name: str) -> Command:
+    """What is imported stays: looking through it for what does not, again and again, takes a sixth of the time."""
+    gc.disable()
+    try:
+        command: Command = import_module(f"server.cli.{name}").run
+    finally:
+        gc.enable()
+    return command
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -40,7 +40,7 @@ def start_probing(*, slow: bool = True) -> Probing:
     return probing
 
 
-def require_safe_sandbox(probing: Probing) -> None:
+def require_safe_sandbox(probing: Probing) -> list[WallReport]:
     """Waits for the probe; raises CannotRun, with the walls that are missing, where it is not safe to run."""
     reports = probing.result()
     if not safe_to_serve(reports):
@@ -50,6 +50,7 @@ def require_safe_sandbox(probing: Probing) -> None:
             if report.required and report.status != WallStatus.STANDING
         )
         raise CannotRun(f"le bac à sable n’est pas sûr sur cette machine (voir « balise doctor ») :{missing}")
+    return reports
 
 
 @contextmanager

@@ -2,7 +2,6 @@
 
 import errno
 import gc
-import logging
 import signal
 import socket
 from argparse import Namespace
@@ -15,6 +14,8 @@ from fastapi import FastAPI
 from sqlalchemy.exc import SQLAlchemyError
 
 from server.app import create_app
+from server.base import logs
+from server.base.gate import Gate
 from server.base.provided import provided_to
 from server.base.settings import Settings
 from server.cli import CannotRun
@@ -22,16 +23,18 @@ from server.cli.alone import alone
 from server.cli.configuration import read_settings
 from server.cli.local import Probing, require_safe_sandbox, start_probing
 from server.course import Course, load
+from server.course.memory import MEMORY, Memory
 from server.database import Database
 from server.database.migrate import WrongSchema, upgrade
 from server.figures.service import Figures
 from server.grading.supervisor import Supervisor
+from server.health.metrics import Metrics
 from server.identity import links
+from server.sandbox import WallStatus, safe_to_serve
 from server.submissions.events import Events
 
 GRACE = 2  # seconds left to open connections when the server stops
 BACKLOG = 2048
-LOG_FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 
 
 Prepare = Callable[[Settings, Course, Probing], None]
@@ -50,17 +53,21 @@ def run(arguments: Namespace) -> int:
 def serve(settings: Settings, host: str, port: int, announce: Announce, prepare: Prepare | None = None) -> int:
     """The service, until it is told to stop. `prepare` comes before it, on a migrated database; `announce` once it
     answers, with its address."""
-    logging.basicConfig(level=logging.WARNING, format=LOG_FORMAT)
+    logs.start("", settings.log_format)
     with _listening(host, port) as listener, alone(settings):
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, _leave)
         probing = start_probing()
-        _migrate(settings)
-        course = load(render=False, check=True)
-        require_safe_sandbox(probing)
+        with _without_collections():
+            _migrate(settings)
+            course = load(render=False, check=True, memory=Memory(settings.data_dir / MEMORY))
+        if probing.done():
+            require_safe_sandbox(probing)
         if prepare is not None:
             prepare(settings, course, probing)
-        app = create_app(settings, course=course)
+        walls = Gate()
+        with _without_collections():
+            app = create_app(settings, course=course, walls=walls)
         gc.freeze()  # what is loaded stays: no collection, while someone waits for an answer, needs to look at it again
 
         def ready() -> None:
@@ -68,8 +75,18 @@ def serve(settings: Settings, host: str, port: int, announce: Announce, prepare:
             if settings.warm_figures:
                 provided_to(app, Figures).pictures.warm()
 
-        _serve(app, settings, listener, ready)
+        _serve(app, settings, listener, ready, probing, walls)
     return 0
+
+
+@contextmanager
+def _without_collections() -> Iterator[None]:
+    """What is loaded stays: looking through it for what does not, again and again, would take a sixth of the time."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
 
 
 def _leave(_signal: int, _frame: FrameType | None) -> None:
@@ -89,6 +106,11 @@ class Server(uvicorn.Server):
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         self._told()
         super().handle_exit(sig, frame)
+
+    def leave(self) -> None:
+        """From any thread."""
+        self._told()
+        self.should_exit = True
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
@@ -114,12 +136,36 @@ def configuration(app: FastAPI, settings: Settings) -> uvicorn.Config:
     )
 
 
-def _serve(app: FastAPI, settings: Settings, listener: socket.socket, ready: Callable[[], None]) -> None:
+def _serve(
+    app: FastAPI,
+    settings: Settings,
+    listener: socket.socket,
+    ready: Callable[[], None],
+    probing: Probing,
+    walls: Gate,
+) -> None:
+    """Pages are served while the walls are tried; where they do not stand, it ends before any student's code ran."""
     end_streams = provided_to(app, Events).close  # open, they would keep it from ending
     server = Server(configuration(app, settings), ready, provided_to(app, Supervisor).expect_the_end, end_streams)
+    open_once_tried(probing, walls, provided_to(app, Metrics), server.leave)
     server.run([listener])
     if not server.started:
         raise CannotRun("le service n’a pas pu démarrer (voir les messages ci-dessus).")
+    if probing.done():
+        require_safe_sandbox(probing)
+
+
+def open_once_tried(probing: Probing, walls: Gate, metrics: Metrics, leave: Callable[[], None]) -> None:
+    """Lets students' code run once the walls are known to stand; has the service end where they do not."""
+
+    def tried(done: Probing) -> None:
+        if done.exception() is not None or not safe_to_serve(done.result()):
+            leave()
+            return
+        metrics.tell_walls({wall.name: wall.status is WallStatus.STANDING for wall in done.result()})
+        walls.open()
+
+    probing.add_done_callback(tried)
 
 
 @contextmanager

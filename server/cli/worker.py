@@ -1,5 +1,6 @@
 """`balise worker`: grades for a server, from another machine; both share one database."""
 
+import logging
 import os
 import sys
 from argparse import Namespace
@@ -8,6 +9,7 @@ from contextlib import closing
 from sqlalchemy import make_url
 from sqlalchemy.exc import OperationalError
 
+from server.base import logs
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
@@ -15,7 +17,7 @@ from server.cli.local import require_safe_sandbox, start_probing
 from server.database import Database
 from server.database.migrate import WrongSchema, require_current
 from server.grading.process import run as run_worker
-from server.grading.process import start_logging, stop_on_signals
+from server.grading.process import stop_on_signals
 from server.queue.polling import Polling
 from server.queue.port import NoSignals, Signals, WorkSource
 from server.queue.postgres import PostgresSignals, PostgresSource
@@ -27,7 +29,7 @@ def run(_arguments: Namespace) -> int:
     if settings.database_url is None:
         raise CannotRun("indiquez la base de données du serveur dans BALISE_DATABASE_URL.")
     require_safe_sandbox(start_probing())
-    start_logging(f"worker[{os.getpid()}]")
+    logs.start(f"worker[{os.getpid()}]", settings.log_format, logging.INFO)
     stop_on_signals(interrupt=True)
     try:
         with closing(Database(settings.url)) as database:

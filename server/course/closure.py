@@ -9,18 +9,20 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
+
+from server.course.memory import Memory
 
 OURS = ("graders", "reference")
 DRAWING = "graders.plotting"
 
 
 class Imports:
-    """The modules under `root`, each read once."""
+    """The modules under `root`, each read once; `memory` keeps what was read of the same content earlier."""
 
-    def __init__(self, root: Path) -> None:
-        self._root = root
+    def __init__(self, root: Path, memory: Memory | None = None) -> None:
+        self._root, self._memory = root, memory or Memory()
         self._module = cache(self._read)
 
     def closure(self, module: str) -> dict[str, Path]:
@@ -39,9 +41,9 @@ class Imports:
         base = self._root.joinpath(*module.split("."))
         for path, package in ((base / "__init__.py", module), (base.with_suffix(".py"), module.rpartition(".")[0])):
             if path.is_file():
-                return path, frozenset(
-                    name for asked in (package, *_asked(path, package)) for name in _on_the_way(asked)
-                )
+                content = path.read_bytes()
+                found = self._memory.imports(content, package, partial(_asked, content, package))
+                return path, frozenset(name for asked in (package, *found) for name in _on_the_way(asked))
         return None, frozenset()
 
 
@@ -52,10 +54,10 @@ def _on_the_way(module: str) -> Iterator[str]:
         yield from (".".join(parts[:length]) for length in range(1, len(parts) + 1))
 
 
-def _asked(path: Path, package: str) -> Iterator[str]:
+def _asked(content: bytes, package: str) -> Iterator[str]:
     """The modules that a file may import: of `from a import b`, `a`, and `a.b`, which may be a module."""
     try:
-        tree = ast.parse(path.read_bytes())
+        tree = ast.parse(content)
     except (SyntaxError, ValueError):  # discovery has told of it
         return
     for node in _statements(tree.body):

@@ -19,6 +19,7 @@ from graders.core.contract.streams import stream
 from server.course import drawings, questions, reuse, toml_file
 from server.course.closure import Imports
 from server.course.library import Library, problems_of
+from server.course.memory import Memory, source_of
 from server.course.models import Course, CourseFault, Exercise, FunctionSpec, Module, Problem
 from server.course.schemas import ExerciseFile, ModuleFile
 from server.course.toml_places import line_of
@@ -64,23 +65,31 @@ def load(
     discovery: Discovery | None = None,
     render: bool = True,
     check: bool = False,
+    memory: Memory | None = None,
 ) -> Course:
     """Read the whole course. Never raises for a malformed module or exercise: see `Course.problems`.
 
     `code` holds `graders/` and `reference/`, which versions cover. Rendering all the texts takes seconds, most of it
     for the formulas. With `render=False` a text is rendered when it is looked at, and its faults are not looked for;
-    with `check=True` too, all of its faults are, but for those of formulas.
+    with `check=True` too, all of its faults are, but for those of formulas: once, where `memory` says that these very
+    files were sound.
     """
+    memory = memory or Memory()
     look = Look.drawn if render else Look.read if check else Look.no
+    source = source_of(curriculum, code) if look is Look.read else ""
+    if source and memory.is_sound(source):
+        look = Look.no
     if discovery is None:
         from graders.discovery import discover
 
         discovery = discover()
     problems = [Problem(problem.path, problem.line, problem.message) for problem in discovery.problems]
-    sources = Sources(curriculum, code, discovery, Imports(code))
+    sources = Sources(curriculum, code, discovery, Imports(code, memory))
     modules = _each(problems, lambda path: _module(sources, path, problems, look), _modules(curriculum))
     modules.sort(key=lambda module: (module.order, module.slug))
     problems.extend(_orphans(sources))
+    if source:
+        memory.keep("" if problems else source)
     return Course(MappingProxyType({module.slug: module for module in modules}), tuple(problems))
 
 

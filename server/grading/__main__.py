@@ -1,25 +1,28 @@
 """The process that `balise serve` starts for each worker: `python -m server.grading CHANNEL_FD PARENT_PID`."""
 
+import logging
 import os
 import socket
 import sys
 
+from server.base import logs
 from server.base.children import die_with
-from server.grading.process import run, start_logging, stop_on_signals
+from server.grading.process import run, stop_on_signals
 from server.queue.worker import Stop
 
 
 def main(channel_fd: int, parent: int) -> None:
     die_with(parent)
     stop_on_signals()
-    start_logging(f"worker[{channel_fd}]")
     from server.base.settings import Settings
     from server.queue.channel import Channel
 
     os.set_inheritable(channel_fd, False)  # no child of ours may keep the line open after our death
     channel = Channel(socket.socket(fileno=channel_fd))
+    settings = Settings()
+    logs.start(f"worker[{channel_fd}]", settings.log_format, logging.INFO)
     try:
-        run(Settings(), channel, channel)
+        run(settings, channel, channel, channel.renewed)
     except Stop:
         sys.exit(0)
 

@@ -4,6 +4,7 @@ import gc
 import logging
 import signal
 import threading
+from collections.abc import Callable
 from contextlib import closing
 from functools import partial
 from types import FrameType
@@ -12,6 +13,7 @@ from graders.core.contract.findings import Judgement
 from server.base.settings import Settings
 from server.behaviour.fingerprints import FINGERPRINT, FingerprintTask, Sweeper
 from server.course import Course, load
+from server.course.memory import MEMORY, Memory
 from server.database import Database
 from server.grading.joint import Grader, SandboxPrograms
 from server.grading.regrading import RegradeTask
@@ -41,10 +43,6 @@ def _stop(_signal: int, _frame: FrameType | None) -> None:
     raise Stop
 
 
-def start_logging(name: str) -> None:
-    logging.basicConfig(level=logging.INFO, format=f"%(asctime)s %(levelname)s {name} %(name)s: %(message)s")
-
-
 def _warm(sandbox: Sandbox, course: Course) -> None:
     """Starts the templates, then has the graders load and compile what they use, before the first submission.
 
@@ -65,12 +63,12 @@ def _warm(sandbox: Sandbox, course: Course) -> None:
     gc.freeze()  # what was loaded stays: no collection needs to look at it again
 
 
-def run(settings: Settings, work: WorkSource, signals: Signals) -> None:
-    """Grades with the real course and sandbox until told to stop."""
-    course = load(render=False)
+def run(settings: Settings, work: WorkSource, signals: Signals, renewed: Callable[[str], object] = str) -> None:
+    """Grades with the real course and sandbox until told to stop. `renewed` is told why a template was replaced."""
+    course = load(render=False, memory=Memory(settings.data_dir / MEMORY))
     gc.freeze()
     database = Database(settings.url)
-    with closing(database), Sandbox(course.kits) as sandbox:
+    with closing(database), Sandbox(course.kits, renewed=renewed) as sandbox:
         grader = Grader(course, sandbox)
         threading.Thread(target=_warm, args=(sandbox, course), name="warm-up", daemon=True).start()
 

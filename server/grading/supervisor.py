@@ -11,6 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from server.base.children import environment
+from server.base.gate import Gate, ShutError
 from server.base.settings import Settings
 from server.queue.owner import Owner, owner_of
 from server.queue.switchboard import Switchboard
@@ -35,7 +36,10 @@ class Running:
 
 
 class Supervisor:
-    """Keeps `settings.workers` processes alive. `on_death` is called in a thread with the dead worker's lease name."""
+    """Keeps `settings.workers` processes alive, once the walls are known to stand.
+
+    `on_death` is called in a thread with the dead worker's lease name.
+    """
 
     def __init__(
         self,
@@ -43,7 +47,9 @@ class Supervisor:
         switchboard: Switchboard,
         on_death: Callable[[Owner], None],
         command: Sequence[str] = WORKER_COMMAND,
+        walls: Gate | None = None,
     ) -> None:
+        self._walls = walls or Gate(opened=True)
         self._settings, self._switchboard, self._on_death, self._command = settings, switchboard, on_death, command
         self._running: dict[int, Running] = {}
         self._tasks: list[asyncio.Task[None]] = []
@@ -52,6 +58,18 @@ class Supervisor:
     async def __aenter__(self) -> "Supervisor":
         self._tasks = [asyncio.create_task(self._keep(slot)) for slot in range(self._settings.workers)]
         return self
+
+    @property
+    def wanted(self) -> int:
+        return self._settings.workers
+
+    @property
+    def stopping(self) -> bool:
+        return self._stopping
+
+    def alive(self) -> int:
+        """How many workers stand at this moment."""
+        return sum(running.process.returncode is None for running in list(self._running.values()))
 
     def expect_the_end(self) -> None:
         """The server has been told to stop: workers that end now, having been told too, are missed by nobody."""
@@ -72,6 +90,10 @@ class Supervisor:
                     running.process.send_signal(number)
 
     async def _keep(self, slot: int) -> None:
+        try:
+            await self._walls.passed()
+        except ShutError:
+            return
         while not self._stopping:
             born = asyncio.get_running_loop().time()
             running = self._running[slot] = await self._start()

@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import internal_error_verdict
+from server.base import logs
 from server.course.models import Course
 from server.course.reuse import Own
 from server.gradebook import accepted
@@ -64,6 +65,8 @@ class GradingTask:
 
     def record(self, db: Session, work: SentFile, result: Graded) -> None:
         _record(db, work.submission_id, result)
+        outcome = result.verdict.outcome.value
+        logs.tell("verdict", submission=str(work.submission_id), exercise=work.exercise, outcome=outcome)
 
 
 def give_ups(course: Course) -> Mapping[str, GiveUp]:

@@ -8,6 +8,7 @@ from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 from server.base.errors import Unauthorised
 from server.base.provided import provided
 from server.base.request import COOKIE, client_address
+from server.base.tally import REFUSED_LOGINS
 from server.database import Database
 from server.database.dependencies import DatabaseOf
 from server.identity import service, tokens
@@ -72,6 +73,7 @@ def _api(
         raise Unauthorised("Un jeton est attendu dans l’en-tête « Authorization: Bearer … ».")
     account = tokens.owner(database, credentials.credentials)
     if account is None:
+        REFUSED_LOGINS.add("token")
         raise Unauthorised("Ce jeton n’est pas valable, n’est plus valable ou a été révoqué.")
     return account
 

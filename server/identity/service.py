@@ -13,8 +13,9 @@ from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
-from server.base.errors import Conflict, NotFound
+from server.base.errors import Conflict, NotFound, TooMany
 from server.base.settings import Settings
+from server.base.tally import REFUSED_LOGINS
 from server.database import Database, utc_now
 from server.identity import links, repository, secrets
 from server.identity.hashing import Hashing
@@ -109,10 +110,15 @@ class Accounts:
 
     async def log_in(self, login: str, password: str, *, visitor: Account | None, address: str) -> Opened:
         """Opens a session; a guest `visitor`'s work joins the account. Raises RefusedForm, TooMany or Crowded."""
-        account = await run_in_threadpool(self._account_to_try, normalised_login(login), address)
+        try:
+            account = await run_in_threadpool(self._account_to_try, normalised_login(login), address)
+        except TooMany:
+            REFUSED_LOGINS.add("too_many")
+            raise
         stored = account.password_hash if account else None
         right = await self.hashing.verify(password, stored, address=address)
         if not right or account is None:
+            REFUSED_LOGINS.add("password")
             raise RefusedForm({"password": WRONG_LOGIN})
         return await run_in_threadpool(self._come_back, account, visitor)
 
@@ -129,6 +135,7 @@ class Accounts:
         with self.database.write() as db:
             now = repository.by_id(db, account.id)
             if now is None or now.disabled_at is not None:
+                REFUSED_LOGINS.add("disabled")
                 raise RefusedForm({"password": DISABLED})
             self._bring_along(db, visitor, account.id)
             return self._open_session(db, account)

@@ -7,7 +7,7 @@ import threading
 from sqlalchemy.orm import Session
 
 from server.database import after_commit
-from server.queue.switchboard import CHANGED, IDLE, QUEUED
+from server.queue.switchboard import CHANGED, IDLE, QUEUED, RENEWED
 
 
 class Channel:
@@ -41,3 +41,7 @@ class Channel:
 
     def changed(self, db: Session, key: str) -> None:
         after_commit(db, lambda: self._say(f"{CHANGED} {key}"))
+
+    def renewed(self, why: str) -> None:
+        """A template of the sandbox was replaced."""
+        self._say(f"{RENEWED} {why}")

@@ -61,6 +61,8 @@ class HeapError(Exception):
 
 
 NOBODY = Sender()
+#: Where a job's payload keeps the request that it comes from, for the logs.
+REQUEST = "request"
 GiveUp = Callable[[Session, Lease], None]
 
 

@@ -14,11 +14,12 @@ from uuid import UUID, uuid4
 
 from sqlalchemy.orm import Session
 
+from server.base import logs
 from server.database import utc_now
 from server.queue import repository
 from server.queue.models import Job
 from server.queue.owner import Owner, is_dead
-from server.queue.port import NOBODY, GiveUp, HeapError, Lease, Most, Sender, Signals
+from server.queue.port import NOBODY, REQUEST, GiveUp, HeapError, Lease, Most, Sender, Signals
 from server.queue.turns import Crowd, next_turn
 
 log = logging.getLogger(__name__)
@@ -48,7 +49,8 @@ class TableQueue:
         turn = next_turn(crowd)
         if turn.pushes:
             turn = replace(turn, line=repository.push(db, sender, turn.own))
-        repository.put(db, kind, key, payload or {}, sender, turn)
+        request = logs.current_id()
+        repository.put(db, kind, key, {**(payload or {}), **({REQUEST: request} if request else {})}, sender, turn)
         self._signals.queued(db)
 
     def claim(self, db: Session, owner: Owner, kinds: Collection[str], lease_seconds: float) -> Lease | None:

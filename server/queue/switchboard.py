@@ -3,7 +3,7 @@
 Its state lives on the event loop; `wake` and `tell` may be called from any thread.
 
 Protocol, one line a message. Web to worker: `work`. Worker to web: `idle` (it found nothing and sleeps), `queued` (it
-gave something back), `changed <key>`.
+gave something back), `changed <key>`, `renewed <why>` (a template of its sandbox was replaced).
 """
 
 import asyncio
@@ -13,11 +13,12 @@ from typing import Protocol
 
 from sqlalchemy.orm import Session
 
+from server.base.tally import TEMPLATE_RENEWALS
 from server.database import after_commit
 
 log = logging.getLogger(__name__)
 
-WORK, IDLE, QUEUED, CHANGED = "work", "idle", "queued", "changed"
+WORK, IDLE, QUEUED, CHANGED, RENEWED = "work", "idle", "queued", "changed", "renewed"
 
 
 class Line(Protocol):
@@ -72,6 +73,8 @@ class Switchboard:
             self._wake()
         elif word == CHANGED:
             self._on_changed(argument)
+        elif word == RENEWED:
+            TEMPLATE_RENEWALS.add(argument)
         else:
             log.error("a worker said something unknown: %r", message)
 

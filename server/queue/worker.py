@@ -10,10 +10,11 @@ from typing import Any, TypeVar
 from sqlalchemy.exc import InterfaceError, OperationalError, SQLAlchemyError
 from sqlalchemy.orm import Session
 
+from server.base import logs
 from server.base.settings import Settings
-from server.database import Database, is_locked
+from server.database import Database, is_locked, utc_now
 from server.queue.owner import Owner, owner_of
-from server.queue.port import GiveUp, Lease, Queue, Tasks, WorkSource
+from server.queue.port import REQUEST, GiveUp, Lease, Queue, Tasks, WorkSource
 
 log = logging.getLogger(__name__)
 
@@ -101,7 +102,8 @@ class Worker:
             return False
         lease, work = begun
         if work is not None:
-            self._do(lease, work)
+            with logs.on_behalf(str(lease.payload.get(REQUEST, ""))):
+                self._do(lease, work)
         return True
 
     def _begin(self, db: Session) -> tuple[Lease, Any] | None:
@@ -132,6 +134,8 @@ class Worker:
         try:
             result = self._tasks[lease.kind].run(work)
             self._write(lambda db: self._record(db, lease, work, result))
+            seconds = (utc_now() - lease.started_at).total_seconds()
+            logs.tell("job done", kind=lease.kind, key=lease.key, tries=lease.tries, seconds=round(seconds, 4))
         except Stop:
             with self._database.write() as db:
                 self._queue.give_back(db, lease)

@@ -30,6 +30,8 @@ _POLICIES = 3
 _PAUSE = 30.0
 #: Seconds between the end of a session and the fork of the next spare.
 _REST = 0.012
+#: Why a template is replaced.
+WORN, FAILED = "worn", "failed"
 
 
 class _Slot:
@@ -37,7 +39,7 @@ class _Slot:
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
-        self.renewing, self.pause = False, 0.0
+        self.renewing, self.begun, self.pause = False, False, 0.0
         self.template: TemplateProcess | None = None
         self.spares: OrderedDict[Policy, deque[Child]] = OrderedDict()
 
@@ -67,11 +69,12 @@ class Sandbox:
         growth: int = 16 * MIB,
         namespaces: bool | None = None,
         lifted: frozenset[str] = frozenset(),
+        renewed: Callable[[str], object] = str,
     ) -> None:
         self.policy = policy or Policy()
         if unknown := lifted - WALLS:
             raise ValueError(f"no such wall: {', '.join(sorted(unknown))}")
-        self._kits, self._lifted = dict(kits), lifted
+        self._kits, self._lifted, self._renewed = dict(kits), lifted, renewed
         self._seats = Seats(() if "cgroup" in lifted else hierarchies()[0])
         self._spares, self._forks, self._growth, self._namespaces = spares, forks, growth, namespaces
         self._slots = {name: _Slot() for name in IMPORT_SETS}
@@ -190,6 +193,7 @@ class Sandbox:
                 slot.template = successor
                 for policy in policies:
                     self._refill(slot, successor, policy)
+            self._renewed(WORN)
         except BaseException:
             slot.pause = time.monotonic() + _PAUSE
             raise
@@ -236,6 +240,9 @@ class Sandbox:
             return template
         self._discard(slot)
         slot.template = self._started(imports)
+        if slot.begun:
+            self._renewed(FAILED)
+        slot.begun = True
         return slot.template
 
     def _started(self, imports: str) -> TemplateProcess:

@@ -104,6 +104,13 @@ def test_what_was_acknowledged_before_a_backup_under_load_is_restored(
     assert (kept is not None) == both.url.startswith("sqlite")
 
 
+#: What the test under load tries on PostgreSQL too is tried there alone among the slow ones.
+MOSTLY_SQLITE = pytest.mark.parametrize(
+    "database_url", ["sqlite", pytest.param("postgresql", marks=pytest.mark.slow)], indirect=True
+)
+
+
+@MOSTLY_SQLITE
 def test_a_backup_says_how_many_rows_there_are_of_what(database: Database, both: Settings, tmp_path: Path) -> None:
     new_account(database)
     first = service.back_up(both, tmp_path / "1.zip", OURS)
@@ -135,6 +142,7 @@ def altered(file: Path, made: Path, member: str, change: Any) -> Path:
     return made
 
 
+@MOSTLY_SQLITE
 def test_a_damaged_backup_changes_nothing(database: Database, both: Settings, tmp_path: Path) -> None:
     ada = new_account(database, name="Ada Lovelace")
     file = tmp_path / "save.zip"

@@ -7,6 +7,7 @@ import logging
 
 import pytest
 
+from server.base.gate import Gate
 from server.base.settings import Settings
 from server.grading.supervisor import Supervisor
 from server.queue.owner import Owner
@@ -53,3 +54,22 @@ async def worker_besides(
                 if running.process is not other:
                     return running.process
             await asyncio.sleep(0.005)
+
+
+def test_no_worker_starts_before_the_walls_are_known_to_stand(settings: Settings) -> None:
+    async def scene() -> None:
+        walls = Gate()
+        wanted = settings.model_copy(update={"workers": 1})
+        async with Supervisor(wanted, Switchboard(print), lambda _owner: None, SLEEPS, walls) as supervisor:
+            await asyncio.sleep(0.01)
+            assert supervisor.alive() == 0
+            walls.open()
+            await worker_besides(supervisor, None)
+            assert supervisor.alive() == 1
+        walls = Gate()
+        async with Supervisor(wanted, Switchboard(print), lambda _owner: None, SLEEPS, walls) as supervisor:
+            supervisor.expect_the_end()
+            walls.shut()
+        assert supervisor.alive() == 0
+
+    in_a_loop(scene())

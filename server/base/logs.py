@@ -1,0 +1,82 @@
+"""Logs: lines for people, or one JSON object a line for programs, each with the request that it comes from.
+
+What a student writes and where they are is never in them: what is logged is names of ours, counts and times.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import re
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from datetime import UTC, datetime
+
+TEXT, JSON = "text", "json"
+ID = re.compile(r"[A-Za-z0-9._-]{8,64}")
+
+#: The trail of what was asked, from the request to its verdict: told in JSON alone.
+trail = logging.getLogger("balise")
+_request: ContextVar[str] = ContextVar("request", default="")
+
+
+def new_id() -> str:
+    return secrets.token_hex(8)
+
+
+def current_id() -> str:
+    """The request that this is done for; empty for what nobody asked for."""
+    return _request.get()
+
+
+@contextmanager
+def on_behalf(request: str) -> Iterator[None]:
+    """What is logged within is of this request."""
+    token = _request.set(request)
+    try:
+        yield
+    finally:
+        _request.reset(token)
+
+
+def tell(message: str, **fields: object) -> None:
+    """One step of the trail, with what a program may look for."""
+    trail.info(message, extra={"fields": fields})
+
+
+class JsonLines(logging.Formatter):
+    """A record as an object: `time`, `level`, `process`, `logger`, `message`, `request` if any, and its own fields."""
+
+    def __init__(self, process: str) -> None:
+        super().__init__()
+        self._process = process
+
+    def format(self, record: logging.LogRecord) -> str:
+        line: dict[str, object] = {
+            "time": datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds"),
+            "level": record.levelname.lower(),
+            "process": self._process,
+            "logger": record.name,
+            "message": record.getMessage(),
+        }
+        if request := current_id():
+            line["request"] = request
+        line.update(getattr(record, "fields", {}))
+        if record.exc_info:
+            line["exception"] = self.formatException(record.exc_info)
+        return json.dumps(line, ensure_ascii=False, default=str)
+
+
+def start(process: str, form: str, level: int = logging.WARNING) -> None:
+    """What a process does first. `form` is TEXT or JSON."""
+    handler = logging.StreamHandler()
+    named = f" {process}" if process else ""
+    handler.setFormatter(
+        JsonLines(process or "web")
+        if form == JSON
+        else logging.Formatter(f"%(asctime)s %(levelname)s{named} %(name)s: %(message)s")
+    )
+    logging.basicConfig(level=level, handlers=[handler])
+    trail.setLevel(logging.INFO if form == JSON else logging.WARNING)

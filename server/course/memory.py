@@ -1,0 +1,82 @@
+"""What an earlier start has found of the course, remembered by the digest of all that it was found from.
+
+Whatever has changed, a text, a grader, what reads them, Python or a library, is looked at again; only what was found
+sound is remembered as such. What is lost or damaged here costs a start its time, and nothing else.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from server.base.digest import digest, files
+
+log = logging.getLogger(__name__)
+
+OF_OURS = ("graders", "reference", "server/text", "server/course")
+#: Its file, in the folder of the data.
+MEMORY = "course.json"
+LIBRARIES = ("markdown-it-py", "mdit-py-plugins", "pygments")
+
+
+class Memory:
+    """For one process at a time; without a file, it remembers while it lives."""
+
+    def __init__(self, path: Path | None = None) -> None:
+        self._path = path
+        known = _read(path)
+        self._sound: str = known["sound"]
+        self._imports: dict[str, list[str]] = known["imports"]
+        self._used: dict[str, list[str]] = {}
+
+    def imports(self, content: bytes, package: str, read: Callable[[], Iterable[str]]) -> Sequence[str]:
+        """What `read` finds in a file of this content, which stands in this package."""
+        key = hashlib.sha256(f"{_reader()}\0{package}\0".encode() + content).hexdigest()
+        found = self._imports.get(key)
+        self._used[key] = list(read()) if found is None else found
+        return self._used[key]
+
+    def is_sound(self, found_from: str) -> bool:
+        return self._sound == found_from
+
+    def keep(self, sound: str) -> None:
+        """Writes what has served, and of which files the texts are sound (empty: of none)."""
+        if self._path is None or (sound == self._sound and self._used == self._imports):
+            return
+        unfinished = self._path.with_suffix(".new")
+        try:
+            unfinished.write_text(json.dumps({"sound": sound, "imports": self._used}), encoding="utf-8")
+            unfinished.replace(self._path)
+        except OSError:
+            log.warning("what was found of the course is not remembered in %s", self._path, exc_info=True)
+
+
+def source_of(curriculum: Path, code: Path) -> str:
+    """The digest of all that a look at the texts depends on."""
+    roots = [("curriculum", curriculum), *((name, code / name) for name in OF_OURS)]
+    head = "\0".join((sys.version, *(f"{name} {version(name)}" for name in LIBRARIES)))
+    return digest([one for root in roots for one in files(*root)], head.encode())
+
+
+def _reader() -> str:
+    """Whoever reads imports otherwise does not take these."""
+    return f"1 {sys.version}"
+
+
+def _read(path: Path | None) -> dict[str, Any]:
+    nothing: dict[str, Any] = {"sound": "", "imports": {}}
+    if path is None or not path.is_file():
+        return nothing
+    try:
+        known = json.loads(path.read_text(encoding="utf-8"))
+        imports = {str(key): [str(name) for name in names] for key, names in known["imports"].items()}
+        return {"sound": str(known["sound"]), "imports": imports}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        log.warning("%s is damaged: the course is looked at again", path)
+        return nothing

@@ -1,0 +1,43 @@
+"""Whether this process can serve: its database answers, its workers stand, nobody has told it to stop."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from server.base.gate import Gate
+from server.database import Database
+from server.grading.supervisor import Supervisor
+from server.health import repository
+
+
+@dataclass(frozen=True)
+class Readiness:
+    database: Database
+    supervisor: Supervisor
+    walls: Gate
+
+    def checks(self) -> Mapping[str, str]:
+        """By what is looked at, `ok` or what is amiss."""
+        walls = "ok" if self.walls.is_open else "being tried"
+        return {
+            "database": self._database(),
+            "walls": walls,
+            "workers": self._workers(),
+            "service": self._service(),
+        }
+
+    def _database(self) -> str:
+        try:
+            with self.database.read() as db:
+                repository.answers(db)
+        except SQLAlchemyError:
+            return "unreachable"
+        return "ok"
+
+    def _workers(self) -> str:
+        """One is enough: what dies is started again. With none to start, others grade."""
+        return "ok" if self.supervisor.alive() or not self.supervisor.wanted else "none"
+
+    def _service(self) -> str:
+        return "stopping" if self.supervisor.stopping else "ok"

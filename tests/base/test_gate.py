@@ -1,0 +1,44 @@
+"""Nobody passes before the gate is opened, and nobody waits for ever at one that is shut."""
+
+from __future__ import annotations
+
+import asyncio
+from threading import Thread
+
+import pytest
+
+from server.base.gate import Gate, ShutError
+from tests.support.quick import in_a_loop
+
+
+def test_who_waits_passes_once_it_is_opened_from_another_thread() -> None:
+    async def scene() -> None:
+        gate = Gate()
+        waiting = [asyncio.create_task(gate.passed()) for _ in range(2)]
+        given_up = asyncio.create_task(gate.passed())
+        await asyncio.sleep(0)
+        given_up.cancel()
+        await asyncio.sleep(0)
+        assert not gate.is_open
+        assert not any(one.done() for one in waiting)
+        Thread(target=gate.open).start()
+        await asyncio.gather(*waiting)
+        gate.shut()
+        assert gate.is_open, "who has passed is not concerned"
+        await gate.passed()
+
+    in_a_loop(scene())
+
+
+def test_who_waits_at_a_shut_gate_is_told() -> None:
+    async def scene() -> None:
+        gate = Gate()
+        waiting = asyncio.create_task(gate.passed())
+        await asyncio.sleep(0)
+        gate.shut()
+        with pytest.raises(ShutError):
+            await waiting
+        gate.open()
+        assert not gate.is_open
+
+    in_a_loop(scene())

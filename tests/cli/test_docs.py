@@ -1,0 +1,94 @@
+"""Every command of the administrators' pages is run as it is written, in the order of its page."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from server.base.paths import ROOT
+from server.base.settings import Settings
+from server.cli import main
+from server.cli.admin import ACTIONS
+from server.health.metrics import COUNTED
+from server.sandbox import WallReport, WallStatus
+from tests.support.service import Site
+
+DOCS = ROOT / "server" / "docs"
+PAGES = sorted(DOCS.glob("*.md"))
+TOKEN = "un jeton de mesures"
+BLOCK = re.compile(r"^```sh\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+SETTING = re.compile(r"(BALISE_\w+)=(\S+) (.*)")
+
+
+def commands(page: Path) -> list[str]:
+    return [line for block in BLOCK.findall(page.read_text(encoding="utf-8")) for line in block.splitlines()]
+
+
+@pytest.fixture
+def machine(site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], int]:
+    """Runs one line as a shell would, on a machine with a database, of which the walls stand; nothing is served."""
+    site.tighten(metrics_token=TOKEN)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("BALISE_DATA_DIR", str(site.settings.data_dir))
+    walls = [WallReport("seccomp", WallStatus.STANDING, "refusé", required=True)]
+    monkeypatch.setattr("server.cli.doctor.probe", lambda **_: walls)
+    monkeypatch.setattr("server.cli.serve.serve", served)
+
+    def run(line: str) -> int:
+        setting = SETTING.fullmatch(line)
+        if setting:
+            with monkeypatch.context() as one:
+                one.setenv(setting[1], setting[2])
+                return run(setting[3])
+        program, *arguments = shlex.split(line.replace("$BALISE_METRICS_TOKEN", TOKEN))
+        if program == "curl":
+            *header, url = arguments
+            name, _, value = (header[1] if header else "Accept: */*").partition(": ")
+            path = url.removeprefix("https://balise.example")
+            return 0 if site.client.get(path, headers={name: value}).status_code == 200 else 22
+        assert program == "balise", line
+        return main(arguments)
+
+    return run
+
+
+def served(_settings: Settings, host: str, port: int, *_more: Any) -> int:
+    assert (host, port) == ("127.0.0.1", 8000)
+    return 0
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if commands(page)], ids=lambda page: page.stem)
+def test_what_a_page_says_to_run_works(page: Path, machine: Callable[[str], int], capsys: Any) -> None:
+    for line in commands(page):
+        assert machine(line) == 0, f"{line}\n{capsys.readouterr().err}"
+
+
+def test_the_pages_tell_every_action_of_an_administrator_and_every_metric() -> None:
+    said = [shlex.split(line) for page in PAGES for line in commands(page)]
+    assert {words[words.index("admin") + 1] for words in said if "admin" in words} == set(ACTIONS)
+    assert {words[1] for words in said if words[0] == "balise"} >= {"serve", "doctor", "backup", "restore", "admin"}
+    watching = (DOCS / "surveiller.md").read_text(encoding="utf-8")
+    assert all(f"`{name}_total`" in watching for name, _, _ in COUNTED)
+
+
+def test_the_pages_name_each_other_and_real_settings() -> None:
+    index = (DOCS / "README.md").read_text(encoding="utf-8")
+    assert {f"{page.name}" for page in PAGES} - {"README.md"} == set(re.findall(r"\]\((\w+\.md)\)", index))
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        assert all((DOCS / link).is_file() for link in re.findall(r"\]\(([\w./]+)\)", text))
+        settings = {name.removeprefix("BALISE_").lower() for name in re.findall(r"\bBALISE_\w+", text)}
+        assert settings <= Settings.model_fields.keys()
+
+
+def test_no_command_of_a_page_stands_outside_of_what_is_run() -> None:
+    """In a sentence a command is named, and nothing else: `balise doctor`."""
+    run = {line for page in PAGES for line in commands(page)}
+    for page in PAGES:
+        for named in re.findall(r"`(balise [^`]+)`", page.read_text(encoding="utf-8")):
+            assert any(line.startswith(named) for line in run), named

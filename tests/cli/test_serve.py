@@ -1,0 +1,50 @@
+"""`balise serve` answers while the walls are tried, and runs no student's code before they are known to stand."""
+
+from __future__ import annotations
+
+from concurrent.futures import Future
+
+import pytest
+
+from server.base.gate import Gate
+from server.base.provided import provided_to
+from server.cli.serve import open_once_tried
+from server.health.metrics import Metrics
+from server.sandbox import WallReport, WallStatus
+from tests.support.service import Site
+
+
+def wall(status: WallStatus, *, required: bool = True) -> WallReport:
+    return WallReport("seccomp", status, "dit pourquoi", required=required)
+
+
+GOOD, HOLE = wall(WallStatus.STANDING), wall(WallStatus.MISSING)
+SPARED = wall(WallStatus.MISSING, required=False)
+
+
+@pytest.mark.parametrize(
+    ("found", "opens"),
+    [([GOOD], True), ([GOOD, SPARED], True), ([GOOD, HOLE], False), ([], False), ([SPARED], False), (None, False)],
+)
+def test_the_gate_opens_where_every_required_wall_was_tried_and_stands(
+    found: list[WallReport] | None, opens: bool, site: Site
+) -> None:
+    probing: Future[list[WallReport]] = Future()
+    walls, left = Gate(), []
+    open_once_tried(probing, walls, provided_to(site.app, Metrics), lambda: left.append(True))
+    assert not walls.is_open
+    assert not left
+    if found is None:
+        probing.set_exception(OSError("the probe has failed"))
+    else:
+        probing.set_result(found)
+    assert walls.is_open is opens
+    assert bool(left) is not opens
+
+
+def test_nothing_is_ready_before_the_walls_are_tried(site: Site) -> None:
+    from server.health.readiness import Readiness
+
+    readiness = provided_to(site.app, Readiness)
+    assert readiness.checks()["walls"] == "ok", "of an application that was told that they stand"
+    assert Readiness(readiness.database, readiness.supervisor, Gate()).checks()["walls"] == "being tried"

@@ -1,0 +1,76 @@
+"""What a start remembers of the course: never what has changed since, and never what was not sound."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from server.course.closure import Imports
+from server.course.library import Library
+from server.course.memory import Memory
+from server.course.service import load
+from tests.support.small_course import CourseFolder
+
+
+@pytest.fixture
+def looks(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
+    """The modules of which the texts were looked at."""
+    seen: list[Path] = []
+    check = Library.check
+
+    def counted(library: Library, *, formulas: bool) -> Any:
+        seen.append(library.folder)
+        return check(library, formulas=formulas)
+
+    monkeypatch.setattr(Library, "check", counted)
+    return seen
+
+
+def test_texts_that_were_sound_are_looked_at_again_once_anything_has_changed(
+    course_folder: CourseFolder, tmp_path: Path, looks: list[Path]
+) -> None:
+    kept = tmp_path / "course.json"
+
+    def start() -> int:
+        """How many modules were looked at."""
+        before = len(looks)
+        loaded = load_small(course_folder, Memory(kept))
+        assert (len(loaded.exercises), len(loaded.problems)) in {(2, 0), (1, 1)}, "what does not hold is not served"
+        return len(looks) - before
+
+    assert [start(), start()] == [1, 0]
+    statement = course_folder.exercise("a") / "enonce.md"
+    statement.write_text("## Énoncé\n\nVoyez [une page](page:nulle-part).\n", encoding="utf-8")
+    assert [start(), start()] == [1, 1], "what is not sound is told at each start"
+    assert load_small(course_folder, Memory(kept)).problems
+    statement.write_text("## Énoncé\n\nTriplez $x$.\n", encoding="utf-8")
+    assert [start(), start()] == [1, 0]
+    course_folder.write("graders/core/reader.py", "x = 1\n")
+    assert [start(), start()] == [1, 0]
+    kept.write_text('{"sound": 3')
+    assert [start(), start()] == [1, 0]
+
+
+def load_small(folder: CourseFolder, memory: Memory) -> Any:
+    return load(
+        folder.curriculum, code=folder.root, discovery=folder.graders("a", "b"), render=False, check=True, memory=memory
+    )
+
+
+def test_imports_are_remembered_by_what_a_file_holds(tmp_path: Path) -> None:
+    for name, text in (("near", "import graders.far\n"), ("far", ""), ("other", "")):
+        (tmp_path / "graders").mkdir(exist_ok=True)
+        (tmp_path / "graders" / f"{name}.py").write_text(text)
+    kept = tmp_path / "course.json"
+
+    def closure() -> set[str]:
+        memory = Memory(kept)
+        found = set(Imports(tmp_path, memory).closure("graders.near"))
+        memory.keep("")
+        return found
+
+    assert closure() == closure() == {"graders.near", "graders.far"}
+    (tmp_path / "graders" / "near.py").write_text("from graders import other\n")
+    assert closure() == {"graders.near", "graders.other"}
