@@ -44,6 +44,7 @@ class Made:
     figures: tuple[str, ...] = ()
     replays: tuple[str, ...] = ()
     cells: tuple[Cell, ...] = ()
+    questions: tuple[str, ...] = ()
 
 
 def lesson(slug: str, kind: str = "seance", **changes: Any) -> Lesson:
