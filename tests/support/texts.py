@@ -43,6 +43,7 @@ class Made:
     sections: tuple[Section, ...] = ()
     figures: tuple[str, ...] = ()
     replays: tuple[str, ...] = ()
+    questions: tuple[str, ...] = ()
     cells: tuple[Cell, ...] = ()
     questions: tuple[str, ...] = ()
 
