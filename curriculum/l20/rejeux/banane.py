@@ -85,7 +85,6 @@ def compute(values: Values, rng: np.random.Generator) -> Replay:
             Key("ring", "second", "deux écarts-types, si c'était une gaussienne"),
         ],
         period=0.8,
-        begin_at_end=True,
     )
 
 
