@@ -36,6 +36,7 @@ BAD = {
         "« #fig-trace » figure deux fois",
     ),
     "unknown question": ("::: question absent/q\n:::\n", 1, "question inconnue : « absent/q »"),
+    "question with a text": ("::: question absent/q\nA\n:::\n", 1, "rien ne se met dans une question"),
     "malformed question": ("::: question absent\n:::\n", 1, "il faut un nom et rien d’autre"),
     "unknown replay": ("::: rejeu absent\nA\n:::\n", 1, "rejeu inconnu : « absent »"),
     "unknown label": ("A\nB [x](#absent)\n", 2, "étiquette inconnue : « #absent »"),
