@@ -145,12 +145,16 @@ class Site:
             yield f"{slug}.py", "".join(self._module.kits[slug].values()).encode()
 
     def _scene(self, name: str) -> bytes:
-        """A replay with the settings that it begins with, as a script: a page of a folder may not fetch."""
+        """A replay as a script, as a folder's page may not fetch: as it begins, and as its prediction plays it."""
         script = self._scripts.find(self._module.slug, name)
-        shown = script.run(script.read([]))
-        shown.pop("prediction", None)  # it is played with settings that a folder cannot compute
-        scene = json.dumps(shown, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-        return f"globalThis.baliseScenes[{json.dumps(name)}] = {scene};\n".encode()
+        asked = script.prediction.settings if script.prediction else {}
+        settings = [{}, dict(asked)] if asked else [{}]
+        scenes = {_compact(sorted(one.items())): script.run(script.read(one.items())) for one in settings}
+        return f"globalThis.baliseScenes[{json.dumps(name)}] = {_compact(scenes)};\n".encode()
+
+
+def _compact(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
 
 
 def _static() -> dict[str, bytes]:

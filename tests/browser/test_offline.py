@@ -69,6 +69,11 @@ def test_a_pupil_reads_and_plays_without_a_network(page: Page, folder: Path) -> 
     figure.get_by_role("button", name="Image précédente").click()
     figure.get_by_role("button", name="Lecture").click()
     expect(figure.locator(".replay-counter")).not_to_have_text(before)
+    foretold = page.locator("#rejeu-graphe")  # its prediction is played with other settings than the first
+    foretold.scroll_into_view_if_needed()
+    foretold.get_by_role("radio").first.check()
+    foretold.get_by_role("button", name="Je parie").click()
+    expect(foretold.get_by_text("Ce qui arrive :")).to_be_visible(timeout=60_000)
     drawing = page.locator(".drawing img.figure-light").first
     drawing.scroll_into_view_if_needed()
     page.wait_for_function("one => one.complete && one.naturalWidth > 0", arg=drawing.element_handle())

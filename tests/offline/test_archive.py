@@ -59,7 +59,7 @@ class Page(HTMLParser):
 
 def lessened(module: Module) -> Module:
     """The module with a part of its texts: all of them take seconds."""
-    kept = {"slam", "poses", "boucles", "demo_1"}
+    kept = {"slam", "poses", "boucles", "demo_1", "verification"}
     lessons = tuple(lesson for lesson in module.lessons if lesson.slug in kept)
     return replace(
         module, lessons=lessons, exercises=tuple(one for one in module.exercises if one.slug in kept), files={}
@@ -129,7 +129,11 @@ def test_scripts_are_plain_ones() -> None:
     for content in scenes.values():
         head, _, scene = content.decode().partition(" = ")
         assert head.startswith("globalThis.baliseScenes[")
-        assert json.loads(scene.rstrip("\n;"))["frames"]
+        by_settings = json.loads(scene.rstrip("\n;"))
+        assert all(one["frames"] for one in by_settings.values())
+        begun = by_settings["[]"]
+        asked = begun.get("prediction", {"settings": {}})["settings"]
+        assert by_settings.keys() == {"[]", json.dumps(sorted(asked.items()), separators=(",", ":"))}
 
 
 def test_what_needs_the_server_says_so() -> None:

@@ -12,11 +12,11 @@ import { Source } from "./replays/source.js";
 const scenes = (globalThis.baliseScenes = {});
 const reading = document.querySelector(".reading");
 
-/** Whatever the settings: others than the first are the server's to compute, and cannot be asked for here. */
-Source.answer = async (address) => {
+/** With the settings that it begins with, or those of its prediction: any others are the server's to compute. */
+Source.answer = async (address, settings) => {
   const name = address.split("/").at(-1).replace(/\.js$/, "");
   if (!(name in scenes)) await brought(address);
-  return scenes[name];
+  return scenes[name][JSON.stringify(Object.entries(settings).sort())] ?? scenes[name]["[]"];
 };
 
 function brought(address) {
@@ -43,6 +43,6 @@ if (reading) {
   setUpPrinting(reading);
   setUpFormulas(reading);
   for (const figure of reading.querySelectorAll("figure.replay"))
-    figure.append(note("Hors ligne, l’animation garde ses réglages de départ : les autres se calculent sur le serveur du cours."));
+    figure.append(note("Hors ligne, les réglages de l’animation ne se changent pas : le serveur du cours les calcule."));
   enhance(reading);
 }
