@@ -1,4 +1,4 @@
-"""The Python files of a course (`curriculum/<module>/<folder>/*.py`): drawings, replays, what one takes away."""
+"""The Python files of a course (`curriculum/<module>/<folder>/…`): drawings, replays, what one takes away."""
 
 from __future__ import annotations
 
@@ -8,16 +8,20 @@ from pathlib import Path
 from threading import RLock
 from types import ModuleType
 
+#: The folder of a module in which each entry is a folder itself.
+MANIPULATIONS = "manipulations"
 # A page asks for its figures at once: without it, one thread would find the half-made module of another.
 _LOADING = RLock()
 
 
 def load_file(path: Path) -> ModuleType:
     """Import `<module>/<folder>/<stem>.py` as `curriculum.<module>.<folder>.<stem>`, the name its neighbours use.
+    The `scene.py` of a folder `<module>/manipulations/<name>` has that name too.
 
     What the file raises is raised as it is, and nothing of it stays.
     """
-    name = ".".join(("curriculum", path.parents[1].name, path.parent.name, path.stem))
+    depth = 4 if path.parents[1].name == MANIPULATIONS else 3
+    name = ".".join(("curriculum", *path.with_suffix("").parts[-depth:]))
     with _LOADING:
         loaded = sys.modules.get(name)
         if loaded is not None and loaded.__file__ == str(path):

@@ -1,4 +1,4 @@
-"""What `figures/*.py` announce: read, not run, since drawing loads matplotlib and is only done when one looks."""
+"""What `figures/*.py` and `manipulations/*/figure.py` announce: read, not run, since drawing loads matplotlib."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from server.course import toml_file
+from server.course.code import MANIPULATIONS
 from server.course.models import CourseFault, Drawing, Problem
 from server.text.markup.text import SLUG
 
@@ -16,9 +17,11 @@ SHAPE = 'FIGURES = {"nom": (fonction, "Texte de remplacement.")} ou (fonction, "
 
 
 def read(folder: Path, problems: list[Problem]) -> dict[str, Drawing]:
-    """The drawings of a module's `figures` folder, by name. A fault is noted, and the others go on."""
+    """The drawings of a module's `figures` folder and of its manipulations, by name. A fault is noted, and the others
+    go on."""
     drawings: dict[str, Drawing] = {}
-    for path in sorted(folder.glob("[!_.]*.py")):
+    stills = folder.parent.glob(f"{MANIPULATIONS}/[!_.]*/figure.py")
+    for path in sorted([*folder.glob("[!_.]*.py"), *stills]):
         try:
             for drawing in _announced(path):
                 if (other := drawings.get(drawing.name)) is not None:

@@ -41,6 +41,7 @@ class Library:
         self.glossary = glossary.read(self.folder / glossary.FILE, self.names, self.problems)
         self.files = {path.stem: path for path in sorted((self.folder / "fichiers").glob("[!_.]*.py"))}
         self.replays = {path.stem.replace("_", "-") for path in (self.folder / "rejeux").glob("[!_.]*.py")}
+        self.manipulations = {path.parent.name for path in self.folder.glob("manipulations/[!_.]*/scene.py")}
 
     def names(self) -> Names:
         return self._names
@@ -57,6 +58,7 @@ class Library:
             pictures={drawing.name: _picture(drawing) for drawing in self.drawings.values()},
             replays=self.replays,
             questions=self.questions,
+            manipulations=self.manipulations,
             files=self.files,
         )
 

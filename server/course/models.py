@@ -175,6 +175,11 @@ class Lesson:
         return self.text.questions
 
     @property
+    def stills(self) -> tuple[str, ...]:
+        """The drawings that stand for its manipulations where there is no script."""
+        return self.text.stills
+
+    @property
     def cells(self) -> tuple[Cell, ...]:
         return self.text.cells
 

@@ -17,6 +17,7 @@ from typing import Any, Literal
 
 from server.base.digest import digest
 from server.base.paths import ROOT
+from server.course.code import MANIPULATIONS
 from server.course.models import Drawing
 
 Form = Literal["svg", "png"]
@@ -59,7 +60,7 @@ WARM = json.dumps({"kind": "warm"}).encode()
 def of_lesson(drawing: Drawing, theme: Theme) -> Order:
     """A drawing of the texts."""
     asked = {"path": str(drawing.path), "function": drawing.function, "size": drawing.size, "theme": theme}
-    return _order("lesson", asked | {"form": "svg"}, f"{code_version()} {folder_version(drawing.path.parent)}")
+    return _order("lesson", asked | {"form": "svg"}, f"{code_version()} {folder_version(_module_of(drawing))}")
 
 
 def of_verdict(exercise: str, data: Mapping[str, Any], form: Form, theme: Theme) -> Order:
@@ -85,6 +86,11 @@ def code_version() -> str:
 
 
 @cache
-def folder_version(figures: Path) -> str:
-    """Of a module's drawings, and of its kit, which they call."""
-    return digest([("figures", figures), ("kit", figures.with_name("kit"))])
+def folder_version(module: Path) -> str:
+    """Of a module's drawings, and of what they call: its kit, its replays."""
+    return digest([(name, module / name) for name in ("figures", "kit", MANIPULATIONS, "rejeux")])
+
+
+def _module_of(drawing: Drawing) -> Path:
+    folder = drawing.path.parents[1]
+    return folder.parent if folder.name == MANIPULATIONS else folder

@@ -15,6 +15,7 @@ await build({
     "src/js/board.js",
     "src/js/reading.js",
     "src/js/replays/index.js",
+    "src/js/manipulations/index.js",
     "src/css/app.css",
   ],
   chunkNames: "js/[name]-[hash]",

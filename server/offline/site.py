@@ -50,8 +50,9 @@ def version(module: Module) -> str:
 
 
 def pictured(module: Module) -> list[tuple[str, Theme]]:
-    """The pictures that an archive needs: those that its lessons show."""
-    shown = dict.fromkeys(name for lesson in module.lessons for name in lesson.figures if name in module.drawings)
+    """The pictures that an archive needs: those that its lessons show, and those that stand for manipulations."""
+    named = (name for lesson in module.lessons for name in (*lesson.figures, *lesson.stills))
+    shown = dict.fromkeys(name for name in named if name in module.drawings)
     return [(name, theme) for name in shown for theme in THEMES]
 
 

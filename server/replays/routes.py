@@ -1,8 +1,9 @@
-"""The address of a replay's data. Computations go one at a time, in a thread, and never hold up other visitors."""
+"""The addresses of replays, and of manipulations: data and scripts. Computations go one at a time, in a thread."""
 
 from __future__ import annotations
 
 import gzip
+from collections.abc import Callable
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Request, Response
@@ -15,6 +16,7 @@ from server.base.provided import provided
 from server.base.request import client_address
 from server.base.turns import FullError, Turns
 from server.replays.service import Answer, Replays, Script
+from server.web.rendering import once
 
 MOST_WAITING = 32  # with the one that is computed
 GONE = 499  # the reader has left, or asked for something newer: nobody reads this answer
@@ -51,8 +53,25 @@ DeskOf = Annotated[Desk, Depends(provided(Desk))]
 
 @router.get("/{module}/rejeux/{name}")
 async def replay(request: Request, desk: DeskOf, module: str, name: str) -> Response:
+    return await _answered(request, desk, desk.replays.find, module, name)
+
+
+@router.get("/{module}/manipulations/{name}")
+async def manipulation(request: Request, desk: DeskOf, module: str, name: str) -> Response:
+    return await _answered(request, desk, desk.replays.find_manipulation, module, name)
+
+
+@router.get("/{module}/manipulations/{name}/{file}")
+async def manipulation_script(request: Request, desk: DeskOf, module: str, name: str, file: str) -> Response:
+    text = await run_in_threadpool(desk.replays.script, module, name, file)
+    return once(request, Response(text, media_type="text/javascript", headers={"Cache-Control": "no-cache"}))
+
+
+async def _answered(
+    request: Request, desk: Desk, find: Callable[[str, str], Script], module: str, name: str
+) -> Response:
     try:
-        script = await run_in_threadpool(desk.replays.find, module, name)
+        script = await run_in_threadpool(find, module, name)
         answer = await desk.answer(request, script, script.read(request.query_params.multi_items()))
     except ServiceError as error:
         return as_json(of_error(request, error), error.headers)

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from graders.scene.hands import Start
 from graders.scene.parameters import Draw, Parameter, RefusedError, Value, Values
 from graders.scene.prediction import Prediction
 from graders.scene.replay import Replay
@@ -22,13 +23,15 @@ from graders.typography import french
 from server.base.caches import Lately
 from server.base.errors import Invalid, NotFound
 from server.base.paths import ROOT
-from server.course.code import load_file
+from server.course.code import MANIPULATIONS, load_file
 
 MODULE = re.compile(r"[a-z]+[0-9]+")
 NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 MEMORY_BYTES = 32 * 1024 * 1024
-LONGEST_VALUE = 80
+LONGEST_VALUE = 80  # characters, where a parameter does not say otherwise
+FILE = re.compile(r"[a-z]+(-[a-z]+)*\.js")
 NO_REPLAY = "Cette animation n’existe pas."
+NO_MANIPULATION = "Cette manipulation n’existe pas."
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +42,7 @@ class Script:
     title: str
     alt: str
     parameters: Mapping[str, Parameter]
-    compute: Callable[[Values, np.random.Generator], Replay]
+    compute: Callable[[Values, np.random.Generator], Replay | Start]
     prediction: Prediction | None = None
 
     def read(self, query: Iterable[tuple[str, str]]) -> Values:
@@ -50,7 +53,7 @@ class Script:
                 raise Invalid(f"Réglage inconnu : « {name[:LONGEST_VALUE]} ».")
             if name in given:
                 raise Invalid(f"Le réglage « {name} » est donné deux fois.")
-            if len(text) > LONGEST_VALUE:
+            if len(text) > getattr(self.parameters[name], "longest", LONGEST_VALUE):
                 raise Invalid(f"Réglage « {name} » : valeur trop longue.")
             try:
                 given[name] = self.parameters[name].read(text)
@@ -102,6 +105,29 @@ class Replays:
             raise NotFound(NO_REPLAY)
         return load(self._curriculum / module, name)
 
+    def find_manipulation(self, module: str, name: str) -> Script:
+        """What a manipulation starts from, or what it asks to have computed. Raises NotFound."""
+        return load_scene(self._manipulation(module, name) / "scene.py", name)
+
+    def script(self, module: str, name: str, file: str) -> str:
+        """One of the scripts that follow the reader's hand. Raises NotFound."""
+        path = self._manipulation(module, name) / file
+        if not FILE.fullmatch(file) or not path.is_file():
+            raise NotFound(NO_MANIPULATION)
+        return path.read_text(encoding="utf-8")
+
+    def manipulations(self, module: str) -> tuple[str, ...]:
+        """The manipulations of a module, as addresses name them."""
+        if not MODULE.fullmatch(module):
+            return ()
+        scenes = sorted((self._curriculum / module / MANIPULATIONS).glob("*/scene.py"))
+        return tuple(path.parent.name for path in scenes if NAME.fullmatch(path.parent.name))
+
+    def _manipulation(self, module: str, name: str) -> Path:
+        if name not in self.manipulations(module):
+            raise NotFound(NO_MANIPULATION)
+        return self._curriculum / module / MANIPULATIONS / name
+
     def remembered(self, script: Script, values: Values) -> Answer | None:
         return self._answers.get(_key(script, values))
 
@@ -122,11 +148,16 @@ def names_in(module: Path) -> tuple[str, ...]:
     return tuple(name for path in files if NAME.fullmatch(name := path.stem.replace("_", "-")))
 
 
-@lru_cache(maxsize=256)
 def load(module: Path, name: str) -> Script:
     """A replay read from its file; an error in the file is raised as it is. Raises Invalid for settings of its
     question that it does not have."""
-    source = load_file(module / "rejeux" / f"{name.replace('-', '_')}.py")
+    return load_scene(module / "rejeux" / f"{name.replace('-', '_')}.py", name)
+
+
+@lru_cache(maxsize=256)
+def load_scene(path: Path, name: str) -> Script:
+    """The same, of any file that has that form."""
+    source = load_file(path)
     prediction: Prediction | None = getattr(source, "PREDICTION", None)
     script = Script(name, source.TITLE, source.ALT, dict(source.PARAMETERS), source.compute, prediction)
     script.read(prediction.settings.items() if prediction else ())

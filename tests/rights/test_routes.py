@@ -90,6 +90,8 @@ OTHER_VALUES = {
     "POST /{module}/hors-ligne": {"module": "l99"},  # an archive takes seconds to make
     "GET /{module}/figures/{name}.svg": {"name": "carto-sigmoide"},
     "GET /{module}/rejeux/{name}": {"name": "lidar"},
+    "GET /{module}/manipulations/{name}": {"name": "elastique"},
+    "GET /{module}/manipulations/{name}/{file}": {"name": "elastique", "file": "main.js"},
     "GET /bienvenue/{token}": {"token": "{invitation}"},
     "POST /bienvenue/{token}": {"token": "{invitation}"},
 }

@@ -124,6 +124,18 @@ def test_a_replay_stands_with_its_words(course_folder: CourseFolder) -> None:
     )
 
 
+def test_a_manipulation_stands_with_its_words_and_a_drawing_for_who_has_no_script(course_folder: CourseFolder) -> None:
+    course_folder.write("curriculum/m9/manipulations/bande/scene.py", "")
+    course_folder.write("curriculum/m9/figures/dessins.py", FIGURES.replace('"bande"', '"manipulation-bande"'))
+    page = html(course_folder, "::: manipulation bande\nTirez.\n:::\n")
+    assert page.startswith(
+        '<figure class="replay manipulation" id="manipulation-bande" data-hands="/m9/manipulations/bande">'
+        '<div class="without-script"><img class="figure-light" src="/m9/figures/manipulation-bande.svg?theme=light" '
+        'alt="Une bande."'
+    )
+    assert page.endswith('</div><div class="replay-stage"></div><figcaption><p>Tirez.</p>\n</figcaption></figure>\n')
+
+
 def test_a_cell_and_shown_code(course_folder: CourseFolder) -> None:
     page = read_page(course_folder, "```python cellule deux-rayons\nprint('<b>')\n```\n\n```bash\nls\n```\n\n    nu\n")
     assert (

@@ -39,6 +39,7 @@ BAD = {
     "question with a text": ("::: question absent/q\nA\n:::\n", 1, "rien ne se met dans une question"),
     "malformed question": ("::: question absent\n:::\n", 1, "il faut un nom et rien d’autre"),
     "unknown replay": ("::: rejeu absent\nA\n:::\n", 1, "rejeu inconnu : « absent »"),
+    "unknown manipulation": ("::: manipulation absente\nA\n:::\n", 1, "manipulation inconnue : « absente »"),
     "unknown label": ("A\nB [x](#absent)\n", 2, "étiquette inconnue : « #absent »"),
     "link that nobody can name": ("::: note #a\nA\n:::\n\nB [](#a)\n", 5, "n’a pas de numéro"),
     "unknown page": ("A\n\n- b\n- [x](page:absente)\n", 4, "page inconnue : « absente »"),

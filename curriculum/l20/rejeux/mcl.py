@@ -166,9 +166,12 @@ def weigh_and_resample(
     lidar: Lidar,
     injection: float,
     rng: np.random.Generator,
+    grid: GridMap | None = None,
 ) -> None:
-    """Une mesure : les particules se pèsent, et se rééchantillonnent si leur nombre effectif est trop petit."""
-    scan = Scan(lidar.read(carte(), [truth], rng)[0], lidar.angles, REACH)
+    """Une mesure : les particules se pèsent, et se rééchantillonnent si leur nombre effectif est trop petit. La carte
+    est celle du module, si l'on n'en donne pas une autre."""
+    grid = carte() if grid is None else grid
+    scan = Scan(lidar.read(grid, [truth], rng)[0], lidar.angles, REACH)
     robot.weigh(scan)
     size = robot.effective_sample_size
     guess = robot.clusters()[0].mean
@@ -188,7 +191,7 @@ def weigh_and_resample(
     robot.resample()
     lost = np.flatnonzero(rng.random(len(robot.states)) < injection)
     if lost.size:
-        robot.states[lost] = likely_poses(carte(), robot.sensor, scan, lost.size, rng)
+        robot.states[lost] = likely_poses(grid, robot.sensor, scan, lost.size, rng)
     story.resamplings += 1
     story.sizes.append((step + 0.3, float(len(robot.states))))
     more = f" ({pluriel(lost.size, 'injectée', 'injectées')})" if lost.size else ""

@@ -9,7 +9,7 @@ from threading import RLock
 
 from server.text.markup.outline import Cell, Outline, Section, completed, outline
 from server.text.markup.render import Rendered, render, render_title
-from server.text.markup.text import Fault, LessonName, Names, Picture, Source, Target
+from server.text.markup.text import Fault, LessonName, Names, Picture, Source, Target, still_of
 
 __all__ = [
     "Cell",
@@ -94,6 +94,11 @@ class Text:
     def questions(self) -> tuple[str, ...]:
         """The questions of exercises that it asks, `exercise/question`."""
         return tuple(self.outline.questions)
+
+    @property
+    def stills(self) -> tuple[str, ...]:
+        """The drawings that stand for its manipulations where there is no script."""
+        return tuple(still_of(name) for name in self.outline.manipulations)
 
     @property
     def cells(self) -> tuple[Cell, ...]:

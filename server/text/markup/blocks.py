@@ -11,7 +11,9 @@ LABEL = re.compile(SLUG)
 #: A question of an exercise: the exercise's slug, and its own name.
 QUESTION = re.compile(r"[a-z0-9_]{1,60}/[a-z][a-z0-9_]{0,39}")
 #: Anchors that are given by the engine: a label may not look like one.
-RESERVED = re.compile(r"(s|fig|rejeu|question|cellule|t)-|fn(ref)?\d|texte$|titre$|exercices$|objectifs$|definitions$")
+RESERVED = re.compile(
+    r"(s|fig|rejeu|manipulation|question|cellule|t)-|fn(ref)?\d|texte$|titre$|exercices$|objectifs$|definitions$"
+)
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,7 @@ KINDS = {
 EQUATION = Kind("Équation", "équation", "de l’", numbered=True)
 #: Folded ones: their label is that of the block that they prove or answer.
 FOLDED = {"preuve": "Démonstration", "correction": "Correction", "repli": ""}
-MEDIA = ("figure", "rejeu", "question")
+MEDIA = ("figure", "rejeu", "manipulation", "question")
 ALL = (*KINDS, *FOLDED, *MEDIA)
 
 
@@ -54,7 +56,8 @@ class BadBlock(Exception):
 class Block:
     """A block's first line. `label` is its own, or for a folded block the one that it speaks of.
 
-    `name` is that of a figure, of a replay or of a question. `parent` is the label of the block around it.
+    `name` is that of a figure, of a replay, of a manipulation or of a question. `parent` is the label of the block
+    around it.
     """
 
     kind: str

@@ -13,7 +13,7 @@ from server.text.highlight import is_known
 from server.text.markup import blocks
 from server.text.markup.parser import Job, children, parse
 from server.text.markup.tex import readable
-from server.text.markup.text import SLUG, Fault, Names, Source, Unresolved
+from server.text.markup.text import SLUG, Fault, Names, Source, Unresolved, still_of
 
 #: Around a link that its author left empty: its text depends on the other lessons.
 LEFT, RIGHT = "\ue000", "\ue001"
@@ -61,7 +61,8 @@ class Label:
 
 @dataclass(frozen=True)
 class Reference:
-    """Something that the text speaks of. `what` is link, figure, rejeu, question, or bloc (what a proof proves)."""
+    """Something that the text speaks of. `what` is link, a kind of medium (figure, rejeu…), or bloc (what a proof
+    proves)."""
 
     what: str
     target: str
@@ -80,6 +81,7 @@ class Outline:
     figures: list[str] = field(default_factory=list)
     replays: list[str] = field(default_factory=list)
     questions: list[str] = field(default_factory=list)
+    manipulations: list[str] = field(default_factory=list)
     cells: list[Cell] = field(default_factory=list)
     references: list[Reference] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
@@ -94,19 +96,29 @@ class Outline:
 def missing(reference: Reference, names: Names, lesson: str) -> str:
     """What is wrong with a reference, or nothing."""
     target = reference.target
-    if reference.what == "figure":
-        return "" if target in names.pictures else f"figure inconnue : « {target} »"
-    if reference.what == "rejeu":
-        return "" if target in names.replays else f"rejeu inconnu : « {target} »"
-    if reference.what == "question":
-        return "" if target in names.questions else f"question inconnue : « {target} »"
-    if reference.what == "bloc":
-        return "" if target in names.labels else f"étiquette inconnue : « #{target} »"
+    known = {
+        "figure": (names.pictures, "figure inconnue : « {} »"),
+        "rejeu": (names.replays, "rejeu inconnu : « {} »"),
+        "question": (names.questions, "question inconnue : « {} »"),
+        "bloc": (names.labels, "étiquette inconnue : « #{} »"),
+    }
+    if reference.what in known:
+        found, unknown = known[reference.what]
+        return "" if target in found else unknown.format(target)
+    if reference.what == "manipulation":
+        return _missing_hands(target, names)
     try:
         link = names.link(target, lesson)
     except Unresolved as error:
         return str(error)
     return f"« {target} » n’a pas de numéro : écrivez le texte du lien" if reference.empty and not link.text else ""
+
+
+def _missing_hands(name: str, names: Names) -> str:
+    if name not in names.manipulations:
+        return f"manipulation inconnue : « {name} »"
+    still = still_of(name)
+    return "" if still in names.pictures else f"manipulation sans figure « {still} », pour qui n’a pas de script"
 
 
 def completed(text: str, names: Names, lesson: str) -> str:
@@ -208,6 +220,7 @@ class _Walk:
         what, prefix, found = {
             "figure": ("une figure", "fig", self.found.figures),
             "rejeu": ("un rejeu", "rejeu", self.found.replays),
+            "manipulation": ("une manipulation", "manipulation", self.found.manipulations),
             "question": ("une question", "question", self.found.questions),
         }[kind]
         if not self._only_in_pages(token, what):

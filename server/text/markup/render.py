@@ -18,7 +18,7 @@ from server.text.markup import blocks
 from server.text.markup.blocks import Block
 from server.text.markup.outline import CELL, Reference, Title, missing
 from server.text.markup.parser import Job, markdown, parse, parse_inline
-from server.text.markup.text import Fault, Link, Names, Source, Target, Unresolved
+from server.text.markup.text import Fault, Link, Names, Source, Target, Unresolved, still_of
 
 NOT_IN_CONTENTS = {"link_open", "link_close", "footnote_ref"}
 QED = '<p class="qed">∎</p>\n'
@@ -163,12 +163,8 @@ def _block_open(writer: Writer, tokens: Sequence[Token], index: int) -> str:
     block: Block | None = tokens[index].meta["block"]
     if block is None:
         return "<div>\n"
-    if block.kind == "figure":
-        return _figure_open(writer, block, tokens[index])
-    if block.kind == "rejeu":
-        return _replay_open(writer, block, tokens[index])
-    if block.kind == "question":
-        return _question_open(writer, block, tokens[index])
+    if block.kind in MEDIA:
+        return MEDIA[block.kind](writer, block, tokens[index])
     if block.folded:
         state = " open" if block.kind == "preuve" else ""
         return f'<details class="block block-{block.kind}"{state}>'
@@ -251,16 +247,20 @@ def _figure_open(writer: Writer, block: Block, token: Token) -> str:
     if not writer.exists("figure", block.name, token):
         return f'<figure class="drawing"><code class="fault">{block.name}</code><figcaption>'
     writer.figures += 1
-    picture = writer.names.pictures[block.name]
+    label = f'<span class="figure-number">Figure\u00a0{writer.figures}\u00a0:</span> '
+    return f'<figure class="drawing" id="fig-{block.name}">{_images(writer, block.name)}<figcaption>{label}'
+
+
+def _images(writer: Writer, name: str) -> str:
+    """A drawing in both themes."""
+    picture = writer.names.pictures[name]
     alt = html.escape(french(picture.alt))
-    source = f"/{writer.names.module}/figures/{block.name}.svg?theme="
-    images = "".join(
+    source = f"/{writer.names.module}/figures/{name}.svg?theme="
+    return "".join(
         f'<img class="figure-{theme}" src="{source}{theme}" alt="{alt}" loading="lazy" '
         f'width="{picture.width}" height="{picture.height}">'
         for theme in ("light", "dark")
     )
-    label = f'<span class="figure-number">Figure\u00a0{writer.figures}\u00a0:</span> '
-    return f'<figure class="drawing" id="fig-{block.name}">{images}<figcaption>{label}'
 
 
 def _replay_open(writer: Writer, block: Block, token: Token) -> str:
@@ -276,6 +276,25 @@ def _question_open(writer: Writer, block: Block, token: Token) -> str:
     if not writer.exists("question", block.name, token):
         return f'<section><code class="fault">{block.name}</code>'
     return f'<section class="asked" id="question-{block.name.replace("/", "-")}" data-question="{block.name}">'
+
+
+def _manipulation_open(writer: Writer, block: Block, token: Token) -> str:
+    """What the hand moves, and a drawing for who has no script."""
+    if not writer.exists("manipulation", block.name, token):
+        return f'<figure class="replay"><code class="fault">{block.name}</code><figcaption>'
+    source = f"/{writer.names.module}/manipulations/{block.name}"
+    still = f'<div class="without-script">{_images(writer, still_of(block.name))}</div>'
+    opening = f'<figure class="replay manipulation" id="manipulation-{block.name}" data-hands="{source}">'
+    return f'{opening}{still}<div class="replay-stage"></div><figcaption>'
+
+
+#: What opens each of the blocks that have a name.
+MEDIA: dict[str, Callable[[Writer, Block, Token], str]] = {
+    "figure": _figure_open,
+    "rejeu": _replay_open,
+    "manipulation": _manipulation_open,
+    "question": _question_open,
+}
 
 
 def _footnote_anchor(_writer: Writer, tokens: Sequence[Token], index: int) -> str:

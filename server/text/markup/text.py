@@ -58,6 +58,11 @@ class Picture:
     height: int
 
 
+def still_of(manipulation: str) -> str:
+    """The drawing that stands for a manipulation where there is no script."""
+    return f"manipulation-{manipulation}"
+
+
 @dataclass(frozen=True)
 class Link:
     """Where a link leads, and what to write where its author wrote nothing."""
@@ -80,6 +85,7 @@ class Names:
     pictures: Mapping[str, Picture] = field(default_factory=dict)
     replays: Collection[str] = ()
     questions: Collection[str] = ()
+    manipulations: Collection[str] = ()
     files: Collection[str] = ()
 
     def link(self, target: str, lesson: str) -> Link:

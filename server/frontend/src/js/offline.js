@@ -42,7 +42,12 @@ if (reading) {
   if (document.querySelector(".reading-bar")) setUpContents(reading);
   setUpPrinting(reading);
   setUpFormulas(reading);
-  for (const figure of reading.querySelectorAll("figure.replay"))
+  for (const figure of reading.querySelectorAll("figure.manipulation")) {
+    figure.querySelector(".replay-stage").remove();
+    figure.querySelector(".without-script").classList.remove("without-script");
+    figure.append(note("Hors ligne, ce dessin ne se laisse pas prendre en main : il faut le serveur du cours."));
+  }
+  for (const figure of reading.querySelectorAll("figure.replay[data-source]"))
     figure.append(note("Hors ligne, les réglages de l’animation ne se changent pas : le serveur du cours les calcule."));
   enhance(reading);
 }

@@ -22,6 +22,9 @@ if (reading) {
   setUpFormulas(reading);
   setUpQuestions(reading);
   if (reading.querySelector("section.cell")) import("./cells.js").then(({ enhance }) => enhance(reading));
-  if (reading.querySelector("figure.replay")) import("./replays/index.js").then(({ enhance }) => enhance(reading));
+  if (reading.querySelector("figure.manipulation")) {
+    import("./manipulations/index.js").then(({ enhance }) => enhance(reading));
+  }
+  if (reading.querySelector("figure.replay[data-source]")) import("./replays/index.js").then(({ enhance }) => enhance(reading));
 }
 if (course) showCourseMarks(course);
