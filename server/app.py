@@ -5,7 +5,7 @@ import logging
 import os
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -128,7 +128,7 @@ class Services:
     settings: Settings
     course: Course
     worker_command: Sequence[str]
-    walls: Gate
+    walls: Gate = field(default_factory=lambda: Gate(opened=True))
 
     @cached_property
     def events(self) -> Events:

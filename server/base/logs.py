@@ -79,4 +79,5 @@ def start(process: str, form: str, level: int = logging.WARNING) -> None:
         else logging.Formatter(f"%(asctime)s %(levelname)s{named} %(name)s: %(message)s")
     )
     logging.basicConfig(level=level, handlers=[handler])
+    logging.captureWarnings(form == JSON)
     trail.setLevel(logging.INFO if form == JSON else logging.WARNING)

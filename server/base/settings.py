@@ -121,7 +121,8 @@ class Settings(BaseSettings):
     guest_days: int = Field(
         default=30,
         ge=0,
-        description="guests who have sent nothing and are in no class are erased so long after they came; 0: never",
+        description="guests who have sent and answered nothing, and are in no class, are erased so long after they "
+        "came; 0: never",
     )
     trusted_proxy: str = Field(
         default="",

@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.gradebook.models import ClassOpening, SolutionOpening
 from server.identity.models import Account, ApiToken, BrowserSession, Role
+from server.polls.models import PollAnswer
 from server.submissions.models import Deal, Submission
 
 
@@ -58,7 +59,7 @@ def lost_guests(db: Session, before: datetime, most: int) -> Sequence[UUID]:
 
 
 def delete_idle_guests(db: Session, before: datetime, most: int) -> int:
-    """Some of the guests from before that time who have sent nothing and are in no class; how many."""
+    """Some of the guests from before that time who have sent and answered nothing and are in no class; how many."""
     some = select(Account.id).where(_idle_guest(before)).limit(most).with_for_update(skip_locked=True)
     found = db.execute(some).scalars().all()
     gone = delete(Account).where(Account.id.in_(found), _idle_guest(before)).returning(Account.id)
@@ -75,6 +76,7 @@ def _idle_guest(before: datetime) -> ColumnElement[bool]:
         Account.created_at < before,
         ~exists().where(Submission.account_id == Account.id),
         ~exists().where(Membership.account_id == Account.id),
+        ~exists().where(PollAnswer.account_id == Account.id),
     )
 
 

@@ -19,6 +19,7 @@ from server.database import Database, utc_now
 from server.gradebook.models import Grading
 from server.identity import links, service, tokens
 from server.identity.models import Account, BrowserSession, Role
+from server.polls.models import PollAnswer
 from server.queue.models import Job
 from server.submissions.models import Submission
 from tests.support.service import Site, new_account
@@ -137,16 +138,17 @@ def test_sessions_and_tokens_are_listed_without_their_secrets_and_revoked(site: 
 
 def test_guests_without_work_go_and_the_others_stay(site: Site, admin: Admin) -> None:
     long_ago = utc_now() - timedelta(days=9)
-    idle, busy, recent = (new_account(site.database, Role.guest) for _ in range(3))
+    idle, busy, asked, recent = (new_account(site.database, Role.guest) for _ in range(4))
     student = new_account(site.database)
     with site.database.write() as db:
         db.execute(update(Account).where(Account.id != recent.id).values(created_at=long_ago))
+        db.add(PollAnswer(account_id=asked.id, poll="l20/une-question", answer="a", last="a", tries=1))
         db.add(Submission(account_id=busy.id, exercise="l20/poses", source=b"pass", digest="d", seed=1))
     assert admin("purge-guests") == {"guests": 1, "erased": False}
     assert admin("purge-guests", "--yes") == {"guests": 1, "erased": True}
     with site.database.read() as db:
         left = set(db.execute(select(Account.id)).scalars())
-    assert left == {busy.id, recent.id, student.id}
+    assert left == {busy.id, asked.id, recent.id, student.id}
     assert idle.id not in left
 
 
