@@ -71,6 +71,7 @@ STAFF: dict[str, tuple[str, ...]] = {
     CLASS + "/journal": ("",),
     CLASS + "/liste": ("",),
     CLASS + "/mots": ("", "?exercice=" + EXERCISE),
+    CLASS + "/previsions": ("",),
     CLASS + "/questions": ("", "?etat=toutes"),
     CLASS + "/recalculs": ("",),
     CLASS + "/recalculs/{regrade_id}": ("",),

@@ -81,7 +81,7 @@ def test_without_npm_the_installation_goes_on(
 
 @pytest.fixture
 def unbuilt(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
-    cached = (assets.is_built, assets._stamp, assets._files)
+    cached = (assets.is_built, assets.stamp, assets._files)
     monkeypatch.setattr(assets, "BUILT", tmp_path / "nowhere")
     for function in cached:
         function.cache_clear()
