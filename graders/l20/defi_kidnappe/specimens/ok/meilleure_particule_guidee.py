@@ -40,7 +40,7 @@ def pas_mcl(particules, poids, u, scan):
     p, w = _pas_sans_injection(particules, poids, u, scan)
     p, w = np.array(p, dtype=float), np.array(w, dtype=float)
     n = len(p)
-    candidats = np.asarray(initialiser(600))
+    candidats = np.asarray(initialiser(200))
     cout = np.minimum(np.abs(lidar_lot(candidats, 12) - scan[::3]), 2.0).sum(axis=1)
     meilleurs = candidats[np.argsort(cout)[: n // 20]]
     places = rng.choice(n, len(meilleurs), replace=False)
