@@ -1,5 +1,5 @@
 """No closed form: a minimiser over the turn, from several starts."""
-from scipy.optimize import least_squares
+from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
 
@@ -12,7 +12,11 @@ def matrice(v, d):
 def kabsch(P, Q):
     d = P.shape[1]
     a, b = P - P.mean(axis=0), Q - Q.mean(axis=0)
-    departs = [[0.0], [2.0]] if d == 2 else [[0, 0, 0], [-1.5, 1.5, 1]]
-    essais = [least_squares(lambda v: (a @ matrice(v, d).T - b).ravel(), x0) for x0 in departs]
-    R = matrice(min(essais, key=lambda e: e.cost).x, d)
+    departs = [[0.0], [2.0], [-2.0]] if d == 2 else [[0, 0, 0], [3, 0, 0], [0, 3, 0], [0, 0, 3], [-1.5, 1.5, 1]]
+    # Les moindres carrés de Gauss-Newton se traînent où un nuage retourné laisse un minimum très plat : BFGS, non.
+    essais = [
+        minimize(lambda v: np.sum((a @ matrice(v, d).T - b) ** 2), x0, jac="3-point", options={"gtol": 1e-9})
+        for x0 in departs
+    ]
+    R = matrice(min(essais, key=lambda e: e.fun).x, d)
     return R, Q.mean(axis=0) - R @ P.mean(axis=0)
