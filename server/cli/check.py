@@ -75,7 +75,7 @@ def run(arguments: Namespace) -> int:
     jobs: list[Job] = [] if arguments.exercises else [partial(_figures, course), partial(_cells, course)]
     jobs += [partial(_examination, exercise, case) for exercise in exercises for case in cases(exercise)]
     faults = sum(map(_told, course.problems))
-    for told in parallel.in_order(course, _do, jobs, "Vérification"):
+    for told in parallel.in_order(course, _do, jobs, "Vérification", _subject):
         faults += _told(told) if isinstance(told, Examination) else sum(map(_told, told))
     print(_summary(len(exercises), faults, time.monotonic() - begun))
     return 1 if faults else 0
@@ -83,6 +83,12 @@ def run(arguments: Namespace) -> int:
 
 def _do(grader: Grader, job: Job) -> Told:
     return job(grader)
+
+
+def _subject(job: Job) -> object:
+    """An exercise's jobs go together: what it computes once, one process computes."""
+    assert isinstance(job, partial)
+    return job.func, (job.args[0].id if job.func is _examination else None)
 
 
 def _figures(course: Course, _: Grader) -> Sequence[Problem]:

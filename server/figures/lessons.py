@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from server.course import Course
 from server.course.code import load_file
 from server.course.models import Drawing, Problem
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 THEMES = ("light", "dark")
 
@@ -28,34 +33,54 @@ def draw(drawing: Drawing, theme: str, extension: str) -> Drawn:
 
 def draw_with(path: Path, function: str, size: tuple[float, float], theme: str, extension: str) -> Drawn:
     """The same, by what of a drawing changes its picture."""
-    from graders.plotting import drawing as new_figure
-    from graders.plotting import palette, to_bytes
+    from graders.plotting import to_bytes
+
+    with _filled(path, function, size, theme) as figure:
+        return Drawn(to_bytes(figure, extension), _inches(figure))
+
+
+@contextmanager
+def _filled(path: Path, function: str, size: tuple[float, float], theme: str) -> Iterator[Figure]:
+    from graders.plotting import drawing, palette
 
     fill = getattr(load_file(path), function)
-    with new_figure(theme) as figure:
+    with drawing(theme) as figure:
         figure.set_size_inches(size)
         fill(figure, palette(theme))
-        width, height = map(float, figure.get_size_inches())
-        return Drawn(to_bytes(figure, extension), (width, height))
+        yield figure
 
 
-def size_fault(drawing: Drawing, drawn: Drawn) -> str:
+def _inches(figure: Figure) -> tuple[float, float]:
+    width, height = map(float, figure.get_size_inches())
+    return width, height
+
+
+def size_fault(drawing: Drawing, size: tuple[float, float]) -> str:
     """What to change where the size is not the announced one: a page makes room for a figure before it is drawn."""
-    if drawn.size == drawing.size:
+    if size == drawing.size:
         return ""
-    width, height = drawn.size
+    width, height = size
     announced = f'"{drawing.name}": ({drawing.function}, "…", ({width:g}, {height:g}))'
     return f"la figure « {drawing.name} » change de taille ; annoncez-la dans FIGURES : {announced}"
 
 
-def faults(course: Course, themes: Sequence[str] = THEMES) -> Iterator[Problem]:
-    """Draw everything: what cannot be drawn, or is not of the announced size. Slow."""
+def faults(course: Course) -> Iterator[Problem]:
+    """Draw everything: what cannot be drawn, or is not of the announced size. Slow.
+
+    Each drawing is filled in every theme, for what its author's function says, and written as a file in one of them:
+    the writing is matplotlib's, and most of the time.
+    """
     for module in course.modules.values():
         for drawing in module.drawings.values():
             try:
-                pictures = [draw(drawing, theme, "svg") for theme in themes]
-                message = next(filter(None, (size_fault(drawing, picture) for picture in pictures)), "")
+                sizes = {draw(drawing, THEMES[0], "svg").size, *(_size(drawing, theme) for theme in THEMES[1:])}
+                message = next(filter(None, (size_fault(drawing, size) for size in sizes)), "")
             except Exception as error:  # whatever an author's function raises is reported with its place
                 message = f"la figure « {drawing.name} » ne se dessine pas ({type(error).__name__}: {error})"
             if message:
                 yield Problem(drawing.path, drawing.line, message)
+
+
+def _size(drawing: Drawing, theme: str) -> tuple[float, float]:
+    with _filled(drawing.path, drawing.function, drawing.size, theme) as figure:
+        return _inches(figure)

@@ -25,7 +25,7 @@ def main() -> int:
     drawing = by_name[arguments.name]
     drawn = draw(drawing, arguments.theme, arguments.out.suffix.removeprefix(".") or "png")
     arguments.out.write_bytes(drawn.picture)
-    if fault := size_fault(drawing, drawn):
+    if fault := size_fault(drawing, drawn.size):
         print(f"✗ {drawing.path}:{drawing.line}: {fault}", file=sys.stderr)
     return 1 if fault or problems else 0
 

@@ -45,6 +45,27 @@ def test_jobs_need_not_travel() -> None:
     assert list(parallel.in_order(NONE, lambda _, job: job(), jobs, "Essai")) == [1, 2, 3]
 
 
+def placed(grader: Grader, job: tuple[str, int]) -> tuple[tuple[str, int], int]:
+    time.sleep(0.002)
+    return job, os.getpid()
+
+
+def test_jobs_of_one_group_are_done_by_one_process_while_every_core_works() -> None:
+    """The last group that is begun may be shared, so that no core waits."""
+    jobs = [(name, k) for k in range(6) for name in "abcd"]
+    found = list(parallel.in_order(NONE, placed, jobs, "Essai", together=lambda job: job[0]))
+    assert [job for job, _ in found] == jobs
+    where = {name: {process for job, process in found if job[0] == name} for name in "abcd"}
+    assert sum(len(processes) == 1 for processes in where.values()) >= 4 - parallel.cores()
+
+
+def test_one_group_alone_is_shared_by_all() -> None:
+    jobs = [("a", k) for k in range(40)]
+    found = list(parallel.in_order(NONE, placed, jobs, "Essai", together=lambda job: job[0]))
+    assert [job for job, _ in found] == jobs
+    assert len({process for _, process in found}) == parallel.cores()
+
+
 def test_what_is_raised_is_told_and_a_death_too() -> None:
     with pytest.raises(ValueError, match="un défaut"):
         list(parallel.in_order(NONE, squared, [1, 99], "Essai"))

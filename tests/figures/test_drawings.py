@@ -99,6 +99,20 @@ def test_check_tells_what_does_not_draw_or_changes_size(course_folder: CourseFol
     assert '"grand": (grand, "…", (6.4, 9))' in found[1][1]
 
 
+def test_what_fails_on_dark_paper_alone_is_told(course_folder: CourseFolder) -> None:
+    course = catalogue_of(
+        course_folder,
+        "from graders.plotting import palette as of\n"
+        "def nuit(figure, palette):\n    {of('light'): 1}[palette]\n"
+        "def ombre(figure, palette):\n"
+        "    figure.set_size_inches((6.4, 3) if palette == of('light') else (6.4, 9))\n"
+        'FIGURES = {\n    "nuit": (nuit, "A"),\n    "ombre": (ombre, "A", (6.4, 3)),\n}\n',
+    )
+    night, shade = [one.message for one in lessons.faults(course)]
+    assert "KeyError" in night
+    assert "(6.4, 9)" in shade
+
+
 @pytest.mark.slow
 def test_the_drawings_of_the_course_are_drawn_at_their_size() -> None:
     assert [str(one) for one in lessons.faults(the_course())] == []
@@ -107,7 +121,7 @@ def test_the_drawings_of_the_course_are_drawn_at_their_size() -> None:
 @pytest.mark.parametrize("name", sorted(the_course().modules["l20"].drawings)[::4])
 def test_some_drawings_of_the_course_are_drawn_at_their_size(name: str) -> None:
     drawing = the_course().modules["l20"].drawings[name]
-    assert lessons.size_fault(drawing, lessons.draw(drawing, "light", "svg")) == ""
+    assert lessons.size_fault(drawing, lessons.draw(drawing, "light", "svg").size) == ""
 
 
 @pytest.mark.parametrize("theme", THEMES)
