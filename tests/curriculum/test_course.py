@@ -61,10 +61,10 @@ def grader(course_sandbox: Sandbox) -> Grader:
 
 @pytest.fixture(scope="module")
 def impatient(course_sandbox: Sandbox) -> Grader:
-    """Grades under a second of the processor: what never ends is told from what does by any limit."""
+    """Grades under a part of a second of the processor: what never ends is told from what does by any limit."""
 
     def soon(exercise: Exercise) -> Exercise:
-        return replace(exercise, policy=replace(exercise.policy, cpu_seconds=1.0))
+        return replace(exercise, policy=replace(exercise.policy, cpu_seconds=0.2))
 
     modules = {name: replace(one, exercises=tuple(map(soon, one.exercises))) for name, one in COURSE.modules.items()}
     return Grader(replace(COURSE, modules=modules), course_sandbox)
