@@ -10,31 +10,43 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: the processe
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # thirty processes are started: what one compiles serves all
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import HealthCheck, settings
 
-from server.sandbox import Sandbox
-from tests.support.quick import the_course
+if TYPE_CHECKING:
+    from server.sandbox import Sandbox
 
 #: What tests of several rooms ask for: the service with the real course, and a small course that is written.
-pytest_plugins = ["tests.support.service", "tests.support.small_course"]
+SHARED = ("tests.support.service", "tests.support.small_course")
 
 sys.dont_write_bytecode = False
+gc.disable()  # until all is imported and collected
 
 # A busy machine is no failure.
 settings.register_profile("balise", deadline=None, max_examples=40, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("balise")
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Not for the process of xdist that runs no test: the others wait for it, and these import the whole service."""
+    if config.getoption("dist", "no") == "no" or hasattr(config, "workerinput"):
+        for plugin in SHARED:
+            config.pluginmanager.import_plugin(plugin)
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Iterator[None]:
-    """What is collected stays to the end: the collector of garbage does not walk through it again and again."""
-    gc.disable()
+    """What is collected stays to the end: the collector of garbage does not walk through it again and again.
+
+    Nor does it look so often at all that the tests keep: a full collection takes a tenth of a second by then.
+    """
     try:
         return (yield)
     finally:
         gc.freeze()
+        gc.set_threshold(10_000, 10, 20)
         gc.enable()
 
 
@@ -46,5 +58,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture(scope="session")
 def course_sandbox() -> Iterator[Sandbox]:
     """The sandbox of the course, with its templates: one for all that only need it to grade or to run."""
+    from server.sandbox import Sandbox
+    from tests.support.quick import the_course
+
     with Sandbox(the_course().kits) as sandbox:
         yield sandbox

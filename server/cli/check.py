@@ -30,7 +30,7 @@ Judge = Callable[[Judgement], str]
 
 #: Seconds of the processor after which a program is stopped that is known to be stopped: which limit it is does not
 #: matter, and those of some exercises are long.
-ENDLESS_SECONDS = 2.0
+ENDLESS_SECONDS = 0.5
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """The process that `balise serve` starts for each worker: `python -m server.grading CHANNEL_FD PARENT_PID`."""
 
+import gc
 import logging
 import os
 import socket
@@ -7,15 +8,17 @@ import sys
 
 from server.base import logs
 from server.base.children import die_with
-from server.grading.process import run, stop_on_signals
-from server.queue.worker import Stop
 
 
 def main(channel_fd: int, parent: int) -> None:
     die_with(parent)
-    stop_on_signals()
+    gc.disable()  # what is imported and read stays: `run` has it left alone, then lets garbage be collected again
     from server.base.settings import Settings
+    from server.grading.process import run, stop_on_signals
     from server.queue.channel import Channel
+    from server.queue.worker import Stop
+
+    stop_on_signals()
 
     os.set_inheritable(channel_fd, False)  # no child of ours may keep the line open after our death
     channel = Channel(socket.socket(fileno=channel_fd))

@@ -67,6 +67,7 @@ def run(settings: Settings, work: WorkSource, signals: Signals, renewed: Callabl
     """Grades with the real course and sandbox until told to stop. `renewed` is told why a template was replaced."""
     course = load(render=False, memory=Memory(settings.data_dir / MEMORY))
     gc.freeze()
+    gc.enable()
     database = Database(settings.url)
     with closing(database), Sandbox(course.kits, renewed=renewed) as sandbox:
         grader = Grader(course, sandbox)

@@ -22,7 +22,6 @@ KNOWN = [(exercise, case) for exercise in COURSE.exercises.values() for case in 
 
 #: What ends before any check is run.
 AT_ONCE = ("spécimen syntax_error", "spécimen import_error", "spécimen missing_function")
-ENDLESS = "spécimen timeout"
 
 
 def quick(exercise: Exercise) -> Iterator[str]:
@@ -59,17 +58,6 @@ def grader(course_sandbox: Sandbox) -> Grader:
     return Grader(COURSE, course_sandbox)
 
 
-@pytest.fixture(scope="module")
-def impatient(course_sandbox: Sandbox) -> Grader:
-    """Grades under a second of the processor: what never ends is told from what does by any limit."""
-
-    def soon(exercise: Exercise) -> Exercise:
-        return replace(exercise, policy=replace(exercise.policy, cpu_seconds=1.0))
-
-    modules = {name: replace(one, exercises=tuple(map(soon, one.exercises))) for name, one in COURSE.modules.items()}
-    return Grader(replace(COURSE, modules=modules), course_sandbox)
-
-
 def test_the_course_has_its_exercises_and_no_problem() -> None:
     first = {"poses", "predire2d", "reechantillonnage", "boucles", "kabsch", "slam_graphe"}
     assert {f"l20/{slug}" for slug in first} <= COURSE.exercises.keys()
@@ -77,19 +65,14 @@ def test_the_course_has_its_exercises_and_no_problem() -> None:
 
 
 @pytest.mark.parametrize(("exercise", "case"), PARAMETERS)
-def test_solutions_pass_starters_do_not_and_mistakes_are_named(
-    exercise: Exercise, case: Case, request: pytest.FixtureRequest
-) -> None:
-    grader = request.getfixturevalue("impatient" if case.subject.startswith(ENDLESS) else "grader")
+def test_solutions_pass_starters_do_not_and_mistakes_are_named(exercise: Exercise, case: Case, grader: Grader) -> None:
     assert examine(grader, exercise, case, seed=2026).fault == ""
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("exercise", "case"), [(exercise, case) for exercise, case in KNOWN if case.subject.startswith(ENDLESS)]
-)
+@pytest.mark.parametrize(("exercise", "case"), [(exercise, case) for exercise, case in KNOWN if case.endless])
 def test_what_never_ends_is_ended_by_its_exercise_s_own_limit(exercise: Exercise, case: Case, grader: Grader) -> None:
-    assert examine(grader, exercise, case, seed=2026).fault == ""
+    assert examine(grader, exercise, replace(case, endless=False), seed=2026).fault == ""
 
 
 @pytest.mark.parametrize("name", COURSE.exercises)

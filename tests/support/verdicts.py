@@ -23,6 +23,11 @@ def verdict_of(exercise: str, source: str, seed: int) -> Verdict:
     return judgement_of(exercise, source, seed).verdict
 
 
+def plain_verdict_of(exercise: str, source: str, seed: int) -> Verdict:
+    """The same with its counterexamples as they are found, for tests that look at what failed and at the name."""
+    return _unsimplified(exercise).grade(source.encode(), LOCAL, seed=seed, version="v").verdict
+
+
 def checked(exercise: str, source: str, seed: int, *, simplified: bool = False) -> Judgement:
     """What the checks alone find: no mistake is named, and counterexamples are left as they are found or `simplified`.
 
@@ -33,10 +38,14 @@ def checked(exercise: str, source: str, seed: int, *, simplified: bool = False) 
 
 
 @cache
+def _unsimplified(exercise: str) -> CodeGrader:
+    return replace(CODE[exercise], budget=Budget(calls=0))
+
+
+@cache
 def _unnamed(exercise: str, simplified: bool) -> CodeGrader:
-    grader = CODE[exercise]
-    budget = grader.budget if simplified else Budget(calls=0)
-    return replace(grader, prober=None, misconceptions=(), budget=budget)
+    grader = CODE[exercise] if simplified else _unsimplified(exercise)
+    return replace(grader, prober=None, misconceptions=())
 
 
 def failed(found: Verdict) -> set[str]:

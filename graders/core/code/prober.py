@@ -50,6 +50,7 @@ class _Row:
 
     mutant: Mutant
     answers: list[Seen] = field(default_factory=list)
+    rest: Iterator[Seen] | None = None
 
 
 class Prober:
@@ -140,10 +141,10 @@ class Prober:
             return ()  # a mistake found in another function is all that there is to this one
         shown = Shown(probes.calls, answers, right, probes.same)
         told = [k for k in shown.wrong() if probes.compared is None or k < probes.compared]
-        fails = all(isinstance(answer, Fault) for answer in answers)
+        fails = all(isinstance(answer, Fault | str | None) for answer in answers)
         for mistakes, rows in enumerate(self._candidates(index, answers) if told else (), 1):
             if fails and mistakes > 1:
-                break  # exceptions alone tell too little: some pair of mistakes always raises the same ones
+                break  # exceptions and no value alone tell too little: some pair of mistakes always gives the same ones
             fits = [row for row in rows if row.mutant.speaks_of(blamed) and self._fits(index, row, answers)]
             if fits:
                 return _agreed(fits) or _ruled(probes.rules, shown)
@@ -232,11 +233,13 @@ class Prober:
 
     def _answer(self, index: int, row: _Row, k: int) -> Seen:
         """What a mutant answers to probe k, having answered those before."""
-        if len(row.answers) <= k:
-            # All but the first probe are asked of the few mutants that answered it as the program did.
-            probes = self.probes[index]
-            calls = probes.calls[:1] if k == 0 else probes.calls
-            row.answers = list(_answers(row.mutant, probes, calls))
+        probes = self.probes[index]
+        if k == 0 and not row.answers:  # of most mutants no more is asked: nothing is kept to go on with
+            row.answers = list(_answers(row.mutant, probes, probes.calls[:1]))
+        while len(row.answers) <= k:
+            if row.rest is None:
+                row.rest = itertools.islice(_answers(row.mutant, probes, probes.calls), len(row.answers), None)
+            row.answers.append(next(row.rest))
         return row.answers[k]
 
 

@@ -7,7 +7,7 @@ import pytest
 from graders.core.compare.slips import SLIPS
 from tests.graders.l20.boucles_styles import LIST, submission
 from tests.graders.shipped import CODE
-from tests.support.verdicts import named, verdict_of
+from tests.support.verdicts import named, plain_verdict_of
 
 BOUCLES, KABSCH, PREDIRE, COMB, SLAM = (
     f"l20/{slug}" for slug in ("boucles", "kabsch", "predire2d", "reechantillonnage", "slam_graphe")
@@ -101,25 +101,25 @@ BIASED = LIST.replace("{distance} <= seuil", "{distance} + 1e-3 <= seuil")
     ],
 )
 def test_a_rule_names_what_it_speaks_of(exercise: str, source: str, name: str | None) -> None:
-    assert named(verdict_of(exercise, source, 3)) == name
+    assert named(plain_verdict_of(exercise, source, 3)) == name
 
 
 def test_what_is_found_in_one_function_accuses_no_other() -> None:
     """Raw scans compared: the signature is right, whatever the walks confuse."""
     source = model(BOUCLES, "signature(scans[j]) - reference", "scans[j] - scans[i]")
     for seed in range(2026, 2030):
-        found = verdict_of(BOUCLES, source, seed).diagnosis
+        found = plain_verdict_of(BOUCLES, source, seed).diagnosis
         assert found is not None
         assert found.title == "Les scans sont comparés sans passer par la signature"
 
 
 def test_what_is_kept_between_calls_is_not_said_to_be_random_besides() -> None:
-    found = verdict_of(BOUCLES, KEEPING, 3).diagnosis
+    found = plain_verdict_of(BOUCLES, KEEPING, 3).diagnosis
     assert found is not None
     assert found.title == SLIPS["memoire"].title
 
 
 def test_the_words_of_frozen_copies_hold_without_a_comb() -> None:
-    found = verdict_of(COMB, ROUNDED, 3).diagnosis
+    found = plain_verdict_of(COMB, ROUNDED, 3).diagnosis
     assert found is not None
     assert found.title == "Les mêmes copies à chaque appel"

@@ -12,7 +12,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.plotting import counterexample
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES
-from tests.support.verdicts import failed, judgement_of, verdict_of
+from tests.support.verdicts import failed, judgement_of, plain_verdict_of, verdict_of
 
 GRADER = CODE["l20/slam_graphe"]
 graded = partial(judgement_of, GRADER.exercise)
@@ -145,7 +145,7 @@ STYLES = {
 @pytest.mark.parametrize("style", STYLES)
 def test_a_mistake_is_named_whatever_the_style(style: str) -> None:
     name, source = STYLES[style]
-    found = verdict(source, 6)
+    found = plain_verdict_of(GRADER.exercise, source, 6)
     assert found.diagnosis is not None, failed(found)
     assert found.diagnosis.id == name
 
