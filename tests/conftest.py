@@ -18,7 +18,7 @@ from server.sandbox import Sandbox
 from tests.support.quick import the_course
 
 #: What tests of several rooms ask for: the service with the real course, and a small course that is written.
-pytest_plugins = ["tests.support.service", "tests.support.small_course"]
+pytest_plugins = ["tests.support.service", "tests.support.small_course", "tests.support.cluster"]
 
 sys.dont_write_bytecode = False
 

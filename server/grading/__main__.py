@@ -8,7 +8,7 @@ import sys
 from server.base import logs
 from server.base.children import die_with
 from server.grading.process import run, stop_on_signals
-from server.queue.worker import Stop
+from server.queue.stopping import Stop
 
 
 def main(channel_fd: int, parent: int) -> None:

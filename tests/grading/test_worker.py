@@ -34,7 +34,8 @@ from server.identity.models import Account
 from server.queue.models import Job
 from server.queue.owner import owner_of
 from server.queue.port import Lease, Sender
-from server.queue.worker import Heartbeat, Stop, Worker, _pauses
+from server.queue.stopping import Stop
+from server.queue.worker import Heartbeat, Worker, _pauses
 from server.sandbox import FaultKind, Sandbox, SandboxFault
 from server.submissions.models import Submission
 from server.submissions.service import GRADE, Submissions
