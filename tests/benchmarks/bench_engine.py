@@ -63,7 +63,7 @@ def work(settings: Settings) -> None:
         return
     engine = Engine(settings, LANES)
     with engine.connection:
-        engine.connection.wait_up(20)
+        engine.connection.wait_ready(20)
         print("ready", flush=True)
         worker = Worker(database, TableQueue(engine.signals), settings, tasks, able=Able([], 60.0))
         worker.run_on(engine.tickets())
@@ -108,7 +108,7 @@ def delays(settings: Settings, jobs: int, burst: int, workers: int) -> list[floa
             assert one.stdout.readline() == "ready\n"
         if engine:
             engine.connection.start()
-            engine.connection.wait_up(20)
+            engine.connection.wait_ready(20)
         time.sleep(0.5)
         for number in range(jobs):
             with database.write() as db:
@@ -154,7 +154,7 @@ def calibration(settings: Settings) -> Iterator[tuple[str, list[float]]]:
             db.execute(text("INSERT INTO bench VALUES (1)"))
 
     with engine.connection as connection:
-        connection.wait_up(20)
+        connection.wait_ready(20)
         yield "a question to PostgreSQL", timed(question)
         yield "a commit", timed(commit)
         yield "a round trip to NATS, from another thread", timed(lambda: connection.ask(connection.client.flush, 5))

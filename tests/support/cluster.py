@@ -135,7 +135,8 @@ class Machine:
         return self
 
     def up(self) -> Machine:
-        assert self.engine.connection.wait_up(PATIENCE), self.engine.connection.trouble
+        connection = self.engine.connection
+        until(lambda: connection.up and connection.wait_ready(PATIENCE), "NATS answers")
         return self
 
     def close(self) -> None:
@@ -216,8 +217,8 @@ class Baker(Thread):
         raise AssertionError(lease)
 
 
-def until(condition: Callable[[], bool], what: str) -> None:
-    deadline = time.monotonic() + PATIENCE
+def until(condition: Callable[[], bool], what: str, seconds: float = PATIENCE) -> None:
+    deadline = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < deadline, f"still not: {what}"
         time.sleep(0.01)

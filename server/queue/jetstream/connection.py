@@ -32,6 +32,8 @@ T = TypeVar("T")
 RETRY_AFTER = 0.5  # seconds
 CONNECT_SECONDS, PUBLISH_SECONDS, CLOSING_SECONDS = 2, 5.0, 2.0
 PING_SECONDS, UNANSWERED = 5, 2
+#: Between two tries to publish a ticket.
+PAUSES = (0.1, 0.4, 1.5)
 #: What is being posted at one time; more is dropped.
 MOST_POSTED = 10_000
 MOST_NEWS = 100_000
@@ -61,8 +63,10 @@ class Connection:
         self._thread = threading.Thread(target=self._run, name="nats", daemon=True)
         self._client: Client | None = None
         self._context: JetStreamContext | None = None
-        self._up, self._tried, self._closing = threading.Event(), threading.Event(), False
+        self._up, self._tried, self._ready = threading.Event(), threading.Event(), threading.Event()
+        self._closing = False
         self._posting: set[asyncio.Task[None]] = set()
+        self._taken = {"ticket", "news", "answer"}
         self._told = ""
 
     def start(self) -> None:
@@ -80,8 +84,9 @@ class Connection:
     def up(self) -> bool:
         return self._up.is_set()
 
-    def wait_up(self, seconds: float) -> bool:
-        return self._up.wait(seconds)
+    def wait_ready(self, seconds: float) -> bool:
+        """Once it has been up, with the stream in its place."""
+        return self._ready.wait(seconds)
 
     def wait_tried(self, seconds: float) -> bool:
         """Once it is up, or was not at the first try; whether it is up."""
@@ -162,6 +167,16 @@ class Connection:
             self._loop.call_soon_threadsafe(action, *arguments)
 
     async def _publish(self, subject: str, call: Call) -> None:
+        """Tried again for a while: a cluster that elects a leader takes nothing."""
+        for pause in PAUSES:
+            try:
+                await self._publish_once(subject, call)
+                return
+            except FAILURES:
+                await asyncio.sleep(pause)
+        await self._publish_once(subject, call)
+
+    async def _publish_once(self, subject: str, call: Call) -> None:
         await self.context.publish(subject, b"", timeout=PUBLISH_SECONDS, headers={"Nats-Msg-Id": call.name})
 
     def _post(self, what: str, posting: Callable[[], Awaitable[object]]) -> None:
@@ -178,9 +193,12 @@ class Connection:
     async def _posted(self, what: str, posting: Callable[[], Awaitable[object]]) -> None:
         try:
             await posting()
+            self._taken.add(what)
         except (*FAILURES, DownError) as error:
             UNPOSTED.add(what)
-            log.warning("NATS has not taken a %s: %r; it is made up for later", what, error)
+            if what in self._taken:  # once, until one is taken again
+                log.warning("NATS does not take a %s: %r; what it does not take is made up for later", what, error)
+            self._taken.discard(what)
 
     def _run(self) -> None:
         asyncio.set_event_loop(self._loop)
@@ -202,7 +220,11 @@ class Connection:
             try:
                 await self._connect(client, lost)
                 self._told = "lost"
-                await lost.wait()
+                making = asyncio.create_task(self._make(self.context))
+                try:
+                    await lost.wait()
+                finally:
+                    making.cancel()
             except FAILURES as error:
                 self._say_why(error)
             finally:
@@ -210,6 +232,17 @@ class Connection:
                 self._client = self._context = None
                 await client.close()
             await asyncio.sleep(RETRY_AFTER)
+
+    async def _make(self, context: JetStreamContext) -> None:
+        """Has the stream stand, as soon as JetStream answers: a cluster that elects a leader does not."""
+        while not self._only_look:
+            try:
+                await self.layout.ensure(context)
+                self._ready.set()
+                return
+            except FAILURES as error:
+                log.warning("the stream cannot be made or looked at yet: %r", error)
+                await asyncio.sleep(RETRY_AFTER)
 
     async def _connect(self, client: Client, lost: asyncio.Event) -> None:
         reasons: list[Exception] = []
@@ -238,13 +271,10 @@ class Connection:
             )
         except nats.errors.NoServersError as error:
             raise (reasons[-1] if reasons else error) from error
-        context = client.jetstream(timeout=PUBLISH_SECONDS)
-        if not self._only_look:
-            await self.layout.ensure(context)
         if self._on_changed is not None:
             await client.subscribe(CHANGED, cb=self._heard, pending_msgs_limit=MOST_NEWS)
         await client.flush()
-        self._client, self._context = client, context
+        self._client, self._context = client, client.jetstream(timeout=PUBLISH_SECONDS)
         self._up.set()
         self._tried.set()
         if self._told:

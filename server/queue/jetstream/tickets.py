@@ -87,7 +87,7 @@ class PulledTickets:
         self._last: Free | None = None
         self._answered = False
         self._pulling: asyncio.Task[None] | None = None
-        self._waiting: dict[Desk, asyncio.Task[bool]] = {}
+        self._waiting: dict[Desk, asyncio.Task[Exception | None]] = {}
 
     def wait(self, seconds: float) -> None:
         if self._last is not None and self._last.used and not self._answered:
@@ -142,12 +142,19 @@ class PulledTickets:
         self._answered = True
         for desk in self._desks:
             if not self._waits_at(desk):
-                expires = {"expires": int(PULL_SECONDS * NANO)}
-                asking = self._ask(desk, expires, PULL_SECONDS + ANSWER_SECONDS)
-                self._waiting[desk] = asyncio.get_running_loop().create_task(asking)
+                self._waiting[desk] = asyncio.get_running_loop().create_task(self._wait_at(desk))
         done, _ = await asyncio.wait(self._waiting.values(), return_when=asyncio.FIRST_COMPLETED)
         for pull in done:
-            pull.result()
+            if failure := pull.result():
+                raise failure
+
+    async def _wait_at(self, desk: Desk) -> Exception | None:
+        """Whatever it brings is offered; why it could not, where nobody listens to it any more."""
+        try:
+            await self._ask(desk, {"expires": int(PULL_SECONDS * NANO)}, PULL_SECONDS + ANSWER_SECONDS)
+        except (*FAILURES, DownError) as error:
+            return error
+        return None
 
     def _waits_at(self, desk: Desk) -> bool:
         return desk in self._waiting and not self._waiting[desk].done()
