@@ -235,13 +235,15 @@ class Connection:
 
     async def _make(self, context: JetStreamContext) -> None:
         """Has the stream stand, as soon as JetStream answers: a cluster that elects a leader does not."""
+        told = ""
         while not self._only_look:
             try:
                 await self.layout.ensure(context)
                 self._ready.set()
                 return
             except FAILURES as error:
-                log.warning("the stream cannot be made or looked at yet: %r", error)
+                if told != (told := repr(error)):
+                    log.warning("the stream cannot be made or looked at yet: %s", told)
                 await asyncio.sleep(RETRY_AFTER)
 
     async def _connect(self, client: Client, lost: asyncio.Event) -> None:
