@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fastapi import FastAPI
 from sqlalchemy.exc import SQLAlchemyError
@@ -51,6 +51,7 @@ from server.figures.program import program
 from server.figures.service import Figures
 from server.figures.store import Store
 from server.grading import regrading
+from server.grading.kinds import LANES
 from server.grading.supervisor import WORKER_COMMAND, Supervisor
 from server.grading.task import give_ups
 from server.health.metrics import Metrics
@@ -67,9 +68,9 @@ from server.pages.person import router as person_router
 from server.pages.routes import router as pages_router
 from server.personal.joining import adopt
 from server.personal.service import Personal
+from server.queue.engine import engine_of
 from server.queue.owner import Owner, owner_of
-from server.queue.port import GiveUp, Queue, Signals
-from server.queue.postgres import AllSignals, Listener, PostgresSignals
+from server.queue.port import GiveUp, Queue
 from server.queue.service import TableQueue
 from server.queue.switchboard import Switchboard
 from server.queue.watch import Watch
@@ -83,6 +84,9 @@ from server.submissions.collecting import Collecting
 from server.submissions.events import Events
 from server.submissions.service import GRADE, Submissions
 from server.web import errors, school_time
+
+if TYPE_CHECKING:
+    from server.queue.jetstream.engine import Engine
 
 log = logging.getLogger(__name__)
 
@@ -139,8 +143,9 @@ class Services:
         return Switchboard(self.events.changed)
 
     @cached_property
-    def on_postgres(self) -> bool:
-        return self.settings.url.startswith("postgresql")
+    def engine(self) -> "Engine | None":
+        """What carries the work between machines; None where this one does all."""
+        return engine_of(self.settings, LANES, self.switchboard.tell)
 
     @cached_property
     def database(self) -> Database:
@@ -148,9 +153,7 @@ class Services:
 
     @cached_property
     def queue(self) -> Queue:
-        local = self.switchboard
-        signals: Signals = AllSignals([local, PostgresSignals()]) if self.on_postgres else local
-        return TableQueue(signals)
+        return TableQueue(self.switchboard if self.engine is None else self.engine.signals)
 
     @cached_property
     def supervisor(self) -> Supervisor:
@@ -162,7 +165,7 @@ class Services:
 
     @cached_property
     def submissions(self) -> Submissions:
-        return Submissions(self.settings, self.queue, lambda: self.watch.unattended)
+        return Submissions(self.settings, self.queue, lambda: self.watch.unattended, self.course.version_of)
 
     @cached_property
     def collecting(self) -> Collecting:
@@ -220,11 +223,13 @@ class Services:
             log.warning("%d accounts were erased, as the settings keep them no longer", len(erased))
 
     def recover(self) -> None:
-        """Leases that have run out, or whose holder died with another server; then whether anybody takes what waits;
-        then the tests whose time is over."""
+        """Leases that have run out, or whose holder died with another server; then tickets that were lost; then whether
+        anybody takes what waits; then the tests whose time is over."""
         with self.database.write() as db:
             self.queue.recover(db, owner_of(os.getpid()), self.give_ups)
         with self.database.read() as db:
+            if self.engine is not None:
+                self.engine.sweeper.look(db)
             self.watch.look(db)
         self.collecting.collect(self.database, utc_now())
 
@@ -240,12 +245,13 @@ class Services:
     async def running(self) -> AsyncIterator[None]:
         """Workers, wake-ups and recovery, while the application serves."""
         async with AsyncExitStack() as stack:
-            await run_in_threadpool(self.recover)
-            await run_in_threadpool(self.tidy)
             self.switchboard.bind(asyncio.get_running_loop())
             stack.callback(self.switchboard.bind, None)
-            if self.on_postgres:
-                stack.push_async_callback(run_in_threadpool, self._listen())
+            if self.engine is not None:
+                self.engine.connection.start()
+                stack.push_async_callback(run_in_threadpool, self.engine.connection.close)  # after the last worker
+            await run_in_threadpool(self.recover)
+            await run_in_threadpool(self.tidy)
             stack.push_async_callback(self.cells.close)
             stack.push_async_callback(self.figures.pictures.close)
             stack.push_async_callback(self.archives.close)
@@ -257,11 +263,6 @@ class Services:
                 chore.cancel()
                 with suppress(asyncio.CancelledError):
                     await chore
-
-    def _listen(self) -> Callable[[], None]:
-        listener = Listener(self.settings.url, self.switchboard.wake, self.switchboard.tell)
-        listener.start()
-        return listener.stop
 
 
 async def _keep(seconds: float, doing: Callable[[], None], failed: str) -> None:
@@ -320,7 +321,8 @@ def _share(app: FastAPI, services: Services) -> None:
     provide(app, services.personal, Classes(services.database, services.settings), Presence(services.database))
     provide(app, Regrades(course, services.queue))
     provide(app, services.submissions, services.collecting)
-    provide(app, Readiness(services.database, services.supervisor, services.walls))
+    carrier = None if services.engine is None else services.engine.state
+    provide(app, Readiness(services.database, services.supervisor, services.walls, carrier))
     provide(app, Metrics(services.database, services.supervisor))
     provide(app, services.boards, services.figures, services.supervisor, services.downloads, Desk(Replays()))
     provide(app, services.archives)

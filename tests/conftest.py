@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from server.sandbox import Sandbox
 
 #: What tests of several rooms ask for: the service with the real course, and a small course that is written.
-SHARED = ("tests.support.service", "tests.support.small_course")
+SHARED = ("tests.support.service", "tests.support.small_course", "tests.support.cluster")
 
 sys.dont_write_bytecode = False
 gc.disable()  # until all is imported and collected

@@ -13,7 +13,7 @@ from server.gradebook import service as gradebook
 from server.gradebook.schemas import Attempt
 from server.identity.models import Account
 from server.submissions.models import State
-from server.submissions.service import UNATTENDED, Place, Submissions
+from server.submissions.service import Place, Submissions
 
 #: What a client of the contract knows to wait on; that it was graded meanwhile, and how, is not told.
 HELD = Place(State.running)
@@ -45,7 +45,7 @@ def resource(db: Session, store: Submissions, attempt: Attempt) -> Resource:
         "id": str(submission.id),
         "status": place.state,
         "position": place.position,
-        "notice": attempt.held_text if attempt.held else UNATTENDED if place.unattended else None,
+        "notice": attempt.held_text if attempt.held else place.notice,
         "held": attempt.held is not None,
         "verdict": verdict.to_json() if verdict else None,
         "url": url_of(submission.id),

@@ -20,7 +20,7 @@ from server.base.paths import default_data_dir
 
 PREFIX = "BALISE_"
 #: Settings that are announced, and have no effect yet: who sets them already has made no mistake.
-TO_COME = frozenset({"courses", "nats_url"})
+TO_COME = frozenset({"courses"})
 Seconds = Annotated[float, Field(allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=1)]
 
@@ -54,8 +54,41 @@ class Settings(BaseSettings):
     database_url: str | None = Field(
         default=None,
         min_length=1,
-        description="the database, `postgresql://user:password@host/name` or `sqlite:///file`",
+        description="the database, `postgresql://user:password@host/name` or `sqlite:///file`; over TLS with "
+        "`?sslmode=verify-full&sslrootcert=FILE` behind it",
         json_schema_extra=_told("SQLite, in the data folder"),
+    )
+    nats_url: str = Field(
+        default="",
+        repr=False,
+        description="the NATS server that carries the work between machines, `nats://host:4222`, or `tls://…`; those "
+        "of a cluster separated by commas; it takes PostgreSQL",
+        json_schema_extra=_told("none: one machine"),
+    )
+    nats_token: str = Field(
+        default="", repr=False, description="the token that NATS asks for", json_schema_extra=_told("none")
+    )
+    nats_nkey_file: Path | None = Field(
+        default=None,
+        description="the file of the seed of the nkey that NATS knows this machine by",
+        json_schema_extra=_told("none"),
+    )
+    nats_tls_ca: Path | None = Field(
+        default=None,
+        description="the certificates that vouch for NATS, instead of the machine's; with it, only over TLS",
+        json_schema_extra=_told("none"),
+    )
+    nats_tls_cert: Path | None = Field(
+        default=None, description="the certificate that is shown to NATS", json_schema_extra=_told("none")
+    )
+    nats_tls_key: Path | None = Field(
+        default=None, description="the key of that certificate", json_schema_extra=_told("none")
+    )
+    nats_replicas: int = Field(
+        default=1,
+        ge=1,
+        le=5,
+        description="on how many servers of a NATS cluster the stream is kept: 3 for one of three",
     )
     workers: int = Field(
         default_factory=lambda: os.cpu_count() or 1,
@@ -156,6 +189,12 @@ class Settings(BaseSettings):
     grading_seconds: Seconds = Field(
         default=600.0, gt=0, description="a grading that takes longer is given up, with its worker"
     )
+    version_seconds: Seconds = Field(
+        default=120.0,
+        ge=0,
+        description="with NATS, how long a submission that a worker of another version of its exercise has refused "
+        "waits for one of its own; then any grades it",
+    )
 
     @field_validator("trusted_proxy")
     @classmethod
@@ -187,6 +226,10 @@ class Settings(BaseSettings):
         if self.database_url is None:
             return f"sqlite:///{self.data_dir / 'balise.sqlite3'}"
         return self.database_url.replace("postgresql://", "postgresql+psycopg://", 1)
+
+    @property
+    def on_postgres(self) -> bool:
+        return self.url.startswith("postgresql")
 
     @property
     def submission_bucket(self) -> Bucket:

@@ -23,5 +23,7 @@ class Tally:
 
 #: By why: `password`, `disabled`, `too_many`, `token`.
 REFUSED_LOGINS = Tally()
+#: By what: `ticket`, `news`, `answer`; all are made up for later.
+UNPOSTED = Tally()
 #: By why: `worn`, `failed`; told by this machine's workers.
 TEMPLATE_RENEWALS = Tally()

@@ -54,7 +54,9 @@ def _parser() -> argparse.ArgumentParser:
     _demo(commands.add_parser("demo", help=help_text, description=f"{help_text.capitalize()}."))
     _grade(commands.add_parser("grade", help="corrige un fichier, sans serveur"))
     _check(commands.add_parser("check", help="vérifie les exercices eux-mêmes (références, erreurs cataloguées)"))
-    commands.add_parser("doctor", help="dit quelles protections du bac à sable tiennent sur cette machine")
+    doctor = commands.add_parser("doctor", help="dit quelles protections du bac à sable tiennent sur cette machine")
+    help_text = "regarde plutôt ce que plusieurs machines partagent : base, NATS, horloges, correcteurs"
+    doctor.add_argument("--cluster", action="store_true", help=help_text)
     _submit(commands.add_parser("submit", help="envoie un fichier à un serveur et suit sa correction"))
     _login(
         commands.add_parser(
@@ -63,7 +65,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     help_text = "écrit tout ce qui se lit d’un module dans une archive ZIP, qui s’ouvre sans serveur"
     _export(commands.add_parser("export", help=help_text, description=f"{help_text.capitalize()}."))
-    commands.add_parser("worker", help="corrige pour un serveur, depuis une autre machine (BALISE_DATABASE_URL)")
+    commands.add_parser(
+        "worker", help="corrige pour un serveur, depuis une autre machine (BALISE_DATABASE_URL, BALISE_NATS_URL)"
+    )
     help_text = "sauvegarde la base de données, le service allant son cours, et vérifie la sauvegarde"
     options.backup(commands.add_parser("backup", help=help_text, description=f"{help_text.capitalize()}."))
     help_text = "remet une sauvegarde à la place de la base de données, le service étant arrêté"

@@ -35,6 +35,23 @@ def _refused(error: ErrorDetails) -> str:
 
 
 def _impossible(settings: Settings) -> Iterator[str]:
-    if settings.url.startswith("postgresql") and find_spec("psycopg") is None:
+    if settings.on_postgres and find_spec("psycopg") is None:
         name = variable("database_url")
         yield f"{name} : PostgreSQL demande un paquet de plus, que pip install 'balise[postgresql]' installe"
+    if not settings.nats_url:
+        return
+    name = variable("nats_url")
+    if not settings.on_postgres:
+        yield (
+            f"{name} : NATS répartit le travail entre machines, qui partagent une base PostgreSQL : réglez aussi "
+            f"{variable('database_url')}, ou retirez ce réglage-ci"
+        )
+    if find_spec("nats") is None or (settings.nats_nkey_file is not None and find_spec("nkeys") is None):
+        yield f"{name} : NATS demande un paquet de plus, que pip install 'balise[nats]' installe"
+        return
+    from server.queue.jetstream.access import UnfitError, options
+
+    try:
+        options(settings)
+    except UnfitError as error:
+        yield str(error)

@@ -1,14 +1,20 @@
-"""`balise doctor`: which walls of the sandbox stand here."""
+"""`balise doctor`: which walls of the sandbox stand here; with `--cluster`, how what several machines share does."""
 
 from argparse import Namespace
 
+from server.cli import CannotRun
+from server.cli.configuration import read_settings
 from server.sandbox import WallStatus, probe, safe_to_serve
 
 MARKS = {WallStatus.STANDING: "✓", WallStatus.MISSING: "✗", WallStatus.UNAVAILABLE: "–"}
 UNSAFE = 1
 
 
-def run(_arguments: Namespace) -> int:
+def run(arguments: Namespace) -> int:
+    return _cluster() if arguments.cluster else _walls()
+
+
+def _walls() -> int:
     reports = probe()
     for report in reports:
         need = "indispensable" if report.required else "souhaitable"
@@ -20,3 +26,27 @@ def run(_arguments: Namespace) -> int:
         return 0
     print("Cette machine ne peut PAS exécuter sans danger le code des étudiants.")
     return UNSAFE
+
+
+def _cluster() -> int:
+    settings = read_settings()
+    try:
+        from server.grading.kinds import LANES
+        from server.health.cluster import Level, examine
+    except ModuleNotFoundError as error:
+        raise CannotRun(f"il y faut un paquet de plus, que pip install 'balise[nats]' installe ({error}).") from error
+
+    marks = {Level.good: "✓", Level.doubtful: "!", Level.bad: "✗"}
+    worst = Level.good
+    for finding in examine(settings, LANES):
+        print(f"  {marks[finding.level]} {finding.about} : {finding.told}", flush=True)
+        if finding.mend:
+            print(f"      remède : {finding.mend}")
+        worst = max(worst, finding.level, key=lambda level: level.value)
+    if worst is Level.bad:
+        print("Ce que les machines partagent ne va PAS : voyez les lignes marquées ✗.")
+        return UNSAFE
+    print(
+        "Ce que les machines partagent va bien." if worst is Level.good else "Cela marche, à surveiller : lignes « ! »."
+    )
+    return 0

@@ -222,6 +222,8 @@ def _announce(settings: Settings, course: Course, address: str) -> None:
         print(f"    {address}{link}")
     if not settings.workers:
         print("  Correction : aucun correcteur ici ; « balise worker », sur une autre machine, corrige ce qui attend.")
+    if settings.on_postgres and not settings.nats_url:
+        print("  Machines : celle-ci seule est prévenue de ce qui arrive ; pour plusieurs, réglez BALISE_NATS_URL.")
     print(f"  Données : {settings.data_dir}\n  Ctrl+C pour arrêter.\n", flush=True)
 
 

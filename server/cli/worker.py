@@ -10,7 +10,6 @@ from sqlalchemy import make_url
 from sqlalchemy.exc import OperationalError
 
 from server.base import logs
-from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
 from server.cli.local import require_safe_sandbox, start_probing
@@ -19,9 +18,13 @@ from server.database.migrate import WrongSchema, require_current
 from server.grading.process import run as run_worker
 from server.grading.process import stop_on_signals
 from server.queue.polling import Polling
-from server.queue.port import NoSignals, Signals, WorkSource
-from server.queue.postgres import PostgresSignals, PostgresSource
-from server.queue.worker import Stop
+from server.queue.port import NoSignals
+from server.queue.stopping import Stop
+
+ALONE = (
+    "Une base de données ne prévient personne : le travail y est cherché dix fois par seconde. Sur plusieurs machines, "
+    "réglez BALISE_NATS_URL (et PostgreSQL), ici et sur chaque serveur."
+)
 
 
 def run(_arguments: Namespace) -> int:
@@ -34,10 +37,11 @@ def run(_arguments: Namespace) -> int:
     try:
         with closing(Database(settings.url)) as database:
             require_current(database.engine)
-        wake_up = _wake_up(settings)
+        if not settings.nats_url:
+            print(ALONE, file=sys.stderr)
         place = make_url(settings.url).render_as_string(hide_password=True)
         print(f"Balise corrige ce qui attend dans {place} ; Ctrl+C pour arrêter.", flush=True)
-        run_worker(settings, *wake_up)
+        run_worker(settings, Polling(), NoSignals())
     except Stop:
         return 0
     except WrongSchema as wrong:
@@ -45,15 +49,3 @@ def run(_arguments: Namespace) -> int:
     except OperationalError as error:
         raise CannotRun(f"la base de données ne répond pas : {error.orig}") from error
     return 0
-
-
-def _wake_up(settings: Settings) -> tuple[WorkSource, Signals]:
-    if not settings.url.startswith("postgresql"):
-        print("Cette base ne prévient pas : le travail est cherché dix fois par seconde.", file=sys.stderr)
-        return Polling(), NoSignals()
-    import psycopg
-
-    try:
-        return PostgresSource(settings.url), PostgresSignals()
-    except psycopg.OperationalError as error:
-        raise CannotRun(f"la base de données ne répond pas : {error}") from error

@@ -16,7 +16,7 @@ def main(channel_fd: int, parent: int) -> None:
     from server.base.settings import Settings
     from server.grading.process import run, stop_on_signals
     from server.queue.channel import Channel
-    from server.queue.worker import Stop
+    from server.queue.stopping import Stop
 
     stop_on_signals()
 

@@ -16,14 +16,17 @@ from server.course import Course, load
 from server.course.memory import MEMORY, Memory
 from server.database import Database
 from server.grading.joint import Grader, SandboxPrograms
+from server.grading.kinds import LANES
 from server.grading.regrading import RegradeTask
 from server.grading.task import GradingTask, SentFile
-from server.queue.port import Signals, Tasks, WorkSource
+from server.queue.engine import engine_of
+from server.queue.port import Able, Signals, Tasks, WorkSource
 from server.queue.service import TableQueue
-from server.queue.worker import Stop, Worker
+from server.queue.stopping import Stopping
+from server.queue.worker import Worker
 from server.regrades.service import REGRADE
 from server.sandbox import Sandbox, SandboxFault
-from server.submissions.service import GRADE
+from server.submissions.service import GRADE, needs_of
 
 log = logging.getLogger(__name__)
 
@@ -34,13 +37,12 @@ def stop_on_signals(*, interrupt: bool = False) -> None:
     signal.signal(signal.SIGINT, _stop if interrupt else signal.SIG_IGN)
 
 
-_stopping = threading.Event()
+_stopping = Stopping()
 
 
 def _stop(_signal: int, _frame: FrameType | None) -> None:
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    _stopping.set()
-    raise Stop
+    _stopping.tell()
 
 
 def _warm(sandbox: Sandbox, course: Course) -> None:
@@ -52,7 +54,7 @@ def _warm(sandbox: Sandbox, course: Course) -> None:
         try:
             sandbox.warm(imports)
         except SandboxFault:
-            if _stopping.is_set():
+            if _stopping.told.is_set():
                 return
             log.warning("the %s template did not start", imports, exc_info=True)
     for exercise in course.exercises.values():
@@ -64,7 +66,21 @@ def _warm(sandbox: Sandbox, course: Course) -> None:
 
 
 def run(settings: Settings, work: WorkSource, signals: Signals, renewed: Callable[[str], object] = str) -> None:
-    """Grades with the real course and sandbox until told to stop. `renewed` is told why a template was replaced."""
+    """Grades with the real course and sandbox until told to stop. `renewed` is told why a template was replaced.
+
+    `work` and `signals` are of this machine. Where NATS carries the work they are left aside: tickets tell of it.
+    """
+    engine = engine_of(settings, LANES)
+    if engine is None:
+        _run(settings, signals, renewed, lambda worker: worker.run(work))
+        return
+    with engine.connection, closing(engine.tickets()) as tickets:
+        _run(settings, engine.signals, renewed, lambda worker: worker.run_on(tickets))
+
+
+def _run(
+    settings: Settings, signals: Signals, renewed: Callable[[str], object], keep_working: Callable[[Worker], None]
+) -> None:
     course = load(render=False, memory=Memory(settings.data_dir / MEMORY))
     gc.freeze()
     gc.enable()
@@ -83,8 +99,16 @@ def run(settings: Settings, work: WorkSource, signals: Signals, renewed: Callabl
             FINGERPRINT: FingerprintTask(course, queue, partial(SandboxPrograms, sandbox)),
         }
         sweeper = Sweeper(database, queue, course)
-        threading.Thread(target=sweeper.keep_looking, args=(_stopping,), name="sweeper", daemon=True).start()
+        threading.Thread(target=sweeper.keep_looking, args=(_stopping.told,), name="sweeper", daemon=True).start()
         try:
-            Worker(database, queue, settings, tasks).run(work)
+            keep_working(Worker(database, queue, settings, tasks, able=_able(settings, course), stopping=_stopping))
         finally:
-            _stopping.set()  # what still warms up is closed under it
+            _stopping.told.set()  # what still warms up is closed under it
+
+
+def _able(settings: Settings, course: Course) -> Able | None:
+    """A machine alone has one version of everything; of several, each may have its own for a while."""
+    if not settings.nats_url:
+        return None
+    having = {needs_of(one.id, one.version) for one in course.exercises.values()}
+    return Able(having, settings.version_seconds)

@@ -26,6 +26,7 @@ class Regrading:
     regrade_id: UUID
     item_id: UUID
     file: SentFile
+    needs: str | None
 
 
 class RegradeTask:
@@ -43,7 +44,7 @@ class RegradeTask:
         return Graded(self._grade(work.file), work.file.started_at)
 
     def record(self, db: Session, work: Regrading, result: Graded) -> None:
-        service.record(db, self._queue, work.regrade_id, work.item_id, result)
+        service.record(db, self._queue, work.regrade_id, work.item_id, result, work.needs)
 
 
 def _next(db: Session, course: Course, lease: Lease) -> Regrading | None:
@@ -51,7 +52,7 @@ def _next(db: Session, course: Course, lease: Lease) -> Regrading | None:
     if found is None:
         return None
     item, submission, _ = found
-    return Regrading(item.regrade_id, item.id, sent_file(db, course, submission, lease.started_at))
+    return Regrading(item.regrade_id, item.id, sent_file(db, course, submission, lease.started_at), lease.needs)
 
 
 def give_ups(course: Course, queue: Queue) -> Mapping[str, GiveUp]:
@@ -69,6 +70,7 @@ def _giving_up(course: Course, queue: Queue) -> GiveUp:
         file = work.file
         log.error("regrade %s: submission %s of %s given up", work.regrade_id, file.submission_id, file.exercise)
         verdict = internal_error_verdict(file.exercise, course.version_of(file.exercise), file.seed)
-        service.record(db, queue, work.regrade_id, work.item_id, Graded(Judgement(verdict), lease.started_at))
+        graded = Graded(Judgement(verdict), lease.started_at)
+        service.record(db, queue, work.regrade_id, work.item_id, graded, work.needs)
 
     return give_up

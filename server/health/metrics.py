@@ -113,6 +113,7 @@ class Metrics:
 
 COUNTED = (
     ("balise_refused_logins", "Log-ins and API tokens that were refused", tally.REFUSED_LOGINS),
+    ("balise_unposted", "What was not given to NATS, and is made up for later", tally.UNPOSTED),
     ("balise_template_renewals", "Templates of the sandbox that were replaced", tally.TEMPLATE_RENEWALS),
 )
 

@@ -1,6 +1,6 @@
 """Whether this process can serve: its database answers, its workers stand, nobody has told it to stop."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from sqlalchemy.exc import SQLAlchemyError
@@ -10,12 +10,18 @@ from server.database import Database
 from server.grading.supervisor import Supervisor
 from server.health import repository
 
+#: Without what carries the work between machines all goes on, more slowly: visitors may come.
+CARRIER = "nats"
+
 
 @dataclass(frozen=True)
 class Readiness:
+    """`carrier` says how what carries the work between machines is, where something does."""
+
     database: Database
     supervisor: Supervisor
     walls: Gate
+    carrier: Callable[[], str] | None = None
 
     def checks(self) -> Mapping[str, str]:
         """By what is looked at, `ok` or what is amiss."""
@@ -25,6 +31,7 @@ class Readiness:
             "walls": walls,
             "workers": self._workers(),
             "service": self._service(),
+            **({} if self.carrier is None else {CARRIER: self.carrier()}),
         }
 
     def _database(self) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import Row, exists, func, select
+from sqlalchemy import Row, exists, func, select, text
 from sqlalchemy.orm import Session, aliased
 
 from server.gradebook.models import Grading
@@ -15,6 +15,11 @@ from server.submissions.models import Submission
 def answers(db: Session) -> None:
     """Raises SQLAlchemyError where the database does not."""
     db.execute(select(1))
+
+
+def is_encrypted(db: Session) -> bool:
+    """Whether this connection to PostgreSQL is over TLS."""
+    return bool(db.execute(text("SELECT ssl FROM pg_stat_ssl WHERE pid = pg_backend_pid()")).scalar_one())
 
 
 def queue(db: Session) -> Sequence[Row[str, bool, int, datetime]]:

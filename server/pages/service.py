@@ -35,7 +35,7 @@ from server.pages.schemas import (
 )
 from server.submissions import deals
 from server.submissions.models import State
-from server.submissions.service import UNATTENDED, Place
+from server.submissions.service import Place
 from server.web import deadlines, regraded, verdicts
 from server.web.schemas import VerdictView
 from server.web.views import (
@@ -300,8 +300,8 @@ def waiting_text(place: Place) -> str:
         return "Correction en cours…"
     if place.position is None:
         return ""
-    if place.unattended:
-        return UNATTENDED
+    if place.notice is not None:
+        return place.notice
     before = place.position - 1
     return (
         f"En attente : {plural(before, 'envoi passe', 'envois passent')} avant le vôtre."

@@ -7,6 +7,7 @@ import threading
 from sqlalchemy.orm import Session
 
 from server.database import after_commit
+from server.queue.port import Call
 from server.queue.switchboard import CHANGED, IDLE, QUEUED, RENEWED
 
 
@@ -36,7 +37,7 @@ class Channel:
         except ConnectionError:
             return  # the web process is gone: `wait` finds it out, the result is safe in the database
 
-    def queued(self, db: Session) -> None:
+    def queued(self, db: Session, _call: Call) -> None:
         after_commit(db, lambda: self._say(QUEUED))
 
     def changed(self, db: Session, key: str) -> None:

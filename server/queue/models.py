@@ -14,8 +14,9 @@ class Job(Base):
     """Work to be done once, outside of any request. `kind` says by whom, `key` on what; lower `priority` runs first.
 
     `sender`, `address` and `line` are `server.queue.port.Sender`'s; `turn` is the line's among those of its priority,
-    and `own_turn` the sender's within the line (`server.queue.turns`). While it is leased, only the lease's holder may
-    end it. The row goes with the job's end.
+    and `own_turn` the sender's within the line (`server.queue.turns`). `needs` and `refused_at` are of workers of
+    several versions (see `server.queue.port.Able`). While it is leased, only the lease's holder may end it. The row
+    goes with the job's end.
     """
 
     __tablename__ = "job"
@@ -32,6 +33,8 @@ class Job(Base):
     own_turn: Mapped[int] = mapped_column(BigInteger)
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
     started_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
+    needs: Mapped[str | None] = mapped_column(String(300))
+    refused_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
 
     tries: Mapped[int] = mapped_column(default=0)
     lease_owner: Mapped[str | None] = mapped_column(String(300))

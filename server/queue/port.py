@@ -14,13 +14,18 @@ from sqlalchemy.orm import Session
 
 from server.queue.owner import Owner
 
+#: What somebody waits for, and what nobody does: a worker does the former first.
+INTERACTIVE, BACKGROUND = "interactive", "background"
 Work = TypeVar("Work")
 Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
 class Lease:
-    """A job that one worker has begun, and the token that lets it end the job."""
+    """A job that one worker has begun, and the token that lets it end the job: the fence.
+
+    `needs` is what its worker must have, if anything (an exercise in one version).
+    """
 
     job_id: UUID
     token: UUID
@@ -29,6 +34,35 @@ class Lease:
     payload: Mapping[str, Any]
     tries: int
     started_at: datetime
+    needs: str | None = None
+
+
+@dataclass(frozen=True)
+class Call:
+    """That one more job of a kind may be begun. `name` is this call's own: of the job, and of its attempt before."""
+
+    kind: str
+    name: str
+
+
+@dataclass(frozen=True)
+class Able:
+    """What a worker can do: jobs that need nothing, or one of `having`; any other that waits since a refusal.
+
+    `patience`, in seconds: that long after it was first refused, a job is anybody's.
+    """
+
+    having: Collection[str]
+    patience: float
+
+
+@dataclass(frozen=True)
+class Whereabouts:
+    """Where a job is: `position` is 1 for the next to begin, 0 for one that has begun. `refused`: as yet, all workers
+    that could have begun it were of another version."""
+
+    position: int
+    refused: bool = False
 
 
 @dataclass(frozen=True)
@@ -96,11 +130,17 @@ class Queue(Protocol):
         payload: Mapping[str, Any] | None = None,
         sender: Sender = NOBODY,
         most: Most | None = None,
+        needs: str | None = None,
     ) -> None:
         """Has a job done later, in its sender's turn. One job at a time has this kind and key. Raises HeapError."""
 
-    def claim(self, db: Session, owner: Owner, kinds: Collection[str], lease_seconds: float) -> Lease | None:
-        """Begins the next job of these kinds; None where none waits."""
+    def claim(
+        self, db: Session, owner: Owner, kinds: Collection[str], lease_seconds: float, able: Able | None = None
+    ) -> Lease | None:
+        """Begins the next job of these kinds; None where none waits that this worker is able to do."""
+
+    def refuse(self, db: Session, kinds: Collection[str], able: Able) -> bool:
+        """Notes that what waits of these kinds is for workers of other versions; False where there is none such."""
 
     def heartbeat(self, db: Session, lease: Lease, lease_seconds: float) -> bool:
         """Extends a lease; False when it has been lost."""
@@ -123,6 +163,9 @@ class Queue(Protocol):
     def position(self, db: Session, kind: str, key: str) -> int | None:
         """1 for the next job to begin, 0 for one that has begun, None where there is no such job."""
 
+    def whereabouts(self, db: Session, kind: str, key: str) -> Whereabouts | None:
+        """None where there is no such job."""
+
     def untaken(self, db: Session, kinds: Collection[str], before: UUID | None) -> UUID | None:
         """A job of these kinds that waits while none is being done: `before` if it still does, else the next to begin.
 
@@ -133,7 +176,7 @@ class Queue(Protocol):
 class Signals(Protocol):
     """What a transaction tells the other processes, once it is committed."""
 
-    def queued(self, db: Session) -> None:
+    def queued(self, db: Session, call: Call, /) -> None:
         """A job waits: an idle worker may wake up."""
 
     def changed(self, db: Session, key: str) -> None:
@@ -147,10 +190,41 @@ class WorkSource(Protocol):
         """Returns when there may be work, or after `seconds`; False means that the worker must stop."""
 
 
+class Ticket(Protocol):
+    """Leave to do one job. It is kept while the job is done, and ends in one of two ways."""
+
+    @property
+    def kinds(self) -> Collection[str]:
+        """Of which kinds."""
+
+    @property
+    def again(self) -> bool:
+        """Whoever held it before has given no sign of life: what they were doing may wait for being taken back."""
+
+    def keep(self) -> None:
+        """It is in use still. From any thread."""
+
+    def spend(self, *, used: bool) -> None:
+        """It was used, or there was no job for it."""
+
+    def give_back(self, *, later: bool) -> None:
+        """Somebody else is to have it: at once, or in a while."""
+
+
+class Tickets(Protocol):
+    """What a worker of the distributed engine sleeps on: `wait`, which may be interrupted, then `take`."""
+
+    def wait(self, seconds: float) -> None:
+        """Returns when there is a ticket, or after `seconds`."""
+
+    def take(self) -> Ticket | None:
+        """The ticket that has come, if any."""
+
+
 class NoSignals:
     """Nobody listens: everyone polls."""
 
-    def queued(self, db: Session) -> None:
+    def queued(self, db: Session, call: Call, /) -> None:
         return
 
     def changed(self, db: Session, key: str) -> None:

@@ -8,18 +8,29 @@ queue; after `MAX_TRIES` it is given up.
 import logging
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
-from datetime import timedelta
+from datetime import datetime, timedelta
 from typing import Any
 from uuid import UUID, uuid4
 
 from sqlalchemy.orm import Session
 
 from server.base import logs
-from server.database import utc_now
 from server.queue import repository
 from server.queue.models import Job
 from server.queue.owner import Owner, is_dead
-from server.queue.port import NOBODY, REQUEST, GiveUp, HeapError, Lease, Most, Sender, Signals
+from server.queue.port import (
+    NOBODY,
+    REQUEST,
+    Able,
+    Call,
+    GiveUp,
+    HeapError,
+    Lease,
+    Most,
+    Sender,
+    Signals,
+    Whereabouts,
+)
 from server.queue.turns import Crowd, next_turn
 
 log = logging.getLogger(__name__)
@@ -41,6 +52,7 @@ class TableQueue:
         payload: Mapping[str, Any] | None = None,
         sender: Sender = NOBODY,
         most: Most | None = None,
+        needs: str | None = None,
     ) -> None:
         repository.one_at_a_time(db)
         crowd = repository.crowd(db, sender)
@@ -50,19 +62,26 @@ class TableQueue:
         if turn.pushes:
             turn = replace(turn, line=repository.push(db, sender, turn.own))
         request = logs.current_id()
-        repository.put(db, kind, key, {**(payload or {}), **({REQUEST: request} if request else {})}, sender, turn)
-        self._signals.queued(db)
+        carried = {**(payload or {}), **({REQUEST: request} if request else {})}
+        name = repository.put(db, kind, key, carried, sender, turn, needs)
+        self._signals.queued(db, Call(kind, str(name)))
 
-    def claim(self, db: Session, owner: Owner, kinds: Collection[str], lease_seconds: float) -> Lease | None:
-        token, now = uuid4(), utc_now()
+    def claim(
+        self, db: Session, owner: Owner, kinds: Collection[str], lease_seconds: float, able: Able | None = None
+    ) -> Lease | None:
+        token, now = uuid4(), repository.begin_leasing(db)
         until = now + timedelta(seconds=lease_seconds)
-        lease = repository.claim(db, kinds, owner=str(owner), token=token, now=now, until=until)
+        lease = repository.claim(db, kinds, owner=str(owner), token=token, now=now, until=until, able=able)
         if lease is not None:
             self._signals.changed(db, lease.key)
         return lease
 
+    def refuse(self, db: Session, kinds: Collection[str], able: Able) -> bool:
+        return repository.refuse(db, kinds, able)
+
     def heartbeat(self, db: Session, lease: Lease, lease_seconds: float) -> bool:
-        return repository.extend(db, lease.job_id, lease.token, utc_now() + timedelta(seconds=lease_seconds))
+        until = repository.clock(db) + timedelta(seconds=lease_seconds)
+        return repository.extend(db, lease.job_id, lease.token, until)
 
     def finish(self, db: Session, lease: Lease) -> bool:
         ended = repository.end(db, lease.job_id, lease.token)
@@ -75,22 +94,27 @@ class TableQueue:
 
     def give_back(self, db: Session, lease: Lease) -> None:
         if repository.free(db, lease.job_id, lease.token, tried=False):
-            self._signals.queued(db)
+            self._signals.queued(db, _anew(lease))
             self._signals.changed(db, lease.key)
 
     def recover(self, db: Session, here: Owner, give_ups: Mapping[str, GiveUp]) -> int:
-        lost = [job for job in repository.leased(db, give_ups.keys()) if _is_lost(job, here)]
+        now = repository.clock(db)
+        lost = [job for job in repository.leased(db, give_ups.keys()) if _is_lost(job, here, now)]
         return self._take_all_back(db, lost, give_ups)
 
     def release(self, db: Session, owner: Owner, give_ups: Mapping[str, GiveUp]) -> int:
         return self._take_all_back(db, repository.leased_to(db, give_ups.keys(), str(owner)), give_ups)
 
     def position(self, db: Session, kind: str, key: str) -> int | None:
+        found = self.whereabouts(db, kind, key)
+        return None if found is None else found.position
+
+    def whereabouts(self, db: Session, kind: str, key: str) -> Whereabouts | None:
         place = repository.place(db, kind, key)
         if place is None:
             return None
-        token, ahead = place
-        return ahead + 1 if token is None else 0
+        token, ahead, refused_at = place
+        return Whereabouts(0) if token is not None else Whereabouts(ahead + 1, refused_at is not None)
 
     def untaken(self, db: Session, kinds: Collection[str], before: UUID | None) -> UUID | None:
         return repository.untaken(db, kinds, before)
@@ -104,7 +128,7 @@ class TableQueue:
             taken = repository.free(db, lease.job_id, lease.token, tried=True)
             if taken:
                 log.warning("job %s %s: its try has failed, queued again", lease.kind, lease.key)
-                self._signals.queued(db)
+                self._signals.queued(db, _anew(lease))
         else:
             taken = repository.end(db, lease.job_id, lease.token)
             if taken:
@@ -122,14 +146,19 @@ def _require_room(crowd: Crowd, most: Most) -> None:
         raise HeapError("address")
 
 
-def _is_lost(job: Job, here: Owner) -> bool:
+def _anew(lease: Lease) -> Call:
+    """The call for a job that waits again, after this attempt."""
+    return Call(lease.kind, f"{lease.job_id}:{lease.token}")
+
+
+def _is_lost(job: Job, here: Owner, now: datetime) -> bool:
     if job.lease_owner is None or job.lease_until is None:
         raise ValueError(f"job {job.id} is leased to nobody, or for ever")
-    return is_dead(job.lease_owner, here) or job.lease_until <= utc_now()
+    return is_dead(job.lease_owner, here) or job.lease_until <= now
 
 
 def _lease(job: Job) -> Lease:
     """The lease that a row holds."""
     if job.lease_token is None or job.started_at is None:
         raise ValueError(f"job {job.id} is not leased")
-    return Lease(job.id, job.lease_token, job.kind, job.key, job.payload, job.tries, job.started_at)
+    return Lease(job.id, job.lease_token, job.kind, job.key, job.payload, job.tries, job.started_at, job.needs)

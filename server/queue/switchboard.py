@@ -15,6 +15,7 @@ from sqlalchemy.orm import Session
 
 from server.base.tally import TEMPLATE_RENEWALS
 from server.database import after_commit
+from server.queue.port import Call
 
 log = logging.getLogger(__name__)
 
@@ -40,7 +41,7 @@ class Switchboard:
         """Starts (or stops, with None) delivering on this loop."""
         self._loop = loop
 
-    def queued(self, db: Session) -> None:
+    def queued(self, db: Session, _call: Call) -> None:
         after_commit(db, self.wake)
 
     def changed(self, db: Session, key: str) -> None:

@@ -1,10 +1,13 @@
-"""A worker: claim, run, record, again; sleep when nothing waits."""
+"""A worker: claim, run, record, again; sleep when nothing waits.
+
+What tells it that there is work is a source that wakes it (`run`), or tickets, each leave to do one job (`run_on`).
+"""
 
 import logging
 import os
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, TypeVar
 
 from sqlalchemy.exc import InterfaceError, OperationalError, SQLAlchemyError
@@ -14,11 +17,13 @@ from server.base import logs
 from server.base.settings import Settings
 from server.database import Database, is_locked, utc_now
 from server.queue.owner import Owner, owner_of
-from server.queue.port import REQUEST, GiveUp, Lease, Queue, Tasks, WorkSource
+from server.queue.port import REQUEST, Able, GiveUp, Lease, Queue, Tasks, Ticket, Tickets, WorkSource
+from server.queue.stopping import Stop, Stopping
 
 log = logging.getLogger(__name__)
 
 STUCK_EXIT = 70
+DATABASE_PAUSE = 1.0  # seconds
 #: Seconds between two tries at a database that another writer holds: doubled each time, up to the longest.
 LOCKED_PAUSE, LONGEST_PAUSE = 0.5, 10.0
 
@@ -33,10 +38,6 @@ def _pauses() -> Iterator[float]:
         pause = min(2.0 * pause, LONGEST_PAUSE)
 
 
-class Stop(BaseException):
-    """Raised in a worker that is asked to end (SIGTERM); what it was doing goes back to the queue."""
-
-
 class Heartbeat:
     """Extends the lease of what is being done, from a thread of its own.
 
@@ -46,7 +47,7 @@ class Heartbeat:
 
     def __init__(self, database: Database, queue: Queue, settings: Settings, give_ups: Mapping[str, GiveUp]) -> None:
         self._database, self._queue, self._settings, self._give_ups = database, queue, settings, give_ups
-        self._current: tuple[Lease, float] | None = None
+        self._current: tuple[Lease, float, Callable[[], None]] | None = None
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name="heartbeat", daemon=True)
 
@@ -58,8 +59,12 @@ class Heartbeat:
         self._stopping.set()
         self._thread.join()
 
-    def hold(self, lease: Lease | None) -> None:
-        self._current = None if lease is None else (lease, time.monotonic() + self._settings.grading_seconds)
+    def hold(self, lease: Lease, keep: Callable[[], None]) -> None:
+        """`keep` is called too, each time that the lease is extended."""
+        self._current = (lease, time.monotonic() + self._settings.grading_seconds, keep)
+
+    def leave(self) -> None:
+        self._current = None
 
     def _run(self) -> None:
         while not self._stopping.wait(self._settings.lease_seconds / 3):
@@ -67,7 +72,7 @@ class Heartbeat:
             if current is not None:
                 self._beat(*current)
 
-    def _beat(self, lease: Lease, deadline: float) -> None:
+    def _beat(self, lease: Lease, deadline: float, keep: Callable[[], None] = lambda: None) -> None:
         if time.monotonic() > deadline:
             log.critical("job %s %s does not end, this worker gives up", lease.kind, lease.key)
             try:
@@ -79,35 +84,51 @@ class Heartbeat:
                 os._exit(STUCK_EXIT)
         try:
             with self._database.write() as db:
-                self._queue.heartbeat(db, lease, self._settings.lease_seconds)
+                held = self._queue.heartbeat(db, lease, self._settings.lease_seconds)
+            if held:
+                keep()
         except SQLAlchemyError:
             log.exception("job %s %s: heartbeat failed, trying again later", lease.kind, lease.key)
 
 
 class Worker:
-    """One job at a time, of the kinds that `tasks` knows."""
+    """One job at a time, of the kinds that `tasks` knows; with `able`, only of those that it has what it takes for."""
 
     def __init__(
-        self, database: Database, queue: Queue, settings: Settings, tasks: Tasks, owner: Owner | None = None
+        self,
+        database: Database,
+        queue: Queue,
+        settings: Settings,
+        tasks: Tasks,
+        owner: Owner | None = None,
+        *,
+        able: Able | None = None,
+        stopping: Stopping | None = None,
     ) -> None:
         self._database, self._queue, self._settings, self._tasks = database, queue, settings, tasks
+        self._able, self._stopping = able, stopping or Stopping()
         self._give_ups = {kind: task.give_up for kind, task in tasks.items()}
         self._owner = owner or owner_of(os.getpid())
         self._heartbeat = Heartbeat(database, queue, settings, self._give_ups)
 
     def step(self) -> bool:
         """Does one job; False when none waits."""
-        begun = self._write(self._begin)
+        return self._step(self._tasks.keys(), lambda: None)
+
+    def _step(self, kinds: Collection[str], keep: Callable[[], None]) -> bool:
+        """`keep` is called as the job begins, and again as long as it is being done."""
+        begun = self._write(lambda db: self._begin(db, kinds))
         if begun is None:
             return False
+        keep()
         lease, work = begun
         if work is not None:
             with logs.on_behalf(str(lease.payload.get(REQUEST, ""))):
-                self._do(lease, work)
+                self._do(lease, work, keep)
         return True
 
-    def _begin(self, db: Session) -> tuple[Lease, Any] | None:
-        lease = self._queue.claim(db, self._owner, self._tasks.keys(), self._settings.lease_seconds)
+    def _begin(self, db: Session, kinds: Collection[str]) -> tuple[Lease, Any] | None:
+        lease = self._queue.claim(db, self._owner, kinds, self._settings.lease_seconds, self._able)
         if lease is None:
             return None
         work = self._read(db, lease)
@@ -129,10 +150,11 @@ class Worker:
             self._queue.fail(db, lease, self._give_ups)
             return None
 
-    def _do(self, lease: Lease, work: Any) -> None:
-        self._heartbeat.hold(lease)
+    def _do(self, lease: Lease, work: Any, keep: Callable[[], None]) -> None:
+        self._heartbeat.hold(lease, keep)
         try:
-            result = self._tasks[lease.kind].run(work)
+            with self._stopping.open():
+                result = self._tasks[lease.kind].run(work)
             self._write(lambda db: self._record(db, lease, work, result))
             seconds = (utc_now() - lease.started_at).total_seconds()
             logs.tell("job done", kind=lease.kind, key=lease.key, tries=lease.tries, seconds=round(seconds, 4))
@@ -144,7 +166,7 @@ class Worker:
             log.exception("job %s %s has failed, try %d", lease.kind, lease.key, lease.tries)
             self._write(lambda db: self._queue.fail(db, lease, self._give_ups))
         finally:
-            self._heartbeat.hold(None)
+            self._heartbeat.leave()
 
     def _record(self, db: Session, lease: Lease, work: Any, result: Any) -> None:
         if self._queue.finish(db, lease):
@@ -162,14 +184,53 @@ class Worker:
                 if not is_locked(error):
                     raise
                 log.warning("the database is locked, trying again in %g s", pause)
-            time.sleep(pause)
+            with self._stopping.open():
+                time.sleep(pause)
         raise AssertionError("pauses have no end")
 
     def run(self, work: WorkSource) -> None:
         """Until `work` says that it is over, or Stop is raised."""
-        with self._heartbeat:
+        with self._heartbeat, self._stopping.held():
             going = True
             while going:
                 while self.step():
-                    pass
-                going = work.wait(self._settings.poll_seconds)
+                    self._stopping.check()
+                with self._stopping.open():
+                    going = work.wait(self._settings.poll_seconds)
+
+    def run_on(self, tickets: Tickets) -> None:
+        """Until Stop is raised. A database that does not answer is asked again later."""
+        with self._heartbeat, self._stopping.held():
+            while True:
+                with self._stopping.open():
+                    tickets.wait(self._settings.poll_seconds)
+                ticket = tickets.take()
+                if ticket is not None:
+                    self._use_or_wait(ticket)
+
+    def _use_or_wait(self, ticket: Ticket) -> None:
+        try:
+            self._use(ticket)
+        except (OperationalError, InterfaceError):
+            log.exception("the database does not answer, trying again in %g s", DATABASE_PAUSE)
+            with self._stopping.open():
+                time.sleep(DATABASE_PAUSE)
+
+    def _use(self, ticket: Ticket) -> None:
+        """A ticket is over with its job, whatever comes of it: a job that waits again has a new one."""
+        over = False
+        try:
+            if ticket.again:
+                self._write(lambda db: self._queue.recover(db, self._owner, self._give_ups))
+            used = self._step(ticket.kinds, ticket.keep)
+            over = used or not self._refuses(ticket.kinds)
+            if over:
+                ticket.spend(used=used)
+        finally:
+            if not over:
+                ticket.give_back(later=not self._stopping.told.is_set())
+
+    def _refuses(self, kinds: Collection[str]) -> bool:
+        """Whether what waits is for other workers."""
+        able = self._able
+        return able is not None and self._write(lambda db: self._queue.refuse(db, kinds, able))

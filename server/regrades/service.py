@@ -39,6 +39,7 @@ from server.regrades.models import Policy, Regrade, Scope
 from server.regrades.preview import Marked, Marker, best, changes
 from server.regrades.schemas import Advance, Change, Copy, Outdated, Preview, State, Told, Wanted
 from server.regrades.why import FAILED, Reason, reasons
+from server.submissions.service import needs_of
 
 #: The kind of the job that grades the next attempt of a regrade; its key is the regrade's id.
 REGRADE = "regrade"
@@ -78,7 +79,8 @@ class Regrades:
         db.add(made)
         db.flush()
         repository.add_items(db, made.id, rows)
-        put(db, self.queue, made.id, made.class_id)
+        needs = needs_of(made.exercise, self.course.version_of(made.exercise))
+        put(db, self.queue, made.id, made.class_id, needs)
         return made
 
     def exercises(self, school_class: SchoolClass) -> Mapping[str, str]:
@@ -92,10 +94,10 @@ class Regrades:
         return repository.outdated(db, school_class.id, versions)
 
 
-def put(db: Session, queue: Queue, regrade_id: UUID, class_id: UUID) -> None:
-    """Has the next attempt graded, in the class's turn."""
+def put(db: Session, queue: Queue, regrade_id: UUID, class_id: UUID, needs: str | None) -> None:
+    """Has the next attempt graded, in the class's turn, by a worker that `needs` fits (see `needs_of`)."""
     whose = f"class {class_id}"
-    queue.put(db, REGRADE, str(regrade_id), sender=Sender(whose, line=whose, rank=REGRADE_RANK))
+    queue.put(db, REGRADE, str(regrade_id), sender=Sender(whose, line=whose, rank=REGRADE_RANK), needs=needs)
 
 
 def _made(db: Session, school_class: SchoolClass, by: UUID, wanted: Wanted) -> Regrade:
@@ -224,8 +226,10 @@ def changes_of(db: Session, regrade: Regrade, copies: Sequence[Copy]) -> Sequenc
     return changes(Policy(regrade.policy), copies, _marker(db, regrade))
 
 
-def record(db: Session, queue: Queue, regrade_id: UUID, item_id: UUID, graded: Graded) -> None:
-    """Keeps a new grading, which does not count yet, and has the next attempt graded.
+def record(
+    db: Session, queue: Queue, regrade_id: UUID, item_id: UUID, graded: Graded, needs: str | None = None
+) -> None:
+    """Keeps a new grading, which does not count yet, and has the next attempt graded, by a worker of the same version.
 
     Nothing is kept of an attempt that has gone with its author.
     """
@@ -238,7 +242,7 @@ def record(db: Session, queue: Queue, regrade_id: UUID, item_id: UUID, graded: G
         repository.set_graded(db, item_id, grading, why)
     following = repository.next_item(db, regrade_id)
     if following is not None:
-        put(db, queue, following[0].regrade_id, following[2])
+        put(db, queue, following[0].regrade_id, following[2], needs)
 
 
 def stop(db: Session, regrade_id: UUID) -> None:

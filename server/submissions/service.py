@@ -43,6 +43,10 @@ FULL = {
 }
 FULL_FOR_GUESTS = " Ceux qui ont un compte passent avant les invités, et les classes avant tous."
 FULL_SECONDS = 10
+OUTDATED = (
+    "En attente : cet exercice vient de changer, et les correcteurs de cette version ne sont pas encore là. Votre "
+    "envoi est gardé, et sera corrigé dans quelques minutes au plus tard."
+)
 UNATTENDED = (
     "En attente : plus rien n’est corrigé depuis un moment. Votre envoi est gardé, et sera corrigé dès que la "
     "correction reprendra. Si cela dure, prévenez votre enseignant."
@@ -53,19 +57,33 @@ UNATTENDED = (
 class Place:
     """Where a submission is on its way; `position` is 1 for the next to be graded, None once it no longer waits.
 
-    Newcomers may come before it, so that its position may go up. `unattended`: nobody grades at present.
+    Newcomers may come before it, so that its position may go up. `unattended`: nobody grades at present. `outdated`:
+    those who do have another version of the exercise.
     """
 
     state: State
     position: int | None = None
     unattended: bool = False
+    outdated: bool = False
+
+    @property
+    def notice(self) -> str | None:
+        """What to say of it besides its place."""
+        return OUTDATED if self.outdated else UNATTENDED if self.unattended else None
 
 
 class Submissions:
     """Takes submissions in, within the settings' limits, and has them graded."""
 
-    def __init__(self, settings: Settings, queue: Queue, unattended: Callable[[], bool] = lambda: False) -> None:
-        self._settings, self._queue, self._unattended = settings, queue, unattended
+    def __init__(
+        self,
+        settings: Settings,
+        queue: Queue,
+        unattended: Callable[[], bool] = lambda: False,
+        version_of: Callable[[str], str] | None = None,
+    ) -> None:
+        """`version_of` the exercises, as they are shown here: a submission is for graders of the same."""
+        self._settings, self._queue, self._unattended, self._version_of = settings, queue, unattended, version_of
 
     def submit(self, db: Session, account: Account, exercise_id: str, code: str, *, address: str) -> Submission:
         """Stores the submission and queues it. Raises TooLarge, TooMany, NotNow or Invalid, in French."""
@@ -133,7 +151,8 @@ class Submissions:
         db.flush()
         classes.note_seen(db, account.id)
         sender = sender_of(account, address, member=classes.is_member(db, account.id))
-        self._queue.put(db, GRADE, key_of(submission.id), sender=sender, most=most)
+        needs = None if self._version_of is None else needs_of(exercise_id, self._version_of(exercise_id))
+        self._queue.put(db, GRADE, key_of(submission.id), sender=sender, most=most, needs=needs)
         return submission
 
     def requeue(self, db: Session, submission: Submission, account: Account) -> bool:
@@ -147,13 +166,21 @@ class Submissions:
     def place(self, db: Session, submission: Submission) -> Place:
         if submission.grading_id is not None:
             return Place(State.done)
-        position = self._queue.position(db, GRADE, key_of(submission.id))
-        return Place(State.running) if position == 0 else Place(State.queued, position, self._unattended())
+        found = self._queue.whereabouts(db, GRADE, key_of(submission.id))
+        if found is not None and found.position == 0:
+            return Place(State.running)
+        position, refused = (None, False) if found is None else (found.position, found.refused)
+        return Place(State.queued, position, self._unattended(), refused)
 
 
 def _full(error: HeapError, account: Account, most: Most) -> str:
     hint = FULL_FOR_GUESTS if error.whose == "address" and account.is_guest else ""
     return FULL[error.whose].format(each=most.each) + hint
+
+
+def needs_of(exercise_id: str, version: str) -> str:
+    """What a worker must have to grade it: that exercise, in that version."""
+    return f"{exercise_id}@{version}"
 
 
 def key_of(submission_id: UUID) -> str:

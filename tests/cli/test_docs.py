@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,10 +17,12 @@ from server.cli import main
 from server.cli.admin import ACTIONS
 from server.health.metrics import COUNTED
 from server.sandbox import WallReport, WallStatus
+from tests.support.cluster import Machine, nats_server
 from tests.support.service import Site
 
 DOCS = ROOT / "server" / "docs"
 PAGES = sorted(DOCS.glob("*.md"))
+MACHINES = "plusieurs_machines.md"
 TOKEN = "un jeton de mesures"
 BLOCK = re.compile(r"^```sh\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 SETTING = re.compile(r"(BALISE_\w+)=(\S+) (.*)")
@@ -30,7 +33,18 @@ def commands(page: Path) -> list[str]:
 
 
 @pytest.fixture
-def machine(site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], int]:
+def others(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """For the page that is about them: what several machines share, with a service that has begun."""
+    if "--cluster" not in request.getfixturevalue("page").read_text(encoding="utf-8"):
+        return
+    shared = request.getfixturevalue("shared_settings")
+    request.getfixturevalue("machines").append(Machine(shared).start().up())
+    monkeypatch.setenv("BALISE_DATABASE_URL", shared.database_url)
+    monkeypatch.setenv("BALISE_NATS_URL", shared.nats_url)
+
+
+@pytest.fixture
+def machine(site: Site, tmp_path: Path, others: None, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], int]:
     """Runs one line as a shell would, on a machine with a database, of which the walls stand; nothing is served."""
     site.tighten(metrics_token=TOKEN)
     monkeypatch.chdir(tmp_path)
@@ -38,6 +52,11 @@ def machine(site: Site, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Call
     walls = [WallReport("seccomp", WallStatus.STANDING, "refusé", required=True)]
     monkeypatch.setattr("server.cli.doctor.probe", lambda **_: walls)
     monkeypatch.setattr("server.cli.serve.serve", served)
+    monkeypatch.setattr("server.cli.worker.run_worker", worked)
+    monkeypatch.setattr("server.cli.worker.start_probing", lambda: None)
+    monkeypatch.setattr("server.cli.worker.require_safe_sandbox", lambda _: None)
+    monkeypatch.setattr("server.cli.worker.logs.start", lambda *_: None)
+    monkeypatch.setattr("server.cli.worker.stop_on_signals", lambda **_: None)
 
     def run(line: str) -> int:
         setting = SETTING.fullmatch(line)
@@ -62,6 +81,10 @@ def served(_settings: Settings, host: str, port: int, *_more: Any) -> int:
     return 0
 
 
+def worked(settings: Settings, *_more: Any) -> None:
+    assert settings.nats_url
+
+
 @pytest.mark.parametrize("page", [page for page in PAGES if commands(page)], ids=lambda page: page.stem)
 def test_what_a_page_says_to_run_works(page: Path, machine: Callable[[str], int], capsys: Any) -> None:
     for line in commands(page):
@@ -74,6 +97,14 @@ def test_the_pages_tell_every_action_of_an_administrator_and_every_metric() -> N
     assert {words[1] for words in said if words[0] == "balise"} >= {"serve", "doctor", "backup", "restore", "admin"}
     watching = (DOCS / "surveiller.md").read_text(encoding="utf-8")
     assert all(f"`{name}_total`" in watching for name, _, _ in COUNTED)
+
+
+def test_the_configuration_of_nats_is_one(tmp_path: Path) -> None:
+    (written,) = re.findall(r"```text\n(# nats.conf\n.*?)```", (DOCS / MACHINES).read_text(encoding="utf-8"), re.DOTALL)
+    path = tmp_path / "nats.conf"
+    path.write_text(written)
+    done = subprocess.run([nats_server(), "-c", str(path), "-t"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 def test_the_pages_name_each_other_and_real_settings() -> None:

@@ -27,17 +27,21 @@ from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
 from server.gradebook.models import Grading
+from server.gradebook.schemas import Graded
 from server.grading import joint as grading
 from server.grading.joint import Grader, SandboxPrograms
-from server.grading.task import SentFile, give_ups
+from server.grading.task import GradingTask, SentFile, give_ups
 from server.identity.models import Account
 from server.queue.models import Job
 from server.queue.owner import owner_of
+from server.queue.polling import Polling
 from server.queue.port import Lease, Sender
-from server.queue.worker import Heartbeat, Stop, Worker, _pauses
+from server.queue.stopping import Stop, Stopping
+from server.queue.worker import Heartbeat, Worker, _pauses
 from server.sandbox import FaultKind, Sandbox, SandboxFault
 from server.submissions.models import Submission
 from server.submissions.service import GRADE, Submissions
+from tests.support.quick import the_course
 from tests.support.service import ADDRESS, EXERCISE, QUIET, fake_grade, new_account, worker_of
 
 Row = TypeVar("Row")
@@ -81,6 +85,48 @@ def test_a_worker_told_to_stop_gives_its_work_back(database: Database, ada: Acco
         worker_of(database, both, stopped).step()
     job = only(database, Job)
     assert (job.lease_token, job.tries) == (None, 0)
+
+
+def test_a_worker_told_to_stop_as_it_claims_gives_its_work_back_too(
+    database: Database, ada: Account, both: Settings
+) -> None:
+    """A transaction is not cut: what it has claimed would wait for the end of the lease."""
+    stopping, graded = Stopping(), list[SentFile]()
+
+    class Claiming(GradingTask):
+        def read(self, db: Session, lease: Lease) -> SentFile | None:
+            stopping.tell()
+            return super().read(db, lease)
+
+    def grade(sent: SentFile) -> Judgement:
+        graded.append(sent)
+        return fake_grade(sent)
+
+    submitted(database, both, ada)
+    worker = Worker(database, QUIET, both, {GRADE: Claiming(the_course(), grade)}, stopping=stopping)
+    with pytest.raises(Stop):
+        worker.run(Polling())
+    job = only(database, Job)
+    assert (job.lease_token, job.tries, graded) == (None, 0, [])
+
+
+def test_a_worker_told_to_stop_as_it_records_ends_what_it_has_done(
+    database: Database, ada: Account, both: Settings
+) -> None:
+    stopping = Stopping()
+
+    class Recording(GradingTask):
+        def record(self, db: Session, work: SentFile, result: Graded) -> None:
+            stopping.tell()
+            super().record(db, work, result)
+
+    submitted(database, both, ada)
+    submitted(database, both, ada)
+    worker = Worker(database, QUIET, both, {GRADE: Recording(the_course(), fake_grade)}, stopping=stopping)
+    with pytest.raises(Stop):
+        worker.run(Polling())
+    assert only(database, Grading).outcome == Outcome.OK
+    assert only(database, Job).lease_token is None
 
 
 def test_what_fails_is_tried_again_then_given_up_as_our_error(

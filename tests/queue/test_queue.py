@@ -23,7 +23,7 @@ from server.grading.task import give_ups
 from server.identity.models import Account
 from server.queue.models import Job
 from server.queue.owner import is_dead, owner_of, parse
-from server.queue.port import Lease, Sender
+from server.queue.port import Call, Lease, Sender
 from server.queue.service import MAX_TRIES, TableQueue
 from server.submissions.models import State
 from server.submissions.service import GRADE, Place, Submissions
@@ -38,10 +38,11 @@ class Told:
     """What the queue signals."""
 
     def __init__(self) -> None:
-        self.queue, self.news = TableQueue(self), list[str]()
+        self.queue, self.news, self.calls = TableQueue(self), list[str](), list[Call]()
 
-    def queued(self, db: Session) -> None:
+    def queued(self, db: Session, call: Call, /) -> None:
         self.news.append("queued")
+        self.calls.append(call)
 
     def changed(self, db: Session, key: str) -> None:
         self.news.append(key)

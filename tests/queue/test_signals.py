@@ -1,31 +1,21 @@
-"""Wake-ups: the switchboard, its channel, PostgreSQL's notifications, and events for those who watch."""
+"""Wake-ups: the switchboard, its channel, and events for those who watch."""
 
 from __future__ import annotations
 
 import asyncio
 import socket
-import threading
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Callable
 from dataclasses import dataclass
-from queue import Queue
 from typing import Any
 
 import pytest
 
-from server.base.settings import Settings
-from server.database import Database
-from server.identity.models import Account
 from server.queue.channel import Channel
 from server.queue.polling import Polling
-from server.queue.postgres import Listener, PostgresSignals, PostgresSource
-from server.queue.service import TableQueue
 from server.queue.switchboard import Switchboard
-from server.queue.worker import Worker
 from server.submissions import events as events_module
 from server.submissions.events import Events, as_sse
-from server.submissions.service import Submissions, key_of
 from tests.support.quick import in_a_loop
-from tests.support.service import ADDRESS, EXERCISE, opened, worker_of
 
 
 class Wire:
@@ -213,35 +203,3 @@ def test_an_event_of_several_lines_stays_one_event() -> None:
         return [text async for text in as_sse(one(), lambda _: "a\nb", name="x")]
 
     assert in_a_loop(main()) == ["event: x\ndata: a\ndata: b\n\n"]
-
-
-@pytest.fixture
-def far(settings: Settings, postgres_url: str) -> Iterator[Settings]:
-    far = settings.model_copy(update={"database_url": postgres_url})
-    for _ in opened(far):
-        yield far
-
-
-def test_postgresql_tells_other_machines(far: Settings) -> None:
-    told: Queue[str] = Queue()
-    listener = Listener(far.url, lambda: told.put("queued"), told.put)
-    listener.start()
-    assert listener.listening.wait(20)
-    remote, queue = Database(far.url), TableQueue(PostgresSignals())
-    account = Account(name="Ada")
-    with remote.write() as db:
-        db.add(account)
-    working = threading.Thread(target=work_once, args=(worker_of(remote, far, queue=queue), PostgresSource(far.url)))
-    working.start()
-    with remote.write() as db:
-        name = key_of(Submissions(far, queue).submit(db, account, EXERCISE, "pass", address=ADDRESS).id)
-    assert told.get(timeout=20) == "queued"
-    assert {told.get(timeout=20), told.get(timeout=20)} == {name}, "it began, then it was done"
-    working.join()
-    listener.stop()
-    remote.close()
-
-
-def work_once(worker: Worker, source: PostgresSource) -> None:
-    while not worker.step():
-        source.wait(20)

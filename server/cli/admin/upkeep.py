@@ -12,7 +12,6 @@ from server.gradebook import requeuing
 from server.gradebook import service as gradebook
 from server.personal.service import PURGED_AT_ONCE, Personal
 from server.queue.port import NoSignals
-from server.queue.postgres import PostgresSignals
 from server.queue.service import TableQueue
 from server.submissions.service import Submissions
 from server.web.words import plural
@@ -55,8 +54,8 @@ def purge_guests(database: Database, settings: Settings, arguments: Namespace) -
 
 
 def requeue(database: Database, settings: Settings, arguments: Namespace) -> Answer:
-    on_postgres = settings.url.startswith("postgresql")
-    submissions = Submissions(settings, TableQueue(PostgresSignals() if on_postgres else NoSignals()))
+    # Nobody is told: an idle worker finds it within a second, and where NATS carries the work the server calls for it.
+    submissions = Submissions(settings, TableQueue(NoSignals()))
     found = requeuing.requeue(database, submissions, failed=arguments.failed, names=arguments.submissions)
     line = f"{plural(len(found), 'essai remis', 'essais remis')} dans la file de correction."
     return Answer([*(f"  {name}" for name in found), line], {"requeued": found})

@@ -1,0 +1,10 @@
+"""The kinds of jobs that workers do, and which of them somebody waits for."""
+
+from collections.abc import Mapping
+
+from server.behaviour.fingerprints import FINGERPRINT
+from server.queue.port import BACKGROUND, INTERACTIVE
+from server.regrades.service import REGRADE
+from server.submissions.service import GRADE
+
+LANES: Mapping[str, str] = {GRADE: INTERACTIVE, REGRADE: BACKGROUND, FINGERPRINT: BACKGROUND}

@@ -1,0 +1,185 @@
+"""What several machines share, looked at from one of them: database, NATS, clocks, and whether the work is taken.
+
+It changes nothing: the services make what is missing when they start.
+"""
+
+import statistics
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import closing
+from dataclasses import dataclass
+from enum import Enum
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from server.base.settings import Settings
+from server.database import Database, utc_now
+from server.database.migrate import WrongSchema, require_current
+from server.health import repository
+from server.queue import repository as jobs
+from server.queue.jetstream.connection import Connection, DownError
+from server.queue.jetstream.layout import STREAM, layout
+
+ROUNDS = 20
+#: Milliseconds of one question: slower than this, every verdict waits for it several times.
+SLOW_DATABASE, SLOW_NATS = 10.0, 5.0
+#: Seconds between two clocks.
+ODD_CLOCK, WRONG_CLOCK = 1.0, 5.0
+CONNECT_SECONDS, ANSWER_SECONDS = 8.0, 5.0
+
+
+class Level(Enum):
+    good, doubtful, bad = range(3)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What was looked at, how it is, and what to do where it is not well; in French."""
+
+    level: Level
+    about: str
+    told: str
+    mend: str = ""
+
+
+def examine(settings: Settings, lanes: Mapping[str, str]) -> Iterator[Finding]:
+    """`lanes` as the engine's: see `server.queue.jetstream.layout`."""
+    found = list(_database(settings))
+    yield from found
+    if not settings.nats_url:
+        yield Finding(Level.bad, "NATS", "aucun serveur n’est réglé", "réglez BALISE_NATS_URL, ici et partout ailleurs")
+        return
+    with Connection(settings, layout(settings, lanes), only_look=True) as connection:
+        if not connection.wait_tried(CONNECT_SECONDS):
+            mend = "vérifiez BALISE_NATS_URL, le jeton ou la clé, les certificats, et que nats-server tourne"
+            yield Finding(Level.bad, "NATS", f"injoignable : {connection.trouble or 'pas de réponse'}", mend)
+            return
+        yield from _nats(connection)
+        if all(one.level is not Level.bad for one in found):
+            yield from _work(settings, connection)
+
+
+def _database(settings: Settings) -> Iterator[Finding]:
+    about = "base de données"
+    if not settings.on_postgres:
+        yield Finding(
+            Level.bad,
+            about,
+            "SQLite, un fichier de cette machine",
+            "réglez BALISE_DATABASE_URL vers une base PostgreSQL, la même partout",
+        )
+        return
+    with closing(Database(settings.url)) as database:
+        try:
+            yield _speed(about, "joignable", _database_rounds(database), SLOW_DATABASE)
+            yield _secrecy(database)
+            yield _clock(database)
+        except SQLAlchemyError as error:
+            why = str(getattr(error, "orig", None) or error).splitlines()[0]
+            yield Finding(Level.bad, about, f"injoignable : {why}", "vérifiez BALISE_DATABASE_URL")
+            return
+        try:
+            require_current(database.engine)
+            yield Finding(Level.good, "schéma", "celui de cette version de Balise")
+        except WrongSchema as wrong:
+            yield Finding(Level.bad, "schéma", str(wrong), "même version de Balise partout ; « balise serve » migre")
+
+
+def _database_rounds(database: Database) -> Iterator[float]:
+    with database.read() as db:
+        for _ in range(ROUNDS):
+            begun = time.perf_counter()
+            repository.answers(db)
+            yield time.perf_counter() - begun
+
+
+def _speed(about: str, told: str, rounds: Iterator[float], slow: float) -> Finding:
+    taken = 1000.0 * statistics.median(rounds)
+    if taken <= slow:
+        return Finding(Level.good, about, f"{told}, répond en {_french(taken)} ms")
+    mend = f"plus de {_french(slow)} ms : rapprochez les machines, ou allégez celle qui répond"
+    return Finding(Level.doubtful, about, f"{told}, mais lente : {_french(taken)} ms", mend)
+
+
+def _french(number: float) -> str:
+    return f"{number:.2f}".replace(".", ",")
+
+
+def _secrecy(database: Database) -> Finding:
+    with database.read() as db:
+        coded = repository.is_encrypted(db)
+    told = "chiffrée (TLS)" if coded else "en clair"
+    mend = "" if coded else "sur un réseau partagé, ajoutez ?sslmode=verify-full à BALISE_DATABASE_URL"
+    return Finding(Level.good, "connexion à la base", told, mend)
+
+
+def _clock(database: Database) -> Finding:
+    """The database's clock ends leases; those of the machines date what is sent."""
+    with database.read() as db:
+        jobs.clock(db)
+        before = utc_now()
+        there = jobs.clock(db)
+        apart = abs((there - before - (utc_now() - before) / 2).total_seconds())
+    if apart < ODD_CLOCK:
+        return Finding(
+            Level.good, "horloges", f"celle d’ici et celle de la base diffèrent de {_french(1000 * apart)} ms"
+        )
+    level = Level.bad if apart >= WRONG_CLOCK else Level.doubtful
+    mend = "mettez toutes les machines à l’heure (chrony, systemd-timesyncd)"
+    return Finding(level, "horloges", f"{_french(apart)} s entre celle d’ici et celle de la base", mend)
+
+
+def _nats(connection: Connection) -> Iterator[Finding]:
+    def asked() -> list[float]:
+        async def rounds() -> list[float]:
+            taken = []
+            for _ in range(ROUNDS):
+                begun = time.perf_counter()
+                await connection.client.flush()
+                taken.append(time.perf_counter() - begun)
+            return taken
+
+        return connection.ask(rounds, ANSWER_SECONDS)
+
+    try:
+        yield _speed("NATS", f"joignable (version {connection.version})", iter(asked()), SLOW_NATS)
+        yield from _stream(connection)
+    except DownError as down:
+        yield Finding(Level.bad, "JetStream", f"ne répond pas : {down}", "activez JetStream dans nats-server (« -js »)")
+
+
+def _stream(connection: Connection) -> Iterator[Finding]:
+    connection.ask(connection.context.account_info, ANSWER_SECONDS)
+    yield Finding(Level.good, "JetStream", "activé")
+    amiss = connection.ask(lambda: connection.layout.amiss(connection.context), ANSWER_SECONDS)
+    for told in amiss:
+        yield Finding(Level.bad, "flux", told, "redémarrez « balise serve », qui le met en place")
+    if amiss:
+        return
+    info = connection.ask(lambda: connection.context.stream_info(STREAM), ANSWER_SECONDS)
+    yield Finding(Level.good, "flux", f"« {STREAM} » et ses consommateurs sont en place, {info.state.messages} tickets")
+    replicas = (info.cluster.replicas or []) if info.cluster else []
+    lagging = [one.name for one in replicas if one.offline or not one.current]
+    if lagging:
+        told = f"copies en retard ou absentes : {', '.join(map(str, lagging))}"
+        yield Finding(Level.doubtful, "flux", told, "regardez les nœuds de NATS nommés")
+
+
+def _work(settings: Settings, connection: Connection) -> Iterator[Finding]:
+    desk = connection.layout.desks[0]
+    with closing(Database(settings.url)) as database, database.read() as db:
+        refused, begun, waiting = jobs.refused(db), jobs.begun(db), jobs.waiting(db)
+    for needs, count in refused.items():
+        told = f"{count} travaux attendent un correcteur de {needs.replace('@', ', version ')}"
+        mend = f"démarrez-en un de cette version ; au bout de {settings.version_seconds:g} s, n’importe lequel le prend"
+        yield Finding(Level.doubtful, "versions", told, mend)
+    try:
+        idle = connection.ask(lambda: connection.context.consumer_info(STREAM, desk.consumer), ANSWER_SECONDS)
+    except DownError:
+        return  # told above
+    free = idle.num_waiting or 0
+    told = f"{free} libres, {begun} travaux en cours, {waiting} en attente"
+    if free or begun:
+        yield Finding(Level.good, "correcteurs", told)
+    else:
+        yield Finding(Level.doubtful, "correcteurs", f"aucun : {told}", "démarrez « balise worker », ou BALISE_WORKERS")

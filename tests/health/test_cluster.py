@@ -1,0 +1,89 @@
+"""`balise doctor --cluster`: what it says of machines that share a database and a NATS server, and how it ends."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from server.base.settings import Settings
+from server.cli import main
+from server.health import cluster
+from server.queue.port import Able
+from server.submissions.service import GRADE
+from tests.support.cluster import Hand, Machine, until
+
+NOWHERE = "nats://127.0.0.1:1"
+
+
+@pytest.fixture
+def environment(shared_settings: Settings, monkeypatch: pytest.MonkeyPatch) -> Settings:
+    monkeypatch.setenv("BALISE_DATA_DIR", str(shared_settings.data_dir))
+    monkeypatch.setenv("BALISE_DATABASE_URL", str(shared_settings.database_url))
+    monkeypatch.setenv("BALISE_NATS_URL", shared_settings.nats_url)
+    monkeypatch.setattr(cluster, "SLOW_DATABASE", 1e6)  # how fast this machine is proves nothing
+    monkeypatch.setattr(cluster, "SLOW_NATS", 1e6)
+    return shared_settings
+
+
+def told(capsys: Any) -> tuple[int, str]:
+    status = main(["doctor", "--cluster"])
+    return status, capsys.readouterr().out
+
+
+def test_what_stands_is_told_line_by_line(environment: Settings, machines: list[Machine], capsys: Any) -> None:
+    machine = Machine(environment).start().up()
+    machines.append(machine)
+    hand = Hand(machine).start()
+    until(lambda: "✓ correcteurs" in told(capsys)[1], "a worker is free")
+    status, text = told(capsys)
+    hand.stop()
+    assert status == 0, text
+    for line in ("base de données", "schéma", "horloges", "NATS", "JetStream", "flux"):
+        assert f"✓ {line} : " in text, text
+    assert "✗" not in text
+    status, text = told(capsys)
+    assert status == 0, "a worker may come later"
+
+
+def test_what_waits_for_another_version_is_told(environment: Settings, machines: list[Machine], capsys: Any) -> None:
+    machine = Machine(environment).start().up()
+    machines.append(machine)
+    with machine.database.write() as db:
+        machine.queue.put(db, GRADE, "a", needs="l20/poses@abc")
+        assert machine.queue.refuse(db, [GRADE], Able([], 60.0))
+    status, text = told(capsys)
+    assert status == 0
+    assert "! versions : 1 travaux attendent un correcteur de l20/poses, version abc" in text
+
+
+@pytest.mark.parametrize(
+    ("changed", "line"),
+    [
+        ({"BALISE_NATS_URL": NOWHERE}, "✗ NATS : injoignable"),
+        ({"BALISE_NATS_URL": ""}, "✗ NATS : aucun serveur"),
+        ({"BALISE_NATS_URL": "", "BALISE_DATABASE_URL": "sqlite:///x.db"}, "✗ base de données : SQLite"),
+        ({"BALISE_NATS_URL": "", "BALISE_DATABASE_URL": "postgresql://x@127.0.0.1:1/x"}, "✗ base de données : injoig"),
+    ],
+)
+def test_what_is_amiss_is_told_and_is_its_exit_status(
+    environment: Settings, monkeypatch: pytest.MonkeyPatch, capsys: Any, changed: dict[str, str], line: str
+) -> None:
+    for name, value in changed.items():
+        monkeypatch.setenv(name, value)
+    status, text = told(capsys)
+    assert (status, line in text, "remède" in text) == (1, True, True), text
+
+
+def test_a_stream_that_is_not_there_is_told_and_not_made(environment: Settings, capsys: Any) -> None:
+    for _ in range(2):
+        status, text = told(capsys)
+        assert (status, "✗ flux : le flux « work » n’existe pas" in text) == (1, True), text
+
+
+def test_nats_without_a_shared_database_is_refused(
+    environment: Settings, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    monkeypatch.delenv("BALISE_DATABASE_URL")
+    assert main(["worker"]) == 2
+    assert "réglez aussi BALISE_DATABASE_URL" in capsys.readouterr().err

@@ -1,0 +1,138 @@
+"""Who enters NATS and how: token, nkey, TLS; what is wrong of them is told, and no secret goes over a wire in clear."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+import subprocess
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import nkeys
+import pytest
+from sqlalchemy import make_url
+
+from server.base.settings import Settings
+from server.database.engine import make_engine
+from server.grading.kinds import LANES
+from server.queue.jetstream.access import UnfitError, options
+from server.queue.jetstream.connection import Connection
+from server.queue.jetstream.layout import layout
+from tests.support.cluster import PATIENCE, Nats
+
+SEED = nkeys.encode_seed(bytes(range(32)), nkeys.PREFIX_BYTE_USER)
+PUBLIC = nkeys.from_seed(bytearray(SEED)).public_key.decode()
+TOKEN = "un secret"
+
+
+def certificates(folder: Path) -> None:
+    """`ca.pem` vouches for the server at 127.0.0.1 and for a client; `other.pem` for nobody here."""
+    if shutil.which("openssl") is None:
+        pytest.skip("no certificates: openssl is not installed")
+    kind = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"]
+    made = ["openssl", "req", "-x509", *kind, "-days", "2", "-subj", "/CN=x"]
+    for name in ("ca", "other"):
+        subprocess.run([*made, "-keyout", f"{name}.key", "-out", f"{name}.pem"], cwd=folder, check=True, **QUIET)
+    for name in ("server", "client"):
+        of = [*made, "-keyout", f"{name}.key", "-out", f"{name}.pem", "-CA", "ca.pem", "-CAkey", "ca.key"]
+        extra = ["-addext", "subjectAltName=IP:127.0.0.1", "-addext", "basicConstraints=critical,CA:FALSE"]
+        subprocess.run([*of, *extra], cwd=folder, check=True, **QUIET)
+
+
+QUIET = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+
+
+@pytest.fixture(scope="module")
+def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Nats]:
+    """It wants a certificate of its authority, and a nkey."""
+    folder = tmp_path_factory.mktemp("guarded")
+    certificates(folder)
+    (folder / "seed").write_bytes(SEED)
+    (folder / "wrong_seed").write_bytes(nkeys.encode_seed(os.urandom(32), nkeys.PREFIX_BYTE_USER))
+    tls = f'tls {{ cert_file: "{folder}/server.pem", key_file: "{folder}/server.key", ca_file: "{folder}/ca.pem"'
+    server = Nats(folder, f"{tls}, verify: true }}", f"  A: {{ jetstream: enabled, users: [{{ nkey: {PUBLIC} }}] }}")
+    server.start()
+    yield server
+    server.stop()
+
+
+@pytest.fixture(scope="module")
+def by_token(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Nats]:
+    server = Nats(tmp_path_factory.mktemp("token"), f'authorization {{ token: "{TOKEN}" }}', "")
+    server.start()
+    yield server
+    server.stop()
+
+
+def enters(settings: Settings, **changed: object) -> str:
+    """Nothing, or why not."""
+    settings = settings.model_copy(update=changed)
+    with Connection(settings, layout(settings, LANES)) as connection:
+        return "" if connection.wait_tried(PATIENCE) else connection.trouble
+
+
+def test_a_nkey_and_a_certificate_open_what_asks_for_them(settings: Settings, guarded: Nats) -> None:
+    folder = guarded.config.parent
+    good = {
+        "nats_url": f"tls://127.0.0.1:{guarded.port}",
+        "nats_nkey_file": folder / "seed",
+        "nats_tls_ca": folder / "ca.pem",
+        "nats_tls_cert": folder / "client.pem",
+        "nats_tls_key": folder / "client.key",
+    }
+    assert enters(settings, **good) == ""
+    assert "Authorization" in enters(settings, **{**good, "nats_nkey_file": folder / "wrong_seed"})
+    assert "certificate verify failed" in enters(settings, **{**good, "nats_tls_ca": folder / "other.pem"})
+    assert enters(settings, **{**good, "nats_tls_cert": None}) != ""
+
+
+def test_a_token_opens_what_asks_for_it(settings: Settings, by_token: Nats) -> None:
+    url = f"nats://127.0.0.1:{by_token.port}"
+    assert enters(settings, nats_url=url, nats_token=TOKEN) == ""
+    assert "Authorization" in enters(settings, nats_url=url, nats_token="au hasard")
+
+
+def test_no_token_is_sent_in_clear_where_tls_is_asked_for(settings: Settings) -> None:
+    """To a server that says it has no TLS, as one in between would."""
+    heard = bytearray()
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        answering = threading.Thread(target=pretend, args=(listener, heard), daemon=True)
+        answering.start()
+        url = f"tls://127.0.0.1:{listener.getsockname()[1]}"
+        assert "does not offer TLS" in enters(settings, nats_url=url, nats_token=TOKEN)
+        answering.join(PATIENCE)
+    assert TOKEN.encode() not in heard
+
+
+def pretend(listener: socket.socket, heard: bytearray) -> None:
+    connected, _ = listener.accept()
+    with connected:
+        connected.settimeout(2)
+        connected.sendall(b'INFO {"server_id":"x","version":"2.9.10","max_payload":1048576,"headers":true}\r\n')
+        try:
+            while data := connected.recv(4096):
+                heard.extend(data)
+        except OSError:
+            return
+
+
+@pytest.mark.parametrize("variable", ["nats_nkey_file", "nats_tls_ca", "nats_tls_cert"])
+def test_a_file_that_is_not_there_is_named_with_its_setting(settings: Settings, tmp_path: Path, variable: str) -> None:
+    unfit = settings.model_copy(update={"nats_url": "nats://x", variable: tmp_path / "absent"})
+    with pytest.raises(UnfitError, match=rf"BALISE_{variable.upper()} : \S+absent ne se lit pas"):
+        options(unfit)
+
+
+def test_a_file_that_is_no_certificate_is_told(settings: Settings, tmp_path: Path) -> None:
+    (tmp_path / "ca.pem").write_text("bonjour")
+    unfit = settings.model_copy(update={"nats_url": "nats://x", "nats_tls_ca": tmp_path / "ca.pem"})
+    with pytest.raises(UnfitError, match="certificats"):
+        options(unfit)
+
+
+def test_what_the_database_s_address_says_of_tls_reaches_its_driver() -> None:
+    url = Settings(database_url="postgresql://u:p@h/b?sslmode=verify-full&sslrootcert=/ca.pem").url
+    _, passed = make_engine(url).dialect.create_connect_args(make_url(url))
+    assert {"sslmode": "verify-full", "sslrootcert": "/ca.pem"}.items() <= passed.items()

@@ -1,0 +1,298 @@
+"""The engine between machines, with a real NATS server and a real PostgreSQL.
+
+Workers look into the database every thirty seconds here: whatever is done sooner was told by a ticket.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from uuid import uuid4
+
+import pytest
+from sqlalchemy import select
+
+from graders.core.contract.findings import Judgement
+from graders.core.contract.outcomes import Outcome
+from server.base.settings import Settings
+from server.course import Course
+from server.gradebook.models import Grading
+from server.grading.task import SentFile, give_ups
+from server.queue.models import Job
+from server.queue.owner import owner_of
+from server.queue.port import BACKGROUND, INTERACTIVE, Able, Call, Sender
+from server.queue.stopping import Stop
+from server.submissions.models import State, Submission
+from server.submissions.service import GRADE, OUTDATED, Place, Submissions, key_of, needs_of
+from tests.support.cluster import PATIENCE, Baker, Hand, Machine, Nats, until
+from tests.support.service import ADDRESS, EXERCISE, fake_grade, new_account
+
+LEASE = 0.6
+
+
+class Service:
+    """Web processes and workers of one service, made as they are asked for."""
+
+    def __init__(self, settings: Settings, made: list[Machine]) -> None:
+        self.settings, self._made = settings, made
+        self.web = self.machine()
+        self.account = new_account(self.web.database)
+
+    def machine(self, **settings: float) -> Machine:
+        one = Machine(self.settings.model_copy(update=settings)).start().up()
+        self._made.append(one)
+        return one
+
+    def hand(self, grade: object = fake_grade, able: Able | None = None) -> Hand:
+        return Hand(self.machine(), grade, able).start()  # type: ignore[arg-type]
+
+    def submit(self, version: str | None = None) -> str:
+        store = Submissions(self.settings, self.web.queue, version_of=version and (lambda _: version))  # type: ignore[arg-type]
+        with self.web.database.write() as db:
+            return key_of(store.submit(db, self.account, EXERCISE, "pass", address=ADDRESS).id)
+
+    def gradings(self) -> Sequence[Grading]:
+        with self.web.database.read() as db:
+            return list(db.execute(select(Grading)).scalars())
+
+    def graded(self) -> list[str]:
+        return sorted(str(one.submission_id) for one in self.gradings())
+
+    def jobs(self) -> Sequence[Job]:
+        with self.web.database.read() as db:
+            return list(db.execute(select(Job)).scalars())
+
+    def job(self) -> Job:
+        (job,) = self.jobs()
+        return job
+
+    def place(self) -> Place:
+        with self.web.database.read() as db:
+            return Submissions(self.settings, self.web.queue).place(db, db.execute(select(Submission)).scalar_one())
+
+    def sweep(self) -> int:
+        with self.web.database.read() as db:
+            return self.web.engine.sweeper.look(db)
+
+    def taken_and_dropped(self, course: Course) -> None:
+        """A worker of another machine takes a ticket and a job, and is heard of no more."""
+        dead = self.machine()
+        tickets = dead.engine.tickets()
+        owner, lease = replace(owner_of(1), host="elsewhere"), None
+        while lease is None:
+            tickets.wait(PATIENCE)
+            ticket = tickets.take()
+            if ticket is None:
+                continue
+            with dead.database.write() as db:
+                if ticket.again:
+                    dead.queue.recover(db, owner, give_ups(course))
+                lease = dead.queue.claim(db, owner, [GRADE], self.settings.lease_seconds)
+            if lease is None:
+                ticket.spend(used=False)
+            else:
+                ticket.keep()
+        dead.close()
+
+
+@pytest.fixture
+def service(shared_settings: Settings, machines: list[Machine]) -> Service:
+    return Service(shared_settings, machines)
+
+
+@pytest.fixture
+def hasty(shared_settings: Settings, machines: list[Machine]) -> Service:
+    """Leases are short."""
+    return Service(shared_settings.model_copy(update={"lease_seconds": LEASE}), machines)
+
+
+def test_what_one_web_process_takes_a_worker_elsewhere_grades_and_the_other_tells(service: Service) -> None:
+    hand, other = service.hand(), service.machine()
+    sent = sorted(service.submit() for _ in range(3))
+    until(lambda: service.graded() == sent, "all are graded")
+    until(lambda: all(other.told.count(key) == 2 for key in sent), "the other is told that each began and ended")
+    hand.stop()
+    assert not service.jobs()
+    assert service.web.engine.state() == "ok"
+
+
+def test_what_a_dead_worker_held_is_passed_on_and_graded_once(hasty: Service, course: Course) -> None:
+    sent = hasty.submit()
+    hasty.taken_and_dropped(course)
+    assert hasty.job().tries == 1
+    hand = hasty.hand()
+    until(lambda: hasty.graded() == [sent], "another grades it")
+    hand.stop()
+    assert not hasty.jobs()
+
+
+def test_a_job_that_ends_its_workers_is_given_up_as_our_error(hasty: Service, course: Course) -> None:
+    hasty.submit()
+    for _ in range(3):
+        hasty.taken_and_dropped(course)
+    hand = hasty.hand()
+    until(lambda: bool(hasty.gradings()), "it is given up")
+    hand.stop()
+    assert [one.outcome for one in hasty.gradings()] == [Outcome.INTERNAL_ERROR]
+
+
+def test_a_frozen_worker_that_comes_back_writes_nothing(hasty: Service, caplog: pytest.LogCaptureFixture) -> None:
+    begun, woken = threading.Event(), threading.Event()
+
+    def freezing(sent: SentFile) -> Judgement:
+        begun.set()
+        woken.wait(PATIENCE)
+        return fake_grade(replace(sent, source=b"outcome: wrong_answer"))
+
+    frozen = hasty.hand(freezing)
+    frozen.worker._heartbeat._beat = lambda *_: None  # type: ignore[method-assign]
+    sent = hasty.submit()
+    assert begun.wait(PATIENCE)
+    hand = hasty.hand()
+    until(lambda: hasty.graded() == [sent], "another grades it")
+    woken.set()
+    until(lambda: "the lease was lost" in caplog.text, "the first one's result is refused")
+    frozen.stop()
+    hand.stop()
+    assert [one.outcome for one in hasty.gradings()] == [Outcome.OK]
+
+
+def test_a_worker_that_works_for_long_keeps_its_ticket(hasty: Service) -> None:
+    def slow(sent: SentFile) -> Judgement:
+        time.sleep(3 * LEASE)
+        return fake_grade(sent)
+
+    hands = [hasty.hand(slow), hasty.hand(slow)]
+    hasty.submit()
+    until(lambda: bool(hasty.jobs()) and hasty.job().tries == 1, "it is begun")
+    until(lambda: bool(hasty.gradings()), "it is graded")
+    for hand in hands:
+        hand.stop()
+    assert len(hasty.gradings()) == 1
+    assert hasty.sweep() == 0
+
+
+def test_a_worker_that_is_told_to_stop_gives_its_job_to_another_at_once(service: Service) -> None:
+    def stopped(_sent: SentFile) -> Judgement:
+        raise Stop
+
+    sent = service.submit()
+    leaving = service.hand(stopped)
+    until(lambda: not leaving._thread.is_alive(), "it has left")
+    assert (service.job().tries, service.job().lease_token) == (0, None)
+    leaving.tickets.close()
+    hand = service.hand()
+    until(lambda: service.graded() == [sent], "another grades it, long before a lease ends")
+    hand.stop()
+
+
+@pytest.mark.parametrize("emptied", ["purge_stream", "delete_stream"])
+def test_what_the_stream_has_lost_is_called_for_again(service: Service, emptied: str) -> None:
+    sent = sorted(service.submit() for _ in range(3))
+    connection = service.web.engine.connection
+
+    async def empty() -> None:
+        while (await connection.context.stream_info("work")).state.messages < len(sent):
+            await asyncio.sleep(0.01)
+        await getattr(connection.context, emptied)("work")
+
+    assert service.sweep() == 0
+    connection.ask(empty, PATIENCE)
+    assert [service.sweep(), service.sweep()] == [0, 3], "it takes two looks: what is on its way is not missing"
+    hand = service.hand()
+    until(lambda: service.graded() == sent, "all are graded")
+    hand.stop()
+
+
+@pytest.fixture
+def own_nats(tmp_path: Path) -> Iterator[Nats]:
+    server = Nats(tmp_path / "nats")
+    server.start()
+    yield server
+    server.stop()
+
+
+def test_without_nats_nothing_is_lost_nor_stands_still_and_it_is_told(
+    shared_settings: Settings, machines: list[Machine], own_nats: Nats
+) -> None:
+    settings = shared_settings.model_copy(update={"nats_url": own_nats.url, "poll_seconds": 0.05})
+    service = Service(settings, [])
+    own_nats.stop()
+    until(lambda: service.web.engine.state() == "unreachable", "it is noticed")
+    sent = [service.submit()]
+    worker = Machine(settings).start()  # it starts without NATS too
+    hand = Hand(worker).start()
+    until(lambda: service.graded() == sent, "it is found in the database")
+    hand.stop()
+    worker.close()
+    sent.append(service.submit())
+    assert service.sweep() == 0
+    own_nats.start()
+    service.web.up()
+    assert [service.sweep(), service.sweep()] == [0, 1]
+    assert service.web.engine.state() == "ok"
+    hand = Hand(Machine(settings.model_copy(update={"poll_seconds": 30.0})).start().up()).start()
+    until(lambda: service.graded() == sorted(sent), "it is called for again")
+    hand.stop()
+    hand.machine.close()
+    service.web.close()
+
+
+def test_turns_hold_and_what_somebody_waits_for_goes_first(shared_settings: Settings, machines: list[Machine]) -> None:
+    """The same orders on SQLite's queue and through tickets: theirs is not the order of the calls."""
+    lanes = {"wash": BACKGROUND, "bake": INTERACTIVE}
+    greedy, late = Sender("a", line="a"), Sender("b", line="b")
+    put = [("wash", "w1", Sender(rank=9)), *(("bake", f"a{n}", greedy) for n in range(4))]
+    put += [("bake", "b0", late), ("bake", "b1", late), ("bake", "guest", Sender("g", line="g", rank=2))]
+    put += [("bake", "member", Sender("m", line="m", rank=-1)), ("wash", "w2", Sender(rank=9))]
+    machine = Machine(shared_settings, lanes).start().up()
+    machines.append(machine)
+    for kind, key, sender in put:
+        with machine.database.write() as db:
+            machine.queue.put(db, kind, key, sender=sender)
+    baker = Baker(machine, lanes)
+    baker.start()
+    until(lambda: len(baker.done) == len(put), "all is done")
+    baker.stop()
+    assert baker.done == ["member", "a0", "b0", "a1", "b1", "a2", "a3", "guest", "w1", "w2"]
+
+
+def test_a_worker_of_another_version_leaves_it_to_the_right_one(service: Service) -> None:
+    old, new = (Able([needs_of(EXERCISE, version)], 3600.0) for version in ("v1", "v2"))
+    before = service.hand(able=old)
+    service.submit("v2")
+    until(lambda: service.job().refused_at is not None, "it is refused")
+    place = service.place()
+    assert (place.state, place.notice) == (State.queued, OUTDATED)
+    assert (service.job().tries, service.graded()) == (0, [])
+    after = service.hand(able=new)
+    until(lambda: bool(service.graded()), "the right one grades it")
+    before.stop()
+    after.stop()
+
+
+def test_what_waits_for_a_version_too_long_is_anybody_s(service: Service) -> None:
+    service.submit("v0")
+    hand = service.hand(able=Able([needs_of(EXERCISE, "v1")], 0.3))
+    until(lambda: bool(service.graded()), "it is graded after all")
+    hand.stop()
+    assert not service.jobs()
+
+
+def test_a_ticket_too_many_finds_no_job_and_goes(service: Service) -> None:
+    for _ in range(3):
+        service.web.engine.connection.call(Call(GRADE, str(uuid4())))
+    hand = service.hand()
+    context = service.web.engine.connection
+
+    async def left() -> int:
+        return (await context.context.stream_info("work")).state.messages
+
+    until(lambda: context.ask(left, PATIENCE) == 0, "they are gone")
+    sent = service.submit()
+    until(lambda: service.graded() == [sent], "a real one is used")
+    hand.stop()
