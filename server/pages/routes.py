@@ -13,6 +13,7 @@ from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, Stre
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import FormData
 
+from server.base import root
 from server.base.errors import Invalid
 from server.base.request import SAFE_METHODS, client_address
 from server.comments import service as comments
@@ -174,9 +175,9 @@ def submit(
         "id": str(submission.id),
         "account": str(account.id),
         "text": _first_words(store, db, account, submission),
-        "page": href + query,
-        "events": f"{href}/evenements",
-        "verdict": f"{href}/verdict{query}",
+        "page": root.address(href + query),
+        "events": root.address(f"{href}/evenements"),
+        "verdict": root.address(f"{href}/verdict{query}"),
     }
     return JSONResponse(answer, 202)
 
