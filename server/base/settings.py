@@ -27,8 +27,10 @@ _PATH = re.compile(r"(/[A-Za-z0-9_~-][A-Za-z0-9._~-]*)+")
 Seconds = Annotated[float, Field(allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=1)]
 
-#: What the commands on a student's own machine read, and the service does not.
-ELSEWHERE = frozenset({"BALISE_TOKEN"})
+#: A folder of files, each of which holds a setting and has its name, as `balise_database_url`.
+SECRETS_DIR = "BALISE_SECRETS_DIR"
+#: What is read and is no setting: that folder, and what the commands on a student's own machine read.
+ELSEWHERE = frozenset({"BALISE_TOKEN", SECRETS_DIR})
 
 
 @dataclass(frozen=True)
