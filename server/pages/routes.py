@@ -34,7 +34,7 @@ from server.pages.schemas import ExerciseFrame
 from server.pages.talk import Aim
 from server.submissions import deals
 from server.submissions.dependencies import EventsOf, SubmissionsOf
-from server.submissions.events import as_sse
+from server.submissions.events import STREAM_HEADERS, as_sse
 from server.submissions.models import State, Submission
 from server.submissions.service import Submissions, key_of, parse_id
 from server.web import assets
@@ -45,7 +45,6 @@ from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader, exercise_href, find_exercise, find_module
 from server.web.words import moment
 
-STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 MOVES_ON = 303
 MOST_PAGES = 10**9
 
