@@ -14,10 +14,10 @@ from sqlalchemy.exc import SQLAlchemyError
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware.gzip import GZipMiddleware
 
-from server.api.documentation import with_problem_schema
+from server.api.documentation import completed
 from server.api.guide import router as guide_router
 from server.api.routes import router as api_router
-from server.base import middleware
+from server.base import middleware, root
 from server.base.gate import Gate
 from server.base.helper import Helper
 from server.base.provided import check_provided, provide
@@ -316,6 +316,7 @@ def create_app(
 def _share(app: FastAPI, services: Services) -> None:
     course = services.course
     school_time.use(services.settings.time_zone)
+    root.use(services.settings.root_path)
     provide(app, services.settings, course, services.database, services.events, services.cells)
     provide(app, Accounts(services.database, services.settings, adopt=adopt))
     provide(app, services.personal, Classes(services.database, services.settings), Presence(services.database))
@@ -332,10 +333,12 @@ def _share(app: FastAPI, services: Services) -> None:
 def _protect(app: FastAPI, settings: Settings) -> None:
     app.add_middleware(middleware.BoundedBody, most=settings.body_bytes, refuse=errors.refusal)
     app.add_middleware(middleware.SameOrigin, refuse=errors.refusal)
-    app.add_middleware(middleware.SessionCookie, max_age=settings.session_days * DAY)
+    app.add_middleware(middleware.SessionCookie, max_age=settings.session_days * DAY, path=settings.root_path or "/")
     app.add_middleware(middleware.SecurityHeaders)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=GZIP_LEVEL)
     app.add_middleware(middleware.Trail, proxied=bool(settings.trusted_proxies))
+    if settings.root_path:
+        app.add_middleware(root.Mounted, root=settings.root_path)
 
 
 def _lesson(app: FastAPI) -> None:
@@ -343,7 +346,7 @@ def _lesson(app: FastAPI) -> None:
 
     def openapi() -> dict[str, Any]:
         if not app.openapi_schema:
-            app.openapi_schema = with_problem_schema(original())
+            app.openapi_schema = completed(original())
         return app.openapi_schema
 
     app.openapi = openapi  # type: ignore[method-assign]

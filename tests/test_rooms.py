@@ -21,7 +21,8 @@ def rooms() -> set[str]:
     names = [line.split("/") for line in listed.stdout.splitlines()]
     if not names:
         pytest.skip("not a git checkout")
-    return {parts[1] for parts in names if len(parts) > 2} - {"docs"}  # pages, for administrators
+    for_administrators = {"docs", "deploy"}  # pages, and files to deploy with
+    return {parts[1] for parts in names if len(parts) > 2} - for_administrators
 
 
 def test_every_room_is_in_the_table_and_nothing_else() -> None:
@@ -44,7 +45,8 @@ def test_the_tests_of_a_room_stand_in_its_folder(room: str) -> None:
 
 
 def test_no_folder_of_tests_is_left_of_a_room_that_is_no_more() -> None:
-    others = {"app", "benchmarks", "browser", "curriculum", "fuzz", "graders", "hostile", "reference", "support"}
+    others = {"app", "benchmarks", "browser", "curriculum", "deploy", "fuzz", "graders", "hostile", "reference"}
+    others |= {"support"}
     folders = {path.parent.name for path in (ROOT / "tests").glob("*/*.py")} | {"hostile"}
     assert folders - others == rooms() - {"frontend"}
 

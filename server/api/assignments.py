@@ -23,6 +23,7 @@ from server.assignments.mine import Mine
 from server.assignments.models import Assignment, Exemption, Late
 from server.assignments.rules import in_force
 from server.assignments.schemas import Wanted, WantedExemption, Weighted, Whom
+from server.base import root
 from server.base.errors import Forbidden, NotFound
 from server.classes import repository as classes
 from server.classes.models import Membership
@@ -67,7 +68,7 @@ def _out(assignment: Assignment, wanted: Wanted, **in_force: Any) -> AssignmentO
         **columns,
         **in_force,
     }
-    url = f"/api/v1/classes/{assignment.class_id}/assignments/{assignment.id}"
+    url = root.address(f"/api/v1/classes/{assignment.class_id}/assignments/{assignment.id}")
     return AssignmentOut(id=assignment.id, released_at=assignment.released_at, url=url, **told)
 
 

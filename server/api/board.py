@@ -23,12 +23,11 @@ from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import Place
-from server.submissions.events import sse
+from server.submissions.events import STREAM_HEADERS, sse
 
 router = APIRouter(tags=["classes"])
 
 STREAM = events("`counts` at first; then `cell` and `counts`, as in the dashboard, each time that one changes.", "cell")
-STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 SIGN_OF_LIFE = ":\n\n"
 
 

@@ -9,6 +9,7 @@ from fastapi.concurrency import run_in_threadpool
 from server.api.class_schemas import ClassOut, ClassSeen, JoinCode, NewClass, RejectedOut, RosterOut, StudentOut
 from server.api.documentation import problems
 from server.audit.members import noted
+from server.base import root
 from server.base.errors import NotFound
 from server.base.request import client_address
 from server.classes import repository, service
@@ -43,7 +44,7 @@ LIST = {
 
 
 def url_of(school_class: SchoolClass) -> str:
-    return f"/api/v1/classes/{school_class.id}"
+    return root.address(f"/api/v1/classes/{school_class.id}")
 
 
 def _seen(place: Place) -> ClassSeen:

@@ -3,6 +3,7 @@
 from typing import Any
 
 from server.api.schemas import ProblemOut
+from server.base import root
 
 PROBLEM_SCHEMA = "#/components/schemas/ProblemOut"
 MEANINGS = {
@@ -36,8 +37,9 @@ def content(description: str, media_type: str) -> dict[str, Any]:
     return {"description": description, "content": {media_type: {"schema": {"type": "string"}}}}
 
 
-def with_problem_schema(document: dict[str, Any]) -> dict[str, Any]:
-    """Adds the problem document's schema, and puts it wherever FastAPI announces its own validation error."""
+def completed(document: dict[str, Any]) -> dict[str, Any]:
+    """Adds the problem document's schema, and puts it wherever FastAPI announces its own validation error; and where
+    the paths begin, when that is not the site's root."""
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
     schema = ProblemOut.model_json_schema(ref_template="#/components/schemas/{model}")
     schemas.update(schema.pop("$defs", {}))
@@ -48,4 +50,6 @@ def with_problem_schema(document: dict[str, Any]) -> dict[str, Any]:
                 operation["responses"].update({"422": problems(422)[422]})
     for unused in ("HTTPValidationError", "ValidationError"):
         schemas.pop(unused, None)
+    if root.root():
+        document["servers"] = [{"url": root.root()}]
     return document

@@ -12,6 +12,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse
 
 from server.api.words import ANYTHING, PARAMETERS, ROUTES, STATUSES, TYPES
+from server.base.root import service_address
 from server.course import Course
 from server.course.dependencies import CourseOf
 from server.identity.dependencies import OptionalAccount
@@ -63,7 +64,7 @@ class GuidePage:
 
 @router.get("/docs")
 def guide(request: Request, account: OptionalAccount, course: CourseOf) -> HTMLResponse:
-    address = str(request.base_url).rstrip("/")
+    address = service_address(request)
     return page(request, "docs.html", account, page=guide_page(request.app.openapi(), course, address))
 
 

@@ -24,7 +24,7 @@ from server.gradebook import service as gradebook
 from server.identity.dependencies import ApiAccount
 from server.identity.models import Account
 from server.submissions.dependencies import EventsOf, SubmissionsOf
-from server.submissions.events import Events, as_sse
+from server.submissions.events import STREAM_HEADERS, Events, as_sse
 from server.submissions.service import Submissions, key_of, parse_id
 
 router = APIRouter(tags=["submissions"])
@@ -130,7 +130,7 @@ async def follow(
     read = reader(database, store, account, identity)
     await run_in_threadpool(read)  # a 404 must come before the stream begins
     stream = as_sse(hub.follow(key_of(identity), read), lambda current: current.text)
-    return StreamingResponse(stream, headers={"Cache-Control": "no-store"}, media_type="text/event-stream")
+    return StreamingResponse(stream, headers=STREAM_HEADERS, media_type="text/event-stream")
 
 
 class FigureRequest:

@@ -95,8 +95,8 @@ class SecurityHeaders:
 class SessionCookie:
     """Sets the cookie that a dependency asked for with `identity.dependencies.remember` or `forget`."""
 
-    def __init__(self, app: ASGIApp, max_age: int) -> None:
-        self._app, self._max_age = app, max_age
+    def __init__(self, app: ASGIApp, max_age: int, path: str) -> None:
+        self._app, self._max_age, self._path = app, max_age, path
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
@@ -113,7 +113,7 @@ class SessionCookie:
 
     def _cookie(self, token: str, secure: bool) -> str:
         age = self._max_age if token else 0
-        cookie = f"{COOKIE}={token}; Max-Age={age}; Path=/; HttpOnly; SameSite=Lax"
+        cookie = f"{COOKIE}={token}; Max-Age={age}; Path={self._path}; HttpOnly; SameSite=Lax"
         return cookie + "; Secure" if secure else cookie
 
 

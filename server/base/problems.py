@@ -6,6 +6,7 @@ from typing import Any
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
+from server.base import root
 from server.base.errors import FieldsRefused, ServiceError
 from server.base.refused import reason
 
@@ -25,7 +26,7 @@ def problem(
     """The members of a problem document; extension members are added as they are."""
     kind = PROBLEM_TYPE + slug if slug else "about:blank"
     told = {"type": kind, "title": title, "status": status, "detail": _sendable(detail)}
-    return {**told, "instance": request.url.path, **members}
+    return {**told, "instance": root.address(request.url.path), **members}
 
 
 def _sendable(text: str) -> str:

@@ -14,6 +14,13 @@ UNKNOWN = "inconnue"
 HOUSEHOLD = 64  # bits of an IPv6 address that are one subscriber's: the others are its own to choose
 
 
+def session_token(connection: HTTPConnection) -> str:
+    """The session that a browser shows, or nothing. Of several the first: it is that of the nearest path, the others
+    were set when the service stood elsewhere on its site."""
+    pairs = (pair.partition("=") for pair in connection.headers.get("cookie", "").split(";"))
+    return next((value.strip() for name, _, value in pairs if name.strip() == COOKIE), "")
+
+
 def client_address(connection: HTTPConnection) -> str:
     """Whom the limits count as one visitor: an IPv4 address, or the network of an IPv6 one.
 

@@ -4,6 +4,7 @@
 """
 
 import os
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -21,11 +22,15 @@ from server.base.paths import default_data_dir
 PREFIX = "BALISE_"
 #: Settings that are announced, and have no effect yet: who sets them already has made no mistake.
 TO_COME = frozenset({"courses"})
+#: Segments that no browser, proxy nor shell writes in two ways, and none of which goes upwards.
+_PATH = re.compile(r"(/[A-Za-z0-9_~-][A-Za-z0-9._~-]*)+")
 Seconds = Annotated[float, Field(allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=1)]
 
-#: What the commands on a student's own machine read, and the service does not.
-ELSEWHERE = frozenset({"BALISE_TOKEN"})
+#: A folder of files, each of which holds a setting and has its name, as `balise_database_url`.
+SECRETS_DIR = "BALISE_SECRETS_DIR"
+#: What is read and is no setting: that folder, and what the commands on a student's own machine read.
+ELSEWHERE = frozenset({"BALISE_TOKEN", SECRETS_DIR})
 
 
 @dataclass(frozen=True)
@@ -163,6 +168,12 @@ class Settings(BaseSettings):
         "`X-Forwarded-Proto` are believed",
         json_schema_extra=_told("none"),
     )
+    root_path: str = Field(
+        default="",
+        description="the path under which a reverse proxy serves Balise, as `/balise` where it stands at "
+        "`https://lycee.example/balise/`; the proxy may take it off or leave it",
+        json_schema_extra=_told("none"),
+    )
     time_zone: str = Field(
         default="Europe/Paris",
         description="the school's time zone, in which its dates are shown and written, by its IANA name",
@@ -206,6 +217,14 @@ class Settings(BaseSettings):
             except ValueError as error:
                 raise PydanticCustomError("no_address", "not an address", {"address": address}) from error
         return text
+
+    @field_validator("root_path")
+    @classmethod
+    def _path(cls, text: str) -> str:
+        path = text.rstrip("/")
+        if path and not _PATH.fullmatch(path):
+            raise PydanticCustomError("no_path", "not a path", {"path": text})
+        return path
 
     @field_validator("time_zone")
     @classmethod

@@ -3,13 +3,14 @@
 import os
 from collections.abc import Iterator
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from server.base.refused import reason
-from server.base.settings import Settings, misspelt, variable
+from server.base.settings import SECRETS_DIR, Settings, misspelt, variable
 from server.cli import CannotRun
 
 
@@ -17,13 +18,29 @@ def read_settings(**values: Any) -> Settings:
     """The environment's settings; `values` that are not None replace them."""
     faults = [_unknown(name, meant) for name, meant in misspelt(os.environ)]
     try:
-        settings = Settings(**{name: value for name, value in values.items() if value is not None})
+        given = {name: value for name, value in values.items() if value is not None}
+        settings = Settings(_secrets_dir=_secrets(), **given)
         faults += _impossible(settings)
     except ValidationError as error:
         faults += map(_refused, error.errors())
     if faults:
         raise CannotRun("réglages refusés :" + "".join(f"\n  {fault}" for fault in faults))
     return settings
+
+
+def _secrets() -> Path | None:
+    """Where secrets are that no environment is to hold. Raises CannotRun."""
+    folder = os.environ.get("BALISE_SECRETS_DIR")
+    if not folder:
+        return None
+    try:
+        names = [path.name for path in Path(folder).iterdir()]
+    except OSError as error:
+        raise CannotRun(f"{SECRETS_DIR} : le dossier « {folder} » ne se lit pas : {error.strerror}.") from error
+    faults = [f"{folder}/{fault}" for fault in (_unknown(*found) for found in misspelt(names))]
+    if faults:
+        raise CannotRun("réglages refusés :" + "".join(f"\n  {fault}" for fault in faults))
+    return Path(folder)
 
 
 def _unknown(name: str, meant: str | None) -> str:

@@ -214,6 +214,7 @@ def _address(listener: socket.socket) -> str:
 def _announce(settings: Settings, course: Course, address: str) -> None:
     for problem in course.problems:
         print(f"À corriger dans le cours — {problem}")
+    address += settings.root_path
     print(f"\nBalise est prête : {address}/")
     print("  Étudiants : ouvrez cette adresse ; on y travaille comme invité, sans rien créer.")
     link = _administrator_link(settings)

@@ -44,6 +44,7 @@ def _verdict(client: httpx.Client, submission: Json) -> Verdict | None:
     url = stored.get("url")
     if not isinstance(url, str):
         raise CannotRun(NO_BALISE)
+    url = url.removeprefix(client.base_url.path.rstrip("/"))  # which the client puts before it
     for _ in range(RECONNECTIONS):
         for current in _events(client, url):
             if current.get("held"):

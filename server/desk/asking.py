@@ -11,10 +11,5 @@ Group = Annotated[str, Query(max_length=100)]
 UNKNOWN_ACTION = "Cette action n’existe pas."
 
 
-def base_of(request: Request) -> str:
-    """The address of the service, as this visitor has it."""
-    return str(request.base_url).rstrip("/")
-
-
 def log_in_first(request: Request) -> Response:
     return go(f"/connexion?suite={request.url.path}")

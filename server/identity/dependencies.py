@@ -7,7 +7,7 @@ from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
 
 from server.base.errors import Unauthorised
 from server.base.provided import provided
-from server.base.request import COOKIE, client_address
+from server.base.request import client_address, session_token
 from server.base.tally import REFUSED_LOGINS
 from server.database import Database
 from server.database.dependencies import DatabaseOf
@@ -31,7 +31,7 @@ def forget(request: Request) -> None:
 
 def account_of(request: Request, database: Database) -> Account | None:
     """The account of the browser's session, if there is one; nothing is created."""
-    token = request.cookies.get(COOKIE)
+    token = session_token(request)
     if not token:
         return None
     with database.read() as db:

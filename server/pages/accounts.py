@@ -4,7 +4,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, Response
 from starlette.concurrency import run_in_threadpool
 
-from server.base.request import COOKIE, client_address
+from server.base.request import client_address, session_token
 from server.database.dependencies import Db
 from server.identity import links, service
 from server.identity.dependencies import AccountsOf, OptionalAccount, forget, remember
@@ -120,6 +120,6 @@ async def new_password(
 
 @router.post("/deconnexion")
 def log_out(request: Request, db: Db) -> Response:
-    service.close_session(db, request.cookies.get(COOKIE, ""))
+    service.close_session(db, session_token(request))
     forget(request)
     return go("/")

@@ -8,7 +8,8 @@ from fastapi.responses import HTMLResponse, Response, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
 from server.base.provided import provided
-from server.base.request import COOKIE, client_address
+from server.base.request import client_address, session_token
+from server.base.root import service_address
 from server.base.settings import Settings
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
@@ -60,7 +61,7 @@ def _account_page(
         secret=secret,
         changed=changed,
         settings=settings,
-        server=str(request.base_url).rstrip("/"),
+        server=service_address(request),
     )
 
 
@@ -89,7 +90,7 @@ async def change_password(
     password: Field = "",
     new_password: Field = "",
 ) -> Response:
-    session, address = request.cookies.get(COOKIE, ""), client_address(request)
+    session, address = session_token(request), client_address(request)
     try:
         await accounts.change_password(person, password, new_password, session=session, address=address)
     except RefusedForm as refused:

@@ -13,6 +13,7 @@ from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, Stre
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import FormData
 
+from server.base import root
 from server.base.errors import Invalid
 from server.base.request import SAFE_METHODS, client_address
 from server.comments import service as comments
@@ -33,7 +34,7 @@ from server.pages.schemas import ExerciseFrame
 from server.pages.talk import Aim
 from server.submissions import deals
 from server.submissions.dependencies import EventsOf, SubmissionsOf
-from server.submissions.events import as_sse
+from server.submissions.events import STREAM_HEADERS, as_sse
 from server.submissions.models import State, Submission
 from server.submissions.service import Submissions, key_of, parse_id
 from server.web import assets
@@ -44,7 +45,6 @@ from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader, exercise_href, find_exercise, find_module
 from server.web.words import moment
 
-STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 MOVES_ON = 303
 MOST_PAGES = 10**9
 
@@ -174,9 +174,9 @@ def submit(
         "id": str(submission.id),
         "account": str(account.id),
         "text": _first_words(store, db, account, submission),
-        "page": href + query,
-        "events": f"{href}/evenements",
-        "verdict": f"{href}/verdict{query}",
+        "page": root.address(href + query),
+        "events": root.address(f"{href}/evenements"),
+        "verdict": root.address(f"{href}/verdict{query}"),
     }
     return JSONResponse(answer, 202)
 

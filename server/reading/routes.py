@@ -8,6 +8,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse
 
+from server.base import root
 from server.base.provided import provided
 from server.base.request import client_address
 from server.figures.dependencies import FiguresOf
@@ -47,7 +48,8 @@ def say(module: str, body: NewAnswer, reader: Reading) -> JSONResponse:
     course_module = find_module(reader.course, module)
     poll = polls.find(course_module, body.question)
     marked = polls.say(reader.db, reader.account, course_module, poll, body.answer)
-    return JSONResponse(asdict(marked), headers={"Cache-Control": "no-store"})
+    told = {**asdict(marked), "why": root.written(marked.why)}
+    return JSONResponse(told, headers={"Cache-Control": "no-store"})
 
 
 @router.get("/{module:module}/glossaire")

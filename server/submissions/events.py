@@ -12,6 +12,8 @@ from typing import Protocol, TypeVar
 
 from starlette.concurrency import run_in_threadpool
 
+#: No proxy is to keep an event back to make a larger piece of it.
+STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 LINE_END = re.compile("\r\n|\r|\n")
 QUEUE_MOVES_EVERY = 0.3  # seconds: places in the queue are refreshed no more often than this
 SAFETY_POLL = 2.0  # seconds: longest time without looking, should a signal be lost

@@ -14,6 +14,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from graders.typography import french
+from server.base import root
 from server.base.paths import TEMPLATES
 from server.base.provided import provided_to
 from server.base.request import SAFE_METHODS
@@ -111,7 +112,7 @@ def page(
     body = environment().get_template(template).render(account=account_view(account), **surroundings, **context)
     # A page shows one person's own work: nobody else's cache may keep it.
     all_headers = {"Cache-Control": "private, no-cache", **(headers or {})}
-    answer = HTMLResponse(body, status, headers=all_headers)
+    answer = HTMLResponse(root.written(body), status, headers=all_headers)
     return once(request, answer) if request.method == "GET" and status == HTTPStatus.OK else answer
 
 
@@ -131,4 +132,4 @@ def once(request: Request, answer: Answer) -> Answer:
 def fragment(template: str, account: Account | None, *, back: str, **context: Any) -> HTMLResponse:
     """A part of a page, for a script that puts it in place; `back` is where who logs in from there comes back to."""
     body = environment().get_template(template).render(account=account_view(account), back=back, **context)
-    return HTMLResponse(body, headers={"Cache-Control": "private, no-store"})
+    return HTMLResponse(root.written(body), headers={"Cache-Control": "private, no-store"})

@@ -107,6 +107,7 @@ REFUSED = {
     ("BALISE_POLL_SECONDS", "inf"): "un nombre fini est attendu",
     ("BALISE_CODE_BYTES", "0"): "il faut au moins 1",
     ("BALISE_DATABASE_URL", ""): "ne peut être vide",
+    ("BALISE_ROOT_PATH", "balise"): "« balise » n’est pas un chemin, comme « /balise »",
     **{
         ("BALISE_TIME_ZONE", name): f"« {name} » n’est pas un fuseau horaire, comme « Europe/Paris »"
         for name in ("Europe/Pari", "", "Europe", "../../etc/passwd", "/etc/localtime", "é" * 300)
@@ -146,3 +147,27 @@ def test_postgresql_without_its_driver_is_refused_with_its_remedy(monkeypatch: p
     monkeypatch.setattr(configuration, "find_spec", lambda name: None)
     assert "pip install 'balise[postgresql]'" in refusal()
     assert "secret" not in refusal()
+
+
+def test_a_secret_may_stand_in_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "balise_metrics_token").write_text("un jeton\n")
+    (tmp_path / "balise_workers").write_text("3\n")
+    (tmp_path / "postgres_password").write_text("d’un autre programme\n")
+    monkeypatch.setenv("BALISE_SECRETS_DIR", str(tmp_path))
+    monkeypatch.setenv("BALISE_WORKERS", "5")
+    settings = read_settings()
+    assert (settings.metrics_token, settings.workers) == ("un jeton", 5), "the environment counts first"
+    assert "un jeton" not in repr(settings)
+
+
+def test_a_folder_of_secrets_that_is_not_there_or_holds_a_misspelt_one_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("BALISE_SECRETS_DIR", str(tmp_path / "rien"))
+    assert "ne se lit pas : No such file" in refusal()
+    monkeypatch.setenv("BALISE_SECRETS_DIR", str(tmp_path))
+    (tmp_path / "balise_metrics_tokn").write_text("x")
+    assert "vouliez-vous dire BALISE_METRICS_TOKEN ?" in refusal()
+    (tmp_path / "balise_metrics_tokn").unlink()
+    (tmp_path / "balise_workers").write_text("beaucoup")
+    assert "BALISE_WORKERS : un nombre entier est attendu" in refusal()

@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 
 from server.base.paths import ROOT
-from server.base.settings import Settings
-from server.cli import main
+from server.base.settings import PREFIX, SECRETS_DIR, TO_COME, Settings
+from server.cli import _parser, main
 from server.cli.admin import ACTIONS
 from server.health.metrics import COUNTED
 from server.sandbox import WallReport, WallStatus
@@ -114,7 +114,7 @@ def test_the_pages_name_each_other_and_real_settings() -> None:
         text = page.read_text(encoding="utf-8")
         assert all((DOCS / link).is_file() for link in re.findall(r"\]\(([\w./]+)\)", text))
         settings = {name.removeprefix("BALISE_").lower() for name in re.findall(r"\bBALISE_\w+", text)}
-        assert settings <= Settings.model_fields.keys()
+        assert settings <= {*Settings.model_fields, *TO_COME, SECRETS_DIR.removeprefix(PREFIX).lower()}
 
 
 def test_no_command_of_a_page_stands_outside_of_what_is_run() -> None:
@@ -123,3 +123,38 @@ def test_no_command_of_a_page_stands_outside_of_what_is_run() -> None:
     for page in PAGES:
         for named in re.findall(r"`(balise [^`]+)`", page.read_text(encoding="utf-8")):
             assert any(line.startswith(named) for line in run), named
+
+
+def others(page: Path) -> list[str]:
+    """The commands of other programs that a page says to run, each as one line."""
+    blocks = re.findall(r"^```text\n(.*?)^```$", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    return [line for block in blocks for line in block.splitlines()]
+
+
+def test_what_a_page_says_of_the_files_to_deploy_with_is_so() -> None:
+    """Every file is there; every unit that is started or installed is ours, or of the program whose page it is."""
+    deploy = ROOT / "server" / "deploy"
+    units = {path.name.replace("@.", "@{n}.") for path in (deploy / "systemd").iterdir()}
+    named, started = set(), set()
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        named |= set(re.findall(r"server/deploy/[\w./@-]*[\w/]", text))
+        started |= {
+            word for line in others(page) for word in re.findall(r"\bbalise[\w-]*@?\w*\.(?:service|timer)", line)
+        }
+    assert len(named) > 12
+    assert {path for path in named if not (ROOT / path).exists()} == set()
+    assert {re.sub(r"@\w*\.", "@{n}.", one) for one in started} == {
+        one for one in units if one.endswith(("service", "timer"))
+    }
+
+
+def test_a_command_of_ours_inside_another_s_is_one_of_the_command_line() -> None:
+    """`docker exec … balise doctor`, `kubectl exec … -- balise admin …`."""
+    inside = [
+        re.search(r" exec .*?\bbalise ((?:doctor|admin|backup).*)$", line) for page in PAGES for line in others(page)
+    ]
+    found = [one[1] for one in inside if one]
+    assert len(found) > 4
+    for line in found:
+        assert _parser().parse_args(shlex.split(line))

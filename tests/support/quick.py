@@ -88,7 +88,7 @@ def _upgrade_once(url: str) -> None:
     database.close()
 
 
-_standing: dict[tuple[int, int], FastAPI] = {}
+_standing: dict[tuple[int, int, str], FastAPI] = {}
 
 
 def standing_app(settings: Settings, course: Course) -> FastAPI:
@@ -97,7 +97,8 @@ def standing_app(settings: Settings, course: Course) -> FastAPI:
     All that it holds is new: what it was built with, what runs while it serves, and nothing is overridden.
     """
     new = create_app(settings, course=course)
-    app = _standing.setdefault((settings.body_bytes, settings.session_days), new)  # what its middleware was told
+    told = settings.body_bytes, settings.session_days, settings.root_path  # what its middleware was
+    app = _standing.setdefault(told, new)
     app.state.provided = new.state.provided
     app.router.lifespan_context = new.router.lifespan_context
     app.dependency_overrides.clear()

@@ -6,6 +6,7 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
+from server.base import root
 from server.board.schemas import Board
 from server.course import Course
 from server.desk.board.schemas import CountsView
@@ -45,10 +46,10 @@ def _parts(view: Page, before: Board, shown: Board) -> list[tuple[str, str]]:
     told = []
     for cell in shown.changed_since(before):
         one = cell_view(view.href, cell, shown.titles)
-        told.append(("cell", json.dumps({"key": one.key, "html": str(macros.cell(one))})))
+        told.append(("cell", json.dumps({"key": one.key, "html": root.written(str(macros.cell(one)))})))
     if before.counts != shown.counts:
-        told.append(("counts", str(macros.counts(CountsView(**vars(shown.counts))))))
+        told.append(("counts", root.written(str(macros.counts(CountsView(**vars(shown.counts)))))))
     if before.misconceptions != shown.misconceptions:
         rows = mistake_rows(Shown(view.course, view.href, shown), everything=view.everything)
-        told.append(("misconceptions", str(macros.mistakes(rows))))
+        told.append(("misconceptions", root.written(str(macros.mistakes(rows)))))
     return told

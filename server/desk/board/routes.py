@@ -25,13 +25,13 @@ from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import Place
+from server.submissions.events import STREAM_HEADERS
 from server.web.dependencies import Reading
 from server.web.rendering import page
 
 router = APIRouter(include_in_schema=False)
 
 Text = Annotated[str, Query(max_length=200)]
-STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 SIGN_OF_LIFE = ":\n\n"
 
 

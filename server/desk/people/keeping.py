@@ -11,6 +11,7 @@ from server.assignments import keeping as assignments
 from server.audit.members import noted
 from server.base.dependencies import SettingsOf
 from server.base.errors import Invalid, NotFound, ServiceError
+from server.base.root import service_address
 from server.classes import service
 from server.classes.dependencies import ClassesOf
 from server.classes.models import Seat
@@ -18,7 +19,7 @@ from server.classes.schemas import CODE_LASTS, DEFAULT_LASTING, name_of_class
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
 from server.desk import views
-from server.desk.asking import UNKNOWN_ACTION, base_of, log_in_first
+from server.desk.asking import UNKNOWN_ACTION, log_in_first
 from server.desk.people import shift
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
@@ -126,7 +127,7 @@ def hand_passwords(
     if choix and not eleve:
         raise Invalid(NOBODY)
     given, refused = service.slips(db, place.school_class, eleve or None, settings)
-    view = views.slips_page(course, place, given, refused, settings.first_password_days, base_of(request))
+    view = views.slips_page(course, place, given, refused, settings.first_password_days, service_address(request))
     return page(request, "classes/slips.html", account, headers={"Cache-Control": "private, no-store"}, page=view)
 
 
@@ -141,7 +142,7 @@ def settings_form(request: Request, class_id: str, reader: Reading) -> Response:
 def _settings(
     request: Request, account: Account, db: Db, course: CourseOf, place: Place, refused: ServiceError | None = None
 ) -> HTMLResponse:
-    view = views.settings_page(db, course, place, account, base_of(request))
+    view = views.settings_page(db, course, place, account, service_address(request))
     problem, status = (refused.detail, int(refused.status)) if refused else ("", 200)
     return page(request, "classes/settings.html", account, status=status, page=view, problem=problem, lasts=LASTS)
 

@@ -8,13 +8,14 @@ from fastapi.responses import HTMLResponse, Response
 from server.audit.members import noted
 from server.base.errors import Invalid
 from server.base.request import client_address
+from server.base.root import service_address
 from server.classes import service
 from server.classes.dependencies import ClassesOf
 from server.classes.schemas import own_name
 from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
 from server.desk import views
-from server.desk.asking import Group, base_of, log_in_first
+from server.desk.asking import Group, log_in_first
 from server.desk.board.views import BY_NAME, Asked, board_page
 from server.desk.own import views as own_views
 from server.desk.schemas import JoinForm, JoinPage
@@ -124,7 +125,7 @@ def one(
     place = rights.require(reader.db, reader.account, Right.see_class, class_id)
     if place.may(Right.read_work):
         asked = Asked(groupe, tri, number, everything=bool(erreurs))
-        board = board_page(reader, place, asked, base_of(request))
+        board = board_page(reader, place, asked, service_address(request))
         return page(request, "classes/board.html", reader.account, page=board)
     view = own_views.own_page(reader.db, reader.course, place, reader.account)
     return page(request, "classes/own.html", reader.account, page=view)
@@ -135,7 +136,7 @@ def people(request: Request, class_id: str, reader: Reading, groupe: Group = "")
     if reader.account is None:
         return log_in_first(request)
     place = rights.require(reader.db, reader.account, Right.see_students, class_id)
-    view = views.people_page(reader.db, reader.course, place, reader.account, base_of(request), groupe)
+    view = views.people_page(reader.db, reader.course, place, reader.account, service_address(request), groupe)
     return page(request, "classes/people.html", reader.account, page=view)
 
 
@@ -144,7 +145,7 @@ def code_on_the_wall(request: Request, class_id: str, reader: Reading) -> Respon
     if reader.account is None:
         return log_in_first(request)
     place = rights.require(reader.db, reader.account, Right.see_code, class_id)
-    code = views.code_view(place.school_class, base_of(request))
+    code = views.code_view(place.school_class, service_address(request))
     head = views.head(reader.course, place)
     return page(request, "classes/wall.html", reader.account, head=head, code=code)
 

@@ -26,14 +26,13 @@ from server.regrades.schemas import Advance, Wanted
 from server.rights import service as rights
 from server.rights.models import Right
 from server.submissions.dependencies import EventsOf
-from server.submissions.events import as_sse
+from server.submissions.events import STREAM_HEADERS, as_sse
 from server.web.dependencies import Reading
 from server.web.forms import Field, go
 from server.web.rendering import page
 
 router = APIRouter(include_in_schema=False)
 
-STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 NOT_OFFERED = "Ce choix n’est pas proposé."
 Text = Annotated[str, Query(max_length=200)]
 

@@ -34,7 +34,7 @@ export class Said {
     if (!this.#page) return;
     this.#keep(name, parse(recall(this.key))[name] ?? answer);
     if (!this.#hasAccount) return;
-    const sent = await fetch(`/${this.module}/previsions`, {
+    const sent = await fetch(this.#page.dataset.answers, {
       method: "POST",
       headers: { "Content-Type": "application/json" },
       body: JSON.stringify({ question: name, answer }),

@@ -1,18 +1,17 @@
 // Questions of a lesson, marked in place: what is wrong says why, and one may answer again.
 
 export function setUpQuestions(page) {
-  const [module] = page.dataset.reading.split("/");
   const said = parse(page.dataset.said);
   for (const section of page.querySelectorAll(".asked[data-question]")) {
     const form = section.querySelector("form");
-    if (form) new Question(form, module, section.dataset.question, said[section.dataset.question]);
+    if (form) new Question(form, page.dataset.answers, section.dataset.question, said[section.dataset.question]);
   }
 }
 
 class Question {
-  constructor(form, module, name, first) {
+  constructor(form, address, name, first) {
     this.form = form;
-    this.module = module;
+    this.address = address;
     this.name = name;
     this.place = form.querySelector(".asked-mark");
     form.addEventListener("submit", (event) => {
@@ -32,7 +31,7 @@ class Question {
       this.#tell("", "Choisissez d’abord une réponse.");
       return;
     }
-    const answer = await fetch(`/${this.module}/previsions`, {
+    const answer = await fetch(this.address, {
       method: "POST",
       headers: { "Content-Type": "application/json", Accept: "application/json" },
       body: JSON.stringify({ question: this.name, answer: ids.join(",") }),
