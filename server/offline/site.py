@@ -20,6 +20,7 @@ from server.figures import orders
 from server.figures.orders import Theme
 from server.offline.addresses import ON_THE_SERVER, Places
 from server.offline.schemas import OfflineExercise
+from server.reading import gates
 from server.reading import service as reading
 from server.reading.downloads import Downloads
 from server.replays import service as replays
@@ -107,7 +108,7 @@ class Site:
         if module.glossary:
             yield "glossaire.html", self._page("reading/glossary.html", page=reading.glossary_page(module))
         for lesson in module.lessons:
-            view = reading.lesson_view(module, lesson, {}, None)
+            view = reading.lesson_view(module, lesson, {}, None, gates.ONLINE if lesson.solution else None)
             yield f"lire/{lesson.slug}.html", self._page("reading/lesson.html", page=view)
         for exercise in module.exercises:
             page = self._page("offline/exercise.html", page=self._exercise(exercise))
