@@ -121,13 +121,10 @@ def _session(module: Module, lesson: Lesson, exercises: tuple[ExerciseRow, ...])
 
 
 def _ornament(module: Module, lesson: Lesson) -> FigureView | None:
-    """The séance's first drawing that is wide, as the card's frame is, else its first; without its description, which
-    stands in the lesson itself."""
-    drawn = [figure for figure in lesson.figures if figure in module.drawings]
-    if not drawn:
+    """The séance's first drawing, without its description, which stands in the lesson itself."""
+    name = next((figure for figure in lesson.figures if figure in module.drawings), None)
+    if name is None:
         return None
-    sizes = {name: module.drawings[name].size for name in drawn}
-    name = next((one for one in drawn if sizes[one][0] > sizes[one][1]), drawn[0])
     light, dark = (f"/{module.slug}/figures/{name}.svg?theme={theme}" for theme in ("light", "dark"))
     return FigureView(light, dark, "")
 
