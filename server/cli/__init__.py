@@ -139,7 +139,10 @@ def _login(parser: argparse.ArgumentParser) -> None:
 
 def _export(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("module", metavar="MODULE", help="module, comme l20")
-    parser.add_argument("file", type=Path, metavar="FILE", help="archive à écrire")
+    parser.add_argument("file", type=Path, metavar="FILE", nargs="?", help="archive à écrire")
+    parser.add_argument(
+        "--pdf", type=Path, metavar="DIR", help="dossier où écrire un PDF par page (il y faut un Chromium)"
+    )
 
 
 def _exercise_and_file(parser: argparse.ArgumentParser, nargs: str | None = None) -> None:

@@ -1,25 +1,57 @@
-"""`balise export MODULE FILE`: the module as one archive that opens without a server, drawn and written here."""
+"""`balise export MODULE FILE`: the module as one archive that opens without a server; `--pdf DIR`: its texts as PDF."""
 
 from argparse import Namespace
+from pathlib import Path
 
 from server.cli import CannotRun
 from server.cli.local import load_course
 from server.cli.progress import Progress
-from server.offline import site
+from server.course import Course, Module
+from server.offline import paper, site
+from server.offline.site import Pictures
 from server.reading.downloads import Downloads
+
+NO_BROWSER = (
+    "il faut un Chromium pour écrire des PDF, et cette machine n’en a pas (cherchés : {names}). "
+    "Sous Debian : apt install chromium. Sans lui, le bouton « Imprimer » de chaque page fait la même chose."
+)
 
 
 def run(arguments: Namespace) -> int:
+    if arguments.file is None and arguments.pdf is None:
+        raise CannotRun("dites ce qu’il faut écrire : une archive (FILE), ou des PDF (--pdf DIR).")
+    command = paper.browser()
+    if arguments.pdf is not None and command is None:
+        raise CannotRun(NO_BROWSER.format(names=", ".join(paper.BROWSERS)))
     course = load_course()
     module = course.modules.get(arguments.module)
     if module is None:
         raise CannotRun(f"le module « {arguments.module} » n’existe pas. Modules : {', '.join(course.modules)}.")
     with Progress("Figures", len(site.pictured(module))) as progress:
         pictures = site.drawn_here(module, progress.advance)
+    if arguments.file is not None:
+        _archive(course, module, pictures, arguments.file)
+    if arguments.pdf is not None and command is not None:
+        _papers(course, module, pictures, arguments.pdf, command)
+    return 0
+
+
+def _archive(course: Course, module: Module, pictures: Pictures, file: Path) -> None:
     made = site.archive(course, module, pictures, Downloads(course))
     try:
-        arguments.file.write_bytes(made)
+        file.write_bytes(made)
     except OSError as error:
-        raise CannotRun(f"impossible d’écrire « {arguments.file} » : {error.strerror}.") from error
-    print(f"{arguments.file} : {len(made) / 1e6:.1f} Mo. Décompressez, puis ouvrez {site.folder(module)}/index.html.")
-    return 0
+        raise CannotRun(f"impossible d’écrire « {file} » : {error.strerror}.") from error
+    print(f"{file} : {len(made) / 1e6:.1f} Mo. Décompressez, puis ouvrez {site.folder(module)}/index.html.")
+
+
+def _papers(course: Course, module: Module, pictures: Pictures, folder: Path, command: str) -> None:
+    with Progress("PDF", len(module.lessons)) as progress:
+        try:
+            made = paper.write(course, module, pictures, folder, command=command, advance=progress.advance)
+        except OSError as error:
+            raise CannotRun(f"impossible d’écrire dans « {folder} » : {error.strerror}.") from error
+        except paper.NotPrinted as error:
+            raise CannotRun(f"{error}.") from error
+    size = sum(path.stat().st_size for path in made)
+    print(f"{folder} : {len(made)} PDF, {size / 1e6:.1f} Mo, corrigés compris.")

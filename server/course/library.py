@@ -99,6 +99,7 @@ class Library:
             summary=card.summary,
             objectives=tuple(card.objectives),
             text=Text(Source(body, path, line, page=path.stem, names=self.names)),
+            solution=card.solution,
         )
 
     def check(self, *, formulas: bool) -> Iterator[Problem]:

@@ -30,6 +30,7 @@ __all__ = [
     "Lesson",
     "Module",
     "Problem",
+    "ReadingPath",
     "Section",
     "Term",
 ]  # fmt: skip
@@ -135,7 +136,10 @@ class Exercise:
 
 @dataclass(frozen=True, eq=False)
 class Lesson:
-    """A text to read. What its front matter says is here at once; its text is read and rendered at the first need."""
+    """A text to read. What its front matter says is here at once; its text is read and rendered at the first need.
+
+    `solution`: it tells the answers of a paper, and is opened as an exercise's solution is (`id` names it then).
+    """
 
     module: str
     slug: str
@@ -147,6 +151,11 @@ class Lesson:
     summary: str
     objectives: tuple[str, ...]
     text: Text
+    solution: bool = False
+
+    @property
+    def id(self) -> str:
+        return f"{self.module}/lire/{self.slug}"
 
     @property
     def html(self) -> str:
@@ -215,6 +224,15 @@ class Drawing:
     function: str
 
 
+@dataclass(frozen=True)
+class ReadingPath:
+    """A way through a module for some of its readers; `page` is a lesson's slug, and a label in it (`chemins#s-un`)."""
+
+    title: str
+    summary: str
+    page: str
+
+
 @dataclass(frozen=True, eq=False)
 class Module:
     """A module of the course, with its exercises in order, and its lessons in the order of reading.
@@ -243,6 +261,8 @@ class Module:
     glossary: Mapping[str, Term] = field(default_factory=dict)
     drawings: Mapping[str, Drawing] = field(default_factory=dict)
     files: Mapping[str, Path] = field(default_factory=dict)
+    paths: tuple[ReadingPath, ...] = ()
+    names: Callable[[], Names] = no_names
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,8 +27,16 @@ class Strict(BaseModel):
     model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
 
 
+class PathEntry(Strict):
+    """A way through a module for some of its readers: `page` is the slug of the lesson that says it, with its label."""
+
+    title: PlainText
+    summary: PlainText
+    page: Text
+
+
 class ModuleFile(Strict):
-    """`curriculum/<module>/module.toml`."""
+    """`curriculum/<module>/module.toml`. `references` are Markdown of one line."""
 
     title: Text
     number: Text
@@ -38,6 +46,7 @@ class ModuleFile(Strict):
     prerequisites: list[Text] = []
     objectives: list[Text] = []
     references: list[Text] = []
+    paths: list[PathEntry] = []
     previous: str = ""
     next: str = ""
     order: int = 0
@@ -93,7 +102,7 @@ class ExerciseFile(Strict):
 
 
 class FrontMatter(Strict):
-    """Between the `+++` lines of a lesson."""
+    """Between the `+++` lines of a lesson. `solution`: what it tells is held back from a class until it is opened."""
 
     title: PlainText
     label: PlainText
@@ -101,6 +110,7 @@ class FrontMatter(Strict):
     order: int
     minutes: Annotated[int, Field(ge=0)] = 0
     objectives: list[PlainText] = []
+    solution: bool = False
 
 
 class TermEntry(Strict):

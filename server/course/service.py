@@ -20,7 +20,7 @@ from server.course import drawings, questions, reuse, toml_file
 from server.course.closure import Imports
 from server.course.library import Library, problems_of
 from server.course.memory import Memory, source_of
-from server.course.models import Course, CourseFault, Exercise, FunctionSpec, Module, Problem
+from server.course.models import Course, CourseFault, Exercise, FunctionSpec, Module, Problem, ReadingPath
 from server.course.schemas import ExerciseFile, ModuleFile
 from server.course.toml_places import line_of
 from server.course.version import version
@@ -129,6 +129,7 @@ def _module(sources: Sources, path: Path, problems: list[Problem], look: Look) -
         exercises = [exercise for exercise in exercises if not _note(problems, _faults(exercise, look))]
         _note(problems, library.check(formulas=look is Look.drawn))
         _note(problems, _lost(path, exercises, library))
+        _note(problems, _of_card(path / "module.toml", card, library, formulas=look is Look.drawn))
     return Module(
         slug=path.name,
         title=card.title,
@@ -148,6 +149,8 @@ def _module(sources: Sources, path: Path, problems: list[Problem], look: Look) -
         glossary=MappingProxyType(library.glossary),
         drawings=MappingProxyType(library.drawings),
         files=MappingProxyType(library.files),
+        paths=tuple(ReadingPath(one.title, one.summary, one.page) for one in card.paths),
+        names=library.names,
     )
 
 
@@ -181,6 +184,18 @@ def _lost(module: Path, exercises: list[Exercise], library: Library) -> Iterator
             path = module / "exercices" / exercise.slug / "exercise.toml"
             line = line_of(toml_file.read_text(path), ("seance",))
             yield Problem(path, line, f"« seance » : page inconnue « {exercise.seance} »")
+
+
+def _of_card(path: Path, card: ModuleFile, library: Library, *, formulas: bool) -> Iterator[Problem]:
+    """Its paths and its references, each of which may lead somewhere."""
+    source = toml_file.read_text(path)
+    for number, one in enumerate(card.paths):
+        if library.names().pages.get(one.page.partition("#")[0]) is None:
+            message = f"« page » : page inconnue « {one.page} »"
+            yield Problem(path, line_of(source, ("paths", number, "page")), message)
+    for number, reference in enumerate(card.references):
+        line = line_of(source, ("references", number))
+        yield from problems_of(Text(Source(reference, path, line or 1, names=library.names)), formulas=formulas)
 
 
 def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:

@@ -20,6 +20,7 @@ from server.figures import orders
 from server.figures.orders import Theme
 from server.offline.addresses import ON_THE_SERVER, Places
 from server.offline.schemas import OfflineExercise
+from server.reading import gates
 from server.reading import service as reading
 from server.reading.downloads import Downloads
 from server.replays import service as replays
@@ -66,10 +67,13 @@ def folder(module: Module) -> str:
 
 
 class Site:
-    """One module, to be written once."""
+    """One module, to be written once. `on_paper`: to be printed here, with the answers of papers and no script."""
 
-    def __init__(self, course: Course, module: Module, pictures: Pictures, downloads: Downloads) -> None:
+    def __init__(
+        self, course: Course, module: Module, pictures: Pictures, downloads: Downloads, *, on_paper: bool = False
+    ) -> None:
         self._course, self._module, self._pictures, self._downloads = course, module, pictures, downloads
+        self._on_paper = on_paper
         self._scripts = replays.Replays()
         self._places = Places(assets.root(), dict(self._addresses()))
 
@@ -98,6 +102,8 @@ class Site:
             yield f"/{slug}/kit/{slug}.py", f"{slug}.py"
 
     def _replays(self) -> list[str]:
+        if self._on_paper:
+            return []
         return list(dict.fromkeys(name for lesson in self._module.lessons for name in lesson.replays))
 
     def _pages(self) -> Iterator[tuple[str, str]]:
@@ -107,7 +113,8 @@ class Site:
         if module.glossary:
             yield "glossaire.html", self._page("reading/glossary.html", page=reading.glossary_page(module))
         for lesson in module.lessons:
-            view = reading.lesson_view(module, lesson, {}, None)
+            gate = gates.ONLINE if lesson.solution and not self._on_paper else None
+            view = reading.lesson_view(module, lesson, {}, None, gate)
             yield f"lire/{lesson.slug}.html", self._page("reading/lesson.html", page=view)
         for exercise in module.exercises:
             page = self._page("offline/exercise.html", page=self._exercise(exercise))
@@ -116,7 +123,7 @@ class Site:
     def _page(self, template: str, **context: Any) -> str:
         module = self._module
         around = {"base": "offline/base.html", "module": module_link(module), "terms": len(module.glossary)}
-        visitor = {"account": account_view(None), "scripts": assets.is_built()}
+        visitor = {"account": account_view(None), "scripts": assets.is_built() and not self._on_paper}
         return environment().get_template(template).render(**around, **visitor, **context)
 
     def _exercise(self, exercise: Exercise) -> OfflineExercise:

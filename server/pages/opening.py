@@ -8,10 +8,10 @@ from server.course import Exercise
 from server.gradebook import service as gradebook
 from server.gradebook import solutions
 from server.gradebook.schemas import HINT_OPENS_AFTER, Progress
-from server.gradebook.solutions import Access, Because, Door
-from server.pages.schemas import DoorView, HintView, SolutionView
+from server.gradebook.solutions import Access, Because
+from server.pages.schemas import HintView, SolutionView
 from server.web.rendering import python
-from server.web.views import Reader, exercise_href
+from server.web.views import Reader, door_view, exercise_href
 from server.web.words import plural
 
 
@@ -46,7 +46,7 @@ def solution(
         else Markup(exercise.prose(exercise.answers.correction(seed)))
     )
     doors = solutions.doors(reader.db, reader.account, exercise.id) if access.teaches else []
-    return SolutionView(html, WHY_OPEN[why], f"{exercise_href(exercise)}/corrige", tuple(map(_door, doors)))
+    return SolutionView(html, WHY_OPEN[why], f"{exercise_href(exercise)}/corrige", tuple(map(door_view, doors)))
 
 
 WHY_OPEN = {
@@ -55,9 +55,3 @@ WHY_OPEN = {
     Because.succeeded: "Ouvert parce que vous avez réussi.",
     Because.teaches: "Ouvert à ceux qui enseignent.",
 }
-
-
-def _door(door: Door) -> DoorView:
-    to_whom = "à tous les élèves" if door.class_id is None else f"à la classe « {door.class_name} »"
-    verb = "Refermer" if door.is_open else "Ouvrir"
-    return DoorView(str(door.class_id or ""), f"{verb} le corrigé {to_whom}", door.is_open)

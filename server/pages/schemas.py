@@ -8,7 +8,7 @@ from typing import Literal
 from graders.core.contract.progress import Progress
 from server.web.deadlines import DueView
 from server.web.regraded import RegradedView
-from server.web.schemas import ModuleLink, OwnState, VerdictView
+from server.web.schemas import DoorView, ModuleLink, OwnState, VerdictView
 
 
 @dataclass(frozen=True)
@@ -128,15 +128,6 @@ class HintView:
     number: int
     html: str
     closed: str
-
-
-@dataclass(frozen=True)
-class DoorView:
-    """A button that opens a solution to a class, or to everyone (no class), or closes it."""
-
-    class_id: str
-    label: str
-    is_open: bool
 
 
 @dataclass(frozen=True)

@@ -3,23 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Annotated
+from http import HTTPStatus
+from typing import Annotated, Literal
+from uuid import UUID
 
-from fastapi import APIRouter, Depends, Query, Request, Response
-from fastapi.responses import HTMLResponse, JSONResponse
+from fastapi import APIRouter, Depends, Form, Query, Request, Response
+from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse
 
 from server.base import root
+from server.base.errors import NotFound
 from server.base.provided import provided
 from server.base.request import client_address
+from server.course.dependencies import CourseOf
+from server.database.dependencies import Db
 from server.figures.dependencies import FiguresOf
 from server.figures.orders import MEDIA_TYPES, Theme
+from server.gradebook import solutions
+from server.identity.dependencies import SignedIn
 from server.polls import service as polls
 from server.reading import service
 from server.reading.downloads import Downloads
 from server.reading.schemas import NewAnswer
 from server.web.dependencies import Reading
 from server.web.rendering import once, page
-from server.web.views import find_module
+from server.web.views import find_module, lesson_href
 
 FIGURE_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox"
 FIGURE_HEADERS = {"Cache-Control": "public, max-age=600", "Content-Security-Policy": FIGURE_POLICY}
@@ -36,10 +43,30 @@ def course_home(request: Request, module: str, reader: Reading) -> HTMLResponse:
 
 
 @router.get("/{module:module}/lire/{slug}")
-def lesson(request: Request, module: str, slug: str, reader: Reading) -> HTMLResponse:
+def lesson(request: Request, module: str, slug: str, reader: Reading, ouvrir: Literal["", "oui"] = "") -> HTMLResponse:
+    """`ouvrir`: the answers of a paper, once one has read the warning before them."""
     course_module = find_module(reader.course, module)
-    view = service.lesson_page(reader, course_module, service.find_lesson(course_module, slug))
+    found = service.find_lesson(course_module, slug)
+    view = service.lesson_page(reader, course_module, found, past_warning=bool(ouvrir))
     return page(request, "reading/lesson.html", reader.account, page=view)
+
+
+@router.post("/{module:module}/lire/{slug}/corrige")
+def open_or_close_answers(
+    module: str,
+    slug: str,
+    account: SignedIn,
+    course: CourseOf,
+    db: Db,
+    ouvrir: Annotated[bool, Form()],
+    classe: Annotated[UUID | Literal[""], Form()] = "",
+) -> RedirectResponse:
+    """Opens the answers of a paper to a class, or to everyone where none is named, or closes them."""
+    found = service.find_lesson(find_module(course, module), slug)
+    if not found.solution:
+        raise NotFound("Cette page n’est pas un corrigé.")
+    solutions.open_or_close(db, account, found.id, classe or None, wanted=ouvrir)
+    return RedirectResponse(lesson_href(found), HTTPStatus.SEE_OTHER)
 
 
 @router.post("/{module:module}/previsions")

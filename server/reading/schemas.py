@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from markupsafe import Markup
 from pydantic import BaseModel, ConfigDict, Field
 
 from server.polls.models import ANSWER_LENGTH, POLL_LENGTH
 from server.web.deadlines import DueView
-from server.web.schemas import ExerciseRow, FigureView, ModuleLink
+from server.web.schemas import DoorView, ExerciseRow, FigureView, ModuleLink
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,15 @@ class Shelf:
 
 
 @dataclass(frozen=True)
+class PathView:
+    """A way through the module, and the place where it is said."""
+
+    title: str
+    summary: str
+    href: str
+
+
+@dataclass(frozen=True)
 class CourseHome:
     """A module's page. `start` is where a newcomer begins; None while the module has nothing to read."""
 
@@ -68,7 +78,8 @@ class CourseHome:
     summary: str
     facts: tuple[tuple[str, str], ...]
     objectives: tuple[str, ...]
-    references: tuple[str, ...]
+    references: tuple[Markup, ...]
+    paths: tuple[PathView, ...]
     start: LessonLink | None
     resumed: ExerciseRow | None
     sessions: tuple[SessionCard, ...]
@@ -94,6 +105,20 @@ class TermView:
 
 
 @dataclass(frozen=True)
+class Gate:
+    """What stands before the answers of a paper.
+
+    `kept`: one's teacher has not opened them; `warned`: one may go on by `onward`; `online`: an archive has not got
+    them; `open`: nothing, and who teaches sees to whom they are open (`doors`, sent to `action`).
+    """
+
+    state: Literal["kept", "warned", "online", "open"]
+    onward: str = ""
+    action: str = ""
+    doors: tuple[DoorView, ...] = ()
+
+
+@dataclass(frozen=True)
 class LessonPage:
     """A lesson. `terms` are the words whose definition it may be asked for; `said` is, as JSON, what the reader
     answered first to its questions, by name."""
@@ -113,6 +138,7 @@ class LessonPage:
     terms: tuple[TermView, ...]
     previous: LessonLink | None
     following: LessonLink | None
+    gate: Gate | None = None
 
 
 @dataclass(frozen=True)

@@ -19,19 +19,22 @@ from server.course.models import Heading, Lesson, Term
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, Progress
 from server.polls import service as polls
-from server.reading import search
+from server.reading import gates, search
 from server.reading.schemas import (
     CourseHome,
     Entry,
+    Gate,
     GlossaryPage,
     LessonLink,
     LessonPage,
     Letter,
+    PathView,
     SearchPage,
     SessionCard,
     Shelf,
     TermView,
 )
+from server.text.prose import line
 from server.web import deadlines
 from server.web.deadlines import DueView
 from server.web.rendering import environment
@@ -83,7 +86,8 @@ def home_view(module: Module, progress: Mapping[str, Progress], due: tuple[DueVi
         summary=module.summary,
         facts=tuple((name, value) for name, value in facts if value),
         objectives=module.objectives,
-        references=module.references,
+        references=tuple(Markup(line(one, module.names)) for one in module.references),
+        paths=tuple(PathView(one.title, one.summary, f"/{module.slug}/lire/{one.page}") for one in module.paths),
         start=_link(way[0]) if way else None,
         resumed=resumed(tuple(rows.values())),
         sessions=sessions,
@@ -153,18 +157,24 @@ def duration(minutes: int) -> str:
     return f"{hours}\u00a0h\u00a0{rest:02}" if rest else f"{hours}\u00a0h"
 
 
-def lesson_page(reader: Reader, module: Module, lesson: Lesson) -> LessonPage:
+def lesson_page(reader: Reader, module: Module, lesson: Lesson, *, past_warning: bool = False) -> LessonPage:
     said = polls.said_in(reader.db, reader.account, module, lesson)
-    return lesson_view(module, lesson, gradebook.progress(reader.db, reader.account), said)
+    gate = gates.gate(reader, lesson, past_warning=past_warning)
+    return lesson_view(module, lesson, gradebook.progress(reader.db, reader.account), said, gate)
 
 
 def lesson_view(
-    module: Module, lesson: Lesson, progress: Mapping[str, Progress], said: Mapping[str, str] | None
+    module: Module,
+    lesson: Lesson,
+    progress: Mapping[str, Progress],
+    said: Mapping[str, str] | None,
+    gate: Gate | None = None,
 ) -> LessonPage:
     """A lesson for one who stands there in the module's exercises, and `said` so to its questions; None where nobody
-    hears them."""
+    hears them. Behind a gate that is not open, nothing of its text."""
     way = on_the_way(module)
     place = way.index(lesson)
+    shown = gate is None or gate.state == "open"
     return LessonPage(
         module=module_link(module),
         slug=lesson.slug,
@@ -174,13 +184,14 @@ def lesson_view(
         summary=lesson.summary,
         duration=duration(lesson.minutes),
         objectives=lesson.objectives,
-        html=_with_questions(module, lesson, heard=said is not None),
+        html=_with_questions(module, lesson, heard=said is not None) if shown else Markup(),
         said=json.dumps(dict(said or {}), ensure_ascii=False),
-        contents=contents(lesson),
+        contents=contents(lesson) if shown else (),
         exercises=tuple(_rows(exercises_after(module, lesson), progress).values()),
-        terms=_terms(module, lesson),
+        terms=_terms(module, lesson) if shown else (),
         previous=_link(way[place - 1]) if place else None,
         following=_link(way[place + 1]) if place + 1 < len(way) else None,
+        gate=gate,
     )
 
 

@@ -87,6 +87,12 @@ def teaching(account_id: UUID, module: str) -> ColumnElement[bool]:
     return _seats(account_id, module, STAFF).exists()
 
 
+def learns(db: Session, account_id: UUID, module: str) -> bool:
+    """Is this account a student of a class of this module that is not archived?"""
+    seats = _seats(account_id, module, (Seat.student,)).where(SchoolClass.archived_at.is_(None))
+    return db.execute(select(seats.exists())).scalar_one()
+
+
 def classes_of_teacher(db: Session, account_id: UUID, module: str) -> Sequence[SchoolClass]:
     """The classes of this module in which one teaches, by their names, but those archived."""
     query = select(SchoolClass).where(_is_open(module), SchoolClass.id.in_(_seats(account_id, module, (Seat.teacher,))))

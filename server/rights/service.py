@@ -121,6 +121,11 @@ def teaching(account_id: UUID, module: str) -> ColumnElement[bool]:
     return repository.teaching(account_id, module)
 
 
+def learns(db: Session, account: Account | None, module: str) -> bool:
+    """Is this account a student of a class of this module, whose teachers may then hold something back?"""
+    return account is not None and repository.learns(db, account.id, module)
+
+
 def classes_to_open(db: Session, account: Account | None, exercise: str) -> Sequence[SchoolClass]:
     """The classes to which this account may open the solution of an exercise."""
     if account is None:

@@ -23,6 +23,7 @@ from server.identity.models import Account
 from server.text.highlight import highlight
 from server.text.plain import visible
 from server.text.said import said
+from server.text.spoken import spoken
 from server.web import assets, school_time, words
 from server.web.schemas import AccountView, HereView
 
@@ -37,7 +38,9 @@ def environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    jinja.filters.update(french=french, sentence=sentence, visible=visible, ticks=ticks, python=python, said=written)
+    jinja.filters.update(
+        french=french, sentence=sentence, visible=visible, ticks=ticks, python=python, said=written, spoken=spoken
+    )
     jinja.globals.update(
         static=assets.address, has_katex=assets.is_built, plural=words.plural, time_zone=school_time.zone
     )

@@ -43,6 +43,15 @@ class ModuleLink:
 
 
 @dataclass(frozen=True)
+class DoorView:
+    """A button that opens a solution to a class, or to everyone (no class), or closes it."""
+
+    class_id: str
+    label: str
+    is_open: bool
+
+
+@dataclass(frozen=True)
 class OwnState:
     """Where one stands in an exercise: `done` with full marks, `label` in words, `best` out of 20 or empty."""
 

@@ -170,6 +170,33 @@ def test_an_exercise_follows_a_page_that_exists(course_folder: CourseFolder) -> 
     assert course_folder.load().exercises["m9/a"].seance == "une"
 
 
+PATHS = """references = ["Un livre.", "La page [Une](page:absente)."]
+
+[[paths]]
+title = "Au lycée"
+summary = "Sans matrices."
+page = "une#s-un"
+
+[[paths]]
+title = "En prépa"
+summary = "Avec."
+page = "deux"
+"""
+
+
+def test_a_module_says_ways_through_it_and_what_to_read(course_folder: CourseFolder) -> None:
+    write_page(course_folder, "une", "## Un\n\nA\n")
+    path = course_folder.curriculum / "m9" / "module.toml"
+    before = path.read_text(encoding="utf-8").rstrip("\n") + "\n"
+    path.write_text(before + PATHS, encoding="utf-8")
+    start = before.count("\n")
+    unknown, lost = problems(course_folder)
+    assert (unknown.line, unknown.message) == (start + 11, "« page » : page inconnue « deux »")
+    assert (lost.line, lost.message) == (start + 1, "page inconnue : « absente »")
+    ways = course_folder.load().modules["m9"].paths
+    assert [(one.title, one.page) for one in ways] == [("Au lycée", "une#s-un"), ("En prépa", "deux")]
+
+
 def test_pages_do_not_change_the_version_of_an_exercise(course_folder: CourseFolder) -> None:
     before = {name: one.version for name, one in course_folder.load(render=False).exercises.items()}
     write_page(course_folder, "une", "A\n")

@@ -190,6 +190,34 @@ def test_a_solution_is_opened_to_a_class(site: Site, martin: TestClient, href: s
     assert "Corrigé commenté" not in text_of(site.client, page)
 
 
+def test_the_answers_of_a_paper_wait_for_the_teacher(site: Site, martin: TestClient, href: str) -> None:
+    page, told = "/l20/lire/epreuve-corrige", "d’écart-type"
+    code, class_id = code_of(martin, href), href.rpartition("/")[2]
+    free = TestClient(site.app, follow_redirects=False)
+    assert "Avez-vous fini" in text_of(free, page)
+    assert told not in text_of(free, page)
+    assert told in text_of(free, f"{page}?ouvrir=oui"), "who is of no class goes on past the warning"
+    assert "epreuve-corrige#" not in text_of(free, "/l20/recherche?q=lectrice"), "nor does the search tell"
+
+    site.client.post(f"/rejoindre/{code}", data={"given": "Ada", "family": "Lovelace"})
+    for asked in (page, f"{page}?ouvrir=oui"):
+        assert "Votre enseignant n’a pas ouvert ce corrigé" in text_of(site.client, asked)
+        assert told not in text_of(site.client, asked)
+    assert site.client.post(f"{page}/corrige", data={"ouvrir": "true", "classe": class_id}).status_code == 403
+    assert martin.post("/l20/lire/localiser/corrige", data={"ouvrir": "true", "classe": class_id}).status_code == 404
+
+    shown = text_of(martin, page)
+    assert told in shown
+    assert "Ouvrir le corrigé à la classe « MPSI &lt;2&gt; »" in shown
+    assert martin.post(f"{page}/corrige", data={"ouvrir": "true", "classe": class_id}).status_code == 303
+    assert told in text_of(site.client, page)
+    assert "Qui peut lire" not in text_of(site.client, page)
+    martin.post(f"{page}/corrige", data={"ouvrir": "false", "classe": class_id})
+    assert told not in text_of(site.client, page)
+    martin.post(f"{href}/archiver", data={"archiver": "true"})
+    assert "Avez-vous fini" in text_of(site.client, page), "a class that is over holds nothing back"
+
+
 def test_a_class_asks_no_more_for_more_students(site: Site, martin: TestClient, href: str) -> None:
     def statements() -> int:
         with Counted(site.database) as counted:

@@ -63,6 +63,7 @@ JSON: dict[str, Any] = {
 }
 FORMS: dict[str, dict[str, str]] = {
     "POST /{module}/exercices/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
+    "POST /{module}/lire/{slug}/corrige": {"ouvrir": "true", "classe": "{class_id}"},
     "POST /classes": {"name": "PSI", "module": "l20"},
     "POST /classes/{class_id}/eleves": {"action": "retirer", "eleve": "{student}"},
     "POST /classes/{class_id}/mots": {"exercice": EXERCISE, "texte": "Bonjour"},
@@ -87,6 +88,7 @@ OTHER_VALUES = {
     "GET /{module}/kit/{file}": {"file": "l20.py"},
     "GET /static/{version}/{name:path}": {"version": "source", "name": "img/favicon.svg"},
     "GET /{module}/lire/{slug}": {"slug": "localiser"},
+    "POST /{module}/lire/{slug}/corrige": {"slug": "epreuve-corrige"},
     "POST /{module}/hors-ligne": {"module": "l99"},  # an archive takes seconds to make
     "GET /{module}/figures/{name}.svg": {"name": "carto-sigmoide"},
     "GET /{module}/rejeux/{name}": {"name": "lidar"},

@@ -17,6 +17,7 @@ class Cell {
   constructor(section) {
     this.section = section;
     this.name = section.dataset.name;
+    this.number = [...document.querySelectorAll("section.cell")].indexOf(section) + 1;
     this.key = `balise-cellule:${location.pathname}#${this.name}`;
     this.pre = section.querySelector(".cell-code pre");
     this.code = this.pre.querySelector("code") ?? this.pre;
@@ -31,12 +32,16 @@ class Cell {
   }
 
   build() {
+    this.section.setAttribute("role", "group");
+    this.section.setAttribute("aria-label", `Cellule de code ${this.number}`);
     this.run = button("Exécuter", () => this.execute(), "primary");
     this.run.title = "Ctrl+Entrée";
     this.run.setAttribute("aria-keyshortcuts", "Control+Enter");
     this.stop = button("Arrêter", () => this.running?.abort());
     this.stop.hidden = true;
     this.modify = button("Modifier", () => this.edit({}));
+    this.run.setAttribute("aria-label", `Exécuter la cellule ${this.number}`);
+    this.modify.setAttribute("aria-label", `Modifier la cellule ${this.number}`);
     this.reset = button("Rétablir", () => this.restore());
     this.reset.title = "Revenir au code de départ";
     this.reset.hidden = true;
@@ -46,7 +51,7 @@ class Cell {
     this.output = element("div", "cell-output");
     this.output.setAttribute("role", "log");
     this.output.setAttribute("aria-live", "polite");
-    this.output.setAttribute("aria-label", `Sortie de la cellule ${this.name}`);
+    this.output.setAttribute("aria-label", `Sortie de la cellule ${this.number}`);
     this.section.append(bar, this.output);
     this.pre.addEventListener("click", ({ clientX: x, clientY: y }) => {
       if (getSelection().isCollapsed) this.edit({ x, y });
@@ -67,6 +72,7 @@ class Cell {
     this.section.setAttribute("aria-busy", String(state));
     this.run.setAttribute("aria-disabled", String(state));
     this.run.textContent = state ? "En cours" : "Exécuter";
+    this.run.setAttribute("aria-label", `${state ? "En cours," : "Exécuter la"} cellule ${this.number}`);
     this.stop.hidden = !state;
   }
 

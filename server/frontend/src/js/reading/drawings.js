@@ -7,10 +7,16 @@ export function setUpDrawings(page) {
     button.type = "button";
     button.className = "enlarge";
     button.textContent = "Agrandir";
-    button.setAttribute("aria-label", "Agrandir la figure");
+    button.setAttribute("aria-label", `Agrandir la ${named(drawing)}`);
     button.addEventListener("click", () => show(viewer, drawing));
     drawing.append(button);
   }
+}
+
+// « figure 3 »: a page has many of these buttons, and a list of them must tell one from another.
+function named(drawing) {
+  const number = drawing.querySelector(".figure-number")?.textContent.match(/\d+/);
+  return number ? `figure ${number[0]}` : "figure";
 }
 
 function makeViewer() {

@@ -1,0 +1,30 @@
+"""The answers of a paper: who reads them, and what stands there instead for who does not yet."""
+
+from __future__ import annotations
+
+from server.course.models import Lesson
+from server.gradebook import solutions
+from server.reading.schemas import Gate
+from server.rights import service as rights
+from server.web.views import Reader, door_view, lesson_href
+
+#: What an archive shows: it is anybody's file, and no teacher could close it again.
+ONLINE = Gate("online")
+
+
+def gate(reader: Reader, lesson: Lesson, *, past_warning: bool) -> Gate | None:
+    """None for an ordinary page, and for answers that are open to a student.
+
+    The students of a class read them once a teacher has opened them to it; who is of no class, past a warning.
+    """
+    if not lesson.solution:
+        return None
+    access = solutions.access(reader.db, reader.account, lesson.id)
+    if access.teaches:
+        doors = tuple(map(door_view, solutions.doors(reader.db, reader.account, lesson.id)))
+        return Gate("open", action=f"{lesson_href(lesson)}/corrige", doors=doors)
+    if access.to_all or access.to_class:
+        return None
+    if rights.learns(reader.db, reader.account, lesson.module):
+        return Gate("kept")
+    return None if past_warning else Gate("warned", onward=f"{lesson_href(lesson)}?ouvrir=oui")

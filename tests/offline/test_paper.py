@@ -1,0 +1,82 @@
+"""Texts as PDF files: what the printer is given, what one is told without a browser, and that it prints."""
+
+from __future__ import annotations
+
+import re
+from argparse import Namespace
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from server.cli import CannotRun, export
+from server.course import Course
+from server.offline import paper, site
+from server.reading.downloads import Downloads
+from tests.support.quick import the_course
+
+SLUGS = ("epreuve-corrige", "recherche")
+PICTURE = b"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 1 1'/>"
+
+
+def pictures(course: Course) -> site.Pictures:
+    return dict.fromkeys(site.pictured(course.modules["l20"]), PICTURE)
+
+
+def test_the_printer_gets_all_pictures_at_once_and_no_way_to_other_files() -> None:
+    page = (
+        '<a class="x" href="slam.html#un">S</a> <a href="#ici">I</a> <a href="https://a.fr">A</a> <img loading="lazy">'
+    )
+    assert paper.prepared(page) == '<a class="x">S</a> <a href="#ici">I</a> <a href="https://a.fr">A</a> <img>'
+
+
+def test_on_paper_a_module_has_the_answers_and_no_script() -> None:
+    course = the_course()
+    module = course.modules["l20"]
+    lessons = tuple(one for one in module.lessons if one.solution)
+    only = replace(module, lessons=lessons, exercises=(), glossary={})
+    made = site.Site(course, only, {}, Downloads(course), on_paper=True)
+    (copy,) = (page for place, page in made._pages() if place == "lire/epreuve-corrige.html")
+    assert "En ligne seulement" not in copy
+    assert "6{,}368" in copy
+    assert "<script" not in copy
+
+
+def test_without_a_browser_one_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("shutil.which", lambda _: None)
+    with pytest.raises(CannotRun, match="apt install chromium"):
+        export.run(Namespace(module="l20", file=None, pdf=tmp_path))
+    with pytest.raises(CannotRun, match="dites ce qu’il faut écrire"):
+        export.run(Namespace(module="l20", file=None, pdf=None))
+
+
+@pytest.mark.parametrize("script", ["exit 3", "echo 'pas d’écran' >&2; exit 0"], ids=["fails", "writes nothing"])
+def test_a_browser_that_prints_nothing_is_told(tmp_path: Path, script: str) -> None:
+    command = tmp_path / "chromium"
+    command.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+    command.chmod(0o755)
+    with pytest.raises(paper.NotPrinted, match="une : le navigateur a répondu"):
+        paper._print(str(command), tmp_path / "une.html", tmp_path / "une.pdf")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(paper.browser() is None, reason="no Chromium on this machine")
+def test_pages_are_printed(tmp_path: Path) -> None:
+    course = the_course()
+    counted: list[int] = []
+    made = paper.write(
+        course,
+        course.modules["l20"],
+        pictures(course),
+        tmp_path / "pdf",
+        command=str(paper.browser()),
+        slugs=SLUGS,
+        advance=lambda: counted.append(1),
+    )
+    assert sorted(path.stem for path in made) == sorted(SLUGS)
+    assert len(counted) == len(SLUGS)
+    for path in made:
+        content = path.read_bytes()
+        assert content.startswith(b"%PDF-")
+        assert len(re.findall(rb"/Type\s*/Page\b", content)) > 1
+        assert b"file:///" not in content, "no way into the folder that was printed from"

@@ -1,0 +1,23 @@
+"""The name of a control whose label holds formulas."""
+
+from __future__ import annotations
+
+import pytest
+
+from server.text.markup.text import no_names
+from server.text.prose import line
+from server.text.spoken import spoken
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("Aucune.", ""),
+        ("$0{,}5$", "0,5"),
+        ("Son noyau est de dimension $3$ & plus.", "Son noyau est de dimension 3 & plus."),
+        (r"La matrice $H$, <b>creuse</b>", "La matrice H, <b>creuse</b>"),
+        (r"**$x$** puis $\sqrt{2}$", "x puis 2"),
+    ],
+)
+def test_formulas_are_said_once(text: str, said: str) -> None:
+    assert spoken(line(text, no_names)) == said
