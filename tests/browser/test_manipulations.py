@@ -21,6 +21,7 @@ WHERE = {
     "passant": "telemetre",
     "particules": "localiser",
     "carte": "localiser",
+    "gain": "filtre-bayesien",
 }
 INSIDE = """figure => [...figure.querySelectorAll("table, button")].every(
   (one) => one.getBoundingClientRect().right <= figure.getBoundingClientRect().right,
@@ -158,6 +159,23 @@ def test_the_chain_shares_what_is_missing(visit: NewVisit) -> None:
     flag.focus()
     page.keyboard.press("Shift+ArrowRight")
     expect(said).to_contain_text("de 50,0 cm à 9,81 cm")
+
+
+def test_the_gain_follows_the_spreads_and_the_measurement(visit: NewVisit) -> None:
+    found = figure(visit(), "gain")
+    page, said = found.page, found.locator(SAID)
+    expect(said).to_contain_text("K = 0,83")
+    expect(said).to_contain_text("2,6 fois l’erreur de Kalman")
+    found.get_by_label("Écart-type de la prédiction").fill("0.2")
+    expect(said).to_contain_text("K = 0,14")
+    measure = found.get_by_role("slider", name="Mesure", exact=True)
+    drag(page, measure, 100, 5)
+    page.mouse.up()
+    assert measure.get_attribute("aria-valuetext") != "5,6 m"
+    measure.focus()
+    for _ in range(4):
+        page.keyboard.press("Shift+ArrowRight")
+    expect(said).to_contain_text("écarts-types de ce qu’on attendait")
 
 
 def test_a_walker_turns_the_gaussian_and_not_the_mixture(visit: NewVisit) -> None:
