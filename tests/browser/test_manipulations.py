@@ -22,6 +22,7 @@ WHERE = {
     "particules": "localiser",
     "carte": "localiser",
     "gain": "filtre-bayesien",
+    "faisceau": "telemetre",
 }
 INSIDE = """figure => [...figure.querySelectorAll("table, button")].every(
   (one) => one.getBoundingClientRect().right <= figure.getBoundingClientRect().right,
@@ -176,6 +177,26 @@ def test_the_gain_follows_the_spreads_and_the_measurement(visit: NewVisit) -> No
     for _ in range(4):
         page.keyboard.press("Shift+ArrowRight")
     expect(said).to_contain_text("écarts-types de ce qu’on attendait")
+
+
+def test_a_mixture_is_set_by_hand_and_em_does_better(visit: NewVisit) -> None:
+    found = figure(visit(), "faisceau")
+    said, table = found.locator(SAID), found.get_by_role("table")
+    expect(said).to_contain_text("−858,5")
+    found.get_by_label("Largeur du bon écho σ").fill("0.3")
+    expect(said).not_to_contain_text("−858,5")
+    found.get_by_role("button", name="Réglages de départ").click()
+    found.get_by_role("button", name="Un tour d’EM").click()
+    expect(table).to_contain_text("−640,3")
+    expect(said).to_contain_text("EM en est là après 1 tour")
+    found.get_by_role("button", name="Jusqu’au bout").click()
+    expect(table).to_contain_text("−609,6")
+    expect(found.get_by_role("button", name="Un tour d’EM")).to_be_disabled()
+    found.get_by_role("button", name="Revenir à vos réglages").click()
+    expect(table).not_to_contain_text("−609,6")
+    found.get_by_label("Hasard").fill("0")
+    found.get_by_label("Largeur du bon écho σ").fill("0.05")
+    expect(said).to_contain_text("impossible")
 
 
 def test_a_walker_turns_the_gaussian_and_not_the_mixture(visit: NewVisit) -> None:
