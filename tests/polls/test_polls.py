@@ -55,13 +55,13 @@ def test_the_first_answer_is_kept_and_shown_again(site: Site) -> None:
     assert elsewhere[1] == "{}"
 
 
-def test_each_seance_of_lessons_asks_questions_of_the_quiz(course: Course) -> None:
+def test_each_seance_of_lessons_and_the_telemeter_ask_questions_of_the_quiz(course: Course) -> None:
     module = course.modules["l20"]
     asked = {lesson.slug: lesson.questions for lesson in module.lessons if lesson.questions}
-    assert asked.keys() == {"localiser", "cartographier", "slam", "ros2"}
+    assert asked.keys() == {"localiser", "cartographier", "slam", "ros2", "recherche", "telemetre"}
     assert all(name.startswith("verification/") for names in asked.values() for name in names)
     every = [name for names in asked.values() for name in names]
-    assert len(set(every)) == len(every) == 26
+    assert len(set(every)) == len(every) == 29
     places = [[option.right for option in service.find(module, name).options].index(True) for name in every]
     assert len(set(places)) > 2
 
@@ -121,7 +121,7 @@ def test_a_test_that_asks_it_is_no_oracle(site: Site) -> None:
         ("/l20/previsions", {"question": "rejeux/_carte", "answer": "bonne"}, 404),
         ("/l20/previsions", {"question": "verification/amcl", "answer": "bosses,precision"}, 422),
         ("/l20/previsions", {"question": "verification/produit", "answer": "zero,zero"}, 422),
-        ("/l20/previsions", {"question": "verification/rayon_court", "answer": "melange"}, 404),
+        ("/l20/previsions", {"question": "verification/augmentee", "answer": "trois_quarts"}, 404),
         ("/l20/previsions", {"question": "../icp", "answer": "bonne"}, 404),
         ("/l21/previsions", ICP, 404),
         ("/l20/previsions", {**ICP, "account": "0"}, 422),
