@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import re
 from html import unescape
+from uuid import UUID
 
 import pytest
 from sqlalchemy import select
 
 from server.assignments.models import Mode
-from server.classes.models import Seat, Status
+from server.classes.models import SchoolClass, Seat, Status
 from server.course import Course
 from server.database import Database
 from server.identity.models import Account, Role
@@ -139,6 +140,31 @@ def test_a_visitor_is_kept_by_their_own_browser(site: Site) -> None:
     assert site.client.post("/l20/previsions", json=ICP).status_code == 401
     with site.database.read() as db:
         assert db.execute(select(PollAnswer)).all() == []
+
+
+def test_a_place_is_kept_as_it_was_put_and_counted_by_how_far_it_was(site: Site) -> None:
+    teacher = person(site, Role.teacher, "Emmy")
+    made = new_class(site.database, teacher.account)
+    people = [person(site, account=seat(site.database, made, new_account(site.database))) for _ in range(4)]
+    said = ["10.25,0", "12,0", "2,-5.5", "11,-1"]
+    for one, answer in zip(people, said, strict=True):
+        sent = one.browser(site).post("/l20/previsions", json={"question": "rejeux/banane", "answer": answer})
+        assert sent.json()["first"] == answer
+    assert kept(site.database, people[0].account) == {"l20/rejeux/banane": ("10.25,0", "10.25,0", 1)}
+    with site.database.write() as db:  # what was said before the question changed
+        repository.keep_first(db, new_account_of(site, made), "l20/rejeux/banane", "deca")
+    page = teacher.browser(site).get(f"/classes/{made.id}/previsions").text
+    banana = page[page.index('href="/l20/lire/localiser#rejeu-banane"') :]
+    assert "4 sur 5 élèves ont répondu, 1 juste." in banana
+    assert re.findall(r'poll-count">(\d+)<', banana)[:3] == ["1", "1", "2"]
+    assert "Entre 0,8 et 1,6 case" in banana
+    for wrong in ("pres", "99,0", "1;2", "10.257,0"):
+        body = {"question": "rejeux/banane", "answer": wrong}
+        assert people[0].browser(site).post("/l20/previsions", json=body).status_code == 422
+
+
+def new_account_of(site: Site, made: SchoolClass) -> UUID:
+    return seat(site.database, made, new_account(site.database)).id
 
 
 def test_answers_are_kept_twice_over_and_move_without_loss(database: Database) -> None:
