@@ -1,10 +1,12 @@
-"""What a reader is asked before a replay plays: a question of a few answers, told when it has played to its end."""
+"""What a reader is asked before a replay plays, told when it has played to its end: a question of a few answers, or a
+place to point at on the drawing."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import hypot
 from typing import Any
 
 from graders.scene.packing import SceneError
@@ -12,6 +14,10 @@ from graders.typography import french
 
 ANSWER_ID = re.compile(r"[a-z][a-z0-9_]{0,39}")
 FEWEST, MOST = 2, 6
+PLACE = re.compile(r"(-?[0-9]{1,4}(?:\.[0-9]{1,2})?),(-?[0-9]{1,4}(?:\.[0-9]{1,2})?)")
+NEAR, FAR, AWAY = "pres", "loin", "ailleurs"
+
+Spot = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -45,3 +51,76 @@ class Prediction:
             "why": french(self.why),
             "settings": dict(self.settings),
         }
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A point to place within `box` = (x0, y0, x1, y1) of the drawing, by steps of `step`: where will it be?
+
+    `spots` are where it is in the end; with several, the nearest counts. Counted by how far from it one was: up to
+    `near`, up to `far`, or more, in units of the drawing (`unit`, in the singular). `up`: its y grows upwards.
+    `settings` and `why` as those of a Prediction. What is kept of a reader is "x,y".
+    """
+
+    question: str
+    spots: Sequence[Spot]
+    box: tuple[float, float, float, float]
+    near: float
+    far: float
+    why: str
+    step: float = 0.25
+    unit: str = "case"
+    up: bool = False
+    settings: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.near < self.far:
+            raise SceneError("near", f"{self.near} and far {self.far} are no two distances, the lesser first")
+        if not self.spots or not all(self._within(x, y) for x, y in self.spots):
+            raise SceneError("spots", "are none, or not all within the box")
+
+    @property
+    def right(self) -> str:
+        return NEAR
+
+    @property
+    def answers(self) -> tuple[tuple[str, str], ...]:
+        """The classes of distance, by id."""
+        near, far = (f"{length:g}".replace(".", ",") for length in (self.near, self.far))
+        return (
+            (NEAR, f"Au plus à {near} {self._units(self.near)} de là."),
+            (FAR, f"Entre {near} et {far} {self._units(self.far)}."),
+            (AWAY, f"Plus loin que {far} {self._units(self.far)}."),
+        )
+
+    def told(self, text: str) -> str | None:
+        """The class of a place that was kept; None for what is no place of the box."""
+        found = PLACE.fullmatch(text)
+        if not found or not self._within(float(found[1]), float(found[2])):
+            return None
+        away = min(hypot(float(found[1]) - x, float(found[2]) - y) for x, y in self.spots)
+        return NEAR if away <= self.near else FAR if away <= self.far else AWAY
+
+    def wire(self) -> dict[str, Any]:
+        place = {
+            "spots": [list(spot) for spot in self.spots],
+            "box": list(self.box),
+            "step": self.step,
+            "near": self.near,
+            "far": self.far,
+            "unit": self.unit,
+            "up": self.up,
+        }
+        return {
+            "question": french(self.question),
+            "place": place,
+            "why": french(self.why),
+            "settings": dict(self.settings),
+        }
+
+    def _units(self, length: float) -> str:
+        return f"{self.unit}s" if length >= 2.0 and self.unit == "case" else self.unit
+
+    def _within(self, x: float, y: float) -> bool:
+        x0, y0, x1, y1 = self.box
+        return x0 <= x <= x1 and y0 <= y <= y1

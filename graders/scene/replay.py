@@ -5,7 +5,8 @@ A file `curriculum/<module>/rejeux/<name>.py` holds
     TITLE = "…"                          shown above the drawing
     ALT = "…"                            what the drawing shows, in words, for those who do not see it
     PARAMETERS = {"rayons": Slider("Nombre de rayons", 4, 180, 4, 36), "tirage": Draw(), …}
-    PREDICTION = Prediction("…", …)      what readers are asked before they play it; may be left out
+    PREDICTION = Prediction("…", …)      what readers are asked before they play it; may be left out, or be a
+                                         Placed("…", …): a place to point at on the drawing
     def compute(values: Values, rng: np.random.Generator) -> Replay: …
 
 `compute` depends on nothing but its arguments: `rng` is seeded by the parameter of kind `Draw`, if there is one. It is
@@ -38,7 +39,7 @@ from graders.scene.layers import (
 )
 from graders.scene.packing import SceneError, rounded
 from graders.scene.parameters import Choice, Dragged, Draw, Event, Parameter, Slider, Switch, Values
-from graders.scene.prediction import Prediction
+from graders.scene.prediction import Placed, Prediction
 from graders.typography import french
 
 __all__ = [
@@ -59,6 +60,7 @@ __all__ = [
     "Mark",
     "Palette",
     "Parameter",
+    "Placed",
     "Points",
     "Polyline",
     "Pose",

@@ -80,3 +80,21 @@ class RangeBearingModel(GaussianModel):
         of_ranges = np.column_stack([-dx / ranges, -dy / ranges, none])
         of_bearings = np.column_stack([dy / squares, -dx / squares, none - 1.0])
         return np.stack([of_ranges, of_bearings], axis=1).reshape(-1, 3)
+
+
+class RangeModel(RangeBearingModel):
+    """The same robot, which measures ranges alone: a measurement is (l,)."""
+
+    def __init__(self, landmarks: ArrayLike, *, advance_sigma: float, turn_sigma: float, range_sigma: float) -> None:
+        super().__init__(
+            landmarks, advance_sigma=advance_sigma, turn_sigma=turn_sigma, range_sigma=range_sigma, bearing_sigma=1.0
+        )
+        count = len(self.landmarks)
+        self.measurement_angles = np.zeros(count, dtype=np.bool_)
+        self.measurement_noise = range_sigma**2 * np.eye(count)
+
+    def observe(self, states: Floats) -> Floats:
+        return super().observe(states)[:, ::2]
+
+    def observe_jacobian(self, state: Floats) -> Floats:
+        return super().observe_jacobian(state)[::2]

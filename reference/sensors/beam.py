@@ -102,31 +102,38 @@ def log_hit(ranges: Floats, expected: Floats, sigma: float, max_range: float) ->
     return np.where(expected < max_range, density, np.where(ranges >= max_range, 0.0, -np.inf))
 
 
-def plain_log_likelihood(
-    ranges: ArrayLike, expected: ArrayLike, sigma: float, max_range: float, shares: ArrayLike, rate: float
-) -> float:
-    """The sum over beams of the log of (1) with its causes as they are first written: neither cut off nor normalised.
+def plain_densities(model: BeamModel, ranges: ArrayLike, expected: ArrayLike) -> Floats:
+    """The four causes (4, n) as they are first written, neither cut off nor normalised.
 
-        hit N(z; z*, sigma^2) + short rate exp(-rate z) [z <= z*] + beyond [z >= max_range] + random / max_range    (4)
+        N(z; z*, sigma^2),  rate exp(-rate z) [z <= z*],  [z >= max_range],  1 / max_range                     (4)
 
-    Not quite a density: the hit and the short overflow [0, max_range]. `ranges` and `expected` (n,) are lengths in
-    [0, max_range], `shares` (4,) are (hit, short, beyond, random). Raises InvalidArgumentError.
+    Not quite densities: the hit and the short overflow [0, max_range]. `ranges` and `expected` (n,) are lengths in
+    [0, max_range]. Raises InvalidArgumentError.
     """
-    hit, short, beyond, random = np.asarray(shares, dtype=np.float64).tolist()
-    model = BeamModel(max_range, hit, short, beyond, random, sigma, rate)
     z, truth = np.asarray(ranges, dtype=np.float64), np.asarray(expected, dtype=np.float64)
     if z.ndim != 1 or z.shape != truth.shape:
         raise InvalidArgumentError("ranges", f"of shape {z.shape} do not go with expected ones of shape {truth.shape}")
-    causes = np.stack(
+    return np.stack(
         [
-            np.exp(-0.5 * ((z - truth) / sigma) ** 2) / (sigma * np.sqrt(2.0 * np.pi)),
-            np.where(z <= truth, rate * np.exp(-rate * z), 0.0),
-            np.where(z >= max_range, 1.0, 0.0),
-            np.full(z.shape, 1.0 / max_range),
+            np.exp(-0.5 * ((z - truth) / model.sigma) ** 2) / (model.sigma * np.sqrt(2.0 * np.pi)),
+            np.where(z <= truth, model.rate * np.exp(-model.rate * z), 0.0),
+            np.where(z >= model.max_range, 1.0, 0.0),
+            np.full(z.shape, 1.0 / model.max_range),
         ]
     )
+
+
+def plain_log_likelihood(
+    ranges: ArrayLike, expected: ArrayLike, sigma: float, max_range: float, shares: ArrayLike, rate: float
+) -> float:
+    """The sum over beams of the log of the mixture of (4).
+
+    `shares` (4,) are (hit, short, beyond, random). Raises InvalidArgumentError.
+    """
+    hit, short, beyond, random = np.asarray(shares, dtype=np.float64).tolist()
+    model = BeamModel(max_range, hit, short, beyond, random, sigma, rate)
     with np.errstate(divide="ignore"):
-        return float(np.sum(np.log(model.shares @ causes)))
+        return float(np.sum(np.log(model.shares @ plain_densities(model, ranges, expected))))
 
 
 class BeamSensor:

@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 from markupsafe import Markup
 
+from graders.scene.prediction import Placed
+
 
 @dataclass(frozen=True)
 class Option:
@@ -22,7 +24,8 @@ class Poll:
     """A question, named within its module (`rejeux/icp`, `verification/amcl`); `href` leads to it.
 
     `before`: it is asked before a replay plays, and its first answer alone counts; else it is marked in place, as often
-    as one likes. `several`: right answers may be several.
+    as one likes. `several`: right answers may be several. `place`: the answer is a place of the drawing, and the
+    options are how far it may be.
     """
 
     name: str
@@ -32,11 +35,21 @@ class Poll:
     options: tuple[Option, ...]
     before: bool
     several: bool = False
+    place: Placed | None = None
 
     @property
     def right(self) -> str:
         """The right answer, as answers are kept."""
         return ",".join(sorted(option.id for option in self.options if option.right))
+
+    def chosen(self, answer: str) -> frozenset[str]:
+        """The options that an answer is counted for; none where the question does not, or no longer, take it."""
+        if self.place is not None:
+            told = self.place.told(answer)
+            return frozenset() if told is None else frozenset([told])
+        ids = frozenset(answer.split(","))
+        known = ids <= {option.id for option in self.options} and answer == ",".join(sorted(ids))
+        return ids if known and (self.several or len(ids) == 1) else frozenset()
 
 
 @dataclass(frozen=True)

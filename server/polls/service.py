@@ -11,7 +11,7 @@ from markupsafe import Markup, escape
 from sqlalchemy.orm import Session
 
 from graders.core.answers.choice import ChoiceGrader, ChoiceQuestion
-from graders.scene.prediction import Prediction
+from graders.scene.prediction import Placed, Prediction
 from graders.typography import french
 from server.assignments import feedback
 from server.base.errors import Conflict, Invalid, NotFound, Unauthorised
@@ -35,7 +35,7 @@ def of_module(module: Module) -> Mapping[str, Poll]:
 def _of_lesson(module: Module, lesson: Lesson) -> Iterator[Poll]:
     for name in lesson.replays:
         source = load_file(lesson.text.source.path.parents[1] / "rejeux" / f"{name.replace('-', '_')}.py")
-        prediction: Prediction | None = getattr(source, "PREDICTION", None)
+        prediction: Prediction | Placed | None = getattr(source, "PREDICTION", None)
         if prediction is not None:
             yield _before(lesson, name, source.TITLE, prediction)
     for name in lesson.questions:
@@ -44,10 +44,11 @@ def _of_lesson(module: Module, lesson: Lesson) -> Iterator[Poll]:
             yield _after(lesson, name, *found)
 
 
-def _before(lesson: Lesson, name: str, title: str, asked: Prediction) -> Poll:
+def _before(lesson: Lesson, name: str, title: str, asked: Prediction | Placed) -> Poll:
     options = tuple(Option(one, escape(french(words)), one == asked.right) for one, words in asked.answers)
     href = f"/{lesson.module}/lire/{lesson.slug}#rejeu-{name}"
-    return Poll(f"rejeux/{name}", french(title), href, escape(french(asked.question)), options, before=True)
+    place = asked if isinstance(asked, Placed) else None
+    return Poll(f"rejeux/{name}", french(title), href, escape(french(asked.question)), options, True, place=place)
 
 
 def _after(lesson: Lesson, name: str, exercise: Exercise, question: ChoiceQuestion) -> Poll:
@@ -81,9 +82,8 @@ def say(db: Session, account: Account | None, module: Module, poll: Poll, answer
 
     Raises Invalid; Unauthorised for what a visitor expects, which their browser keeps; Conflict where a test asks it.
     """
-    ids = set(answer.split(","))
-    unknown = ids - {option.id for option in poll.options}
-    if unknown or answer != ",".join(sorted(ids)) or (len(ids) > 1 and not poll.several):
+    ids = poll.chosen(answer)
+    if not ids:
         raise Invalid("Cette réponse n’est pas de celles que la question propose.")
     if account is None and poll.before:
         raise Unauthorised("Sans compte, votre navigateur garde ce que vous répondez.")

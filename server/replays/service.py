@@ -17,7 +17,7 @@ import numpy as np
 
 from graders.scene.hands import Start
 from graders.scene.parameters import Draw, Parameter, RefusedError, Value, Values
-from graders.scene.prediction import Prediction
+from graders.scene.prediction import Placed, Prediction
 from graders.scene.replay import Replay
 from graders.typography import french
 from server.base.caches import Lately
@@ -43,7 +43,7 @@ class Script:
     alt: str
     parameters: Mapping[str, Parameter]
     compute: Callable[[Values, np.random.Generator], Replay | Start]
-    prediction: Prediction | None = None
+    prediction: Prediction | Placed | None = None
 
     def read(self, query: Iterable[tuple[str, str]]) -> Values:
         """The settings that an address asks for, defaults elsewhere. Raises Invalid, which names the parameter."""
@@ -158,7 +158,7 @@ def load(module: Path, name: str) -> Script:
 def load_scene(path: Path, name: str) -> Script:
     """The same, of any file that has that form."""
     source = load_file(path)
-    prediction: Prediction | None = getattr(source, "PREDICTION", None)
+    prediction: Prediction | Placed | None = getattr(source, "PREDICTION", None)
     script = Script(name, source.TITLE, source.ALT, dict(source.PARAMETERS), source.compute, prediction)
     script.read(prediction.settings.items() if prediction else ())
     return script

@@ -21,6 +21,8 @@ WHERE = {
     "passant": "telemetre",
     "particules": "localiser",
     "carte": "localiser",
+    "gain": "filtre-bayesien",
+    "faisceau": "telemetre",
 }
 INSIDE = """figure => [...figure.querySelectorAll("table, button")].every(
   (one) => one.getBoundingClientRect().right <= figure.getBoundingClientRect().right,
@@ -158,6 +160,43 @@ def test_the_chain_shares_what_is_missing(visit: NewVisit) -> None:
     flag.focus()
     page.keyboard.press("Shift+ArrowRight")
     expect(said).to_contain_text("de 50,0 cm à 9,81 cm")
+
+
+def test_the_gain_follows_the_spreads_and_the_measurement(visit: NewVisit) -> None:
+    found = figure(visit(), "gain")
+    page, said = found.page, found.locator(SAID)
+    expect(said).to_contain_text("K = 0,83")
+    expect(said).to_contain_text("2,6 fois l’erreur de Kalman")
+    found.get_by_label("Écart-type de la prédiction").fill("0.2")
+    expect(said).to_contain_text("K = 0,14")
+    measure = found.get_by_role("slider", name="Mesure", exact=True)
+    drag(page, measure, 100, 5)
+    page.mouse.up()
+    assert measure.get_attribute("aria-valuetext") != "5,6 m"
+    measure.focus()
+    for _ in range(4):
+        page.keyboard.press("Shift+ArrowRight")
+    expect(said).to_contain_text("écarts-types de ce qu’on attendait")
+
+
+def test_a_mixture_is_set_by_hand_and_em_does_better(visit: NewVisit) -> None:
+    found = figure(visit(), "faisceau")
+    said, table = found.locator(SAID), found.get_by_role("table")
+    expect(said).to_contain_text("−858,5")
+    found.get_by_label("Largeur du bon écho σ").fill("0.3")
+    expect(said).not_to_contain_text("−858,5")
+    found.get_by_role("button", name="Réglages de départ").click()
+    found.get_by_role("button", name="Un tour d’EM").click()
+    expect(table).to_contain_text("−640,3")
+    expect(said).to_contain_text("EM en est là après 1 tour")
+    found.get_by_role("button", name="Jusqu’au bout").click()
+    expect(table).to_contain_text("−609,6")
+    expect(found.get_by_role("button", name="Un tour d’EM")).to_be_disabled()
+    found.get_by_role("button", name="Revenir à vos réglages").click()
+    expect(table).not_to_contain_text("−609,6")
+    found.get_by_label("Hasard").fill("0")
+    found.get_by_label("Largeur du bon écho σ").fill("0.05")
+    expect(said).to_contain_text("impossible")
 
 
 def test_a_walker_turns_the_gaussian_and_not_the_mixture(visit: NewVisit) -> None:

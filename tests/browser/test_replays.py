@@ -145,6 +145,48 @@ def test_what_one_expects_stands_beside_what_happens_and_is_kept(visit: NewVisit
     expect(asked).not_to_contain_text("L’écart passe de 1,8")
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("width", "by"), [(1280, "mouse"), (390, "keys")])
+def test_a_point_is_placed_and_stands_beside_what_happens(visit: NewVisit, width: int, by: str) -> None:
+    visitor = visit(width=width)
+    page = visitor.open("/l20/lire/localiser")
+    figure = page.locator("#rejeu-banane")
+    figure.evaluate("figure => figure.scrollIntoView()")
+    asked, canvas = figure.locator(".replay-prediction"), figure.locator("canvas.replay-canvas")
+    x, y = asked.get_by_label("x, vers la droite"), asked.get_by_label("y, vers le haut")
+    expect(asked).not_to_contain_text("10,14")
+    x.focus()  # the scene of the question comes, at its beginning, and what it tells stays hidden
+    expect(figure.locator(".replay-settings")).to_contain_text("0,12")
+    expect(figure.locator(".replay-summary")).to_be_hidden()
+    before = canvas.screenshot()
+    if by == "mouse":
+        box = canvas.bounding_box()
+        assert box
+        canvas.click(position={"x": 0.7 * box["width"], "y": box["height"] / 2})
+        expect(x).to_have_value(re.compile(r"^\d"))
+    else:
+        for key, times in {"ArrowUp": 1, "Shift+ArrowUp": 3}.items():
+            for _ in range(times):
+                page.keyboard.press(key)
+        expect(x).to_have_value("10")
+        y.fill("7")  # out of the box
+        asked.get_by_role("button").click()
+        expect(asked).to_contain_text("Avant de regarder")
+        y.fill("0.25")
+    assert canvas.screenshot() != before
+    figure.locator(".replay-transport select").select_option("4")
+    asked.get_by_role("button").click()
+    expect(asked).to_contain_text("Vous aviez placé le point en x = 10,")
+    expect(asked).not_to_contain_text("10,14")
+    expect(asked).to_contain_text("c’est bien vu")
+    expect(asked).to_contain_text("en x = 10,14 et y = 0,09")
+    expect(figure.locator(".replay-summary")).to_be_visible()
+    page.reload()
+    figure.evaluate("figure => figure.scrollIntoView()")
+    expect(asked).to_contain_text("Vous aviez placé le point en x = 10,")
+    expect(asked).not_to_contain_text("10,14")
+
+
 def test_a_replay_plays_without_an_answer(visit: NewVisit) -> None:
     page = reading(visit(width=1280), "graphe")
     figure = page.locator("#rejeu-graphe")

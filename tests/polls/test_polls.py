@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import re
 from html import unescape
+from uuid import UUID
 
 import pytest
 from sqlalchemy import select
 
 from server.assignments.models import Mode
-from server.classes.models import Seat, Status
+from server.classes.models import SchoolClass, Seat, Status
 from server.course import Course
 from server.database import Database
 from server.identity.models import Account, Role
@@ -55,13 +56,13 @@ def test_the_first_answer_is_kept_and_shown_again(site: Site) -> None:
     assert elsewhere[1] == "{}"
 
 
-def test_each_seance_of_lessons_asks_questions_of_the_quiz(course: Course) -> None:
+def test_each_seance_of_lessons_and_the_telemeter_ask_questions_of_the_quiz(course: Course) -> None:
     module = course.modules["l20"]
     asked = {lesson.slug: lesson.questions for lesson in module.lessons if lesson.questions}
-    assert asked.keys() == {"localiser", "cartographier", "slam", "ros2"}
+    assert asked.keys() == {"localiser", "cartographier", "slam", "ros2", "recherche", "telemetre"}
     assert all(name.startswith("verification/") for names in asked.values() for name in names)
     every = [name for names in asked.values() for name in names]
-    assert len(set(every)) == len(every) == 26
+    assert len(set(every)) == len(every) == 29
     places = [[option.right for option in service.find(module, name).options].index(True) for name in every]
     assert len(set(places)) > 2
 
@@ -121,7 +122,7 @@ def test_a_test_that_asks_it_is_no_oracle(site: Site) -> None:
         ("/l20/previsions", {"question": "rejeux/_carte", "answer": "bonne"}, 404),
         ("/l20/previsions", {"question": "verification/amcl", "answer": "bosses,precision"}, 422),
         ("/l20/previsions", {"question": "verification/produit", "answer": "zero,zero"}, 422),
-        ("/l20/previsions", {"question": "verification/rayon_court", "answer": "melange"}, 404),
+        ("/l20/previsions", {"question": "verification/augmentee", "answer": "trois_quarts"}, 404),
         ("/l20/previsions", {"question": "../icp", "answer": "bonne"}, 404),
         ("/l21/previsions", ICP, 404),
         ("/l20/previsions", {**ICP, "account": "0"}, 422),
@@ -139,6 +140,31 @@ def test_a_visitor_is_kept_by_their_own_browser(site: Site) -> None:
     assert site.client.post("/l20/previsions", json=ICP).status_code == 401
     with site.database.read() as db:
         assert db.execute(select(PollAnswer)).all() == []
+
+
+def test_a_place_is_kept_as_it_was_put_and_counted_by_how_far_it_was(site: Site) -> None:
+    teacher = person(site, Role.teacher, "Emmy")
+    made = new_class(site.database, teacher.account)
+    people = [person(site, account=seat(site.database, made, new_account(site.database))) for _ in range(4)]
+    said = ["10.25,0", "12,0", "2,-5.5", "11,-1"]
+    for one, answer in zip(people, said, strict=True):
+        sent = one.browser(site).post("/l20/previsions", json={"question": "rejeux/banane", "answer": answer})
+        assert sent.json()["first"] == answer
+    assert kept(site.database, people[0].account) == {"l20/rejeux/banane": ("10.25,0", "10.25,0", 1)}
+    with site.database.write() as db:  # what was said before the question changed
+        repository.keep_first(db, new_account_of(site, made), "l20/rejeux/banane", "deca")
+    page = teacher.browser(site).get(f"/classes/{made.id}/previsions").text
+    banana = page[page.index('href="/l20/lire/localiser#rejeu-banane"') :]
+    assert "4 sur 5 élèves ont répondu, 1 juste." in banana
+    assert re.findall(r'poll-count">(\d+)<', banana)[:3] == ["1", "1", "2"]
+    assert "Entre 0,8 et 1,6 case" in banana
+    for wrong in ("pres", "99,0", "1;2", "10.257,0"):
+        body = {"question": "rejeux/banane", "answer": wrong}
+        assert people[0].browser(site).post("/l20/previsions", json=body).status_code == 422
+
+
+def new_account_of(site: Site, made: SchoolClass) -> UUID:
+    return seat(site.database, made, new_account(site.database)).id
 
 
 def test_answers_are_kept_twice_over_and_move_without_loss(database: Database) -> None:

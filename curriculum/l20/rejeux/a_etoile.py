@@ -17,9 +17,9 @@ from graders.scene.replay import (
     Key,
     Layer,
     Level,
+    Placed,
     Polyline,
     Pose,
-    Prediction,
     Replay,
     Series,
     Slider,
@@ -53,18 +53,17 @@ PARAMETERS = {
     "rayon": Slider("Rayon du robot", 0.0, 1.5, 0.25, 0.25, "case"),
     "prudence": Slider("Coût d'inflation, au bord d'un mur", 0, 20, 1, 3),
 }
-PREDICTION = Prediction(
-    "Pour un robot dont le rayon est de 0,25 case, le chemin fait 19,2 cases. Que devient-il pour un robot trois fois "
-    "plus large, de rayon 0,75 case ?",
-    (
-        ("meme", "À peine plus long : il passe un peu plus loin des murs."),
-        ("detour", "Tout autre, et bien plus long."),
-        ("aucun", "Il n'y en a plus."),
-    ),
-    right="detour",
+PREDICTION = Placed(
+    "Pour un robot dont le rayon est de 0,25 case, le chemin fait 19,2 cases et passe par la porte du haut. En voici "
+    "un trois fois plus large, de rayon 0,75 case. Placez le point où il sera à mi-chemin.",
+    spots=((10.94, 11.83),),
+    box=(0.0, 0.0, 24.0, 16.0),
+    near=2.0,
+    far=5.0,
     why=(
-        "La porte du haut est devenue trop étroite : les bandes interdites, de part et d'autre, s'y rejoignent. A* "
-        "fait le tour par le bas, et le chemin fait 31,5 cases : pour un robot plus large, la carte n'est plus la même."
+        "À mi-chemin, il est en x = 10,9 et y = 11,8, tout en bas. La porte du haut est devenue trop étroite : les "
+        "bandes interdites, de part et d'autre, s'y rejoignent. A* fait le tour, et le chemin fait 31,5 cases : pour "
+        "un robot plus large, la carte n'est plus la même."
     ),
     settings={"rayon": "0.75"},
 )

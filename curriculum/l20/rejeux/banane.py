@@ -12,10 +12,10 @@ from graders.scene.replay import (
     Frame,
     Key,
     Layer,
+    Placed,
     Points,
     Polyline,
     Pose,
-    Prediction,
     Replay,
     Slider,
     Values,
@@ -43,18 +43,18 @@ PARAMETERS = {
     "pas": Slider("Nombre de pas de deux cases", 1, 10, 1, 6),
     "tirage": Draw(),
 }
-PREDICTION = Prediction(
-    "Le robot va tout droit, et chaque particule se trompe surtout en tournant. Où sera la moyenne du nuage ?",
-    (
-        ("la", "Exactement là où l'odométrie place le robot."),
-        ("deca", "En deçà : plus près du départ."),
-        ("dela", "Au-delà : plus loin du départ."),
-    ),
-    right="deca",
+PREDICTION = Placed(
+    "Le robot, parti de l'origine, va tout droit : l'odométrie le place en x = 12, y = 0. Chaque particule se trompe "
+    "surtout en tournant. Placez le point où sera la moyenne du nuage.",
+    spots=((10.14, 0.09),),
+    box=(0.0, -6.0, 14.0, 6.0),
+    near=0.8,
+    far=1.6,
+    up=True,
     why=(
-        "Un cap faux, à droite comme à gauche, fait avancer moins loin dans la bonne direction : les erreurs ne se "
-        "compensent qu'en travers. La moyenne est à 1,87 case de l'endroit que dit l'odométrie, et le nuage se "
-        "courbe en arc autour du départ."
+        "La moyenne est en x = 10,14 et y = 0,09, à 1,87 case de l'endroit que dit l'odométrie, et en deçà. Un cap "
+        "faux, à droite comme à gauche, fait avancer moins loin dans la bonne direction : les erreurs ne se compensent "
+        "qu'en travers, et le nuage se courbe en arc autour du départ."
     ),
     settings={"a2": "0.12", "a3": "0.05"},
 )

@@ -18,8 +18,8 @@ from graders.scene.replay import (
     Grid,
     Key,
     Layer,
+    Placed,
     Pose,
-    Prediction,
     Rays,
     Replay,
     Series,
@@ -48,18 +48,17 @@ PARAMETERS = {
     "portee": Slider("Portée du lidar", 2, 12, 1, 4, "cases"),
     "tirage": Draw(default=3),
 }
-PREDICTION = Prediction(
-    "Le robot part entre deux pièces jumelles, qui se ressemblent comme deux gouttes d'eau. Quand saura-t-il de quel "
-    "côté il est ?",
-    (
-        ("tout_de_suite", "Dès le premier scan."),
-        ("en_chemin", "Après quelques pas, quand un scan distinguera les deux côtés."),
-        ("jamais", "Jamais : tout y est pareil."),
-    ),
-    right="en_chemin",
+PREDICTION = Placed(
+    "Le robot s'éveille en x = 6,5, y = 4,5, entre deux pièces jumelles, et ne le sait pas. Son premier scan ne "
+    "suffira pas : la croyance a 4 bosses ensuite, dont une près de lui. Placez-en une autre.",
+    spots=((2.5, 2.5), (14.5, 2.5), (19.5, 3.5)),
+    box=(0.0, 0.0, 24.0, 11.0),
+    near=1.5,
+    far=3.0,
     why=(
-        "Après le premier scan, la croyance a 4 bosses : il ne suffit pas. C'est en bougeant que le robot rencontre ce "
-        "qui diffère d'un côté à l'autre. À partir du pas 7, il ne reste qu'une bosse, et c'est la bonne."
+        "Les trois autres bosses ont leur sommet en (2,5 ; 2,5), en (14,5 ; 2,5) et en (19,5 ; 3,5) : là aussi, quatre "
+        "rayons liraient à peu près les mêmes distances. C'est en bougeant que le robot rencontre ce qui diffère d'un "
+        "côté à l'autre. À partir du pas 7, il ne reste qu'une bosse, et c'est la bonne."
     ),
     settings={"depart": "jumelles"},
 )

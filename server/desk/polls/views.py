@@ -34,15 +34,14 @@ def polls_page(db: Session, course: Course, place: Place) -> PollsPage:
 
 def _row(poll: Poll, said: Sequence[Said]) -> PollRow:
     """Answers that the question no longer offers are not counted."""
-    known = {option.id for option in poll.options}
-    counting = [one for one in said if known.issuperset(one.first.split(","))]
-    answered = sum(one.students for one in counting)
+    counting = [(poll.chosen(one.first), one.students) for one in said]
+    answered = sum(students for chosen, students in counting if chosen)
     counts = {
-        option.id: sum(one.students for one in counting if option.id in one.first.split(",")) for option in poll.options
+        option.id: sum(students for chosen, students in counting if option.id in chosen) for option in poll.options
     }
     options = tuple(
         OptionRow(option.words, option.right, counts[option.id], round(100 * counts[option.id] / max(1, answered)))
         for option in poll.options
     )
-    found = sum(one.students for one in counting if one.first == poll.right)
+    found = sum(students for chosen, students in counting if ",".join(sorted(chosen)) == poll.right)
     return PollRow(poll.title, poll.href, poll.question, answered, found, options)

@@ -181,6 +181,16 @@ function segments(ctx, paper, layer, colours, shown) {
   ctx.stroke();
 }
 
+/** Filled rectangles, rows of left, bottom, right, top: the bars of a histogram. */
+function boxes(ctx, paper, layer, colours) {
+  const { values } = layer.moved;
+  ctx.fillStyle = css(colours[layer.color], layer.opacity);
+  for (let i = 0; i < values.length; i += 4) {
+    const [x, y] = [paper.x(values[i]), paper.y(values[i + 1])];
+    ctx.fillRect(x, y, paper.x(values[i + 2]) - x, paper.y(values[i + 3]) - y);
+  }
+}
+
 function circles(ctx, paper, layer, colours, shown) {
   const at = layer.moved ?? rows(layer.at);
   for (let i = 0; i < Math.min(at.count, shown); i += 1) {
@@ -226,4 +236,4 @@ function text(ctx, words, x, y, colours, color) {
   ctx.fillText(words, x, y);
 }
 
-export const PAINTERS = { grid, points, pose, rays, polyline, segments, circles, ellipse, labels };
+export const PAINTERS = { grid, points, pose, rays, polyline, segments, boxes, circles, ellipse, labels };

@@ -6,7 +6,7 @@ import { Settings, Transport } from "./controls.js";
 import { button, lowered, make, mark } from "./dom.js";
 import { Drag } from "./drag.js";
 import { ALONE, GOALS, keysHelp } from "./keys.js";
-import { Prediction } from "./prediction.js";
+import { Prediction, same } from "./prediction.js";
 import { Source } from "./source.js";
 import { Stage } from "./stage.js";
 
@@ -85,6 +85,12 @@ export class Player {
     this.prediction.element.scrollIntoView({ block: "start" });
   }
 
+  /** Shows how it begins with these settings, where the reader has others: a point is placed on that drawing. */
+  #prepare(settings) {
+    this.seek(0);
+    if (!same(settings, this.settings.asked())) this.settings.take(settings);
+  }
+
   pause() {
     if (!this.#playing) return;
     this.#playing = false;
@@ -157,7 +163,12 @@ export class Player {
   #asks(prediction) {
     if (!prediction) return null;
     const name = this.figure.dataset.source.split("/").slice(2).join("/");
-    return new Prediction(prediction, name, this.figure, { launch: (settings) => this.launch(settings) });
+    return new Prediction(prediction, name, this.figure, this.stage, {
+      launch: (settings) => this.launch(settings),
+      prepare: (settings) => this.#prepare(settings),
+      now: () => this.settings.asked(),
+      draw: () => this.#draw(),
+    });
   }
 
   /** The canvas, or one for each panel under its title; keys are pressed on the first. */
@@ -207,7 +218,9 @@ export class Player {
     const position = this.#playing && !STILL.matches ? this.#position : index;
     const wish = this.drag.wish;
     const ghost = wish ? [{ kind: "pose", at: wish, color: "ink", radius: 0.4, style: "ghost" }] : [];
-    for (const stage of this.stages) stage.paint(position, this.colours, ghost);
+    const placed = this.prediction?.layers(this.settings.asked()) ?? [];
+    this.summary.hidden = this.prediction?.hides(this.settings.asked()) ?? false;
+    for (const stage of this.stages) stage.paint(position, this.colours, [...ghost, ...placed]);
     for (const plot of this.plots) plot.paint(position, this.colours);
     this.transport.show(index, this.data.frames.length, this.#playing);
     const words = this.#frame().caption;
