@@ -19,7 +19,7 @@ def read_settings(**values: Any) -> Settings:
     faults = [_unknown(name, meant) for name, meant in misspelt(os.environ)]
     try:
         given = {name: value for name, value in values.items() if value is not None}
-        settings = Settings(_secrets_dir=_secrets(), **given)
+        settings = Settings(**{"_secrets_dir": _secrets(), **given})
         faults += _impossible(settings)
     except ValidationError as error:
         faults += map(_refused, error.errors())

@@ -125,7 +125,7 @@ def test_no_command_of_a_page_stands_outside_of_what_is_run() -> None:
             assert any(line.startswith(named) for line in run), named
 
 
-def others(page: Path) -> list[str]:
+def of_others(page: Path) -> list[str]:
     """The commands of other programs that a page says to run, each as one line."""
     blocks = re.findall(r"^```text\n(.*?)^```$", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
     return [line for block in blocks for line in block.splitlines()]
@@ -140,7 +140,7 @@ def test_what_a_page_says_of_the_files_to_deploy_with_is_so() -> None:
         text = page.read_text(encoding="utf-8")
         named |= set(re.findall(r"server/deploy/[\w./@-]*[\w/]", text))
         started |= {
-            word for line in others(page) for word in re.findall(r"\bbalise[\w-]*@?\w*\.(?:service|timer)", line)
+            word for line in of_others(page) for word in re.findall(r"\bbalise[\w-]*@?\w*\.(?:service|timer)", line)
         }
     assert len(named) > 12
     assert {path for path in named if not (ROOT / path).exists()} == set()
@@ -152,7 +152,7 @@ def test_what_a_page_says_of_the_files_to_deploy_with_is_so() -> None:
 def test_a_command_of_ours_inside_another_s_is_one_of_the_command_line() -> None:
     """`docker exec … balise doctor`, `kubectl exec … -- balise admin …`."""
     inside = [
-        re.search(r" exec .*?\bbalise ((?:doctor|admin|backup).*)$", line) for page in PAGES for line in others(page)
+        re.search(r" exec .*?\bbalise ((?:doctor|admin|backup).*)$", line) for page in PAGES for line in of_others(page)
     ]
     found = [one[1] for one in inside if one]
     assert len(found) > 4
