@@ -9,7 +9,7 @@ from __future__ import annotations
 from graders.core.code.checks import Trial
 from graders.core.code.exercise import code
 from graders.l20 import world
-from graders.l20.tp_slam import small
+from graders.l20.tp_slam import places, small
 from graders.l20.tp_slam.maps import mapping
 from graders.l20.tp_slam.probes import PROBES
 from graders.l20.tp_slam.real import through_the_laboratory
@@ -45,7 +45,7 @@ CHECKS = (
         title="A5. Reconnaître les lieux déjà vus, sans se tromper une seule fois",
         points=4,
         functions=("fermetures",),
-        protocol=small.then(small.loops, closing),
+        protocol=small.then(places.loops, closing),
         hint="Qu'est-ce qui distingue une paire qui se ressemble d'une paire que le recalage confirme ?",
     ),
     Trial(

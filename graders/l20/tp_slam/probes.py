@@ -7,7 +7,7 @@ import numpy as np
 from graders.core.code.probes import Probes
 from graders.core.contract.values import Arguments, UnreadableError, Value, read_array
 from graders.l20 import world
-from graders.l20.tp_slam import small
+from graders.l20.tp_slam import places, small
 
 COARSE = 1e-3 / 1e-7
 WHEELS = np.array([(0.2, 0.2), (0.1, 0.25), (0.3, 0.1), (-0.2, 0.2), (0.15, 0.05)])
@@ -49,7 +49,7 @@ PROBES = (
     Probes(function="recaler", calls=tuple(args for args, _, _ in small.MATCHES[1:]), kit=world.STILL, read=read_match),
     Probes(
         function="fermetures",
-        calls=((small.PLACES_SEEN, small.ROUND),),
+        calls=((places.WALKS[0].scans, places.WALKS[0].chain),),
         kit=world.STILL,
         read=read_loops,
     ),
