@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import os
-from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -235,11 +235,11 @@ class Services:
 
     async def keep_recovering(self) -> None:
         seconds = min(RECOVER_EVERY, self.settings.lease_seconds / 3)
-        await _keep(seconds, self.recover, "lost leases could not be looked for; trying again later")
+        await keep(seconds, self.recover, "lost leases could not be looked for; trying again later")
 
     async def keep_tidying(self) -> None:
         """What is to be forgotten is, however long the service runs."""
-        await _keep(TIDY_EVERY, self.tidy, "what has ended could not be removed; trying again later")
+        await keep(TIDY_EVERY, self.tidy, "what has ended could not be removed; trying again later")
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:
@@ -263,16 +263,6 @@ class Services:
                 chore.cancel()
                 with suppress(asyncio.CancelledError):
                     await chore
-
-
-async def _keep(seconds: float, doing: Callable[[], None], failed: str) -> None:
-    """Does it again and again, in a thread, whatever it raises."""
-    while True:
-        await asyncio.sleep(seconds)
-        try:
-            await run_in_threadpool(doing)
-        except Exception:
-            log.exception(failed)
 
 
 def create_app(

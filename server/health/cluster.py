@@ -19,6 +19,7 @@ from server.health import repository
 from server.queue import repository as jobs
 from server.queue.jetstream.connection import Connection, DownError
 from server.queue.jetstream.layout import STREAM, layout
+from server.web.words import plural
 
 ROUNDS = 20
 #: Milliseconds of one question: slower than this, every verdict waits for it several times.
@@ -157,7 +158,11 @@ def _stream(connection: Connection) -> Iterator[Finding]:
     if amiss:
         return
     info = connection.ask(lambda: connection.context.stream_info(STREAM), ANSWER_SECONDS)
-    yield Finding(Level.good, "flux", f"« {STREAM} » et ses consommateurs sont en place, {info.state.messages} tickets")
+    yield Finding(
+        Level.good,
+        "flux",
+        f"« {STREAM} » et ses consommateurs sont en place, {plural(info.state.messages, 'ticket', 'tickets')}",
+    )
     replicas = (info.cluster.replicas or []) if info.cluster else []
     lagging = [one.name for one in replicas if one.offline or not one.current]
     if lagging:
@@ -170,7 +175,8 @@ def _work(settings: Settings, connection: Connection) -> Iterator[Finding]:
     with closing(Database(settings.url)) as database, database.read() as db:
         refused, begun, waiting = jobs.refused(db), jobs.begun(db), jobs.waiting(db)
     for needs, count in refused.items():
-        told = f"{count} travaux attendent un correcteur de {needs.replace('@', ', version ')}"
+        waits = plural(count, "travail attend", "travaux attendent")
+        told = f"{waits} un correcteur de {needs.replace('@', ', version ')}"
         mend = f"démarrez-en un de cette version ; au bout de {settings.version_seconds:g} s, n’importe lequel le prend"
         yield Finding(Level.doubtful, "versions", told, mend)
     try:
@@ -178,7 +184,7 @@ def _work(settings: Settings, connection: Connection) -> Iterator[Finding]:
     except DownError:
         return  # told above
     free = idle.num_waiting or 0
-    told = f"{free} libres, {begun} travaux en cours, {waiting} en attente"
+    told = f"{plural(free, 'libre', 'libres')}, {plural(begun, 'travail', 'travaux')} en cours, {waiting} en attente"
     if free or begun:
         yield Finding(Level.good, "correcteurs", told)
     else:

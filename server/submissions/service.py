@@ -44,8 +44,8 @@ FULL = {
 FULL_FOR_GUESTS = " Ceux qui ont un compte passent avant les invités, et les classes avant tous."
 FULL_SECONDS = 10
 OUTDATED = (
-    "En attente : cet exercice vient de changer, et les correcteurs de cette version ne sont pas encore là. Votre "
-    "envoi est gardé, et sera corrigé dans quelques minutes au plus tard."
+    "En attente : cet exercice vient de changer, et votre envoi attend un correcteur de la même version. Il est gardé, "
+    "et sera corrigé dans quelques minutes au plus tard."
 )
 UNATTENDED = (
     "En attente : plus rien n’est corrigé depuis un moment. Votre envoi est gardé, et sera corrigé dès que la "

@@ -54,7 +54,7 @@ def test_what_waits_for_another_version_is_told(environment: Settings, machines:
         assert machine.queue.refuse(db, [GRADE], Able([], 60.0))
     status, text = told(capsys)
     assert status == 0
-    assert "! versions : 1 travaux attendent un correcteur de l20/poses, version abc" in text
+    assert "! versions : 1 travail attend un correcteur de l20/poses, version abc" in text
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import json
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -19,11 +20,12 @@ from starlette.testclient import TestClient
 from server.base import logs
 from server.base.logs import JsonLines
 from server.base.middleware import Trail
-from server.base.provided import provided_to
+from server.base.provided import provide, provided_to
 from server.base.tally import TEMPLATE_RENEWALS
 from server.grading.supervisor import Supervisor
 from server.health import repository
 from server.health.metrics import Metrics
+from server.health.readiness import Readiness
 from server.queue.models import Job
 from server.queue.switchboard import Switchboard
 from tests.support.service import EXERCISE, Site
@@ -49,6 +51,15 @@ def test_alive_asks_nothing_and_ready_says_what_is_amiss(site: Site, monkeypatch
     assert site.client.get("/readyz").status_code == 200
     supervisor.expect_the_end()
     assert site.client.get("/readyz").json()["checks"]["service"] == "stopping"
+
+
+def test_without_what_carries_the_work_it_serves_and_says_so(site: Site) -> None:
+    assert "nats" not in site.client.get("/readyz").json()["checks"], "one machine has none"
+    readiness = provided_to(site.app, Readiness)
+    for state, status in (("unreachable", "degraded"), ("ok", "ok")):
+        provide(site.app, replace(readiness, carrier=lambda state=state: state))
+        answer = site.client.get("/readyz")
+        assert (answer.status_code, answer.json()["status"], answer.json()["checks"]["nats"]) == (200, status, state)
 
 
 def _fails(_db: Session) -> None:
