@@ -16,7 +16,7 @@ from urllib.parse import urlsplit
 #: Where a link leads that needs the service.
 ON_THE_SERVER = "sur-le-serveur.html"
 #: Our templates and our Markdown write every address so, and escape quotes in what they show.
-ADDRESS = re.compile(r'(?<=\s)(href|src|data-source|data-action|data-answers)="(/[^"]*)"')
+ADDRESS = re.compile(r'(?<=\s)(href|src|data-source|data-hands|data-action|data-answers)="(/[^"]*)"')
 
 
 @dataclass(frozen=True)

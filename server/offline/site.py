@@ -24,6 +24,7 @@ from server.reading import gates
 from server.reading import service as reading
 from server.reading.downloads import Downloads
 from server.replays import service as replays
+from server.text.markup.text import still_of
 from server.web import assets
 from server.web.rendering import account_view, environment
 from server.web.views import exercise_href, lesson_href, module_link
@@ -96,6 +97,8 @@ class Site:
             yield f"/{slug}/figures/{name}.svg?theme={theme}", f"figures/{name}-{theme}.svg"
         for name in self._replays():
             yield f"/{slug}/rejeux/{name}", f"rejeux/{name}.js"
+        for name in self._hands():
+            yield f"/{slug}/manipulations/{name}", f"manipulations/{name}.js"
         for name in self._module.files:
             yield f"/{slug}/fichiers/{name}.zip", f"fichiers/{name}.zip"
         if slug in self._module.kits:
@@ -105,6 +108,16 @@ class Site:
         if self._on_paper:
             return []
         return list(dict.fromkeys(name for lesson in self._module.lessons for name in lesson.replays))
+
+    def _hands(self) -> list[str]:
+        """The manipulations that ask nothing of the service but what they begin with."""
+        if self._on_paper:
+            return []
+        shown = {still for lesson in self._module.lessons for still in lesson.stills}
+        names = self._scripts.manipulations(self._module.slug)
+        return [
+            name for name in names if still_of(name) in shown and self._scripts.stands_alone(self._module.slug, name)
+        ]
 
     def _pages(self) -> Iterator[tuple[str, str]]:
         module = self._module
@@ -147,6 +160,8 @@ class Site:
             yield f"figures/{name}-{theme}.svg", picture
         for name in self._replays():
             yield f"rejeux/{name}.js", self._scene(name)
+        for name in self._hands():
+            yield f"manipulations/{name}.js", self._follower(name)
         for name in self._module.files:
             yield f"fichiers/{name}.zip", self._downloads.archive(slug, name)
         if slug in self._module.kits:
@@ -159,6 +174,12 @@ class Site:
         settings = [{}, dict(asked)] if asked else [{}]
         scenes = {_compact(sorted(one.items())): script.run(script.read(one.items())) for one in settings}
         return f"globalThis.baliseScenes[{json.dumps(name)}] = {_compact(scenes)};\n".encode()
+
+    def _follower(self, name: str) -> bytes:
+        """A manipulation as a script: what it begins with, and its own scripts as texts."""
+        begins = self._scripts.find_manipulation(self._module.slug, name)
+        brought = {"scene": begins.run(begins.read([])), "scripts": self._scripts.scripts(self._module.slug, name)}
+        return f"globalThis.baliseHands[{json.dumps(name)}] = {_compact(brought)};\n".encode()
 
 
 def _compact(value: Any) -> str:

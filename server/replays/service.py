@@ -32,6 +32,8 @@ LONGEST_VALUE = 80  # characters, where a parameter does not say otherwise
 FILE = re.compile(r"[a-z]+(-[a-z]+)*\.js")
 NO_REPLAY = "Cette animation n’existe pas."
 NO_MANIPULATION = "Cette manipulation n’existe pas."
+#: How a manipulation's script asks for a film of its own settings (`run`, in manipulations/bench.js).
+HAS_IT_COMPUTED = re.compile(r"\bbench\.run\(")
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,6 +117,15 @@ class Replays:
         if not FILE.fullmatch(file) or not path.is_file():
             raise NotFound(NO_MANIPULATION)
         return path.read_text(encoding="utf-8")
+
+    def scripts(self, module: str, name: str) -> dict[str, str]:
+        """All of them, by their names. Raises NotFound."""
+        folder = self._manipulation(module, name)
+        return {path.name: self.script(module, name, path.name) for path in sorted(folder.glob("[!_.]*.js"))}
+
+    def stands_alone(self, module: str, name: str) -> bool:
+        """Whether its scripts have nothing computed here once it has begun. Raises NotFound."""
+        return not any(HAS_IT_COMPUTED.search(text) for text in self.scripts(module, name).values())
 
     def manipulations(self, module: str) -> tuple[str, ...]:
         """The manipulations of a module, as addresses name them."""

@@ -82,6 +82,19 @@ def test_a_pupil_reads_and_plays_without_a_network(page: Page, folder: Path) -> 
     expect(page.locator("h1")).to_have_text("Glossaire")
 
 
+def test_springs_are_in_the_hand_without_a_network(page: Page, folder: Path) -> None:
+    page.goto((folder / "lire" / "slam.html").as_uri())
+    figure = page.locator("#manipulation-ressorts")
+    figure.scroll_into_view_if_needed()
+    said = figure.locator(".hands-caption, .replay-caption").first
+    expect(said).to_contain_text("2\u202f111")
+    figure.get_by_role("button", name="Détendre").click()
+    expect(said).to_contain_text("12,2")
+    expect(figure.locator(".offline-note")).to_have_count(0)
+    page.goto((folder / "lire" / "localiser.html").as_uri())
+    expect(page.locator("#manipulation-particules .offline-note")).to_be_visible()
+
+
 def test_every_page_opens(page: Page, folder: Path) -> None:
     for path in sorted(folder.rglob("*.html")):
         page.goto(path.as_uri())

@@ -45,7 +45,11 @@ class Page(HTMLParser):
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         given = dict(attrs)
         self.places |= {given.get("id") or ""}
-        self.asked += [(name, value or "") for name, value in attrs if name in {"href", "src", "data-source", "srcset"}]
+        self.asked += [
+            (name, value or "")
+            for name, value in attrs
+            if name in {"href", "src", "data-source", "data-hands", "srcset"}
+        ]
         if re.fullmatch("h[1-6]", tag):
             self.levels.append(int(tag[1]))
         if tag == "img" and given.get("alt") is None:
@@ -99,6 +103,18 @@ def test_all_that_a_page_asks_for_is_in_the_archive() -> None:
     assert [one for one in wrong if one[2]] == []
     assert {"balise-l20/index.html", "balise-l20/lire/slam.html", "balise-l20/exercices/poses.html"} <= pages().keys()
     assert sum(name.startswith("balise-l20/figures/") for name in opened()) > 10
+
+
+def test_a_manipulation_that_needs_no_server_comes_along() -> None:
+    """`ressorts` follows the hand by its own scripts; `particules` has a filter run by the service."""
+    assert [name for name in opened() if "/manipulations/" in name] == ["balise-l20/manipulations/ressorts.js"]
+    text = opened()["balise-l20/manipulations/ressorts.js"].decode()
+    start, brought = text.removesuffix(";\n").split(" = ", 1)
+    assert start == 'globalThis.baliseHands["ressorts"]'
+    assert json.loads(brought)["scripts"].keys() == {"main.js", "calcul.js"}
+    course = the_course()
+    whole = site.Site(course, course.modules["l20"], {}, Downloads(course))
+    assert whole._hands() == ["elastique", "passant", "ressorts"]
 
 
 def test_nothing_is_asked_of_the_network() -> None:

@@ -3,7 +3,7 @@
 
 import { button, make } from "../replays/dom.js";
 import { Bench } from "./bench.js";
-import { load } from "./load.js";
+import { load, Origin } from "./load.js";
 
 export function enhance(root = document) {
   const watch = new IntersectionObserver(
@@ -28,7 +28,7 @@ async function begin(figure) {
   const place = figure.querySelector(".replay-stage");
   const address = figure.dataset.hands;
   try {
-    const [scene, script] = await Promise.all([load(address), import(new URL(`${address}/main.js`, location.href).href)]);
+    const [scene, script] = await Promise.all([load(address), Origin.script(address)]);
     const bench = new Bench(place, address, scene);
     script.begin(bench, scene);
     figure.dataset.ready = "yes";
