@@ -36,7 +36,7 @@ export class Bench {
     this.side = make("div", { class: "hands-side" });
     const title = make("p", { class: "replay-title" }, ...lowered(scene.title));
     const both = make("div", { class: "hands-both" }, this.view, this.side);
-    place.replaceChildren(make("div", { class: "replay-body" }, title, this.legend, both, this.aloud));
+    place.replaceChildren(make("div", { class: "replay-body replay-body-beside" }, title, this.legend, both, this.aloud));
     this.stage = new Stage(this.canvas);
     this.show(scene);
     this.colours = readColours(place);

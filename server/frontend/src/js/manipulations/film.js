@@ -23,7 +23,7 @@ export class Film {
       speed: (to) => (this.#speed = to),
     });
     this.plots = scene.charts.map((one) => new Chart(one, (index) => this.#seek(index)));
-    this.charts = make("div", { class: "replay-charts" }, ...this.plots.map((plot) => plot.element));
+    this.charts = make("div", { class: this.plots.length > 1 ? "replay-charts replay-charts-two" : "replay-charts" }, ...this.plots.map((plot) => plot.element));
     this.summary = make("div", { class: "replay-summary" }, ...scene.summary.map((text) => make("p", {}, ...lowered(text))));
   }
 

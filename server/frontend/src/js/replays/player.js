@@ -145,7 +145,9 @@ export class Player {
     });
     this.title.replaceChildren(...lowered(data.title));
     this.canvas.setAttribute("aria-label", data.alt);
-    this.view = make("div", { class: "replay-view" }, this.#drawings(data), this.caption);
+    const several = Boolean(data.panels);
+    this.view = make("div", { class: several ? "replay-view replay-several" : "replay-view" }, this.#drawings(data), this.caption);
+    this.body.classList.toggle("replay-body-beside", !several && !this.settings.element.hidden);
     const { title, legend, view, transport, charts, settings, summary } = this;
     const turns = data.parameters.find((one) => one.kind === "pose")?.turns;
     const help = keysHelp(turns);
@@ -188,6 +190,7 @@ export class Player {
     if (this.plots.length === charts.length && charts.every((one, i) => this.plots[i].update(one))) return;
     this.plots = charts.map((one) => new Chart(one, (index) => this.seek(index)));
     this.charts.replaceChildren(...this.plots.map((plot) => plot.element));
+    this.charts.classList.toggle("replay-charts-two", charts.length > 1);
   }
 
   #showLegend(legend) {
