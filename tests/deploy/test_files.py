@@ -102,7 +102,7 @@ def test_there_are_files_and_they_name_settings() -> None:
     assert sum("BALISE_" in path.read_text(encoding="utf-8") for path in FILES) > 8
 
 
-@pytest.mark.parametrize(("where", "arguments"), commands(), ids=lambda one: one if isinstance(one, str) else "")
+@pytest.mark.parametrize(("where", "arguments"), list(commands()), ids=lambda one: one if isinstance(one, str) else "")
 def test_every_command_is_one_of_the_command_line(where: str, arguments: list[str]) -> None:
     assert where
     parsed = _parser().parse_args(arguments)
