@@ -102,6 +102,15 @@ def test_there_are_files_and_they_name_settings() -> None:
     assert sum("BALISE_" in path.read_text(encoding="utf-8") for path in FILES) > 8
 
 
+def test_the_settings_of_systemd_are_understood_those_that_are_left_out_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    lines = re.findall(r"^#?(BALISE_\w+)=(.*)$", text("systemd/balise.env"), re.MULTILINE)
+    assert len(lines) > 4
+    for name, value in lines:
+        monkeypatch.setenv(name, value)
+    settings = Settings()
+    assert (settings.root_path, settings.trusted_proxies, settings.workers) == ("/balise", ("127.0.0.1",), 2)
+
+
 @pytest.mark.parametrize(("where", "arguments"), list(commands()), ids=lambda one: one if isinstance(one, str) else "")
 def test_every_command_is_one_of_the_command_line(where: str, arguments: list[str]) -> None:
     assert where
