@@ -7,14 +7,14 @@ from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fastapi import FastAPI
 from sqlalchemy.exc import SQLAlchemyError
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware.gzip import GZipMiddleware
 
-from server.api.documentation import completed
+from server.api import documentation
 from server.api.guide import router as guide_router
 from server.api.routes import router as api_router
 from server.base import middleware, root
@@ -299,7 +299,7 @@ def create_app(
     for router in ROUTERS:
         app.include_router(router)
     errors.install(app)
-    _lesson(app)
+    documentation.install(app)
     return app
 
 
@@ -329,14 +329,3 @@ def _protect(app: FastAPI, settings: Settings) -> None:
     app.add_middleware(middleware.Trail, proxied=bool(settings.trusted_proxies))
     if settings.root_path:
         app.add_middleware(root.Mounted, root=settings.root_path)
-
-
-def _lesson(app: FastAPI) -> None:
-    original = app.openapi
-
-    def openapi() -> dict[str, Any]:
-        if not app.openapi_schema:
-            app.openapi_schema = completed(original())
-        return app.openapi_schema
-
-    app.openapi = openapi  # type: ignore[method-assign]

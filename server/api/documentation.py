@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from fastapi import FastAPI
+
 from server.api.schemas import ProblemOut
 from server.base import root
 
@@ -37,7 +39,7 @@ def content(description: str, media_type: str) -> dict[str, Any]:
     return {"description": description, "content": {media_type: {"schema": {"type": "string"}}}}
 
 
-def completed(document: dict[str, Any]) -> dict[str, Any]:
+def _completed(document: dict[str, Any]) -> dict[str, Any]:
     """Adds the problem document's schema, and puts it wherever FastAPI announces its own validation error; and where
     the paths begin, when that is not the site's root."""
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
@@ -53,3 +55,15 @@ def completed(document: dict[str, Any]) -> dict[str, Any]:
     if root.root():
         document["servers"] = [{"url": root.root()}]
     return document
+
+
+def install(app: FastAPI) -> None:
+    """Has the application describe itself so."""
+    original = app.openapi
+
+    def openapi() -> dict[str, Any]:
+        if not app.openapi_schema:
+            app.openapi_schema = _completed(original())
+        return app.openapi_schema
+
+    app.openapi = openapi  # type: ignore[method-assign]

@@ -94,7 +94,7 @@ def test_every_setting_that_a_file_names_is_one(path: Path) -> None:
     assert named <= KNOWN
     if path.parent.name == "compose":
         assert secrets <= KNOWN
-    assert not re.search(r"^\s*(Environment=)?BALISE_(\w*_URL|METRICS_TOKEN)\s*[=:]\s*\S", content, re.MULTILINE)
+    assert not re.search(r"^\s*(Environment=)?BALISE_(DATABASE_URL|\w*_TOKEN)\s*[=:]\s*\S", content, re.MULTILINE)
 
 
 def test_there_are_files_and_they_name_settings() -> None:
@@ -102,7 +102,16 @@ def test_there_are_files_and_they_name_settings() -> None:
     assert sum("BALISE_" in path.read_text(encoding="utf-8") for path in FILES) > 8
 
 
-@pytest.mark.parametrize(("where", "arguments"), commands(), ids=lambda one: one if isinstance(one, str) else "")
+def test_the_settings_of_systemd_are_understood_those_that_are_left_out_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    lines = re.findall(r"^#?(BALISE_\w+)=(.*)$", text("systemd/balise.env"), re.MULTILINE)
+    assert len(lines) > 4
+    for name, value in lines:
+        monkeypatch.setenv(name, value)
+    settings = Settings()
+    assert (settings.root_path, settings.trusted_proxies, settings.workers) == ("/balise", ("127.0.0.1",), 2)
+
+
+@pytest.mark.parametrize(("where", "arguments"), list(commands()), ids=lambda one: one if isinstance(one, str) else "")
 def test_every_command_is_one_of_the_command_line(where: str, arguments: list[str]) -> None:
     assert where
     parsed = _parser().parse_args(arguments)
@@ -118,7 +127,7 @@ def test_the_image_is_of_this_version_and_has_what_it_needs() -> None:
     assert compose()["x-balise"]["image"] == f"balise:{version}"
     assert documents("kubernetes/kustomization.yaml")[0]["images"] == [{"name": "balise", "newTag": version}]
     extras = set(re.search(r"ARG EXTRAS=(.*)", container)[1].split(","))  # type: ignore[index]
-    assert {"postgresql", "fast"} <= extras <= {*PROJECT["project"]["optional-dependencies"], "nats"}
+    assert {"postgresql", "nats", "fast"} <= extras <= set(PROJECT["project"]["optional-dependencies"])
     python = re.search(r"ARG PYTHON=([\d.]+)", container)
     assert python
     assert tuple(map(int, python[1].split("."))) >= (3, 11)
@@ -248,7 +257,7 @@ def test_probes_ask_what_the_service_answers(site: Site) -> None:
 
 
 def test_graders_are_scaled_by_what_students_wait_for() -> None:
-    layout = pytest.importorskip("server.queue.jetstream.layout", reason="the engine on NATS is not there yet")
+    layout = pytest.importorskip("server.queue.jetstream.layout", reason="nats-py is not installed")
     trigger = objects("ScaledObject")["worker"]["spec"]["triggers"][0]["metadata"]
     assert trigger["stream"] == layout.STREAM
     assert trigger["consumer"] == layout.Desk("grade", "interactive").consumer
