@@ -18,6 +18,7 @@ from server.api import documentation
 from server.api.guide import router as guide_router
 from server.api.routes import router as api_router
 from server.base import middleware, root
+from server.base.chores import keep
 from server.base.gate import Gate
 from server.base.helper import Helper
 from server.base.provided import check_provided, provide

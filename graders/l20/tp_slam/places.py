@@ -10,8 +10,9 @@ import numpy as np
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.contract.values import Floats
+from graders.l20.tp_slam.chain import Loop
 from graders.l20.tp_slam.small import seen_from
-from graders.l20.tp_slam.stages import GAP, TRUE_LOOP, TRUE_LOOP_TURN, Loop, read_loops
+from graders.l20.tp_slam.stages import GAP, TRUE_LOOP, TRUE_LOOP_TURN, read_loops
 from reference.se2 import compose, relative, wrap_angle
 
 Pair = tuple[int, int]
@@ -103,7 +104,9 @@ def _back_in_the_hall() -> Walk:
     """
     k = np.arange(25)
     around = 2.0 * np.pi * k / 25.0
-    truth = np.column_stack([0.5 + 1.6 * np.cos(around), -0.4 + 0.55 * np.sin(around), wrap_angle(2.4 * k)])
+    truth = np.column_stack(
+        [0.5 + 1.6 * np.cos(around), -0.4 + 0.55 * np.sin(around), wrap_angle(np.arange(0.0, 60.0, 2.4))]
+    )
     scans = np.array([_scan(CORRIDOR, pose, 180) + 0.5 + 0.12 * j for j, pose in enumerate(truth)])
     truth[THERE] = -1.25, -0.31, -1.74
     truth[AGAIN] = compose(truth[THERE], np.array([0.18, -0.07, -0.99]))
