@@ -17,6 +17,7 @@ from server.base import logs
 from server.base.errors import Forbidden, ServiceError, TooLarge
 from server.base.request import COOKIE, SAFE_METHODS
 from server.base.sizes import size
+from server.base.tally import VISITS
 
 CONTENT_SECURITY_POLICY = "; ".join(
     (
@@ -38,6 +39,8 @@ SECURITY_HEADERS = {
     "Cross-Origin-Opener-Policy": "same-origin",
 }
 API = "/api/"
+#: Who asks there watches the service, and is no visitor.
+WATCHING = frozenset({"/healthz", "/readyz", "/metrics", "/statusz"})
 REQUEST_ID = "X-Request-ID"
 Refuse = Callable[[Request, ServiceError], Response]
 
@@ -69,9 +72,19 @@ class Trail:
             try:
                 await self._app(scope, receive, send_with_name)
             finally:
+                if scope["path"] not in WATCHING:
+                    VISITS.note(_visitor(scope))
                 route = getattr(scope.get("route"), "path", "")
                 seconds = round(time.perf_counter() - began, 4)
                 logs.tell("request", method=scope["method"], route=route, status=status, seconds=seconds)
+
+
+def _visitor(scope: Scope) -> bytes:
+    """What tells one from another: the session or the token that they show, else where they come from."""
+    for name, value in scope["headers"]:
+        if name in {b"cookie", b"authorization"}:
+            return bytes(value)
+    return str((scope.get("client") or ("",))[0]).encode()
 
 
 class SecurityHeaders:

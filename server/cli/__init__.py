@@ -71,6 +71,8 @@ def _parser() -> argparse.ArgumentParser:
     commands.add_parser(
         "worker", help="corrige pour un serveur, depuis une autre machine (BALISE_DATABASE_URL, BALISE_NATS_URL)"
     )
+    help_text = "montre ce que fait le service en ce moment, et le rafraîchit"
+    options.top(commands.add_parser("top", help=help_text, description=f"{help_text.capitalize()}."))
     help_text = "sauvegarde la base de données, le service allant son cours, et vérifie la sauvegarde"
     options.backup(commands.add_parser("backup", help=help_text, description=f"{help_text.capitalize()}."))
     help_text = "remet une sauvegarde à la place de la base de données, le service étant arrêté"

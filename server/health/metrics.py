@@ -43,6 +43,10 @@ class Metrics:
         """The walls of the sandbox as they were probed: whether each stands."""
         self._walls = dict(walls)
 
+    @property
+    def walls(self) -> Mapping[str, bool]:
+        return self._walls
+
     def exposed(self) -> tuple[bytes, str]:
         """The text that Prometheus reads, and its media type."""
         from prometheus_client.exposition import CONTENT_TYPE_LATEST, generate_latest

@@ -42,6 +42,10 @@ class Events:
         self._closed = True
         self._moved()
 
+    def following(self) -> int:
+        """How many pages and programs follow something at this moment."""
+        return sum(map(len, list(self._watchers.values())))
+
     def changed(self, key: str) -> None:
         """The job of this key has changed state: its watchers look at once, the others soon (their place has moved)."""
         self._wake(key)
