@@ -13,7 +13,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from server.base import logs
+from server.base import logs, traces
 from server.base.errors import Forbidden, ServiceError, TooLarge
 from server.base.request import COOKIE, SAFE_METHODS
 from server.base.sizes import size
@@ -68,15 +68,23 @@ class Trail:
                 MutableHeaders(scope=message)[REQUEST_ID] = name
             await send(message)
 
-        with logs.on_behalf(name):
+        parent = Headers(scope=scope).get(traces.TRACE, "") if self._proxied else ""
+        with logs.on_behalf(name), traces.request(scope["method"], parent) as span:
             try:
                 await self._app(scope, receive, send_with_name)
             finally:
                 if scope["path"] not in WATCHING:
                     VISITS.note(_visitor(scope))
-                route = getattr(scope.get("route"), "path", "")
+                route = _route(scope)
                 seconds = round(time.perf_counter() - began, 4)
+                traces.answered(span, scope["method"], route, status)
                 logs.tell("request", method=scope["method"], route=route, status=status, seconds=seconds)
+
+
+def _route(scope: Scope) -> str:
+    """The path of the route that answered; of a router's, with what it was included under, where FastAPI tells it."""
+    included = scope.get("fastapi", {}).get("effective_route_context")
+    return str(getattr(included, "path", "") or getattr(scope.get("route"), "path", ""))
 
 
 def _visitor(scope: Scope) -> bytes:

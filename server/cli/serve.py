@@ -21,7 +21,7 @@ from server.base.provided import provided_to
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.alone import alone
-from server.cli.configuration import read_settings
+from server.cli.configuration import read_settings, start_traces
 from server.cli.local import Probing, require_safe_sandbox, start_probing
 from server.course import Course, load
 from server.course.memory import MEMORY, Memory
@@ -56,6 +56,7 @@ def serve(settings: Settings, host: str, port: int, announce: Announce, prepare:
     """The service, until it is told to stop. `prepare` comes before it, on a migrated database; `announce` once it
     answers, with its address."""
     logs.start("", settings.log_format)
+    start_traces("web")
     with _listening(host, port) as listener, alone(settings):
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, _leave)

@@ -9,9 +9,9 @@ from contextlib import closing
 from sqlalchemy import make_url
 from sqlalchemy.exc import OperationalError
 
-from server.base import logs
+from server.base import logs, traces
 from server.cli import CannotRun
-from server.cli.configuration import read_settings
+from server.cli.configuration import read_settings, start_traces
 from server.cli.local import require_safe_sandbox, start_probing
 from server.database import Database
 from server.database.migrate import WrongSchema, require_current
@@ -33,6 +33,7 @@ def run(_arguments: Namespace) -> int:
         raise CannotRun("indiquez la base de données du serveur dans BALISE_DATABASE_URL.")
     require_safe_sandbox(start_probing())
     logs.start(f"worker[{os.getpid()}]", settings.log_format, logging.INFO)
+    start_traces(f"worker[{os.getpid()}]")
     stop_on_signals(interrupt=True)
     try:
         with closing(Database(settings.url)) as database:
@@ -48,4 +49,6 @@ def run(_arguments: Namespace) -> int:
         raise CannotRun(str(wrong)) from wrong
     except OperationalError as error:
         raise CannotRun(f"la base de données ne répond pas : {error.orig}") from error
+    finally:
+        traces.stop()
     return 0

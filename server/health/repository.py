@@ -57,7 +57,7 @@ def leased(db: Session, most: int) -> Sequence[Row[str | None, str, str, datetim
 
 def exercises_of(db: Session, submissions: Collection[UUID]) -> Mapping[UUID, str]:
     query = select(Submission.id, Submission.exercise).where(Submission.id.in_(submissions))
-    return dict(db.execute(query).tuples().all())
+    return dict(db.execute(query).all())
 
 
 def graded_since(db: Session, since: datetime) -> int:
