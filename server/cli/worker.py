@@ -17,6 +17,7 @@ from server.database import Database
 from server.database.migrate import WrongSchema, require_current
 from server.grading.process import run as run_worker
 from server.grading.process import stop_on_signals
+from server.health.counts import Counts
 from server.queue.polling import Polling
 from server.queue.port import NoSignals
 from server.queue.stopping import Stop
@@ -42,7 +43,8 @@ def run(_arguments: Namespace) -> int:
             print(ALONE, file=sys.stderr)
         place = make_url(settings.url).render_as_string(hide_password=True)
         print(f"Balise corrige ce qui attend dans {place} ; Ctrl+C pour arrêter.", flush=True)
-        run_worker(settings, Polling(), NoSignals())
+        with closing(Database(settings.url)) as database:
+            run_worker(settings, Polling(), NoSignals(), Counts(database).renewed)
     except Stop:
         return 0
     except WrongSchema as wrong:

@@ -7,7 +7,9 @@ from uuid import UUID
 from sqlalchemy import Row, exists, func, select, text
 from sqlalchemy.orm import Session, aliased
 
+from server.database import table_of, upserting
 from server.gradebook.models import Grading
+from server.health.models import Count
 from server.queue.models import Job
 from server.submissions.models import Submission
 
@@ -71,3 +73,15 @@ def failed(db: Session, outcome: str, since: datetime, most: int) -> Sequence[Ro
     query = select(Grading.finished_at, Submission.exercise).join(Submission, Submission.id == Grading.submission_id)
     query = query.where(Grading.finished_at >= since, Grading.outcome == outcome)
     return db.execute(query.order_by(Grading.finished_at.desc()).limit(most)).all()
+
+
+def count(db: Session, name: str, why: str) -> None:
+    """That it happened once more."""
+    statement = upserting(db, Count).values(name=name, why=why, times=1)
+    again = {"times": table_of(Count).c.times + 1}
+    db.execute(statement.on_conflict_do_update(index_elements=["name", "why"], set_=again))
+
+
+def counted(db: Session, name: str) -> Mapping[str, int]:
+    """How often it happened, by why."""
+    return dict(db.execute(select(Count.why, Count.times).where(Count.name == name)).all())
