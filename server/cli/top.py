@@ -53,7 +53,7 @@ def _remote(arguments: Namespace) -> Read:
 
     def read() -> Json:
         try:
-            return ask(client, "GET", "/statusz")
+            return ask(client, "GET", "/statusz", headers={"Accept": "application/json"})
         except (httpx.HTTPError, httpx.InvalidURL) as error:
             raise CannotRun(explained(error, server)) from error
 
@@ -138,8 +138,8 @@ def _head(state: Json) -> Iterator[str]:
         yield "  Lu dans la base : visiteurs, protections et journaux se lisent avec --server."
     else:
         yield (
-            f"  {process['visitors']} visiteurs (5 min) · {process['requests_per_minute']:.0f} demandes/min · "
-            f"{process['following']} pages suivent"
+            f"  Visiteurs (5 min) : {process['visitors']} · demandes/min : {process['requests_per_minute']:.0f} · "
+            f"pages en direct : {process['following']}"
         )
         yield from _amiss(process)
     times = "aucun depuis 15 min" if verdicts["p50"] is None else (
