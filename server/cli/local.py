@@ -7,7 +7,7 @@ from contextlib import contextmanager, suppress
 from graders.core.contract.kits import kits_of
 from server.cli import CannotRun
 from server.course import Course, Exercise, load
-from server.course.service import ROOT
+from server.course.service import MODULE_SLUG, ROOT
 from server.grading.joint import Grader
 from server.sandbox import Sandbox, SandboxFault, WallReport, WallStatus, probe, safe_to_serve
 from server.sandbox.install import import_set
@@ -65,10 +65,12 @@ def require_safe_sandbox(probing: Probing) -> list[WallReport]:
 @contextmanager
 def beginning(exercise_id: str, source: bytes) -> Iterator[Future[Sandbox]]:
     """A sandbox for a program of an exercise, the template of which comes up while other things are read."""
-    module = ROOT / "curriculum" / exercise_id.partition("/")[0]
+    slug = exercise_id.partition("/")[0]
+    module = ROOT / "curriculum" / slug
 
     def start() -> Sandbox:
-        files = kits_of(module).items() if module.is_dir() else ()
+        known = MODULE_SLUG.fullmatch(slug) and module.is_dir()
+        files = kits_of(module).items() if known else ()  # what is no module is told when it is read
         kits = {name: {place: path.read_text(encoding="utf-8") for place, path in kit.items()} for name, kit in files}
         sandbox = Sandbox(kits)
         with suppress(SandboxFault):  # told when the program meets it

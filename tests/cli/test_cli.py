@@ -75,6 +75,8 @@ def test_what_cannot_be_graded_has_its_own_status(right: Path, tmp_path: Path, m
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert main(["grade", "l20/inconnu", str(right)]) == 2
     assert "n’existe pas" in capsys.readouterr().err
+    assert main(["grade", "../x", str(right)]) == 2
+    assert "n’existe pas" in capsys.readouterr().err
     assert main(["grade", EXERCISE, str(tmp_path / "absent.py")]) == 2
     assert main(["grade", EXERCISE, str(tmp_path)]) == 2
     assert "dossier" in capsys.readouterr().err
