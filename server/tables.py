@@ -7,6 +7,7 @@ from server.classes import models as classes
 from server.comments import models as comments
 from server.database.base import Base
 from server.gradebook import models as gradebook
+from server.health import models as health
 from server.identity import models as identity
 from server.limits import models as limits
 from server.marks import models as marks
@@ -49,5 +50,6 @@ TABLES = (
     behaviour.BehaviourGroup,
     behaviour.Fingerprint,
     behaviour.BehaviourName,
+    health.Count,
 )
 metadata = Base.metadata

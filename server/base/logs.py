@@ -9,12 +9,14 @@ import json
 import logging
 import re
 import secrets
+from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from datetime import UTC, datetime
 
 TEXT, JSON = "text", "json"
+LONGEST = 200
 ID = re.compile(r"[A-Za-z0-9._-]{8,64}")
 
 #: The trail of what was asked, from the request to its verdict: told in JSON alone.
@@ -69,6 +71,24 @@ class JsonLines(logging.Formatter):
         return json.dumps(line, ensure_ascii=False, default=str)
 
 
+class Recent(logging.Handler):
+    """The latest errors of this process: when, of which logger, and their first line. For several threads."""
+
+    def __init__(self, most: int = 8) -> None:
+        super().__init__(logging.ERROR)
+        self._latest: deque[tuple[datetime, str, str]] = deque(maxlen=most)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        line = record.getMessage().partition("\n")[0][:LONGEST]
+        self._latest.append((datetime.fromtimestamp(record.created, UTC), record.name, line))
+
+    def read(self) -> list[tuple[datetime, str, str]]:
+        return list(self._latest)
+
+
+RECENT = Recent()
+
+
 def start(process: str, form: str, level: int = logging.WARNING) -> None:
     """What a process does first. `form` is TEXT or JSON."""
     handler = logging.StreamHandler()
@@ -78,6 +98,6 @@ def start(process: str, form: str, level: int = logging.WARNING) -> None:
         if form == JSON
         else logging.Formatter(f"%(asctime)s %(levelname)s{named} %(name)s: %(message)s")
     )
-    logging.basicConfig(level=level, handlers=[handler])
+    logging.basicConfig(level=level, handlers=[handler, RECENT])
     logging.captureWarnings(form == JSON)
     trail.setLevel(logging.INFO if form == JSON else logging.WARNING)

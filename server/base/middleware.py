@@ -13,10 +13,11 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from server.base import logs
+from server.base import logs, traces
 from server.base.errors import Forbidden, ServiceError, TooLarge
 from server.base.request import COOKIE, SAFE_METHODS
 from server.base.sizes import size
+from server.base.tally import VISITS
 
 CONTENT_SECURITY_POLICY = "; ".join(
     (
@@ -38,6 +39,8 @@ SECURITY_HEADERS = {
     "Cross-Origin-Opener-Policy": "same-origin",
 }
 API = "/api/"
+#: Who asks there watches the service, and is no visitor.
+WATCHING = frozenset({"/healthz", "/readyz", "/metrics", "/statusz"})
 REQUEST_ID = "X-Request-ID"
 Refuse = Callable[[Request, ServiceError], Response]
 
@@ -65,13 +68,31 @@ class Trail:
                 MutableHeaders(scope=message)[REQUEST_ID] = name
             await send(message)
 
-        with logs.on_behalf(name):
+        parent = Headers(scope=scope).get(traces.TRACE, "") if self._proxied else ""
+        with logs.on_behalf(name), traces.request(scope["method"], parent) as span:
             try:
                 await self._app(scope, receive, send_with_name)
             finally:
-                route = getattr(scope.get("route"), "path", "")
+                if scope["path"] not in WATCHING:
+                    VISITS.note(_visitor(scope))
+                route = _route(scope)
                 seconds = round(time.perf_counter() - began, 4)
+                traces.answered(span, scope["method"], route, status)
                 logs.tell("request", method=scope["method"], route=route, status=status, seconds=seconds)
+
+
+def _route(scope: Scope) -> str:
+    """The path of the route that answered; of a router's, with what it was included under, where FastAPI tells it."""
+    included = scope.get("fastapi", {}).get("effective_route_context")
+    return str(getattr(included, "path", "") or getattr(scope.get("route"), "path", ""))
+
+
+def _visitor(scope: Scope) -> bytes:
+    """What tells one from another: the session or the token that they show, else where they come from."""
+    for name, value in scope["headers"]:
+        if name in {b"cookie", b"authorization"}:
+            return bytes(value)
+    return str((scope.get("client") or ("",))[0]).encode()
 
 
 class SecurityHeaders:

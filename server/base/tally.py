@@ -1,8 +1,12 @@
 """Counters of what happens in this process, since it began: who counts needs no library, who shows them has one."""
 
+import secrets
 import threading
-from collections import Counter
+import time
+from collections import Counter, deque
 from collections.abc import Mapping
+
+from cachetools import TTLCache
 
 
 class Tally:
@@ -21,6 +25,41 @@ class Tally:
             return dict(self._counts)
 
 
+class Visits:
+    """Who asked for something in the last minutes, and how much was asked in the last ones. For several threads.
+
+    Of a visitor a number is kept that no other process could make, and for no longer: neither address nor session.
+    """
+
+    def __init__(self, seconds: float = 300.0, most: int = 100_000) -> None:
+        self._seconds = seconds
+        self._seen: TTLCache[int, None] = TTLCache(most, seconds)
+        self._asked: deque[tuple[int, int]] = deque()  # by second
+        self._salt = secrets.token_bytes(16)
+        self._lock = threading.Lock()
+
+    def note(self, visitor: bytes) -> None:
+        second = int(time.monotonic())
+        with self._lock:
+            self._seen[hash((self._salt, visitor))] = None
+            count = self._asked.pop()[1] if self._asked and self._asked[-1][0] == second else 0
+            self._asked.append((second, count + 1))
+            while self._asked[0][0] <= second - MINUTE:
+                self._asked.popleft()
+
+    def visitors(self) -> int:
+        with self._lock:
+            self._seen.expire()
+            return len(self._seen)
+
+    def last_minute(self) -> int:
+        since = int(time.monotonic()) - MINUTE
+        with self._lock:
+            return sum(count for second, count in self._asked if second > since)
+
+
+MINUTE = 60
+VISITS = Visits()
 #: By why: `password`, `disabled`, `too_many`, `token`.
 REFUSED_LOGINS = Tally()
 #: By what: `ticket`, `news`, `answer`; all are made up for later.

@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Collection, Iterator
+from functools import cache
 
-from pygments.lexers.python import PythonLexer
+from pygments.lexer import Lexer
 from pygments.token import Comment, Name, String, _TokenType
 
 MOST_LINES = 16
@@ -15,7 +16,14 @@ MOST_CHARACTERS = 8_000  # of a function, before anything is read in it
 SHORTEST_NAME = 3
 TEXT, SOMEBODY, MORE = "'…'", "nom", "# …"
 WORD = re.compile(r"[^\W\d_]+")
-_LEXER = PythonLexer(stripnl=False, ensurenl=False)
+
+
+@cache
+def _lexer() -> Lexer:
+    """Python's is slow to load: when somebody looks."""
+    from pygments.lexers.python import PythonLexer
+
+    return PythonLexer(stripnl=False, ensurenl=False)
 
 
 def function_of(code: str, names: Collection[str]) -> str:
@@ -47,7 +55,7 @@ def anonymous(code: str, people: Collection[str]) -> str:
 
 def _written(code: str, known: Collection[str]) -> Iterator[str]:
     in_text = False
-    for kind, value in _LEXER.get_tokens(code):
+    for kind, value in _lexer().get_tokens(code):
         if _is(kind, String):
             yield "" if in_text else TEXT
         elif not _is(kind, Comment):

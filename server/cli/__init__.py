@@ -22,7 +22,7 @@ class CannotRun(Exception):
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs a command; returns its exit status."""
     arguments = _parser().parse_args(argv)
-    command = _command(arguments.command)
+    command = _command(arguments.command, alone=argv is None)
     try:
         return command(arguments)
     except CannotRun as reason:
@@ -35,12 +35,15 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 130
 
 
-def _command(name: str) -> Command:
-    """What is imported stays: looking through it for what does not, again and again, takes a sixth of the time."""
+def _command(name: str, *, alone: bool) -> Command:
+    """What is imported stays: looking through it for what does not, be it once, takes a sixth of the time. `alone`: the
+    process is for this command."""
     gc.disable()
     try:
         command: Command = import_module(f"server.cli.{name}").run
     finally:
+        if alone:
+            gc.freeze()
         gc.enable()
     return command
 
@@ -68,6 +71,8 @@ def _parser() -> argparse.ArgumentParser:
     commands.add_parser(
         "worker", help="corrige pour un serveur, depuis une autre machine (BALISE_DATABASE_URL, BALISE_NATS_URL)"
     )
+    help_text = "montre ce que fait le service en ce moment, et le rafraîchit"
+    options.top(commands.add_parser("top", help=help_text, description=f"{help_text.capitalize()}."))
     help_text = "sauvegarde la base de données, le service allant son cours, et vérifie la sauvegarde"
     options.backup(commands.add_parser("backup", help=help_text, description=f"{help_text.capitalize()}."))
     help_text = "remet une sauvegarde à la place de la base de données, le service étant arrêté"

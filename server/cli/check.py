@@ -22,9 +22,9 @@ from server.cells import faults as cells
 from server.cli import CannotRun, alterations, fairness, parallel
 from server.cli.local import find, load_course, local_grader, require_safe_sandbox, start_probing
 from server.course import Course, Exercise, Problem, load
+from server.course.models import SEED_BITS
 from server.figures import lessons
 from server.grading.joint import Grader
-from server.submissions.deals import SEED_BITS
 
 Judge = Callable[[Judgement], str]
 

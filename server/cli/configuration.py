@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
+from server.base import traces
 from server.base.refused import reason
 from server.base.settings import SECRETS_DIR, Settings, misspelt, variable
 from server.cli import CannotRun
@@ -41,6 +42,13 @@ def _secrets() -> Path | None:
     if faults:
         raise CannotRun("réglages refusés :" + "".join(f"\n  {fault}" for fault in faults))
     return Path(folder)
+
+
+def start_traces(process: str) -> None:
+    try:
+        traces.start(process)
+    except traces.CannotTrace as reason_why:
+        raise CannotRun(f"{reason_why}.") from reason_why
 
 
 def _unknown(name: str, meant: str | None) -> str:

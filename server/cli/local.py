@@ -2,16 +2,25 @@
 
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
+from graders.core.contract.kits import kits_of
 from server.cli import CannotRun
 from server.course import Course, Exercise, load
+from server.course.service import MODULE_SLUG, ROOT
 from server.grading.joint import Grader
-from server.sandbox import Sandbox, WallReport, WallStatus, probe, safe_to_serve
+from server.sandbox import Sandbox, SandboxFault, WallReport, WallStatus, probe, safe_to_serve
+from server.sandbox.install import import_set
 
 
 def load_course() -> Course:
     return load(render=False)
+
+
+def load_exercise(exercise_id: str) -> Course:
+    """The course with this exercise alone and those that it reuses; all of it where there is no such exercise."""
+    course = load(render=False, only=exercise_id)
+    return course if exercise_id in course.exercises else load_course()
 
 
 def find(course: Course, exercise_id: str) -> Exercise:
@@ -51,6 +60,29 @@ def require_safe_sandbox(probing: Probing) -> list[WallReport]:
         )
         raise CannotRun(f"le bac à sable n’est pas sûr sur cette machine (voir « balise doctor ») :{missing}")
     return reports
+
+
+@contextmanager
+def beginning(exercise_id: str, source: bytes) -> Iterator[Future[Sandbox]]:
+    """A sandbox for a program of an exercise, the template of which comes up while other things are read."""
+    slug = exercise_id.partition("/")[0]
+    module = ROOT / "curriculum" / slug
+
+    def start() -> Sandbox:
+        known = MODULE_SLUG.fullmatch(slug) and module.is_dir()
+        files = kits_of(module).items() if known else ()  # what is no module is told when it is read
+        kits = {name: {place: path.read_text(encoding="utf-8") for place, path in kit.items()} for name, kit in files}
+        sandbox = Sandbox(kits)
+        with suppress(SandboxFault):  # told when the program meets it
+            sandbox.warm(import_set(source))
+        return sandbox
+
+    with ThreadPoolExecutor(1) as pool:
+        coming = pool.submit(start)
+        try:
+            yield coming
+        finally:
+            coming.result().close()
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""The options of what administrators run: `balise backup`, `restore` and `admin`."""
+"""The options of what administrators run: `balise top`, `backup`, `restore` and `admin`."""
 
 import argparse
 from collections.abc import Callable
@@ -22,6 +22,16 @@ def restore(parser: argparse.ArgumentParser) -> None:
     how.add_argument("--replace", action="store_true", help="à la place de la base de données qui s’y trouve")
     how.add_argument("--check", action="store_true", help="vérifie seulement la sauvegarde")
     _common(parser)
+
+
+def top(parser: argparse.ArgumentParser) -> None:
+    where = parser.add_mutually_exclusive_group()
+    help_text = "adresse du service, lu avec le jeton d’un administrateur (sans elle : sa base de données)"
+    where.add_argument("--server", metavar="URL", help=help_text)
+    where.add_argument("--data", type=Path, metavar="DIR", help="dossier des données")
+    parser.add_argument("--token", help="jeton (sans lui, BALISE_TOKEN, puis celui de « balise login »)")
+    parser.add_argument("--once", action="store_true", help="une fois, sans rafraîchir")
+    parser.add_argument("--json", action="store_true", help="une fois, en JSON, pour un programme")
 
 
 def _common(parser: argparse.ArgumentParser) -> None:

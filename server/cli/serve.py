@@ -7,6 +7,7 @@ import socket
 from argparse import Namespace
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from threading import Thread
 from types import FrameType
 
 import uvicorn
@@ -20,7 +21,7 @@ from server.base.provided import provided_to
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.alone import alone
-from server.cli.configuration import read_settings
+from server.cli.configuration import read_settings, start_traces
 from server.cli.local import Probing, require_safe_sandbox, start_probing
 from server.course import Course, load
 from server.course.memory import MEMORY, Memory
@@ -30,6 +31,7 @@ from server.figures.service import Figures
 from server.grading.supervisor import Supervisor
 from server.health.metrics import Metrics
 from server.identity import links
+from server.reading.ahead import read_ahead
 from server.sandbox import WallStatus, safe_to_serve
 from server.submissions.events import Events
 
@@ -54,6 +56,7 @@ def serve(settings: Settings, host: str, port: int, announce: Announce, prepare:
     """The service, until it is told to stop. `prepare` comes before it, on a migrated database; `announce` once it
     answers, with its address."""
     logs.start("", settings.log_format)
+    start_traces("web")
     with _listening(host, port) as listener, alone(settings):
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, _leave)
@@ -68,10 +71,10 @@ def serve(settings: Settings, host: str, port: int, announce: Announce, prepare:
         walls = Gate()
         with _without_collections():
             app = create_app(settings, course=course, walls=walls)
-        gc.freeze()  # what is loaded stays: no collection, while someone waits for an answer, needs to look at it again
 
         def ready() -> None:
             announce(app, _address(listener))
+            Thread(target=_prepare, args=(course,), name="read-ahead", daemon=True).start()
             if settings.warm_figures:
                 provided_to(app, Figures).pictures.warm()
 
@@ -79,13 +82,20 @@ def serve(settings: Settings, host: str, port: int, announce: Announce, prepare:
     return 0
 
 
+def _prepare(course: Course) -> None:
+    read_ahead(course)
+    gc.freeze()
+
+
 @contextmanager
 def _without_collections() -> Iterator[None]:
-    """What is loaded stays: looking through it for what does not, again and again, would take a sixth of the time."""
+    """What is loaded stays: looking through it for what does not, again and again, would take a sixth of the time; and
+    later, it would keep waiting whoever asks for something."""
     gc.disable()
     try:
         yield
     finally:
+        gc.freeze()
         gc.enable()
 
 

@@ -9,14 +9,15 @@ from contextlib import closing
 from sqlalchemy import make_url
 from sqlalchemy.exc import OperationalError
 
-from server.base import logs
+from server.base import logs, traces
 from server.cli import CannotRun
-from server.cli.configuration import read_settings
+from server.cli.configuration import read_settings, start_traces
 from server.cli.local import require_safe_sandbox, start_probing
 from server.database import Database
 from server.database.migrate import WrongSchema, require_current
 from server.grading.process import run as run_worker
 from server.grading.process import stop_on_signals
+from server.health.counts import Counts
 from server.queue.polling import Polling
 from server.queue.port import NoSignals
 from server.queue.stopping import Stop
@@ -33,6 +34,7 @@ def run(_arguments: Namespace) -> int:
         raise CannotRun("indiquez la base de données du serveur dans BALISE_DATABASE_URL.")
     require_safe_sandbox(start_probing())
     logs.start(f"worker[{os.getpid()}]", settings.log_format, logging.INFO)
+    start_traces(f"worker[{os.getpid()}]")
     stop_on_signals(interrupt=True)
     try:
         with closing(Database(settings.url)) as database:
@@ -41,11 +43,14 @@ def run(_arguments: Namespace) -> int:
             print(ALONE, file=sys.stderr)
         place = make_url(settings.url).render_as_string(hide_password=True)
         print(f"Balise corrige ce qui attend dans {place} ; Ctrl+C pour arrêter.", flush=True)
-        run_worker(settings, Polling(), NoSignals())
+        with closing(Database(settings.url)) as database:
+            run_worker(settings, Polling(), NoSignals(), Counts(database).renewed)
     except Stop:
         return 0
     except WrongSchema as wrong:
         raise CannotRun(str(wrong)) from wrong
     except OperationalError as error:
         raise CannotRun(f"la base de données ne répond pas : {error.orig}") from error
+    finally:
+        traces.stop()
     return 0

@@ -10,10 +10,11 @@ import hashlib
 import json
 import logging
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 from server.base.digest import digest, files
 
@@ -22,7 +23,19 @@ log = logging.getLogger(__name__)
 OF_OURS = ("graders", "reference", "server/text", "server/course")
 #: Its file, in the folder of the data.
 MEMORY = "course.json"
-LIBRARIES = ("markdown-it-py", "mdit-py-plugins", "pygments")
+LIBRARIES = ("markdown-it-py", "mdit-py-plugins", "pygments", "numpy", "scipy")
+
+
+class Found(NamedTuple):
+    """What was found of an exercise: the version of its own files, the name of its programs' kit, and its questions of
+    which one ticks the options."""
+
+    version: str
+    kit: str
+    ticked: tuple[str, ...]
+
+
+NOTHING_FOUND: Mapping[str, Found] = MappingProxyType({})
 
 
 class Memory:
@@ -32,6 +45,7 @@ class Memory:
         self._path = path
         known = _read(path)
         self._sound: str = known["sound"]
+        self._found: Mapping[str, Found] = known["found"]
         self._imports: dict[str, list[str]] = known["imports"]
         self._used: dict[str, list[str]] = {}
 
@@ -45,13 +59,18 @@ class Memory:
     def is_sound(self, found_from: str) -> bool:
         return self._sound == found_from
 
-    def keep(self, sound: str) -> None:
-        """Writes what has served, and of which files the texts are sound (empty: of none)."""
-        if self._path is None or (sound == self._sound and self._used == self._imports):
+    def found(self, found_from: str) -> Mapping[str, Found]:
+        """What is known of each exercise, where all of these files were sound."""
+        return self._found if self.is_sound(found_from) else NOTHING_FOUND
+
+    def keep(self, sound: str, found: Mapping[str, Found]) -> None:
+        """Writes what has served, of which files the course is sound (empty: of none), and what was found of it."""
+        if self._path is None or (sound == self._sound and found == self._found and self._used == self._imports):
             return
         unfinished = self._path.with_suffix(".new")
+        kept = {"sound": sound, "found": found, "imports": self._used}
         try:
-            unfinished.write_text(json.dumps({"sound": sound, "imports": self._used}), encoding="utf-8")
+            unfinished.write_text(json.dumps(kept), encoding="utf-8")
             unfinished.replace(self._path)
         except OSError:
             log.warning("what was found of the course is not remembered in %s", self._path, exc_info=True)
@@ -70,13 +89,17 @@ def _reader() -> str:
 
 
 def _read(path: Path | None) -> dict[str, Any]:
-    nothing: dict[str, Any] = {"sound": "", "imports": {}}
+    nothing: dict[str, Any] = {"sound": "", "found": {}, "imports": {}}
     if path is None or not path.is_file():
         return nothing
     try:
         known = json.loads(path.read_text(encoding="utf-8"))
         imports = {str(key): [str(name) for name in names] for key, names in known["imports"].items()}
-        return {"sound": str(known["sound"]), "imports": imports}
+        found = {
+            str(name): Found(str(version), str(kit), tuple(map(str, ticked)))
+            for name, (version, kit, ticked) in known.get("found", {}).items()
+        }
+        return {"sound": str(known["sound"]), "found": found, "imports": imports}
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         log.warning("%s is damaged: the course is looked at again", path)
         return nothing

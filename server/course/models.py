@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, cast
 
 from server.course.kinds import LessonKind
 from server.sandbox.policy import Policy
@@ -37,6 +37,8 @@ __all__ = [
 
 
 UNKNOWN_VERSION = "inconnue"
+#: Of the seed of a grading: a number that JSON carries whole.
+SEED_BITS = 53
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,7 @@ class Exercise:
     An exercise answered without code (`answers`) has no function, and neither starter nor solution as files: its grader
     gives questions and correction. `kit` names what its programs find, among the module's; `policy` bounds what they
     may use; `reuses` are the slugs of the exercises whose functions they may import, those that these reuse in their
-    turn included (see `server.course.reuse`).
+    turn included (see `server.course.reuse`). `make` gives its grader, loading it if it must.
     """
 
     module: str
@@ -98,10 +100,10 @@ class Exercise:
     solution: str
     statement: Text
     hint_texts: tuple[Text, Text, Text]
-    grader: Grader
+    make: Callable[[], Grader]
     version: str
+    kind: Literal["code", "answers"] = "code"
     kit: str = ""
-    answers: AnswersGrader | None = None
     names: Callable[[], Names] = no_names
     seance: str = ""
     policy: Policy = field(default_factory=Policy)
@@ -111,9 +113,15 @@ class Exercise:
     def id(self) -> str:
         return f"{self.module}/{self.slug}"
 
+    @cached_property
+    def grader(self) -> Grader:
+        """What grades it, loaded at the first need."""
+        return self.make()
+
     @property
-    def kind(self) -> Literal["code", "answers"]:
-        return "code" if self.answers is None else "answers"
+    def answers(self) -> AnswersGrader | None:
+        """What grades it, of an exercise answered without code."""
+        return cast("AnswersGrader", self.grader) if self.kind == "answers" else None
 
     def prose(self, text: str) -> str:
         """A text of its questions or of its verdicts as HTML."""

@@ -14,13 +14,35 @@ from types import MappingProxyType
 
 from server.base.digest import digest
 from server.course import toml_file
-from server.course.models import Course, Exercise, Problem
+from server.course.models import Course, CourseFault, Exercise, Problem
 from server.course.toml_places import line_of
 from server.sandbox.values import Shelf
 
 #: The files of one student, by exercise ("l20/poses").
 Own = Mapping[str, bytes]
 NOTHING_OWN: Own = MappingProxyType({})
+
+
+def with_reused(curriculum: Path, exercise: str) -> frozenset[str]:
+    """The names of an exercise and of those that it reuses, as their files say."""
+    module, _, slug = exercise.partition("/")
+    found, waiting = set[str](), [slug]
+    while waiting:
+        name = waiting.pop()
+        path = curriculum / module / "exercices" / name / "exercise.toml"
+        if name not in found and path.is_file():
+            waiting += _said(path)
+        found.add(name)
+    return frozenset(f"{module}/{name}" for name in found)
+
+
+def _said(path: Path) -> list[str]:
+    """What an exercise says that it reuses; nothing where that cannot be read, which its own reading tells."""
+    try:
+        names = toml_file.load(toml_file.read_text(path), path).get("reuses", [])
+    except CourseFault:
+        return []
+    return [name for name in names if isinstance(name, str)] if isinstance(names, list) else []
 
 
 def closed(folder: Path, exercises: Sequence[Exercise], problems: list[Problem]) -> list[Exercise]:

@@ -2,52 +2,33 @@
 
 from __future__ import annotations
 
-import ast
 import re
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import replace
 from enum import Enum
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
-from graders.core.answers.choice import ChoiceGrader
-from graders.core.code.exercise import CodeDefinition
 from graders.core.contract.kits import kits_of
-from graders.core.contract.malformed import MalformedExerciseError
-from graders.core.contract.streams import stream
-from server.course import drawings, questions, reuse, toml_file
+from server.course import drawings, reuse, toml_file
 from server.course.closure import Imports
+from server.course.graded import Sources, name_of, python_of, read_graded
 from server.course.library import Library, problems_of
-from server.course.memory import Memory, source_of
+from server.course.memory import NOTHING_FOUND, Memory, source_of
 from server.course.models import Course, CourseFault, Exercise, FunctionSpec, Module, Problem, ReadingPath
 from server.course.schemas import ExerciseFile, ModuleFile
 from server.course.toml_places import line_of
-from server.course.version import version
 from server.text.markup import Names, Source, Text
-from server.text.markup.text import no_names
 
 if TYPE_CHECKING:
-    from graders.core.contract.definition import Definition
     from graders.discovery import Discovery
 
 T = TypeVar("T")
 ROOT = Path(__file__).parents[2]
 MODULE_SLUG = re.compile(r"[a-z]+[0-9]+")  # addresses start with it, beside /connexion and its like
 EXERCISE_SLUG = re.compile(r"[a-z0-9]+(_[a-z0-9]+)*")
-NOTHING_ANSWERED = "{}\n"
 HINT_TITLE = re.compile(r"^##[ \t]+Indice[ \t]+(\d+)[ \t]*$", re.MULTILINE)
-
-
-@dataclass(frozen=True)
-class Sources:
-    """Where an exercise's parts are, what discovery found among the graders, what its texts may speak of."""
-
-    curriculum: Path
-    code: Path
-    discovery: Discovery
-    imports: Imports
-    names: Callable[[], Names] = no_names
 
 
 class Look(Enum):
@@ -66,30 +47,34 @@ def load(
     render: bool = True,
     check: bool = False,
     memory: Memory | None = None,
+    only: str = "",
 ) -> Course:
     """Read the whole course. Never raises for a malformed module or exercise: see `Course.problems`.
 
     `code` holds `graders/` and `reference/`, which versions cover. Rendering all the texts takes seconds, most of it
     for the formulas. With `render=False` a text is rendered when it is looked at, and its faults are not looked for;
     with `check=True` too, all of its faults are, but for those of formulas: once, where `memory` says that these very
-    files were sound.
+    files were sound. Their graders are then loaded when they are asked for. With `only`, an exercise ("l20/poses") is
+    read alone, with those that it reuses.
     """
     memory = memory or Memory()
     look = Look.drawn if render else Look.read if check else Look.no
     source = source_of(curriculum, code) if look is Look.read else ""
+    known = memory.found(source) if source else NOTHING_FOUND
     if source and memory.is_sound(source):
         look = Look.no
-    if discovery is None:
+    wanted = reuse.with_reused(curriculum, only) if only else None
+    if discovery is None and not known:
         from graders.discovery import discover
 
-        discovery = discover()
-    problems = [Problem(problem.path, problem.line, problem.message) for problem in discovery.problems]
-    sources = Sources(curriculum, code, discovery, Imports(code, memory))
-    modules = _each(problems, lambda path: _module(sources, path, problems, look), _modules(curriculum))
+        discovery = discover(wanted)
+    problems = [Problem(one.path, one.line, one.message) for one in (discovery.problems if discovery else ())]
+    sources = Sources(curriculum, code, discovery, Imports(code, memory), known)
+    modules = _each(problems, lambda path: _module(sources, path, problems, look, wanted), _modules(curriculum, only))
     modules.sort(key=lambda module: (module.order, module.slug))
     problems.extend(_orphans(sources))
     if source:
-        memory.keep("" if problems else source)
+        memory.keep("" if problems else source, {} if problems else sources.found)
     return Course(MappingProxyType({module.slug: module for module in modules}), tuple(problems))
 
 
@@ -104,27 +89,31 @@ def _each(problems: list[Problem], build: Callable[[Path], T], paths: list[Path]
     return built
 
 
-def _modules(curriculum: Path) -> list[Path]:
-    return sorted(path for path in curriculum.iterdir() if path.is_dir() and not path.name.startswith((".", "__")))
+def _modules(curriculum: Path, only: str) -> list[Path]:
+    folders = sorted(path for path in curriculum.iterdir() if path.is_dir() and not path.name.startswith((".", "__")))
+    return [path for path in folders if not only or path.name == only.partition("/")[0]]
 
 
-def _exercises(module: Path) -> list[Path]:
+def _exercises(module: Path, wanted: Collection[str] | None) -> list[Path]:
     folder = module / "exercices"
-    return sorted(path for path in folder.iterdir() if path.is_dir()) if folder.is_dir() else []
+    found = sorted(path for path in folder.iterdir() if path.is_dir()) if folder.is_dir() else []
+    return [path for path in found if wanted is None or name_of(path) in wanted]
 
 
-def _module(sources: Sources, path: Path, problems: list[Problem], look: Look) -> Module:
+def _module(
+    sources: Sources, path: Path, problems: list[Problem], look: Look, wanted: Collection[str] | None
+) -> Module:
     if not MODULE_SLUG.fullmatch(path.name):
         raise CourseFault(Problem(path, None, "nom de module : des minuscules puis un nombre, comme « l20 »"))
     card = toml_file.read(path / "module.toml", ModuleFile)
-    kits = {name: {place: _python(file) for place, file in files.items()} for name, files in kits_of(path).items()}
+    kits = {name: {place: python_of(file) for place, file in files.items()} for name, files in kits_of(path).items()}
     library = Library(path, drawings.read(path / "figures", problems), problems)
     sources = replace(sources, names=library.names)
-    exercises = _each(problems, lambda folder: _exercise(sources, path, folder), _exercises(path))
+    exercises = _each(problems, lambda folder: _exercise(sources, path, folder), _exercises(path, wanted))
     exercises = reuse.closed(path / "exercices", exercises, problems)
     exercises.sort(key=lambda exercise: (exercise.stars, exercise.order, exercise.slug))
     library.exercises.update({exercise.slug: exercise.title for exercise in exercises})
-    library.questions.update(_ticked(exercises))
+    library.questions.update(f"{one.slug}/{name}" for one in exercises for name in sources.found[one.id].ticked)
     if look is not Look.no:
         exercises = [exercise for exercise in exercises if not _note(problems, _faults(exercise, look))]
         _note(problems, library.check(formulas=look is Look.drawn))
@@ -165,15 +154,10 @@ def _faults(exercise: Exercise, look: Look) -> Iterator[Problem]:
     for text in (exercise.statement, *exercise.hint_texts):
         yield from problems_of(text, formulas=look is Look.drawn)
     if exercise.answers is not None:
+        from server.course import questions
+
         path = exercise.statement.source.path.with_name(questions.FILE)
         yield from questions.problems(path, exercise.answers, exercise.names, formulas=look is Look.drawn)
-
-
-def _ticked(exercises: list[Exercise]) -> Iterator[str]:
-    """The questions that a lesson may ask: those of which one ticks the options."""
-    for exercise in exercises:
-        if isinstance(exercise.answers, ChoiceGrader):
-            yield from (f"{exercise.slug}/{question.id}" for question in exercise.answers.questions)
 
 
 def _lost(module: Path, exercises: list[Exercise], library: Library) -> Iterator[Problem]:
@@ -202,8 +186,7 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
     if not EXERCISE_SLUG.fullmatch(path.name):
         raise CourseFault(Problem(path, None, "nom d’exercice : minuscules, chiffres et « _ »"))
     card = toml_file.read(path / "exercise.toml", ExerciseFile)
-    kinds = {"code": _code, "answers": _answers}
-    graded = kinds[card.kind](sources, path, card)
+    graded = read_graded(sources, path, card)
     return Exercise(
         module=module.name,
         slug=path.name,
@@ -216,89 +199,19 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
             FunctionSpec(function.name, function.signature, function.returns, function.doc, tuple(function.parts))
             for function in card.functions
         ),
-        **graded,
+        starter=graded.starter,
+        solution=graded.solution,
+        make=graded.make,
         statement=Text(Source(toml_file.read_text(path / "enonce.md"), path / "enonce.md", names=sources.names)),
         hint_texts=_hints(path / "indices.md", sources.names),
         names=sources.names,
-        version=version(sources.imports, sources.code, path, card, graded["grader"], graded.get("kit", "")),
+        version=graded.found.version,
+        kit=graded.found.kit,
+        kind=card.kind,
         seance=card.seance,
         policy=card.limits.policy(),
         reuses=tuple(card.reuses),
     )
-
-
-def _definition(sources: Sources, path: Path) -> Definition | None:
-    """What the grader's folder of an exercise defines, where it has one."""
-    return sources.discovery.definitions.get(f"{path.parents[1].name}/{path.name}")
-
-
-def _code(sources: Sources, path: Path, card: ExerciseFile) -> dict[str, Any]:
-    definition = _definition(sources, path)
-    if definition is None:
-        raise CourseFault(_no_grader(sources, path))
-    if not isinstance(definition, CodeDefinition):
-        raise CourseFault(_other_kind(path, card))
-    if not card.functions:
-        raise CourseFault(Problem(path / "exercise.toml", 1, "champ manquant : « functions »"))
-    _same_functions(path / "exercise.toml", card, definition.judged)
-    try:
-        grader = definition.bind([function.name for function in card.functions])
-    except MalformedExerciseError as error:
-        raise CourseFault(Problem(error.path, error.line, error.message)) from error
-    kit = grader.kit(stream(0, "kit")).module
-    if kit not in kits_of(path.parents[1]):
-        raise CourseFault(Problem(definition.folder / "grader.py", None, f"trousse inconnue : « {kit} »"))
-    return {
-        "kit": kit,
-        "starter": _python(path / "starter.py"),
-        "solution": _compiles(grader.solution, definition.folder / "solution.py"),
-        "grader": grader,
-    }
-
-
-def _answers(sources: Sources, path: Path, card: ExerciseFile) -> dict[str, Any]:
-    definition = _definition(sources, path)
-    if isinstance(definition, CodeDefinition):
-        raise CourseFault(_other_kind(path, card))
-    if card.functions:
-        raise CourseFault(Problem(path / "exercise.toml", None, "un exercice sans code ne demande aucune fonction"))
-    sheet = questions.read(path / questions.FILE)
-    if sheet.needs_grader and definition is None:
-        raise CourseFault(_no_grader(sources, path))
-    grader = sheet.bind(f"{path.parents[1].name}/{path.name}", definition)
-    return {"starter": NOTHING_ANSWERED, "solution": "", "grader": grader, "answers": grader}
-
-
-def _other_kind(path: Path, card: ExerciseFile) -> Problem:
-    message = f'kind = "{card.kind}", mais le correcteur est celui d’un exercice de l’autre sorte'
-    return Problem(path / "exercise.toml", None, message)
-
-
-def _no_grader(sources: Sources, path: Path) -> Problem:
-    folder = sources.code / "graders" / path.parents[1].name / path.name
-    cause = next((problem for problem in sources.discovery.problems if problem.path.is_relative_to(folder)), None)
-    why = f" : {cause.path}:{cause.line}: {cause.message}" if cause else ""
-    return Problem(path / "exercise.toml", None, f"exercice sans correcteur utilisable{why}")
-
-
-def _same_functions(path: Path, card: ExerciseFile, judged: frozenset[str]) -> None:
-    announced = [function.name for function in card.functions]
-    for name in sorted(judged ^ set(announced)):
-        where = "annoncée mais non corrigée" if name in announced else "corrigée mais non annoncée"
-        raise CourseFault(Problem(path, None, f"fonction {where} : « {name} »"))
-
-
-def _python(path: Path) -> str:
-    return _compiles(toml_file.read_text(path), path)
-
-
-def _compiles(source: str, path: Path) -> str:
-    try:
-        ast.parse(source)
-    except (SyntaxError, ValueError) as error:
-        line = error.lineno if isinstance(error, SyntaxError) else None
-        raise CourseFault(Problem(path, line, f"ce fichier Python ne se compile pas ({error})")) from error
-    return source
 
 
 def _hints(path: Path, names: Callable[[], Names]) -> tuple[Text, Text, Text]:
@@ -321,6 +234,6 @@ def _part(path: Path, text: str, start: int, end: int, names: Callable[[], Names
 
 def _orphans(sources: Sources) -> Iterator[Problem]:
     """Graders without an exercise: a renamed folder must not silently vanish from the course."""
-    for name in sorted(sources.discovery.definitions):
+    for name in sorted(sources.discovery.definitions if sources.discovery is not None else ()):
         if not (sources.curriculum / Path(name).parent / "exercices" / Path(name).name).is_dir():
             yield Problem(sources.code / "graders" / name, None, f"ce correcteur n’a pas d’exercice « {name} »")

@@ -16,6 +16,7 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.exc import OperationalError
 from sqlalchemy.orm import Session, sessionmaker
 
+from server.base import traces
 from server.database.base import Base, table_of
 
 #: How long to wait comes first: the mode of a new file is changed by one process at a time.
@@ -81,7 +82,8 @@ class Database:
         """A session committed at the end of the block, rolled back when it raises."""
         with self._writes() as db:
             yield db
-            db.commit()
+            with traces.step("commit"):
+                db.commit()
             for action in db.info.pop(AFTER_COMMIT, ()):
                 action()
 

@@ -1,15 +1,22 @@
-"""Brings a database to the current schema."""
+"""Brings a database to the current schema. Alembic, slow to load, is asked only where a migration is missing."""
 
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from alembic import command
-from alembic.config import Config
-from alembic.runtime.migration import MigrationContext
-from alembic.script import ScriptDirectory
-from sqlalchemy import Connection, Engine, text
+from sqlalchemy import Connection, Engine, inspect, text
+
+if TYPE_CHECKING:
+    from alembic.config import Config
 
 MIGRATIONS = Path(__file__).parent / "migrations"
 ADVISORY_LOCK = 0x62616C69
+#: Where a migration says its number and that of the one before it.
+NUMBERS = re.compile(r"^(revision|down_revision)\s*=\s*(?:[\"'](\w+)[\"']|None)\s*$", re.MULTILINE)
 
 
 class WrongSchema(Exception):
@@ -17,6 +24,8 @@ class WrongSchema(Exception):
 
 
 def configuration(connection: Connection | None = None) -> Config:
+    from alembic.config import Config
+
     config = Config()
     config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
     config.attributes["connection"] = connection
@@ -35,7 +44,12 @@ def upgrade(engine: Engine, revision: str = "head") -> None:
 
 def upgrade_on(connection: Connection, revision: str = "head") -> None:
     """The same in the caller's transaction."""
-    _require_known(current_revision(connection))
+    current = current_revision(connection)
+    _require_known(current)
+    if revision == "head" and current == head():
+        return
+    from alembic import command
+
     command.upgrade(configuration(connection), revision)
 
 
@@ -47,19 +61,30 @@ def one_at_a_time(connection: Connection) -> None:
 
 def current_revision(connection: Connection) -> str | None:
     """The database's schema; None where it has none yet."""
-    return MigrationContext.configure(connection).get_current_revision()
+    if not inspect(connection).has_table("alembic_version"):
+        return None
+    revision: str | None = connection.execute(text("SELECT version_num FROM alembic_version")).scalar_one_or_none()
+    return revision
+
+
+@cache
+def _before() -> Mapping[str, str | None]:
+    """The migrations, each with the one before it, read where they say it: loading Alembic and them takes a while."""
+    found = {}
+    for path in sorted((MIGRATIONS / "versions").glob("v*.py")):
+        said = {name: number or None for name, number in NUMBERS.findall(path.read_text(encoding="utf-8"))}
+        found[str(said["revision"])] = said["down_revision"]
+    return found
 
 
 def head() -> str:
     """The schema of this version of Balise."""
-    newest = ScriptDirectory.from_config(configuration()).get_current_head()
-    if newest is None:
-        raise RuntimeError("there is no migration")
+    (newest,) = _before().keys() - set(_before().values())
     return newest
 
 
 def is_known(revision: str) -> bool:
-    return any(script.revision == revision for script in ScriptDirectory.from_config(configuration()).walk_revisions())
+    return revision in _before()
 
 
 def require_current(engine: Engine) -> None:

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Sequence
 from datetime import datetime
 from urllib.parse import urlencode
 
-import segno
 from markupsafe import Markup
 from sqlalchemy.orm import Session
 
@@ -127,6 +126,8 @@ def code_view(school_class: SchoolClass, base: str) -> CodeView | None:
 
 def qr(address: str) -> str:
     """The address as a QR code: dark on light in both themes, or phones do not read it."""
+    import segno
+
     picture = segno.make(address, error="m", micro=False)
     return Markup(picture.svg_inline(border=4, dark="#000", light="#fff", omitsize=True, svgclass="qr", lineclass=None))
 

@@ -6,7 +6,7 @@ import os
 import socket
 import sys
 
-from server.base import logs
+from server.base import logs, traces
 from server.base.children import die_with
 
 
@@ -24,10 +24,13 @@ def main(channel_fd: int, parent: int) -> None:
     channel = Channel(socket.socket(fileno=channel_fd))
     settings = Settings()
     logs.start(f"worker[{channel_fd}]", settings.log_format, logging.INFO)
+    traces.start(f"worker[{channel_fd}]")
     try:
         run(settings, channel, channel, channel.renewed)
     except Stop:
         sys.exit(0)
+    finally:
+        traces.stop()
 
 
 if __name__ == "__main__":

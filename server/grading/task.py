@@ -1,6 +1,7 @@
 """Grading a submission, as one kind of job."""
 
 import logging
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -10,7 +11,7 @@ from sqlalchemy.orm import Session
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import internal_error_verdict
-from server.base import logs
+from server.base import logs, traces
 from server.course.models import Course
 from server.course.reuse import Own
 from server.gradebook import accepted
@@ -23,6 +24,9 @@ from server.submissions.models import Submission
 from server.submissions.service import GRADE
 
 log = logging.getLogger(__name__)
+
+#: The parts of a grading that its verdict times, in their order.
+STEPS = ("checks", "diagnosis")
 
 
 @dataclass(frozen=True)
@@ -61,7 +65,11 @@ class GradingTask:
         return sent_file(db, self._course, submission, lease.started_at)
 
     def run(self, work: SentFile) -> Graded:
-        return Graded(self._grade(work), work.started_at)
+        began = time.time_ns()
+        judgement = self._grade(work)
+        told = judgement.verdict.timings
+        traces.steps(began, {name: told[f"{name}_ms"] for name in STEPS if f"{name}_ms" in told})
+        return Graded(judgement, work.started_at)
 
     def record(self, db: Session, work: SentFile, result: Graded) -> None:
         _record(db, work.submission_id, result)

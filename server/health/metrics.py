@@ -8,15 +8,17 @@ found by looking a little further back each time.
 from __future__ import annotations
 
 import threading
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from datetime import datetime, timedelta
 from typing import TYPE_CHECKING
 from uuid import UUID
 
-from server.base import tally
+from server.base.tally import REFUSED_LOGINS, TEMPLATE_RENEWALS, UNPOSTED
 from server.database import Database, utc_now
 from server.grading.supervisor import Supervisor
 from server.health import repository
+from server.health.counts import RENEWALS
 
 if TYPE_CHECKING:
     from prometheus_client import CollectorRegistry, Histogram
@@ -42,6 +44,10 @@ class Metrics:
     def tell_walls(self, walls: Mapping[str, bool]) -> None:
         """The walls of the sandbox as they were probed: whether each stands."""
         self._walls = dict(walls)
+
+    @property
+    def walls(self) -> Mapping[str, bool]:
+        return self._walls
 
     def exposed(self) -> tuple[bytes, str]:
         """The text that Prometheus reads, and its media type."""
@@ -92,7 +98,7 @@ class Metrics:
         jobs = GaugeMetricFamily("balise_queue_jobs", "Jobs in the queue", labels=["kind", "state"])
         oldest = GaugeMetricFamily("balise_queue_oldest_seconds", "Age of the oldest job that waits", labels=["kind"])
         with self._database.read() as db:
-            rows = repository.queue(db)
+            rows, renewals = repository.queue(db), Counter(repository.counted(db, RENEWALS))
         for kind, begun, count, since in rows:
             jobs.add_metric([kind, RUNNING if begun else WAITING], count)
             if not begun:
@@ -104,17 +110,18 @@ class Metrics:
         for name, stands in self._walls.items():
             walls.add_metric([name], float(stands))
         yield walls
+        elsewhere = {TEMPLATE_RENEWALS: renewals}
         for name, told, counted in COUNTED:
             family = CounterMetricFamily(name, told, labels=["why"])
-            for why, count in counted.read().items():
+            for why, count in (Counter(counted.read()) + elsewhere.get(counted, Counter())).items():
                 family.add_metric([why], count)
             yield family
 
 
 COUNTED = (
-    ("balise_refused_logins", "Log-ins and API tokens that were refused", tally.REFUSED_LOGINS),
-    ("balise_unposted", "What was not given to NATS, and is made up for later", tally.UNPOSTED),
-    ("balise_template_renewals", "Templates of the sandbox that were replaced", tally.TEMPLATE_RENEWALS),
+    ("balise_refused_logins", "Log-ins and API tokens that were refused", REFUSED_LOGINS),
+    ("balise_unposted", "What was not given to NATS, and is made up for later", UNPOSTED),
+    ("balise_template_renewals", "Templates of the sandbox that were replaced", TEMPLATE_RENEWALS),
 )
 
 

@@ -1,13 +1,15 @@
 """Queries of what is measured: what waits, and what was graded lately."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
 from sqlalchemy import Row, exists, func, select, text
 from sqlalchemy.orm import Session, aliased
 
+from server.database import table_of, upserting
 from server.gradebook.models import Grading
+from server.health.models import Count
 from server.queue.models import Job
 from server.submissions.models import Submission
 
@@ -28,8 +30,11 @@ def queue(db: Session) -> Sequence[Row[str, bool, int, datetime]]:
     return db.execute(select(Job.kind, begun, func.count(), func.min(Job.created_at)).group_by(Job.kind, begun)).all()
 
 
-def first_verdicts(db: Session, since: datetime) -> Sequence[Row[UUID, str, str, datetime, datetime, datetime]]:
-    """Of submissions graded for the first time since: grading, exercise, outcome, when sent, begun and ended."""
+def first_verdicts(
+    db: Session, since: datetime, most: int | None = None
+) -> Sequence[Row[UUID, str, str, datetime, datetime, datetime]]:
+    """Of submissions graded for the first time since, or of the latest `most` of them: grading, exercise, outcome, when
+    sent, begun and ended."""
     earlier = aliased(Grading)
     before = exists().where(earlier.submission_id == Grading.submission_id, earlier.finished_at < Grading.finished_at)
     query = select(
@@ -40,4 +45,43 @@ def first_verdicts(db: Session, since: datetime) -> Sequence[Row[UUID, str, str,
         Grading.started_at,
         Grading.finished_at,
     ).join(Submission, Submission.id == Grading.submission_id)
-    return db.execute(query.where(Grading.finished_at >= since, ~before)).all()
+    query = query.where(Grading.finished_at >= since, ~before)
+    if most is not None:
+        query = query.order_by(Grading.finished_at.desc()).limit(most)
+    return db.execute(query).all()
+
+
+def leased(db: Session, most: int) -> Sequence[Row[str | None, str, str, datetime | None, int]]:
+    """What is being done: by whom, its kind and key, since when, and how often it was begun."""
+    query = select(Job.lease_owner, Job.kind, Job.key, Job.started_at, Job.tries).where(Job.lease_token.is_not(None))
+    return db.execute(query.order_by(Job.started_at).limit(most)).all()
+
+
+def exercises_of(db: Session, submissions: Collection[UUID]) -> Mapping[UUID, str]:
+    query = select(Submission.id, Submission.exercise).where(Submission.id.in_(submissions))
+    return dict(db.execute(query).all())
+
+
+def graded_since(db: Session, since: datetime) -> int:
+    """How many gradings have ended since."""
+    query = select(func.count()).select_from(Grading).where(Grading.finished_at >= since)
+    return db.execute(query).scalar_one()
+
+
+def failed(db: Session, outcome: str, since: datetime, most: int) -> Sequence[Row[datetime, str]]:
+    """The latest gradings that ended so: when, and of which exercise."""
+    query = select(Grading.finished_at, Submission.exercise).join(Submission, Submission.id == Grading.submission_id)
+    query = query.where(Grading.finished_at >= since, Grading.outcome == outcome)
+    return db.execute(query.order_by(Grading.finished_at.desc()).limit(most)).all()
+
+
+def count(db: Session, name: str, why: str) -> None:
+    """That it happened once more."""
+    statement = upserting(db, Count).values(name=name, why=why, times=1)
+    again = {"times": table_of(Count).c.times + 1}
+    db.execute(statement.on_conflict_do_update(index_elements=["name", "why"], set_=again))
+
+
+def counted(db: Session, name: str) -> Mapping[str, int]:
+    """How often it happened, by why."""
+    return dict(db.execute(select(Count.why, Count.times).where(Count.name == name)).all())

@@ -6,16 +6,26 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Request, Response
 from fastapi.responses import JSONResponse
 
-from server.base.errors import NotFound, Unauthorised
+from server.base.errors import Forbidden, NotFound, Unauthorised
+from server.base.logs import RECENT
 from server.base.provided import provided
 from server.base.settings import Settings
+from server.base.tally import VISITS
+from server.database.dependencies import Db
+from server.grading.supervisor import Supervisor
+from server.health import overview
 from server.health.metrics import Metrics
+from server.health.overview import Fault, Process
 from server.health.readiness import CARRIER, Readiness
+from server.identity.dependencies import ApiAccount
+from server.submissions.events import Events
 
 router = APIRouter(include_in_schema=False)
 
 SettingsOf = Annotated[Settings, Depends(provided(Settings))]
 MetricsOf = Annotated[Metrics, Depends(provided(Metrics))]
+EventsOf = Annotated[Events, Depends(provided(Events))]
+SupervisorOf = Annotated[Supervisor, Depends(provided(Supervisor))]
 ReadinessOf = Annotated[Readiness, Depends(provided(Readiness))]
 NO_STORE = {"Cache-Control": "no-store"}
 SCHEME = "bearer"
@@ -35,6 +45,26 @@ def ready(readiness: ReadinessOf) -> Response:
     status = "ok" if not amiss else "degraded" if amiss == {CARRIER} else "unready"
     body = {"status": status, "checks": checks}
     return JSONResponse(body, status_code=503 if status == "unready" else 200, headers=NO_STORE)
+
+
+@router.get("/statusz")
+def status(
+    account: ApiAccount, db: Db, events: EventsOf, supervisor: SupervisorOf, measured: MetricsOf, readiness: ReadinessOf
+) -> Response:
+    """What the service does now, for an administrator's token: what `balise top` shows."""
+    if not account.is_administrator:
+        raise Forbidden("L’état du service se lit avec le jeton d’un administrateur.")
+    process = Process(
+        visitors=VISITS.visitors(),
+        requests_per_minute=VISITS.last_minute(),
+        following=events.following(),
+        workers=supervisor.alive(),
+        wanted=supervisor.wanted,
+        walls=measured.walls,
+        checks=readiness.checks(),
+    )
+    faults = [Fault(at, where, message) for at, where, message in RECENT.read()]
+    return JSONResponse(overview.to_json(overview.read(db, process, faults)), headers=NO_STORE)
 
 
 @router.get("/metrics")

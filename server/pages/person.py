@@ -18,6 +18,7 @@ from server.identity.dependencies import AccountsOf, OptionalAccount, SignedIn, 
 from server.identity.models import Account
 from server.identity.schemas import RefusedForm
 from server.identity.service import ALLOWANCES_KEPT
+from server.personal import retention
 from server.personal.dependencies import PersonalOf
 from server.personal.service import headers_of_archive
 from server.web.forms import Field, form, go
@@ -29,7 +30,14 @@ SettingsOf = Annotated[Settings, Depends(provided(Settings))]
 
 @router.get("/donnees-personnelles")
 def what_is_kept(request: Request, account: OptionalAccount, settings: SettingsOf) -> HTMLResponse:
-    return form(request, "donnees.html", account, settings=settings, kept_days=ALLOWANCES_KEPT.days)
+    return form(
+        request,
+        "donnees.html",
+        account,
+        settings=settings,
+        kept_days=ALLOWANCES_KEPT.days,
+        kept=tuple(retention.rows(settings)),
+    )
 
 
 @router.get("/compte")

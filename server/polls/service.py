@@ -29,7 +29,13 @@ NO_QUESTION = "Cette question n’existe pas."
 @lru_cache(maxsize=32)
 def of_module(module: Module) -> Mapping[str, Poll]:
     """Every question of a module, by name, in the order of the lessons."""
-    return {poll.name: poll for lesson in module.lessons for poll in _of_lesson(module, lesson)}
+    return {name: poll for lesson in module.lessons for name, poll in of_lesson(module, lesson).items()}
+
+
+@lru_cache(maxsize=1024)
+def of_lesson(module: Module, lesson: Lesson) -> Mapping[str, Poll]:
+    """Those of a lesson, which know nothing of the other lessons."""
+    return {poll.name: poll for poll in _of_lesson(module, lesson)}
 
 
 def _of_lesson(module: Module, lesson: Lesson) -> Iterator[Poll]:
@@ -113,7 +119,7 @@ def _marked(db: Session, account: Account | None, module: Module, poll: Poll, id
 
 def said_in(db: Session, account: Account | None, module: Module, lesson: Lesson) -> Mapping[str, str]:
     """What somebody said first to the questions of a lesson, by name. Nothing of a visitor: their browser keeps it."""
-    names = [f"{module.slug}/{poll.name}" for poll in of_module(module).values() if f"/{lesson.slug}#" in poll.href]
+    names = [f"{module.slug}/{name}" for name in of_lesson(module, lesson)]
     if account is None or not names:
         return {}
     found = repository.first_answers(db, account.id, names)

@@ -14,7 +14,7 @@ from uuid import UUID, uuid4
 
 from sqlalchemy.orm import Session
 
-from server.base import logs
+from server.base import logs, traces
 from server.queue import repository
 from server.queue.models import Job
 from server.queue.owner import Owner, is_dead
@@ -62,7 +62,7 @@ class TableQueue:
         if turn.pushes:
             turn = replace(turn, line=repository.push(db, sender, turn.own))
         request = logs.current_id()
-        carried = {**(payload or {}), **({REQUEST: request} if request else {})}
+        carried = {**(payload or {}), **({REQUEST: request} if request else {}), **traces.carried(key)}
         name = repository.put(db, kind, key, carried, sender, turn, needs)
         self._signals.queued(db, Call(kind, str(name)))
 

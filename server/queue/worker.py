@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 from sqlalchemy.exc import InterfaceError, OperationalError, SQLAlchemyError
 from sqlalchemy.orm import Session
 
-from server.base import logs
+from server.base import logs, traces
 from server.base.settings import Settings
 from server.database import Database, is_locked, utc_now
 from server.queue.owner import Owner, owner_of
@@ -117,13 +117,15 @@ class Worker:
 
     def _step(self, kinds: Collection[str], keep: Callable[[], None]) -> bool:
         """`keep` is called as the job begins, and again as long as it is being done."""
+        since = time.time_ns()
         begun = self._write(lambda db: self._begin(db, kinds))
         if begun is None:
             return False
         keep()
         lease, work = begun
         if work is not None:
-            with logs.on_behalf(str(lease.payload.get(REQUEST, ""))):
+            told = logs.on_behalf(str(lease.payload.get(REQUEST, "")))
+            with told, traces.job(lease.payload, lease.kind, lease.tries, since):
                 self._do(lease, work, keep)
         return True
 
@@ -153,9 +155,10 @@ class Worker:
     def _do(self, lease: Lease, work: Any, keep: Callable[[], None]) -> None:
         self._heartbeat.hold(lease, keep)
         try:
-            with self._stopping.open():
+            with traces.step("run"), self._stopping.open():
                 result = self._tasks[lease.kind].run(work)
-            self._write(lambda db: self._record(db, lease, work, result))
+            with traces.step("record"):
+                self._write(lambda db: self._record(db, lease, work, result))
             seconds = (utc_now() - lease.started_at).total_seconds()
             logs.tell("job done", kind=lease.kind, key=lease.key, tries=lease.tries, seconds=round(seconds, 4))
         except Stop:

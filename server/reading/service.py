@@ -201,7 +201,7 @@ def _with_questions(module: Module, lesson: Lesson, *, heard: bool) -> Markup:
     macros: Any = environment().get_template("reading/asked.html").module
 
     def written(match: re.Match[str]) -> str:
-        poll = polls.of_module(module).get(match[1])
+        poll = polls.of_lesson(module, lesson).get(match[1])
         if poll is None:  # of an exercise that is at fault, and not served
             return match[0]
         return match[0] + str((macros.asked if heard else macros.read)(module.slug, poll))

@@ -13,8 +13,6 @@ from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Iterable
 
-import snowballstemmer
-
 from graders.typography import unaccented
 
 WORD = re.compile(r"[^\W_]+")
@@ -33,6 +31,8 @@ class Vocabulary:
 
     def __init__(self, texts: Iterable[str]) -> None:
         words = sorted({word for text in texts for word in WORD.findall(spelt(text))})
+        import snowballstemmer
+
         self._stem = snowballstemmer.stemmer("french").stemWord
         self._spellings: dict[str, list[str]] = defaultdict(list)
         self._of_stem: dict[str, list[str]] = defaultdict(list)

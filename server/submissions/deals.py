@@ -5,11 +5,10 @@ from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from server.course.models import SEED_BITS
 from server.database import Database
 from server.identity.models import Account
 from server.submissions import repository
-
-SEED_BITS = 53
 
 
 def seed_of(db: Session, account: Account, exercise_id: str) -> int:

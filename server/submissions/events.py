@@ -5,12 +5,15 @@ Everything here runs on the web process's event loop, and holds neither a thread
 
 import asyncio
 import re
+import time
 from collections import defaultdict
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import contextmanager
 from typing import Protocol, TypeVar
 
 from starlette.concurrency import run_in_threadpool
+
+from server.base import traces
 
 #: No proxy is to keep an event back to make a larger piece of it.
 STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
@@ -41,6 +44,10 @@ class Events:
         """Ends every watch, as the server stops: browsers come back by themselves."""
         self._closed = True
         self._moved()
+
+    def following(self) -> int:
+        """How many pages and programs follow something at this moment."""
+        return sum(map(len, list(self._watchers.values())))
 
     def changed(self, key: str) -> None:
         """The job of this key has changed state: its watchers look at once, the others soon (their place has moved)."""
@@ -75,11 +82,14 @@ class Events:
         with self._watch(key) as event:
             latest: S | None = None
             while True:
+                woken = time.time_ns()
                 event.clear()  # before reading: a change during the read is not missed
                 snapshot = await run_in_threadpool(read)
                 if snapshot != latest:
                     yield snapshot
                     latest = snapshot
+                if snapshot.done:
+                    traces.news(key, woken)
                 if snapshot.done or self._closed:
                     return
                 await _wait(event, SAFETY_POLL)

@@ -17,13 +17,13 @@ from server.base.errors import Invalid, TooMany
 from server.base.identities import identity_of
 from server.base.settings import Settings
 from server.classes import service as classes
+from server.course.models import SEED_BITS
 from server.database import utc_now
 from server.identity.models import Account
 from server.limits import service as limits
 from server.queue.port import HeapError, Most, Queue
 from server.rights import service as rights
 from server.submissions import deals
-from server.submissions.deals import SEED_BITS
 from server.submissions.models import State, Submission
 from server.submissions.senders import sender_of
 

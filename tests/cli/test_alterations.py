@@ -56,7 +56,7 @@ def check(points: float, *values: float) -> Check:
 
 def exercise(course: Course, folder: Path, *checks: Check, solution: str = SOLUTION) -> Exercise:
     grader = CodeGrader("l20/jouet", folder, ("decale",), checks, world.kit, (), solution)
-    return replace(course.exercises["l20/poses"], grader=grader)
+    return replace(course.exercises["l20/poses"], make=lambda: grader)
 
 
 def tally(one: Exercise) -> alterations.Tally:

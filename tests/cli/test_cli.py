@@ -72,7 +72,10 @@ def test_a_wrong_file_is_explained_in_french(tmp_path: Path, course: Course, cap
 
 
 def test_what_cannot_be_graded_has_its_own_status(right: Path, tmp_path: Path, monkeypatch: Any, capsys: Any) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert main(["grade", "l20/inconnu", str(right)]) == 2
+    assert "n’existe pas" in capsys.readouterr().err
+    assert main(["grade", "../x", str(right)]) == 2
     assert "n’existe pas" in capsys.readouterr().err
     assert main(["grade", EXERCISE, str(tmp_path / "absent.py")]) == 2
     assert main(["grade", EXERCISE, str(tmp_path)]) == 2
@@ -91,7 +94,8 @@ def test_what_cannot_be_graded_has_its_own_status(right: Path, tmp_path: Path, m
 WRONG_USAGE = {
     (): "il manque COMMANDE",
     ("zut",): "COMMANDE : « zut » n’existe pas. Au choix : "
-    "'serve', 'demo', 'grade', 'check', 'doctor', 'submit', 'login', 'export', 'worker', 'backup', 'restore', 'admin'",
+    "'serve', 'demo', 'grade', 'check', 'doctor', 'submit', 'login', 'export', 'worker', 'top', 'backup', 'restore', "
+    "'admin'",
     ("admin",): "il manque ACTION",
     ("grade",): "il manque EXERCISE",
     ("doctor", "--vite"): "argument inconnu : --vite",

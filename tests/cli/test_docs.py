@@ -10,12 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from starlette.testclient import TestClient
 
 from server.base.paths import ROOT
 from server.base.settings import PREFIX, SECRETS_DIR, TO_COME, Settings
 from server.cli import _parser, main
 from server.cli.admin import ACTIONS
 from server.health.metrics import COUNTED
+from server.identity.models import Role
 from server.sandbox import WallReport, WallStatus
 from tests.support.cluster import Machine, nats_server
 from tests.support.service import Site
@@ -25,7 +27,7 @@ PAGES = sorted(DOCS.glob("*.md"))
 MACHINES = "plusieurs_machines.md"
 TOKEN = "un jeton de mesures"
 BLOCK = re.compile(r"^```sh\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-SETTING = re.compile(r"(BALISE_\w+)=(\S+) (.*)")
+SETTING = re.compile(r"((?:BALISE|OTEL)_\w+)=(\S+) (.*)")
 
 
 def commands(page: Path) -> list[str]:
@@ -57,6 +59,8 @@ def machine(site: Site, tmp_path: Path, others: None, monkeypatch: pytest.Monkey
     monkeypatch.setattr("server.cli.worker.require_safe_sandbox", lambda _: None)
     monkeypatch.setattr("server.cli.worker.logs.start", lambda *_: None)
     monkeypatch.setattr("server.cli.worker.stop_on_signals", lambda **_: None)
+    monkeypatch.setenv("BALISE_TOKEN", site.token(Role.administrator)["Authorization"].removeprefix("Bearer "))
+    monkeypatch.setattr("server.cli.remote.client_of", lambda _server, token: client_of(site, token))
 
     def run(line: str) -> int:
         setting = SETTING.fullmatch(line)
@@ -74,6 +78,10 @@ def machine(site: Site, tmp_path: Path, others: None, monkeypatch: pytest.Monkey
         return main(arguments)
 
     return run
+
+
+def client_of(site: Site, token: str) -> TestClient:
+    return TestClient(site.app, headers={"Authorization": f"Bearer {token}"})
 
 
 def served(_settings: Settings, host: str, port: int, *_more: Any) -> int:

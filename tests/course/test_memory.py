@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from server.course.closure import Imports
 from server.course.library import Library
 from server.course.memory import Memory
 from server.course.service import load
+from tests.support.quick import the_course
 from tests.support.small_course import CourseFolder
 
 
@@ -53,6 +55,47 @@ def test_texts_that_were_sound_are_looked_at_again_once_anything_has_changed(
     assert [start(), start()] == [1, 0]
 
 
+def test_what_was_sound_is_graded_by_graders_that_are_loaded_when_they_are_needed(
+    course_folder: CourseFolder, tmp_path: Path
+) -> None:
+    first, second = (load_small(course_folder, Memory(tmp_path / "course.json")) for _ in range(2))
+    for name, known in first.exercises.items():
+        again = second.exercises[name]
+        assert (again.version, again.kit, again.kind) == (known.version, known.kit, known.kind)
+        assert (again.starter, again.solution) == (known.starter, known.solution)
+        assert "grader" not in vars(again)
+        assert again.grader.exercise == known.grader.exercise == name
+        assert again.grader is again.grader
+
+
+def test_what_an_older_version_has_remembered_is_no_damage(
+    course_folder: CourseFolder, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    kept = tmp_path / "course.json"
+    known = load_small(course_folder, Memory(kept))
+    remembered = json.loads(kept.read_text())
+    del remembered["found"]
+    kept.write_text(json.dumps(remembered))
+    assert load_small(course_folder, Memory(kept)).exercises.keys() == known.exercises.keys()
+    assert "found" in json.loads(kept.read_text())
+    assert not caplog.records
+
+
+@pytest.mark.parametrize("exercise", ["l20/poses", "l20/tp_slam", "l20/calcul_kabsch"])
+def test_an_exercise_that_is_read_alone_is_that_of_the_course(exercise: str) -> None:
+    whole, alone = the_course(), load(render=False, only=exercise)
+    assert alone.exercises.keys() == {exercise, *(one.id for one in whole.reused(exercise))}
+    assert {name: one.version for name, one in alone.exercises.items()} == {
+        name: whole.exercises[name].version for name in alone.exercises
+    }
+    assert not alone.problems
+    assert alone.kits == whole.kits
+
+
+def test_what_is_no_exercise_is_read_as_nothing() -> None:
+    assert not any(load(render=False, only=name).exercises for name in ("l20/inconnu", "l99/poses", "l20", "../../etc"))
+
+
 def load_small(folder: CourseFolder, memory: Memory) -> Any:
     return load(
         folder.curriculum, code=folder.root, discovery=folder.graders("a", "b"), render=False, check=True, memory=memory
@@ -68,7 +111,7 @@ def test_imports_are_remembered_by_what_a_file_holds(tmp_path: Path) -> None:
     def closure() -> set[str]:
         memory = Memory(kept)
         found = set(Imports(tmp_path, memory).closure("graders.near"))
-        memory.keep("")
+        memory.keep("", {})
         return found
 
     assert closure() == closure() == {"graders.near", "graders.far"}

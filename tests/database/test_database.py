@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
+from subprocess import PIPE, Popen
 from threading import Barrier
+from typing import Any
 
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
 from sqlalchemy import select, text
 
+from server.base.paths import ROOT
 from server.base.settings import Settings
 from server.cli import main
 from server.database import Database, after_commit
-from server.database.migrate import WrongSchema, head, require_current, upgrade
+from server.database.migrate import WrongSchema, configuration, head, is_known, require_current, upgrade
 from server.identity.models import Account
 from server.limits.models import Allowance
 from server.tables import metadata
+from tests.support.quick import migrated
 
 
 def test_migrations_from_an_empty_database_give_the_models_schema(database: Database) -> None:
@@ -111,13 +117,61 @@ def test_processes_that_start_together_migrate_once(postgres_url: str, tmp_path:
                 done.result()
 
 
+STARTS = """
+import sys
+from alembic import command
+from server.database import Database
+from server.database.migrate import require_current, upgrade
+
+migrate = command.upgrade
+command.upgrade = lambda *args: (migrate(*args), print("migrated"))
+database = Database(sys.argv[1])
+sys.stdin.readline()  # all at the same time
+upgrade(database.engine)
+require_current(database.engine)
+"""
+
+
+@pytest.mark.slow
+def test_real_processes_that_start_together_migrate_once(postgres_url: str, tmp_path: Path) -> None:
+    schema = f"{postgres_url}{'&' if '?' in postgres_url else '?'}options=-csearch_path%3Dprocesses"
+    with closing(Database(postgres_url)) as first, first.engine.begin() as connection:
+        connection.execute(text("DROP SCHEMA IF EXISTS processes CASCADE"))
+        connection.execute(text("CREATE SCHEMA processes"))
+    for url in (f"sqlite:///{tmp_path / 'balise.sqlite3'}", schema):
+        command = [sys.executable, "-c", STARTS, url]
+        pipes: dict[str, Any] = {"stdin": PIPE, "stdout": PIPE, "stderr": PIPE, "text": True, "cwd": ROOT}
+        started = [Popen(command, **pipes) for _ in range(4)]
+        for process in started:
+            assert process.stdin is not None
+            process.stdin.write("go\n")
+            process.stdin.flush()
+        said = [process.communicate(timeout=120) for process in started]
+        assert [process.returncode for process in started] == [0] * 4, said
+        assert sorted(out for out, _ in said) == ["", "", "", "migrated\n"]
+
+
+def test_the_numbers_of_migrations_are_those_that_alembic_finds() -> None:
+    scripts = ScriptDirectory.from_config(configuration())
+    assert head() == scripts.get_current_head()
+    assert all(is_known(script.revision) for script in scripts.walk_revisions())
+    assert not is_known("9999")
+
+
+def test_what_is_current_needs_no_alembic(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with closing(migrated(Settings(data_dir=tmp_path))) as database:
+        monkeypatch.setitem(sys.modules, "alembic", None)
+        upgrade(database.engine)
+        require_current(database.engine)
+
+
 def test_the_database_of_a_newer_version_is_refused_and_left_as_it_is(
     database: Database, both: Settings, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with database.write() as db:
         db.execute(text("UPDATE alembic_version SET version_num = '9999'"))
     try:
-        with pytest.raises(WrongSchema, match=r"plus récente.*9999"):
+        with pytest.raises(WrongSchema, match=rf"plus récente.*9999.*{head()}"):
             upgrade(database.engine)
         if both.database_url:
             monkeypatch.setenv("BALISE_DATABASE_URL", both.database_url)

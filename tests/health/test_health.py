@@ -24,6 +24,7 @@ from server.base.provided import provide, provided_to
 from server.base.tally import TEMPLATE_RENEWALS
 from server.grading.supervisor import Supervisor
 from server.health import repository
+from server.health.counts import Counts
 from server.health.metrics import Metrics
 from server.health.readiness import Readiness
 from server.queue.models import Job
@@ -121,6 +122,10 @@ def test_metrics_count_what_is_refused_and_what_is_renewed(site: Site, measured:
     known = TEMPLATE_RENEWALS.read().get("worn", 0)
     Switchboard(lambda _key: None).heard(_Nowhere(), "renewed worn")
     assert measured()["balise_template_renewals_total", frozenset({("why", "worn")})] == known + 1
+    elsewhere = Counts(site.database)
+    for _ in range(2):
+        elsewhere.renewed("worn")
+    assert measured()["balise_template_renewals_total", frozenset({("why", "worn")})] == known + 3
     provided_to(site.app, Metrics).tell_walls({"seccomp": True, "cgroup": False})
     walls = {labels: value for (name, labels), value in measured().items() if name == "balise_wall_standing"}
     assert walls == {frozenset({("wall", "seccomp")}): 1, frozenset({("wall", "cgroup")}): 0}

@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import maximum_bipartite_matching
 
 Before = Mapping[str, AbstractSet[str]]
 
@@ -31,4 +29,7 @@ def longest_chain(names: Sequence[str], before: Before) -> int:
                         for place, name in enumerate(names)], dtype=np.int8)  # fmt: skip
     if not clashes.any():
         return len(names)
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import maximum_bipartite_matching
+
     return len(names) - int(np.count_nonzero(maximum_bipartite_matching(csr_array(clashes)) >= 0))

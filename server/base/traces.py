@@ -1,0 +1,210 @@
+"""The trace of a submission, from its request to its verdict, for whoever collects OpenTelemetry.
+
+Off unless the standard variables ask for it (`OTEL_TRACES_EXPORTER`, or the address of a collector); what is off costs
+the look at one name, and loads nothing. The provider is our own, and not the global one: libraries that would tell
+addresses, which hold one-time links, or what is sent, find none.
+
+What is told is names of ours, counts and times: neither code nor answers, nor who sends, nor from where.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator, Mapping, MutableMapping
+from contextlib import contextmanager
+from threading import Lock
+from typing import TYPE_CHECKING, Any
+
+from cachetools import TTLCache
+
+if TYPE_CHECKING:
+    from opentelemetry.context import Context
+    from opentelemetry.sdk.trace import TracerProvider
+    from opentelemetry.trace import Span, Tracer
+
+#: Where a job's payload keeps its trace, and since when it waits (nanoseconds since 1970).
+TRACE, PUT_AT = "traceparent", "put_at"
+NAME = "balise"
+MILLISECOND = 1_000_000  # nanoseconds
+OTLP, CONSOLE = "otlp", "console"
+WANTED = ("OTEL_TRACES_EXPORTER", "OTEL_EXPORTER_OTLP_ENDPOINT", "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT")
+PROTOCOLS = ("OTEL_EXPORTER_OTLP_TRACES_PROTOCOL", "OTEL_EXPORTER_OTLP_PROTOCOL")
+HTTP = "http/protobuf"
+MINUTES = 600.0
+
+Attributes = Mapping[str, str | int | float | bool]
+
+
+class CannotTrace(Exception):
+    """The variables ask for what cannot be had; its message is French and for the administrator."""
+
+
+class _State:
+    """Of this process. `sent` holds the traces of what it has put in the queue, until its news are told."""
+
+    provider: TracerProvider | None = None
+    tracer: Tracer | None = None
+    sent: MutableMapping[str, str] = TTLCache(4096, MINUTES)
+    lock = Lock()
+
+
+def wanted(environment: Mapping[str, str]) -> bool:
+    """Whether the standard variables ask for traces."""
+    off = environment.get("OTEL_SDK_DISABLED", "").strip().lower() == "true"
+    exporter = environment.get("OTEL_TRACES_EXPORTER", "").strip().lower()
+    return not off and exporter != "none" and any(environment.get(name, "").strip() for name in WANTED)
+
+
+def start(process: str) -> None:
+    """What a process does first; `process` is its part in the service. Raises CannotTrace."""
+    if not wanted(os.environ):
+        return
+    try:
+        from opentelemetry.sdk.resources import Resource
+        from opentelemetry.sdk.trace import TracerProvider
+        from opentelemetry.sdk.trace.export import BatchSpanProcessor
+    except ImportError as missing:
+        raise CannotTrace(
+            "les traces demandent des paquets de plus, que pip install 'balise[traces]' installe "
+            "(ou ne réglez pas les variables OTEL_…)"
+        ) from missing
+    exporter = _exporter()
+    here = {"service.name": os.environ.get("OTEL_SERVICE_NAME") or NAME, "service.instance.id": process}
+    provider = TracerProvider(resource=Resource.create(here))
+    provider.add_span_processor(BatchSpanProcessor(exporter))
+    use(provider)
+
+
+def _exporter() -> Any:
+    name = os.environ.get("OTEL_TRACES_EXPORTER", OTLP).strip().lower() or OTLP
+    if name == CONSOLE:
+        from opentelemetry.sdk.trace.export import ConsoleSpanExporter
+
+        return ConsoleSpanExporter()
+    protocol = next((value for key in PROTOCOLS if (value := os.environ.get(key, "").strip())), HTTP)
+    if name != OTLP or protocol != HTTP:
+        raise CannotTrace(
+            f"les traces partent par otlp, en {HTTP}, ou vers console : ni OTEL_TRACES_EXPORTER={name}, ni {protocol}"
+        )
+    from opentelemetry.exporter.otlp.proto.http.trace_exporter import OTLPSpanExporter
+
+    return OTLPSpanExporter()
+
+
+def use(provider: TracerProvider | None) -> None:
+    """Sends what is traced from now on there; None: nowhere."""
+    _State.provider = provider
+    _State.tracer = None if provider is None else provider.get_tracer(NAME)
+    _State.sent.clear()
+
+
+def stop() -> None:
+    """Sends what has not left yet."""
+    if _State.provider is not None:
+        _State.provider.shutdown()
+        use(None)
+
+
+@contextmanager
+def request(method: str, parent: str = "") -> Iterator[Any]:
+    """The span of a request, which is the root of its trace, or below a `parent` that a trusted proxy tells."""
+    if _State.tracer is None:
+        yield None
+        return
+    from opentelemetry.context import Context
+    from opentelemetry.trace import SpanKind
+
+    above = _below(parent) if parent else Context()
+    attributes = {"http.request.method": method}
+    with _State.tracer.start_as_current_span(
+        method, above, SpanKind.SERVER, attributes, record_exception=False
+    ) as span:
+        yield span
+
+
+def answered(span: Span | None, method: str, route: str, status: int) -> None:
+    """By its route, since its address may hold a one-time link."""
+    if span is None:
+        return
+    span.update_name(f"{method} {route}".rstrip())
+    span.set_attribute("http.route", route)
+    span.set_attribute("http.response.status_code", status)
+    if status >= 500:
+        from opentelemetry.trace import StatusCode
+
+        span.set_status(StatusCode.ERROR)
+
+
+@contextmanager
+def step(name: str, **attributes: str | int) -> Iterator[None]:
+    """A part of what is being traced; nothing where nothing is."""
+    if _State.tracer is None or not _traced():
+        yield
+        return
+    with _State.tracer.start_as_current_span(name, attributes=attributes, record_exception=False):
+        yield
+
+
+def steps(began: int, milliseconds: Mapping[str, float]) -> None:
+    """Parts that have been timed, one after the other since `began` (nanoseconds)."""
+    if _State.tracer is None or not _traced():
+        return
+    for name, taken in milliseconds.items():
+        ended = began + round(taken * MILLISECOND)
+        _State.tracer.start_span(name, start_time=began).end(ended)
+        began = ended
+
+
+def _traced() -> bool:
+    from opentelemetry.trace import get_current_span
+
+    return get_current_span().get_span_context().is_valid
+
+
+def carried(key: str) -> dict[str, str | int]:
+    """What a job put now takes along, for whoever does it: its trace. `key` is how its news will be told."""
+    if _State.tracer is None or not _traced():
+        return {}
+    from opentelemetry.trace.propagation.tracecontext import TraceContextTextMapPropagator
+
+    carrier: dict[str, str] = {}
+    TraceContextTextMapPropagator().inject(carrier)
+    with _State.lock:
+        _State.sent[key] = carrier[TRACE]
+    return {TRACE: carrier[TRACE], PUT_AT: time.time_ns()}
+
+
+@contextmanager
+def job(payload: Mapping[str, Any], kind: str, tries: int, leased_since: int) -> Iterator[None]:
+    """The work on a job, in the trace that it takes along: how long it waited, its lease, then what is done within."""
+    parent = payload.get(TRACE)
+    if _State.tracer is None or not isinstance(parent, str):
+        yield
+        return
+    from opentelemetry.trace import SpanKind
+
+    above, put_at, now = _below(parent), payload.get(PUT_AT), time.time_ns()
+    if isinstance(put_at, int):
+        _State.tracer.start_span("wait", above, start_time=put_at).end(max(put_at, leased_since))
+    _State.tracer.start_span("lease", above, start_time=leased_since).end(now)
+    told: Attributes = {"job.kind": kind, "job.tries": tries}
+    with _State.tracer.start_as_current_span(kind, above, SpanKind.CONSUMER, told, record_exception=False):
+        yield
+
+
+def news(key: str, since: int) -> None:
+    """That the end of a job which this process has put was told to who waits for it, heard of at `since`."""
+    if _State.tracer is None:
+        return
+    with _State.lock:
+        parent = _State.sent.pop(key, None)
+    if parent is not None:
+        _State.tracer.start_span("event", _below(parent), start_time=since).end()
+
+
+def _below(parent: str) -> Context:
+    from opentelemetry.context import Context
+    from opentelemetry.trace.propagation.tracecontext import TraceContextTextMapPropagator
+
+    return TraceContextTextMapPropagator().extract({TRACE: parent}, Context())

@@ -1,0 +1,209 @@
+"""`balise top [--server URL | --data DIR] [--once] [--json]`: what the service does now, shown again and again."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+import time
+from argparse import Namespace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing
+from datetime import datetime
+from typing import Any
+
+from server.cli import CannotRun
+
+EVERY = 2.0  # seconds
+LEAST_WIDTH, MOST_WIDTH = 60, 120
+HOME_AND_CLEAR, BOLD, RED, PLAIN = "\033[H\033[2J", "\033[1m", "\033[31m", "\033[0m"
+KINDS = {
+    "grade": "corrections",
+    "regrade": "recorrections",
+    "fingerprint": "regroupements d’erreurs",
+}
+CHECKS = {"database": "base", "walls": "protections", "workers": "correcteurs", "service": "service"}
+AMISS = {
+    "unreachable": "injoignable",
+    "being tried": "à l’essai",
+    "none": "aucun",
+    "stopping": "s’arrête",
+}
+Json = Mapping[str, Any]
+Read = Callable[[], Json]
+
+
+def run(arguments: Namespace) -> int:
+    if arguments.server is not None:
+        return _follow(arguments, _remote(arguments))
+    from server.cli.configuration import read_settings
+    from server.database import Database
+
+    with closing(Database(read_settings(data_dir=arguments.data).url)) as database:
+        return _follow(arguments, _local(database))
+
+
+def _remote(arguments: Namespace) -> Read:
+    import httpx
+
+    from server.cli.remote import ask, client_of, explained, server_of, token_of
+
+    server = server_of(arguments.server)
+    client = client_of(server, token_of(arguments.token, server))
+
+    def read() -> Json:
+        try:
+            return ask(client, "GET", "/statusz", headers={"Accept": "application/json"})
+        except (httpx.HTTPError, httpx.InvalidURL) as error:
+            raise CannotRun(explained(error, server)) from error
+
+    return read
+
+
+def _local(database: Any) -> Read:
+    """Of the database alone: visitors, walls and the logs' errors are the service's, which tells them over HTTP."""
+    from sqlalchemy.exc import OperationalError
+
+    from server.database.migrate import WrongSchema, require_current
+    from server.health import overview
+
+    try:
+        require_current(database.engine)
+    except WrongSchema as wrong:
+        raise CannotRun(str(wrong)) from wrong
+    except OperationalError as error:
+        raise CannotRun(f"la base de données ne répond pas : {error.orig}") from error
+
+    def read() -> Json:
+        try:
+            with database.read() as db:
+                return overview.to_json(overview.read(db))
+        except OperationalError as error:
+            raise CannotRun(f"la base de données ne répond pas : {error.orig}") from error
+
+    return read
+
+
+def _follow(arguments: Namespace, read: Read) -> int:
+    if arguments.json:
+        print(json.dumps(read(), ensure_ascii=False))
+        return 0
+    terminal = sys.stdout.isatty()
+    if arguments.once or not terminal:
+        print(render(read(), _width(), colours=terminal))
+        return 0
+    while True:
+        screen = render(_patient(read), _width(), colours=True)
+        print(f"{HOME_AND_CLEAR}{screen}\n\n  Ctrl+C pour finir.", flush=True)
+        time.sleep(EVERY)
+
+
+def _patient(read: Read) -> Json:
+    """A service that starts again is waited for: one refusal is no end."""
+    try:
+        return read()
+    except CannotRun:
+        time.sleep(EVERY)
+        return read()
+
+
+def _width() -> int:
+    return max(LEAST_WIDTH, min(MOST_WIDTH, shutil.get_terminal_size((80, 24)).columns))
+
+
+def render(state: Json, width: int, *, colours: bool) -> str:
+    """The screen: no line is wider than `width`, and nothing but text stands in it without `colours`."""
+    lines = [*_head(state), *_queue(state["queue"]), *_workers(state["workers"]), *_faults(state["faults"])]
+    return "\n".join(_painted(_cut(line, width), colours) for line in lines)
+
+
+def _cut(line: str, width: int) -> str:
+    """What comes from a log may hold anything: no command to the terminal is printed."""
+    plain = "".join(one if one.isprintable() else "\ufffd" for one in line)
+    return plain if len(plain) <= width else plain[: width - 1] + "…"
+
+
+def _painted(line: str, colours: bool) -> str:
+    if not colours:
+        return line
+    if line.startswith("!"):
+        return f"{RED}{line}{PLAIN}"
+    return f"{BOLD}{line}{PLAIN}" if line and not line.startswith(" ") else line
+
+
+def _head(state: Json) -> Iterator[str]:
+    process, verdicts = state.get("process"), state["verdicts"]
+    yield f"Balise, {_local_time(state['at'])}"
+    if process is None:
+        yield "  Lu dans la base : visiteurs, protections et journaux se lisent avec --server."
+    else:
+        yield (
+            f"  Visiteurs (5 min) : {process['visitors']} · demandes/min : {process['requests_per_minute']:.0f} · "
+            f"pages en direct : {process['following']}"
+        )
+        yield from _amiss(process)
+    times = "aucun depuis 15 min" if verdicts["p50"] is None else (
+        f"p50 {_seconds(verdicts['p50'])} · p95 {_seconds(verdicts['p95'])} (15 min)"
+    )  # fmt: skip
+    yield f"  Verdicts : {_number(verdicts['per_minute'])}/min · {times}"
+
+
+def _amiss(process: Json) -> Iterator[str]:
+    walls = process["walls"]
+    fallen = [name for name, stands in walls.items() if not stands]
+    standing = f"{len(walls) - len(fallen)}/{len(walls)}" if walls else "à l’essai"
+    yield f"  Protections : {standing} · correcteurs d’ici : {process['workers']}/{process['wanted']}"
+    if fallen:
+        yield f"! Protections absentes : {', '.join(fallen)}"
+    for name, said in process["checks"].items():
+        if said != "ok":
+            yield f"! {CHECKS.get(name, name)} : {AMISS.get(said, said)}"
+
+
+def _queue(queue: Sequence[Json]) -> Iterator[str]:
+    yield ""
+    yield f"{'File':<28}{'attendent':>10}{'le plus ancien':>16}{'en cours':>10}"
+    if not queue:
+        yield "  rien n’attend"
+    for one in queue:
+        oldest = _seconds(one["oldest"]) if one["waiting"] else "—"
+        name = KINDS.get(one["kind"], one["kind"])
+        yield f"  {name:<26}{one['waiting']:>10}{oldest:>16}{one['running']:>10}"
+
+
+def _workers(workers: Sequence[Json]) -> Iterator[str]:
+    yield ""
+    yield f"{'Correcteurs au travail':<28}{'depuis':>10}  {'sur':<24}{'essai':>6}"
+    if not workers:
+        yield "  aucun"
+    for one in workers:
+        who = f"{one['host'][:18]}[{one['pid']}]"
+        what = one["exercise"] or KINDS.get(one["kind"], one["kind"])
+        yield f"  {who:<26}{_seconds(one['seconds']):>10}  {what:<24}{one['tries']:>6}"
+
+
+def _faults(faults: Sequence[Json]) -> Iterator[str]:
+    yield ""
+    yield "Dernières erreurs"
+    if not faults:
+        yield "  aucune"
+    for one in faults:
+        yield f"! {_local_time(one['at'])} {one['where']} : {one['message']}"
+
+
+def _local_time(text: str) -> str:
+    return datetime.fromisoformat(text).astimezone().strftime("%H:%M:%S")
+
+
+def _seconds(value: float) -> str:
+    if value < 1:
+        return f"{value * 1000:.0f} ms"
+    if value < 60:
+        return f"{_number(value)} s"
+    minutes, seconds = divmod(round(value), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes:02}" if hours else f"{minutes} min {seconds:02}"
+
+
+def _number(value: float) -> str:
+    return f"{value:.1f}".removesuffix(".0").replace(".", ",")

@@ -1,0 +1,103 @@
+"""The walls that `balise grade` has tried on this machine are not tried again while nothing has changed that they stand
+on: the kernel and its boot, its settings, who we are and where, Python, NumPy, the sandbox's own files.
+
+Only that they stood is kept, for a day, in a file that its owner alone may write: whoever writes there from a student's
+program has crossed them already. The service and the workers, which run for others, try them each time.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import stat
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from server.base.digest import digest
+from server.cli.kept import OWNER_ALONE
+from server.sandbox.install import installation
+
+NAME = Path("balise", "walls.json")
+KEPT_SECONDS = 86400.0
+SANDBOX = Path(__file__).parents[1] / "sandbox"
+#: What the kernel says of itself, of its settings, and of this process.
+SAID = (
+    "/proc/sys/kernel/random/boot_id",
+    "/proc/version",
+    "/proc/cmdline",
+    "/proc/sys/kernel/unprivileged_userns_clone",
+    "/proc/sys/kernel/apparmor_restrict_unprivileged_userns",
+    "/proc/sys/kernel/yama/ptrace_scope",
+    "/proc/sys/user/max_user_namespaces",
+    "/proc/sys/user/max_pid_namespaces",
+    "/proc/sys/user/max_mnt_namespaces",
+    "/proc/sys/user/max_net_namespaces",
+    "/sys/kernel/security/lsm",
+    "/proc/self/attr/current",
+    "/proc/self/cgroup",
+    "/proc/self/mountinfo",
+    "/proc/self/uid_map",
+    "/proc/self/limits",
+)
+OF_STATUS = ("Uid", "Gid", "Groups", "Cap", "NoNewPrivs", "Seccomp")
+
+
+def path() -> Path:
+    """As freedesktop.org's base directories say."""
+    folder = os.environ.get("XDG_CACHE_HOME", "")
+    return (Path(folder) if Path(folder).is_absolute() else Path.home() / ".cache") / NAME
+
+
+def ground() -> str:
+    """All that the walls stand on, as one digest."""
+    return hashlib.sha256("\0".join(_ground()).encode()).hexdigest()
+
+
+def _ground() -> Iterator[str]:
+    yield digest([("sandbox", SANDBOX)])
+    found = installation()
+    yield from (sys.version, found.python, *found.sites, *found.packages, *found.sets)
+    yield from (_said(name) for name in SAID)
+    yield from (line for line in _said("/proc/self/status").splitlines() if line.startswith(OF_STATUS))
+    yield from sorted(f"{one.name} {os.readlink(one)}" for one in Path("/proc/self/ns").iterdir())
+
+
+def _said(name: str) -> str:
+    """A file that this kernel has not says as much as one that it has."""
+    try:
+        return Path(name).read_text(encoding="utf-8", errors="replace")
+    except OSError as error:
+        return str(error.errno)
+
+
+def stood() -> bool:
+    """Whether they stood, on this very ground, not long ago."""
+    try:
+        with open(os.open(path(), os.O_RDONLY | os.O_NOFOLLOW), encoding="utf-8") as file:
+            if not all(map(_ours, (os.fstat(file.fileno()), path().parent.stat()))):
+                return False
+            known = json.load(file)
+        return 0 <= time.time() - float(known["at"]) < KEPT_SECONDS and bool(known["ground"] == ground())
+    except (OSError, ValueError, TypeError, KeyError):
+        return False
+
+
+def _ours(found: os.stat_result) -> bool:
+    return found.st_uid == os.geteuid() and not stat.S_IMODE(found.st_mode) & (stat.S_IWGRP | stat.S_IWOTH)
+
+
+def keep() -> None:
+    """That they stand. Where it cannot be kept, they are tried again the next time."""
+    unfinished = path().with_suffix(".new")
+    try:
+        path().parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        unfinished.unlink(missing_ok=True)
+        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL
+        with open(os.open(unfinished, flags, OWNER_ALONE), "w", encoding="utf-8") as file:
+            json.dump({"at": time.time(), "ground": ground()}, file)
+        unfinished.replace(path())
+    except OSError:
+        return

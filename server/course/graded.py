@@ -1,0 +1,185 @@
+"""What grades an exercise, as the course binds it: read now, or, of files that were found sound, when it is needed."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from graders.core.answers.choice import ChoiceGrader
+from graders.core.code.exercise import CodeDefinition
+from graders.core.code.grading import CodeGrader
+from graders.core.contract.definition import MODULE_FILE
+from graders.core.contract.kits import kits_of
+from graders.core.contract.malformed import MalformedExerciseError
+from graders.core.contract.streams import stream
+from server.course import toml_file
+from server.course.closure import Imports
+from server.course.memory import Found
+from server.course.models import CourseFault, Problem
+from server.course.schemas import ExerciseFile
+from server.course.version import version
+from server.text.markup import Names
+from server.text.markup.text import no_names
+
+if TYPE_CHECKING:
+    from graders.core.answers import AnswersGrader
+    from graders.core.contract.definition import Definition
+    from graders.core.contract.protocol import Grader
+    from graders.discovery import Discovery
+
+NOTHING_ANSWERED = "{}\n"
+STARTER, SOLUTION = "starter.py", "solution.py"
+
+
+def name_of(path: Path) -> str:
+    """The exercise of a folder of the course: "l20/poses"."""
+    return f"{path.parents[1].name}/{path.name}"
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Where an exercise's parts are, what discovery found among the graders, what its texts may speak of.
+
+    Of what is `known` already, no grader need be loaded.
+    """
+
+    curriculum: Path
+    code: Path
+    discovery: Discovery | None
+    imports: Imports
+    known: Mapping[str, Found] = field(default_factory=dict)
+    names: Callable[[], Names] = no_names
+    found: dict[str, Found] = field(default_factory=dict)
+
+    def definition(self, path: Path) -> Definition | None:
+        """What the grader's folder of an exercise defines, where it has one."""
+        name = name_of(path)
+        if self.discovery is not None:
+            return self.discovery.definitions.get(name)
+        if not self.graders(path).is_dir():
+            return None
+        from graders.discovery import find
+
+        return find(name)
+
+    def graders(self, path: Path) -> Path:
+        """The folder of what grades the exercise of this folder of the course."""
+        return self.code / "graders" / name_of(path)
+
+
+class Graded(NamedTuple):
+    """What depends on the kind of an exercise. `make` gives its grader; it loads it the first time."""
+
+    starter: str
+    solution: str
+    make: Callable[[], Grader]
+    found: Found
+
+
+def read_graded(sources: Sources, path: Path, card: ExerciseFile) -> Graded:
+    """Raises CourseFault, where it is not known that it is sound."""
+    name = name_of(path)
+    known = sources.known.get(name)
+    make = cache(partial(_grader, sources, path, card))
+    starter, solution = (NOTHING_ANSWERED, "") if known is None else _texts(sources, path, card)
+    if known is None:
+        grader = make()
+        if isinstance(grader, CodeGrader):
+            starter = python_of(path / STARTER)
+            solution = _compiled(grader.solution, sources.graders(path) / SOLUTION)
+        known = _found(sources, path, card, grader)
+    sources.found[name] = known
+    return Graded(starter, solution, make, known)
+
+
+def _texts(sources: Sources, path: Path, card: ExerciseFile) -> tuple[str, str]:
+    """Starter and solution, which compile."""
+    if card.kind == "answers":
+        return NOTHING_ANSWERED, ""
+    return toml_file.read_text(path / STARTER), toml_file.read_text(sources.graders(path) / SOLUTION)
+
+
+def _found(sources: Sources, path: Path, card: ExerciseFile, grader: Grader) -> Found:
+    kit = _kit(path, grader) if isinstance(grader, CodeGrader) else ""
+    ticked = tuple(one.id for one in grader.questions) if isinstance(grader, ChoiceGrader) else ()
+    return Found(version(sources.imports, sources.code, path, card, grader, kit), kit, ticked)
+
+
+def _grader(sources: Sources, path: Path, card: ExerciseFile) -> Grader:
+    makers: Mapping[str, Callable[[Sources, Path, ExerciseFile], Grader]]
+    makers = {"code": _code_grader, "answers": _answers_grader}
+    return makers[card.kind](sources, path, card)
+
+
+def _code_grader(sources: Sources, path: Path, card: ExerciseFile) -> CodeGrader:
+    definition = sources.definition(path)
+    if definition is None:
+        raise CourseFault(_no_grader(sources, path))
+    if not isinstance(definition, CodeDefinition):
+        raise CourseFault(_other_kind(path, card))
+    if not card.functions:
+        raise CourseFault(Problem(path / "exercise.toml", 1, "champ manquant : « functions »"))
+    _same_functions(path / "exercise.toml", card, definition.judged)
+    try:
+        return definition.bind([function.name for function in card.functions])
+    except MalformedExerciseError as error:
+        raise CourseFault(Problem(error.path, error.line, error.message)) from error
+
+
+def _kit(path: Path, grader: CodeGrader) -> str:
+    kit = grader.kit(stream(0, "kit")).module
+    if kit not in kits_of(path.parents[1]):
+        raise CourseFault(Problem(grader.folder / MODULE_FILE, None, f"trousse inconnue : « {kit} »"))
+    return kit
+
+
+def _answers_grader(sources: Sources, path: Path, card: ExerciseFile) -> AnswersGrader:
+    from server.course import questions
+
+    definition = sources.definition(path)
+    if isinstance(definition, CodeDefinition):
+        raise CourseFault(_other_kind(path, card))
+    if card.functions:
+        raise CourseFault(Problem(path / "exercise.toml", None, "un exercice sans code ne demande aucune fonction"))
+    sheet = questions.read(path / questions.FILE)
+    if sheet.needs_grader and definition is None:
+        raise CourseFault(_no_grader(sources, path))
+    return sheet.bind(name_of(path), definition)
+
+
+def _other_kind(path: Path, card: ExerciseFile) -> Problem:
+    message = f'kind = "{card.kind}", mais le correcteur est celui d’un exercice de l’autre sorte'
+    return Problem(path / "exercise.toml", None, message)
+
+
+def _no_grader(sources: Sources, path: Path) -> Problem:
+    folder = sources.graders(path)
+    told = sources.discovery.problems if sources.discovery is not None else ()
+    cause = next((problem for problem in told if problem.path.is_relative_to(folder)), None)
+    why = f" : {cause.path}:{cause.line}: {cause.message}" if cause else ""
+    return Problem(path / "exercise.toml", None, f"exercice sans correcteur utilisable{why}")
+
+
+def _same_functions(path: Path, card: ExerciseFile, judged: frozenset[str]) -> None:
+    announced = [function.name for function in card.functions]
+    for name in sorted(judged ^ set(announced)):
+        where = "annoncée mais non corrigée" if name in announced else "corrigée mais non annoncée"
+        raise CourseFault(Problem(path, None, f"fonction {where} : « {name} »"))
+
+
+def python_of(path: Path) -> str:
+    """The text of a Python file. Raises CourseFault where it does not compile."""
+    return _compiled(toml_file.read_text(path), path)
+
+
+def _compiled(source: str, path: Path) -> str:
+    try:
+        ast.parse(source)
+    except (SyntaxError, ValueError) as error:
+        line = error.lineno if isinstance(error, SyntaxError) else None
+        raise CourseFault(Problem(path, line, f"ce fichier Python ne se compile pas ({error})")) from error
+    return source

@@ -1,0 +1,222 @@
+"""What is kept, for how long, by which setting, and by what it is removed: one table, which the page « Données
+personnelles » and the administrators' pages show, and in which each table of the database stands once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from server.base.settings import Settings, variable
+from server.base.sizes import size
+from server.figures.store import KEPT_BYTES
+from server.identity.service import ALLOWANCES_KEPT
+from server.personal.service import GUEST_GRACE
+
+HOURLY = "le service, toutes les heures"
+AT_ONCE = "avec le compte, aussitôt qu’il est effacé"
+OWNER = "tant que le compte existe"
+CLASS = "tant que la classe existe"
+ACCOUNT_SETTINGS = ("left_days", "silent_days")
+
+
+@dataclass(frozen=True)
+class Row:
+    """`tables` of the database, or `places` in the folder of the data or elsewhere; `settings` by their names."""
+
+    what: str
+    kept: str
+    removed: str
+    settings: tuple[str, ...] = ()
+    tables: tuple[str, ...] = ()
+    places: tuple[str, ...] = ()
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        return tuple(map(variable, self.settings))
+
+
+def _days(count: float) -> str:
+    return f"{count:.0f}\u00a0jour" + ("s" if count >= 2 else "")
+
+
+def _hours(count: float) -> str:
+    return f"{count:.0f}\u00a0heure" + ("s" if count >= 2 else "")
+
+
+def _accounts(settings: Settings) -> str:
+    rules = []
+    if settings.left_days:
+        rules.append(f"{_days(settings.left_days)} après sa dernière classe (élève venu d’une liste)")
+    if settings.silent_days:
+        rules.append(f"{_days(settings.silent_days)} sans que personne s’en serve (élève)")
+    return " ; ".join([*rules, "jusqu’à ce que son titulaire le supprime"])
+
+
+def _guests(settings: Settings) -> str:
+    after = f"fin de sa session ({_days(settings.session_days)}), puis {_days(GUEST_GRACE.days)}"
+    idle = f" ; sans aucun travail, {_days(settings.guest_days)}" if settings.guest_days else ""
+    return after + idle
+
+
+def rows(settings: Settings) -> Iterator[Row]:
+    """In the order of who would ask."""
+    for make in _ROWS:
+        yield make(settings)
+
+
+_ROWS: tuple[Callable[[Settings], Row], ...] = (
+    lambda settings: Row(
+        "Comptes : nom, identifiant, empreinte du mot de passe",
+        _accounts(settings),
+        f"son titulaire, « balise admin purge », ou {HOURLY}",
+        ACCOUNT_SETTINGS,
+        ("account",),
+    ),
+    lambda settings: Row(
+        "Invités, et tout leur travail",
+        _guests(settings),
+        HOURLY,
+        ("session_days", "guest_days"),
+    ),
+    lambda settings: Row(
+        "Sessions",
+        _days(settings.session_days),
+        f"à la déconnexion, ou {HOURLY}",
+        ("session_days",),
+        ("browser_session",),
+    ),
+    lambda settings: Row(
+        "Jetons", _days(settings.api_token_days), f"leur titulaire, ou {HOURLY}", ("api_token_days",), ("api_token",)
+    ),
+    lambda settings: Row(
+        "Liens vers un mot de passe",
+        f"{_hours(settings.password_link_hours)} ; le premier, sur une bande, {_days(settings.first_password_days)}",
+        f"à leur usage, ou {HOURLY}",
+        ("password_link_hours", "first_password_days"),
+        ("password_link",),
+    ),
+    lambda _: Row(
+        "Invitations à ouvrir un compte d’enseignant",
+        "jusqu’à leur fin ; la trace d’une invitation qui a servi reste, sans nom",
+        HOURLY,
+        (),
+        ("invitation",),
+    ),
+    lambda _: Row(
+        "Essais, corrections, notes, films de ce que le code a fait, réponses aux questions des séances",
+        OWNER,
+        AT_ONCE,
+        ACCOUNT_SETTINGS,
+        ("submission", "grading", "standing", "deal", "poll_answer", "regrade_item"),
+    ),
+    lambda _: Row(
+        "Devoirs : temps de composition, travail gardé, aménagements, notes modifiées",
+        OWNER,
+        AT_ONCE,
+        ACCOUNT_SETTINGS,
+        ("sitting", "saved_work", "exemption", "mark_override"),
+    ),
+    lambda _: Row(
+        "Messages et mots ; phrases d’un enseignant",
+        "tant que le compte de l’élève existe ; sans le nom d’un enseignant dont le compte est effacé",
+        AT_ONCE,
+        ACCOUNT_SETTINGS,
+        ("thread", "message", "phrase", "note", "note_reader"),
+    ),
+    lambda _: Row(
+        "Appartenance à une classe, et dernière visite",
+        OWNER,
+        AT_ONCE,
+        ACCOUNT_SETTINGS,
+        ("membership",),
+    ),
+    lambda _: Row(
+        "Classes, devoirs, corrigés ouverts, recorrections",
+        CLASS,
+        "avec la classe, dans la base de données",
+        (),
+        (
+            "school_class",
+            "assignment",
+            "assigned_exercise",
+            "class_opening",
+            "solution_opening",
+            "regrade",
+        ),
+    ),
+    lambda _: Row(
+        "Journal d’une classe : qui a changé une note, une date, un droit",
+        f"{CLASS} ; sans le nom ni les motifs de qui est effacé",
+        "avec la classe, dans la base de données",
+        (),
+        ("audit_event",),
+    ),
+    lambda _: Row(
+        "Groupes d’essais qui se trompent de même, sans nom",
+        "tant qu’un essai s’y trouve, ou qu’un enseignant les a nommés",
+        HOURLY,
+        (),
+        ("behaviour_group", "fingerprint", "behaviour_name"),
+    ),
+    lambda _: Row(
+        "Travaux en file, avec l’adresse d’où vient l’envoi",
+        "jusqu’au verdict, ou à trois échecs",
+        "le correcteur",
+        (),
+        ("job",),
+    ),
+    lambda _: Row(
+        "Compteurs de demandes, par compte ou par adresse",
+        f"{_days(ALLOWANCES_KEPT.days)} après la dernière, et une heure au plus",
+        HOURLY,
+        (),
+        ("allowance",),
+    ),
+    lambda _: Row(
+        "Décompte de ce que font les correcteurs d’autres machines, qui ne nomme personne",
+        "sans fin",
+        "personne",
+        (),
+        ("count",),
+    ),
+    lambda _: Row(
+        "Figures et animations dessinées, sans nom ni compte",
+        f"tant qu’il y a de la place : {size(KEPT_BYTES)}, les moins regardées partent d’abord",
+        "le service",
+        (),
+        (),
+        ("figures/",),
+    ),
+    lambda _: Row(
+        "Archives des modules, ce qui a été lu du cours : rien de personne",
+        "jusqu’à la version suivante du cours",
+        "le service",
+        (),
+        (),
+        ("archives/", "course.json"),
+    ),
+    lambda _: Row(
+        "Visiteurs des cinq dernières minutes, en mémoire, sans nom ni adresse",
+        "5\u00a0minutes",
+        "le service",
+        (),
+        (),
+        ("mémoire du serveur",),
+    ),
+    lambda _: Row(
+        "Journaux et demandes : ni code, ni adresse, ni nom",
+        "ce que règle la machine qui les reçoit",
+        "la machine (journald, logrotate…)",
+        ("log_format",),
+        (),
+        ("sortie d’erreur",),
+    ),
+    lambda _: Row(
+        "Sauvegardes : tout ce qui était dans la base ce jour-là",
+        "jusqu’à ce qu’elles soient remplacées",
+        "l’administrateur, là où il les met",
+        (),
+        (),
+        ("fichiers de « balise backup »",),
+    ),
+)

@@ -1,0 +1,84 @@
+"""Walls that were tried are not tried again by `balise grade`, but where what they stand on has changed."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from server.cli import main, walls
+
+
+@pytest.fixture(autouse=True)
+def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The file, which is kept."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    walls.keep()
+    assert walls.stood()
+    return walls.path()
+
+
+def test_what_they_stand_on_is_all_that_may_change(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    changed = tmp_path / "changed"
+    changed.write_text("another\n")
+    for name in walls.SAID:
+        others = tuple(str(changed) if one == name else one for one in walls.SAID)
+        with monkeypatch.context() as patch:
+            patch.setattr(walls, "SAID", others)
+            assert not walls.stood(), name
+    for name in walls.OF_STATUS:
+        with monkeypatch.context() as patch:
+            patch.setattr(walls, "OF_STATUS", tuple(one for one in walls.OF_STATUS if one != name))
+            assert not walls.stood(), name
+    with monkeypatch.context() as patch:
+        patch.setattr(walls, "SANDBOX", tmp_path)
+        assert not walls.stood(), "the sandbox's own files"
+    assert walls.stood()
+
+
+def rewritten(kept: Path, **values: Any) -> None:
+    kept.write_text(json.dumps({**json.loads(kept.read_text()), **values}))
+
+
+def linked(kept: Path) -> None:
+    kept.rename(kept.with_suffix(".other"))
+    kept.symlink_to(kept.with_suffix(".other"))
+
+
+DOUBTS: dict[str, Callable[[Path], object]] = {
+    "that others may write": lambda kept: kept.chmod(0o620),
+    "in a folder that others may write": lambda kept: kept.parent.chmod(0o777),
+    "that is a link": linked,
+    "of two days ago": lambda kept: rewritten(kept, at=json.loads(kept.read_text())["at"] - 2 * walls.KEPT_SECONDS),
+    "of tomorrow": lambda kept: rewritten(kept, at=json.loads(kept.read_text())["at"] + walls.KEPT_SECONDS),
+    "of no time": lambda kept: rewritten(kept, at=None),
+    "of another ground": lambda kept: rewritten(kept, ground="0" * 64),
+    "that is damaged": lambda kept: kept.write_text("{"),
+    "that is another thing": lambda kept: kept.write_text("[3]"),
+    "that is gone": Path.unlink,
+}
+
+
+@pytest.mark.parametrize("doubt", DOUBTS)
+def test_a_file_is_not_believed(doubt: str, kept: Path) -> None:
+    DOUBTS[doubt](kept)
+    assert not walls.stood()
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root gives a file away")
+def test_a_file_of_somebody_else_is_not_believed(kept: Path) -> None:
+    os.chown(kept, 61185, -1)
+    assert not walls.stood()
+
+
+def test_what_was_not_sound_is_not_kept(kept: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    kept.unlink()
+    monkeypatch.setattr("server.cli.local.probe", lambda **_: [])
+    program = tmp_path / "poses.py"
+    program.write_text("")
+    assert main(["grade", "l20/poses", str(program)]) == 2
+    assert not kept.exists()
