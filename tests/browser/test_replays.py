@@ -48,7 +48,7 @@ def test_every_replay_draws_plays_and_follows_the_theme(visit: NewVisit, width: 
     for name in NAMES:
         figure = page.locator(f"#rejeu-{name}")
         figure.scroll_into_view_if_needed()
-        canvas = figure.locator("canvas.replay-canvas")
+        canvas = figure.locator("canvas.replay-canvas").first
         expect(canvas).to_be_visible()
         expect(figure.locator(".replay-summary p").first).not_to_be_empty()
         expect(canvas).to_have_attribute("aria-label", re.compile(".{100,}"))
