@@ -38,7 +38,7 @@ def test_a_wrong_filter_is_watched_where_it_went_wrong_beside_the_reference(visi
     line.locator("summary").first.click()
     line.get_by_role("link", name="Revoir ce que votre code a fait").click()
     film = page.locator("#film-localisation")
-    expect(film.locator("summary")).to_be_focused()
+    expect(film.locator("summary").first).to_be_focused()
     expect(film.locator("canvas.replay-canvas")).to_have_count(2)
     expect(film.locator(".replay-counter")).to_have_text("1 / 17")
     assert len(asked) == 1, "nothing is asked before somebody looks"
