@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import server
@@ -71,6 +71,7 @@ def test_the_three_gestures_of_the_example() -> None:
         assert states("matrices", value, 2)
 
 
+@example([0.0, 0.0, -2.220446049250313e-16, -1.0])  # its first turn is a quarter, but for rounding
 @given(st.lists(st.floats(-3, 3), min_size=4, max_size=4))
 @settings(max_examples=60, deadline=None)
 def test_any_matrix_is_its_three_gestures(coefficients: list[float]) -> None:

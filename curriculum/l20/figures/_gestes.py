@@ -41,6 +41,8 @@ def gestures(matrix: Floats) -> Gestures:
         left, short = left @ np.diag([1.0, -1.0]), -short
     first = math.atan2(right[1, 0], right[0, 0])
     last = math.atan2(left[1, 0], left[0, 0])
-    if not -math.pi / 2 < first <= math.pi / 2:
-        first, last = wrap_angle(first + math.pi), wrap_angle(last + math.pi)
+    if first > math.pi / 2:
+        first, last = first - math.pi, wrap_angle(last + math.pi)
+    if first <= -math.pi / 2:  # rounding may have brought it there just now
+        first, last = first + math.pi, wrap_angle(last + math.pi)
     return Gestures(first, float(values[0]), short, last)
