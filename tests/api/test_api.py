@@ -31,7 +31,8 @@ from server.database import Database
 from server.figures.service import Figures
 from server.grading.task import SentFile
 from server.identity.models import Role
-from server.submissions.service import Submissions
+from server.queue.port import Able
+from server.submissions.service import GRADE, OUTDATED, Submissions, needs_of
 from tests.support.service import EXERCISE, Site
 
 BODY = {"exercise": EXERCISE, "code": "pass\n"}
@@ -318,6 +319,19 @@ def test_what_nobody_takes_is_told(site: Site, monkeypatch: pytest.MonkeyPatch) 
     assert told["notice"].startswith("En attente : plus rien n’est corrigé")
     assert told["position"] == 1
     assert site.worker.step()
+    assert site.client.get(sent["url"], headers=headers).json()["notice"] is None
+
+
+def test_what_waits_for_a_worker_of_its_version_is_told(site: Site) -> None:
+    headers = site.token()
+    sent = site.submit(headers)
+    with site.database.write() as db:
+        version = provided_to(site.app, Course).version_of(EXERCISE)
+        queue = provided_to(site.app, Submissions)._queue
+        assert not queue.refuse(db, [GRADE], Able([needs_of(EXERCISE, version)], 60.0)), "as the page has it"
+        assert queue.refuse(db, [GRADE], Able([needs_of(EXERCISE, "another")], 60.0))
+    assert site.client.get(sent["url"], headers=headers).json()["notice"] == OUTDATED
+    assert site.worker.step(), "one machine has one version"
     assert site.client.get(sent["url"], headers=headers).json()["notice"] is None
 
 

@@ -10,8 +10,10 @@ import pytest
 
 from graders.core.contract.outcomes import Outcome
 from server.base.provided import provided_to
+from server.database import Database
 from server.gradebook.schemas import HINT_OPENS_AFTER
-from server.submissions.service import Submissions
+from server.queue.port import Able
+from server.submissions.service import GRADE, Submissions
 from tests.support.small_site import CHECK, PAGE, SmallSite, verdict
 
 
@@ -219,6 +221,17 @@ def test_what_nobody_takes_is_told_to_who_waits(small_site: SmallSite, monkeypat
         assert "plus rien n’est corrigé depuis un moment" in small_site.get(path)
     small_site.grade(verdict())
     assert "plus rien" not in small_site.get(f"{href}/verdict")
+
+
+def test_what_waits_for_a_worker_of_its_version_is_told_to_who_waits(small_site: SmallSite) -> None:
+    app: Any = small_site.client.app
+    href = small_site.submit()
+    with provided_to(app, Database).write() as db:
+        assert provided_to(app, Submissions)._queue.refuse(db, [GRADE], Able([], 60.0))
+    for path in (f"{href}/verdict", PAGE):
+        assert "attend un correcteur de la même version" in small_site.get(path)
+    small_site.grade(verdict())
+    assert "la même version" not in small_site.get(f"{href}/verdict")
 
 
 def test_somebody_elses_attempt_does_not_exist(small_site: SmallSite) -> None:

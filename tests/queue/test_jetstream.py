@@ -5,7 +5,7 @@ Workers look into the database every thirty seconds here: whatever is done soone
 
 from __future__ import annotations
 
-import asyncio
+import re
 import threading
 import time
 from collections.abc import Iterator, Sequence
@@ -18,13 +18,18 @@ from sqlalchemy import select
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
+from server.base.paths import ROOT
 from server.base.settings import Settings
 from server.course import Course
 from server.gradebook.models import Grading
+from server.grading.kinds import LANES
 from server.grading.task import SentFile, give_ups
+from server.queue.jetstream.layout import STREAM, layout
+from server.queue.jetstream.sweeper import TicketSweeper
 from server.queue.models import Job
 from server.queue.owner import owner_of
-from server.queue.port import BACKGROUND, INTERACTIVE, Able, Call, Sender
+from server.queue.port import BACKGROUND, INTERACTIVE, Able, Call, NoSignals, Sender
+from server.queue.service import TableQueue
 from server.queue.stopping import Stop
 from server.submissions.models import State, Submission
 from server.submissions.service import GRADE, OUTDATED, Place, Submissions, key_of, needs_of
@@ -73,6 +78,11 @@ class Service:
     def place(self) -> Place:
         with self.web.database.read() as db:
             return Submissions(self.settings, self.web.queue).place(db, db.execute(select(Submission)).scalar_one())
+
+    def tickets(self, of: Machine | None = None) -> int:
+        """How many the stream holds."""
+        connection = (of or self.web).engine.connection
+        return connection.ask(lambda: connection.context.stream_info(STREAM), PATIENCE).state.messages
 
     def sweep(self) -> int:
         with self.web.database.read() as db:
@@ -195,17 +205,37 @@ def test_what_the_stream_has_lost_is_called_for_again(service: Service, emptied:
     sent = sorted(service.submit() for _ in range(3))
     connection = service.web.engine.connection
 
-    async def empty() -> None:
-        while (await connection.context.stream_info("work")).state.messages < len(sent):
-            await asyncio.sleep(0.01)
-        await getattr(connection.context, emptied)("work")
-
+    until(lambda: service.tickets() == 3, "each has its ticket")
     assert service.sweep() == 0
-    connection.ask(empty, PATIENCE)
+    connection.ask(lambda: getattr(connection.context, emptied)(STREAM), PATIENCE)
     assert [service.sweep(), service.sweep()] == [0, 3], "it takes two looks: what is on its way is not missing"
     hand = service.hand()
     until(lambda: service.graded() == sent, "all are graded")
     hand.stop()
+
+
+def test_several_sweepers_call_once(service: Service) -> None:
+    """For three jobs of which nobody was told, as after a restoration."""
+    machines = [service.web, service.machine(), service.machine()]
+    with service.web.database.write() as db:
+        for number in range(3):
+            TableQueue(NoSignals()).put(db, GRADE, str(number))
+    sweepers = [TicketSweeper(one.engine.connection, lambda: 1000.0) for one in machines]
+    with service.web.database.read() as db:
+        assert [one.look(db) for one in sweepers] == [0, 0, 0], "what is on its way is not missing"
+        called = [one._call(db, GRADE, 3) for one in sweepers]  # as when they look at the same moment
+    assert called == [3, 3, 3]
+    for machine in machines[1:]:
+        machine.close()  # what is being posted ends first
+    until(lambda: service.tickets() >= 3 and not service.web.engine.connection._posting, "the calls are there")
+    assert service.tickets() == 3, "each job has one, whoever called"
+
+
+def test_what_scales_the_graders_reads_a_consumer_that_there_is(settings: Settings) -> None:
+    told = (ROOT / "server" / "deploy" / "kubernetes" / "scaling.yaml").read_text(encoding="utf-8")
+    assert f"stream: {STREAM}\n" in told
+    (consumer,) = re.findall(r"consumer: (\S+)", told)
+    assert consumer == layout(settings, LANES).desk(GRADE).consumer
 
 
 @pytest.fixture
@@ -287,12 +317,7 @@ def test_a_ticket_too_many_finds_no_job_and_goes(service: Service) -> None:
     for _ in range(3):
         service.web.engine.connection.call(Call(GRADE, str(uuid4())))
     hand = service.hand()
-    context = service.web.engine.connection
-
-    async def left() -> int:
-        return (await context.context.stream_info("work")).state.messages
-
-    until(lambda: context.ask(left, PATIENCE) == 0, "they are gone")
+    until(lambda: service.tickets() == 0, "they are gone")
     sent = service.submit()
     until(lambda: service.graded() == [sent], "a real one is used")
     hand.stop()

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from nats.js.errors import NotFoundError
 from sqlalchemy.orm import Session
@@ -32,8 +32,8 @@ SLOT_SECONDS = 2.0
 class TicketSweeper:
     """To be asked to look again and again."""
 
-    def __init__(self, connection: Connection) -> None:
-        self._connection = connection
+    def __init__(self, connection: Connection, clock: Callable[[], float] = time.time) -> None:
+        self._connection, self._clock = connection, clock
         self._missing: Mapping[str, int] = {}
         self.amiss = ""
 
@@ -66,7 +66,7 @@ class TicketSweeper:
         return found
 
     def _call(self, db: Session, kind: str, count: int) -> int:
-        slot = int(time.time() / SLOT_SECONDS)
+        slot = int(self._clock() / SLOT_SECONDS)
         names = repository.oldest(db, kind, min(count, MOST_CALLS))
         for name in names:
             self._connection.call(Call(kind, f"{name}:again:{slot}"))
