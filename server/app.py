@@ -17,7 +17,7 @@ from starlette.middleware.gzip import GZipMiddleware
 from server.api import documentation
 from server.api.guide import router as guide_router
 from server.api.routes import router as api_router
-from server.base import middleware, root, traces
+from server.base import middleware, root
 from server.base.chores import keep
 from server.base.gate import Gate
 from server.base.helper import Helper
@@ -285,7 +285,6 @@ def create_app(
         async with services.running():
             yield
         services.database.close()
-        await run_in_threadpool(traces.stop)
 
     app = FastAPI(
         title="Balise",

@@ -15,7 +15,7 @@ from fastapi import FastAPI
 from sqlalchemy.exc import SQLAlchemyError
 
 from server.app import create_app
-from server.base import logs
+from server.base import logs, traces
 from server.base.gate import Gate
 from server.base.provided import provided_to
 from server.base.settings import Settings
@@ -78,7 +78,10 @@ def serve(settings: Settings, host: str, port: int, announce: Announce, prepare:
             if settings.warm_figures:
                 provided_to(app, Figures).pictures.warm()
 
-        _serve(app, settings, listener, ready, probing, walls)
+        try:
+            _serve(app, settings, listener, ready, probing, walls)
+        finally:
+            traces.stop()
     return 0
 
 

@@ -22,7 +22,7 @@ KINDS = {
     "regrade": "recorrections",
     "fingerprint": "regroupements d’erreurs",
 }
-CHECKS = {"database": "base", "walls": "protections", "workers": "correcteurs", "service": "service"}
+CHECKS = {"database": "base", "walls": "protections", "workers": "correcteurs", "service": "service", "nats": "NATS"}
 AMISS = {
     "unreachable": "injoignable",
     "being tried": "à l’essai",

@@ -18,7 +18,7 @@ from server.identity.dependencies import AccountsOf, OptionalAccount, SignedIn, 
 from server.identity.models import Account
 from server.identity.schemas import RefusedForm
 from server.identity.service import ALLOWANCES_KEPT
-from server.personal import retention
+from server.pages import retention
 from server.personal.dependencies import PersonalOf
 from server.personal.service import headers_of_archive
 from server.web.forms import Field, form, go

@@ -10,16 +10,18 @@ from server.polls import service as polls
 
 log = logging.getLogger(__name__)
 
-PAUSE = 0.05  # seconds after each, for who asks for something meanwhile
+#: Seconds left to who asks for something meanwhile: after each part, and after the plans, which the first one awaits.
+PAUSE, FIRST_PAUSE = 0.05, 1.0
 
 
 def read_ahead(course: Course) -> None:
     """The plan of every text, by which they name each other, and the questions of the lessons; then the graders, of
     which the board asks the names of mistakes. What fails here fails again, and is told, for whoever meets it."""
+    _plan(course)
+    time.sleep(FIRST_PAUSE)
     for module in course.modules.values():
         for lesson in module.lessons:
             try:
-                lesson.text.source.names()
                 polls.of_lesson(module, lesson)
                 _ = lesson.headings
                 time.sleep(PAUSE)
@@ -31,3 +33,12 @@ def read_ahead(course: Course) -> None:
             time.sleep(PAUSE)
         except Exception:
             log.exception("the grader of %s could not be loaded", exercise.id)
+
+
+def _plan(course: Course) -> None:
+    for module in course.modules.values():
+        for lesson in module.lessons[:1]:  # one asks for all of its module's
+            try:
+                lesson.text.source.names()
+            except Exception:
+                log.exception("the plan of %s could not be made", module.slug)

@@ -81,7 +81,7 @@ def test_what_an_older_version_has_remembered_is_no_damage(
     assert not caplog.records
 
 
-@pytest.mark.parametrize("exercise", ["l20/poses", "l20/tp_slam", "l20/calcul_kabsch"])
+@pytest.mark.parametrize("exercise", ["l20/tp_slam", "l20/calcul_kabsch"])
 def test_an_exercise_that_is_read_alone_is_that_of_the_course(exercise: str) -> None:
     whole, alone = the_course(), load(render=False, only=exercise)
     assert alone.exercises.keys() == {exercise, *(one.id for one in whole.reused(exercise))}

@@ -40,6 +40,7 @@ def test_one_part_that_cannot_be_prepared_is_told_and_the_others_are(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(ahead, "PAUSE", 0.0)
+    monkeypatch.setattr(ahead, "FIRST_PAUSE", 0.0)
     monkeypatch.setattr(polls, "of_lesson", lambda _module, _lesson: {})
     read: list[str] = []
     lessons = [Part("a", read), Part("b", read, broken=True), Part("c", read)]

@@ -166,6 +166,14 @@ _ROWS: tuple[Callable[[Settings], Row], ...] = (
         ("job",),
     ),
     lambda _: Row(
+        "Billets de NATS, entre machines : des numéros de travaux, sans nom ni code",
+        "jusqu’à ce que le travail soit pris",
+        "NATS",
+        ("nats_url",),
+        (),
+        ("flux de NATS",),
+    ),
+    lambda _: Row(
         "Compteurs de demandes, par compte ou par adresse",
         f"{_days(ALLOWANCES_KEPT.days)} après la dernière, et une heure au plus",
         HOURLY,

@@ -10,7 +10,7 @@ import pytest
 
 from server.base.paths import ROOT
 from server.base.settings import Settings
-from server.personal.retention import Row, rows
+from server.pages.retention import Row, rows
 from server.tables import metadata
 from tests.support.service import Site
 
