@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -108,6 +109,15 @@ def _installed() -> Iterator[tuple[str, Path | None]]:
 
 
 HERE = found()
+
+
+def mount(place: Path) -> None:
+    """Takes one more course in, now that its rooms' packages may be there already."""
+    HERE.add(place)
+    for room in ROOMS:
+        package = sys.modules.get(room)
+        if package is not None:
+            package.__path__ = [str(folder) for folder in rooms(room)]
 
 
 def rooms(name: str) -> list[Path]:

@@ -2,12 +2,13 @@
 
 import argparse
 import gc
+import os
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 
-from server.cli import options
+from server.cli import authors, options
 from server.cli.french import speak_french
 from server.cli.options import bounded
 
@@ -22,9 +23,9 @@ class CannotRun(Exception):
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs a command; returns its exit status."""
     arguments = _parser().parse_args(argv)
-    command = _command(arguments.command, alone=argv is None)
     try:
-        return command(arguments)
+        _take_in(getattr(arguments, "course", None))
+        return _command(arguments.command, alone=argv is None)(arguments)
     except CannotRun as reason:
         print(f"balise : {reason}", file=sys.stderr)
         return CANNOT
@@ -33,6 +34,15 @@ def main(argv: Sequence[str] | None = None) -> int:
         return CANNOT
     except KeyboardInterrupt:
         return 130
+
+
+def _take_in(course: Path | None) -> None:
+    """Reads a course that stands in a folder with the others, here and in the processes to come."""
+    if course is not None:
+        from graders.courses import VARIABLE, mount
+
+        os.environ[VARIABLE] = os.pathsep.join(filter(None, (str(course.resolve()), os.environ.get(VARIABLE))))
+        mount(course)
 
 
 def _command(name: str, *, alone: bool) -> Command:
@@ -57,6 +67,7 @@ def _parser() -> argparse.ArgumentParser:
     _demo(commands.add_parser("demo", help=help_text, description=f"{help_text.capitalize()}."))
     _grade(commands.add_parser("grade", help="corrige un fichier, sans serveur"))
     _check(commands.add_parser("check", help="vérifie les exercices eux-mêmes (références, erreurs cataloguées)"))
+    authors.add(commands)
     doctor = commands.add_parser("doctor", help="dit quelles protections du bac à sable tiennent sur cette machine")
     help_text = "regarde plutôt ce que plusieurs machines partagent : base, NATS, horloges, correcteurs"
     doctor.add_argument("--cluster", action="store_true", help=help_text)
@@ -105,6 +116,7 @@ def _serve(parser: argparse.ArgumentParser) -> None:
 
 def _grade(parser: argparse.ArgumentParser) -> None:
     _exercise_and_file(parser, nargs="?")
+    authors.course(parser)
     parser.add_argument(
         "--questions", action="store_true", help="écrit les questions d’un exercice sans code, pour cette graine"
     )
@@ -116,6 +128,7 @@ def _grade(parser: argparse.ArgumentParser) -> None:
 
 def _check(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="exercices à vérifier (par défaut : tous)")
+    authors.course(parser)
     instead = parser.add_mutually_exclusive_group()
     instead.add_argument(
         "--fairness",

@@ -94,7 +94,8 @@ def test_what_cannot_be_graded_has_its_own_status(right: Path, tmp_path: Path, m
 WRONG_USAGE = {
     (): "il manque COMMANDE",
     ("zut",): "COMMANDE : « zut » n’existe pas. Au choix : "
-    "'serve', 'demo', 'grade', 'check', 'doctor', 'submit', 'login', 'export', 'worker', 'top', 'backup', 'restore', "
+    "'serve', 'demo', 'grade', 'check', 'new', 'schema', 'study', 'preview', 'doctor', 'submit', 'login', 'export', "
+    "'worker', 'top', 'backup', 'restore', "
     "'admin'",
     ("admin",): "il manque ACTION",
     ("grade",): "il manque EXERCISE",
