@@ -1,8 +1,10 @@
-"""The options of what authors run: `balise new`."""
+"""The options of what authors run: `balise new` and `balise preview`."""
 
 import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from server.cli.options import bounded
 
 if TYPE_CHECKING:
     Commands = argparse._SubParsersAction[argparse.ArgumentParser]
@@ -13,11 +15,24 @@ KINDS = ("module", "page", "exercise", "choice", "numbers", "order", "replay")
 def add(commands: "Commands") -> None:
     help_text = "écrit le squelette d’un module, d’une page, d’un exercice ou d’une animation, qui marche tel quel"
     _new(commands.add_parser("new", help=help_text, description=f"{help_text.capitalize()}."))
+    help_text = "montre un cours pendant qu’on l’écrit, sur cette machine seulement"
+    _preview(commands.add_parser("preview", help=help_text, description=f"{help_text.capitalize()}."))
 
 
 def course(parser: argparse.ArgumentParser) -> None:
     help_text = "dossier d’un cours hors de Balise, pris en place (avec ceux de BALISE_COURSES)"
     parser.add_argument("--course", type=Path, metavar="DIR", help=help_text)
+
+
+def _preview(parser: argparse.ArgumentParser) -> None:
+    help_text = "module, comme l19, ou dossier d’un cours (par défaut : le premier de BALISE_COURSES, ou celui d’ici)"
+    parser.add_argument("what", nargs="?", metavar="MODULE|DIR", help=help_text)
+    help_text = "port, 0 pour un port libre (par défaut : %(default)s)"
+    parser.add_argument("--port", type=_port, default=8010, help=help_text)
+
+
+def _port(text: str) -> int:
+    return bounded(text, 65535, "le port")
 
 
 def _new(parser: argparse.ArgumentParser) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -13,34 +12,9 @@ from graders.plotting import counterexample
 from server.authoring import new
 from server.cli.authors import KINDS
 from server.cli.check import cases
-from server.course import Course, load
+from server.course import Course
 from server.replays.service import load as load_replay
-from tests.support.outside import taken_in
-
-WRITTEN = (
-    ("module", "l19"),
-    ("page", "l19/premiers-pas"),
-    ("page", "l19/fiches/gain"),
-    ("exercise", "l19/gain"),
-    ("choice", "l19/verification"),
-    ("numbers", "l19/calcul"),
-    ("order", "l19/demo"),
-    ("replay", "l19/derive-lente"),
-)
-
-
-@pytest.fixture(scope="module")
-def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("kalman")
-    for kind, name in WRITTEN:
-        assert new.write(kind, name, folder)
-    return folder
-
-
-@pytest.fixture(scope="module")
-def course(place: Path) -> Iterator[Course]:
-    with taken_in(place):
-        yield load(place / "curriculum", code=place)
+from tests.authoring.conftest import WRITTEN
 
 
 def test_there_is_a_skeleton_of_each_kind_that_the_command_line_names() -> None:
