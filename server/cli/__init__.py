@@ -129,6 +129,11 @@ def _grade(parser: argparse.ArgumentParser) -> None:
 def _check(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="exercices à vérifier (par défaut : tous)")
     authors.course(parser)
+    memory = parser.add_mutually_exclusive_group()
+    help_text = "vérifie aussi ce qui était en ordre et n’a pas changé depuis"
+    memory.add_argument("--fresh", "--all", action="store_true", help=help_text)
+    help_text = "laisse de côté ce qui n’a pas changé, même en intégration continue (CI), où rien n’est retenu sinon"
+    memory.add_argument("--remember", action="store_true", help=help_text)
     instead = parser.add_mutually_exclusive_group()
     instead.add_argument(
         "--fairness",
