@@ -1,4 +1,4 @@
-"""The options of what authors run: `balise new` and `balise preview`."""
+"""The options of what authors run: `balise new`, `balise schema`, `balise preview`."""
 
 import argparse
 from pathlib import Path
@@ -15,8 +15,31 @@ KINDS = ("module", "page", "exercise", "choice", "numbers", "order", "replay")
 def add(commands: "Commands") -> None:
     help_text = "écrit le squelette d’un module, d’une page, d’un exercice ou d’une animation, qui marche tel quel"
     _new(commands.add_parser("new", help=help_text, description=f"{help_text.capitalize()}."))
+    help_text = "écrit les schémas des fichiers TOML d’un cours, pour que l’éditeur en complète les clés"
+    _schema(commands.add_parser("schema", help=help_text, description=f"{help_text.capitalize()}."))
+    help_text = "montre ce que des classes ratent de la même façon, et qu’aucune erreur connue ne nomme"
+    _study(commands.add_parser("study", help=help_text, description=f"{help_text.capitalize()}."))
     help_text = "montre un cours pendant qu’on l’écrit, sur cette machine seulement"
     _preview(commands.add_parser("preview", help=help_text, description=f"{help_text.capitalize()}."))
+
+
+def _schema(parser: argparse.ArgumentParser) -> None:
+    help_text = "dossier du cours (par défaut : celui où l’on est)"
+    parser.add_argument("--course", dest="into", type=Path, default=Path(), metavar="DIR", help=help_text)
+
+
+def _study(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("exercise", metavar="EXERCISE", help="exercice de code, comme l20/poses")
+    help_text = "fait de ce groupe une erreur à nommer, dans le dossier du correcteur"
+    parser.add_argument("--write", metavar="GROUP", help=help_text)
+    help_text = "combien de groupes, du plus fréquent au plus rare (par défaut : %(default)s)"
+    parser.add_argument("--most", type=_most, default=10, metavar="N", help=help_text)
+    parser.add_argument("--data", type=Path, metavar="DIR", help="dossier des données du service")
+    course(parser)
+
+
+def _most(text: str) -> int:
+    return max(1, bounded(text, 1000, "le nombre de groupes"))
 
 
 def course(parser: argparse.ArgumentParser) -> None:
