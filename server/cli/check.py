@@ -22,6 +22,7 @@ from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import Known
 from graders.courses import HERE
+from server.authoring import shapes
 from server.cells import faults as cells
 from server.cli import CannotRun, alterations, fairness, parallel, remembered
 from server.cli.local import find, load_course, local_grader, require_safe_sandbox, start_probing
@@ -110,7 +111,7 @@ def _read(memory: Remembered) -> tuple[Course, int]:
     """The course, and how many faults its texts have; they are rendered unless they were in order, and still are."""
     found_from = remembered.of_texts()
     course = load(render=memory.since(TEXTS, found_from) is None, memory=memory.imports)
-    faults = sum(map(_told, course.problems))
+    faults = sum(map(_told, (*course.problems, *shapes.faults(course))))
     if not faults:
         memory.keep(TEXTS, found_from)
     return course, faults
