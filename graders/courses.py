@@ -65,7 +65,7 @@ class Courses:
 
 def _faults(place: Path) -> Iterator[Problem]:
     if not place.is_dir():
-        yield Problem(place, 1, f"{VARIABLE} nomme ce dossier, qui n’existe pas.")
+        yield Problem(place, 1, "ce dossier de cours n’existe pas.")
     elif not (place / CURRICULUM).is_dir():
         yield Problem(place, 1, "ce n’est pas un cours : il n’a pas de dossier « curriculum ».")
     for room in ROOMS:

@@ -59,15 +59,22 @@ def _load(room: Path, path: Path) -> Definition:
     name = ".".join(path.relative_to(room.parent).with_suffix("").parts)
     definition = getattr(importlib.import_module(name), "DEFINITION", None)
     if not isinstance(definition, CodeDefinition | NumericDefinition):
-        raise MalformedExerciseError(path, "defines no DEFINITION")
+        raise MalformedExerciseError(
+            path,
+            "ce correcteur n’a pas de DEFINITION : écrivez « DEFINITION = code(__file__, checks=…) » ou « numeric(…) »",
+        )
     if definition.folder.resolve() != path.parent:
-        raise MalformedExerciseError(path, f"defines the exercise of another folder, {definition.folder}")
+        raise MalformedExerciseError(
+            path, f"ce correcteur est celui d’un autre dossier, {definition.folder} : écrivez code(__file__, …)"
+        )
     return definition
 
 
 def _problem(room: Path, path: Path, error: Exception) -> Problem:
     if isinstance(error, SyntaxError):
-        return Problem(Path(error.filename or path), error.lineno or 1, f"syntax error: {error.msg}")
+        return Problem(
+            Path(error.filename or path), error.lineno or 1, f"ce fichier Python ne se compile pas ({error.msg})"
+        )
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if str(room) in frame.filename]
     own = [frame for frame in frames if Path(frame.filename).parent == path.parent]
     message = f"{type(error).__name__}: {error}"

@@ -11,7 +11,15 @@ from pydantic import BaseModel
 
 from server.authoring import shapes
 from server.course import questions
-from server.course.schemas import ExerciseFile, FrontMatter, FunctionEntry, ModuleFile, PolicyEntry, TermEntry
+from server.course.schemas import (
+    ExerciseFile,
+    FrontMatter,
+    FunctionEntry,
+    ModuleFile,
+    PathEntry,
+    PolicyEntry,
+    TermEntry,
+)
 from server.sandbox.policy import ROWS, Policy
 
 
@@ -51,10 +59,22 @@ KEYS: Mapping[type[BaseModel], Keys] = {
         "sessions": Key("nombre de séances", "4"),
         "prerequisites": Key("ce qu’il faut savoir avant", '["L10 : matrices et rotations"]'),
         "objectives": Key("ce que l’on saura faire après", '["Localiser un robot sur une carte connue."]'),
-        "references": Key("livres, cours et articles", '["Probabilistic Robotics, de Thrun, Burgard et Fox (2005)."]'),
+        "references": Key(
+            "livres, cours et articles, en Markdown d’une ligne",
+            '["Probabilistic Robotics, de Thrun, Burgard et Fox (2005)."]',
+        ),
+        "paths": Key(
+            "des chemins à travers le module, une table chacun",
+            '[{ title = "En terminale", summary = "L’essentiel.", page = "chemins" }]',
+        ),
         "previous": Key("numéro du module d’avant", '"L19"'),
         "next": Key("numéro du module d’après", '"L21"'),
         "order": Key("sa place parmi les modules", "20"),
+    },
+    PathEntry: {
+        "title": Key("pour qui il est", '"En terminale"'),
+        "summary": Key("une phrase : par où il passe", '"Les séances 1 et 2, sans les démonstrations."'),
+        "page": Key("nom de la page qui le décrit", '"chemins"'),
     },
     TermEntry: {
         "id": Key("nom, pour les liens `[pose](terme:pose)`", '"pose"'),
@@ -71,6 +91,7 @@ KEYS: Mapping[type[BaseModel], Keys] = {
         "order": Key("sa place parmi les pages de cette sorte", "10"),
         "minutes": Key("durée d’une séance", "120"),
         "objectives": Key("ce que l’on saura faire après", '["Écrire un filtre bayésien sur une grille."]'),
+        "solution": Key("ce qu’elle dit reste fermé à une classe jusqu’à ce qu’on l’ouvre", "true"),
     },
     ExerciseFile: {
         "title": Key("titre de l’exercice", '"Composer, inverser et comparer des poses"'),

@@ -24,7 +24,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Runs a command; returns its exit status."""
     arguments = _parser().parse_args(argv)
     try:
-        _take_in(getattr(arguments, "course", None))
+        take_in(getattr(arguments, "course", None))
         return _command(arguments.command, alone=argv is None)(arguments)
     except CannotRun as reason:
         print(f"balise : {reason}", file=sys.stderr)
@@ -36,13 +36,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 130
 
 
-def _take_in(course: Path | None) -> None:
-    """Reads a course that stands in a folder with the others, here and in the processes to come."""
+def take_in(course: Path | None) -> None:
+    """Reads a course that stands in a folder with the others, here and in the processes to come. Raises CannotRun."""
     if course is not None:
-        from graders.courses import VARIABLE, mount
+        from graders.courses import HERE, VARIABLE, mount
 
         os.environ[VARIABLE] = os.pathsep.join(filter(None, (str(course.resolve()), os.environ.get(VARIABLE))))
         mount(course)
+        if course.resolve() not in HERE.places:
+            raise CannotRun(
+                "ce cours n’est pas pris :" + "".join(f"\n  {one.path} : {one.message}" for one in HERE.problems)
+            )
 
 
 def _command(name: str, *, alone: bool) -> Command:

@@ -16,12 +16,14 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from types import MappingProxyType
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import Known
-from graders.courses import HERE
+from graders.courses import CURRICULUM, GRADERS, HERE
+from graders.discovery import discover
 from server.authoring import shapes
 from server.cells import faults as cells
 from server.cli import CannotRun, alterations, fairness, parallel, remembered
@@ -94,7 +96,7 @@ def _whole(arguments: Namespace) -> int:
     begun = time.monotonic()
     memory = remembered.opened(fresh=arguments.fresh, asked=arguments.remember)
     probing = None if memory else start_probing(slow=False)  # most often, nothing is left to run then
-    course, faults = _read(memory)
+    course, faults = _read(memory, arguments.course)
     exercises = [find(course, name) for name in arguments.exercises] or list(course.exercises.values())
     imports = Imports(*HERE.places, memory=memory.imports)
     parts = [*([] if arguments.exercises else _modules(course)), *(_part(exercise, imports) for exercise in exercises)]
@@ -107,13 +109,20 @@ def _whole(arguments: Namespace) -> int:
     return 1 if faults else 0
 
 
-def _read(memory: Remembered) -> tuple[Course, int]:
-    """The course, and how many faults its texts have; they are rendered unless they were in order, and still are."""
-    found_from = remembered.of_texts()
-    course = load(render=memory.since(TEXTS, found_from) is None, memory=memory.imports)
+def _read(memory: Remembered, place: Path | None) -> tuple[Course, int]:
+    """All courses, or the one in a folder, and how many faults their texts have; these are rendered unless they were in
+    order, and still are."""
+    places = HERE.places if place is None else [place.resolve()]
+    name, found_from = (TEXTS if place is None else f"{TEXTS} {place.resolve()}"), remembered.of_texts(places)
+    render = memory.since(name, found_from) is None
+    if place is None:
+        course = load(render=render, memory=memory.imports)
+    else:
+        found = discover(rooms=[place.resolve() / GRADERS])
+        course = load(place.resolve() / CURRICULUM, discovery=found, render=render, memory=memory.imports)
     faults = sum(map(_told, (*course.problems, *shapes.faults(course))))
     if not faults:
-        memory.keep(TEXTS, found_from)
+        memory.keep(name, found_from)
     return course, faults
 
 

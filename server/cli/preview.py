@@ -6,7 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from graders import courses
-from server.cli import CannotRun
+from server.cli import CannotRun, take_in
 from server.cli.local import require_safe_sandbox, start_probing
 from server.course.service import MODULE_SLUG
 
@@ -45,12 +45,8 @@ def _asked(what: str | None) -> tuple[Path, str]:
     place = Path(what)
     if not place.is_dir():
         raise CannotRun(f"« {what} » n’est ni un module, ni le dossier d’un cours.")
-    place = place.resolve()
-    os.environ[courses.VARIABLE] = os.pathsep.join(filter(None, (str(place), os.environ.get(courses.VARIABLE))))
-    courses.mount(place)
-    if place not in courses.HERE.places:
-        raise CannotRun("".join(f"\n  {one.path} : {one.message}" for one in courses.HERE.problems))
-    return place, ""
+    take_in(place)
+    return place.resolve(), ""
 
 
 def _is_course(folder: Path) -> bool:

@@ -70,7 +70,7 @@ class Remembered:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             unfinished.write_text(json.dumps(dict([*self._known.items()][-MOST:]), indent=0), encoding="utf-8")
             unfinished.replace(self._path)
-            self.imports.keep("")
+            self.imports.keep("", {})
         except OSError:
             log.warning("what was found in order is not remembered in %s", self._path, exc_info=True)
 
@@ -101,9 +101,9 @@ def around() -> bytes:
     return "\0".join([sys.version, platform.platform(), *libraries, limits, tried_by]).encode()
 
 
-def of_texts() -> str:
-    """Of all that the texts of the courses are rendered from."""
-    return digest([], around() + source_of([place / "curriculum" for place in HERE.places], HERE.places).encode())
+def of_texts(places: Sequence[Path]) -> str:
+    """Of all that the texts of these courses are rendered from."""
+    return digest([], around() + source_of([place / "curriculum" for place in places], HERE.places).encode())
 
 
 def of_module(module: Module) -> str:

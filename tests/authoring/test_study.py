@@ -93,7 +93,8 @@ def test_a_group_becomes_a_misconception_to_word(tmp_path: Path) -> None:
     exercise = the_course().exercises[EXERCISE]
     assert isinstance(exercise.grader, CodeGrader)
     shutil.copytree(exercise.grader.folder, folder, ignore=shutil.ignore_patterns("__pycache__", "specimens"))
-    here = replace(exercise, grader=replace(exercise.grader, folder=folder))
+    grader = replace(exercise.grader, folder=folder)
+    here = replace(exercise, make=lambda: grader)
     found = study.Found("ab12", 4, 3, ("composer",), None, exercise.version, None, b"", ())
     catalogue, file = study.write(found, here, "def composer(a, b):\n    return a\n")
     shape = toml_file.read(catalogue, shapes.MisconceptionsFile)

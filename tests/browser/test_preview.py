@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import httpx
 import pytest
 
 from server.authoring import new
@@ -19,10 +20,6 @@ from tests.browser.conftest import ROOT, sync_api
 expect = sync_api.expect
 pytestmark = [pytest.mark.slow, pytest.mark.long]
 START_SECONDS = 60
-
-
-def command(*arguments: str | Path, place: Path) -> list[str]:
-    return [sys.executable, "-m", "server", *map(str, arguments)]
 
 
 @pytest.fixture
@@ -47,13 +44,7 @@ def address(place: Path, tmp_path: Path) -> Iterator[str]:
             cwd=ROOT, env={**machine, "PYTHONUNBUFFERED": "1"}, stdout=log, stderr=subprocess.STDOUT,
         )  # fmt: skip
         try:
-            deadline = time.monotonic() + START_SECONDS
-            while time.monotonic() < deadline and process.poll() is None:
-                told = re.search(r"http://127\.0\.0\.1:\d+", (tmp_path / "log.txt").read_text())
-                if told:
-                    break
-                time.sleep(0.05)
-            yield told[0] if told else pytest.fail((tmp_path / "log.txt").read_text())
+            yield _address(process, tmp_path / "log.txt")
         finally:
             process.terminate()
             process.wait(20)
@@ -133,11 +124,46 @@ def test_what_stops_python_leaves_the_preview_standing(place: Path, address: str
     page.close()
 
 
-def test_a_course_that_was_written_is_checked_and_served_alone(place: Path) -> None:
-    environment = {**os.environ, "BALISE_COURSES": str(place)}
+def test_a_course_that_was_written_is_checked_and_served(place: Path, tmp_path: Path) -> None:
+    machine = {name: value for name, value in os.environ.items() if not name.startswith("BALISE_")}
+    environment = {**machine, "XDG_CACHE_HOME": str(tmp_path / "cache"), "PYTHONUNBUFFERED": "1"}
     checked = subprocess.run(
-        [sys.executable, "-m", "server", "check", "l19/gain", "l19/quiz"],
+        [sys.executable, "-m", "server", "check", "--course", str(place)],
         cwd=ROOT, env=environment, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert checked.returncode == 0, checked.stdout + checked.stderr
     assert "erreur bouts_echanges" in checked.stdout
+    assert "l20/" not in checked.stdout, "the author's course alone"
+    served = {**environment, "BALISE_COURSES": str(place), "BALISE_WORKERS": "1"}
+    with (tmp_path / "serve.txt").open("w+") as log:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "server", "serve", "--port", "0", "--data", str(tmp_path / "data")],
+            cwd=ROOT, env=served, stdout=log, stderr=subprocess.STDOUT,
+        )  # fmt: skip
+        try:
+            address = _address(process, tmp_path / "serve.txt")
+            with httpx.Client(base_url=address, follow_redirects=True, timeout=30) as client:
+                assert "Titre du module L19" in client.get("/").text
+                wrong = "def gain(a, b, t):\n    return b + t * (a - b)\n"
+                attempt = client.post("/l19/exercices/gain/soumissions", data={"code": wrong})
+                deadline = time.monotonic() + START_SECONDS
+                while "sont échangés" not in attempt.text and time.monotonic() < deadline:
+                    time.sleep(0.1)
+                    attempt = client.get(str(attempt.url))
+                assert "Le départ et l’arrivée sont échangés" in attempt.text
+                figure = re.search(r'src="([^"]+/figures/[^"]+light)"', attempt.text)
+                assert figure
+                assert "<svg" in client.get(figure[1].replace("&amp;", "&")).text
+        finally:
+            process.terminate()
+            process.wait(20)
+
+
+def _address(process: subprocess.Popen[bytes], log: Path) -> str:
+    deadline = time.monotonic() + START_SECONDS
+    while time.monotonic() < deadline and process.poll() is None:
+        told = re.search(r"http://127\.0\.0\.1:\d+", log.read_text(encoding="utf-8"))
+        if told:
+            return told[0]
+        time.sleep(0.05)
+    pytest.fail(log.read_text(encoding="utf-8"))

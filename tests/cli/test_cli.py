@@ -244,7 +244,9 @@ def test_a_broken_exercise_is_a_failure_of_check(monkeypatch: Any, tmp_path: Pat
 
     broken = Course({}, (Problem(tmp_path / "exercise.toml", 3, "titre manquant"),))
     monkeypatch.setattr(command, "load", lambda **_: broken)
-    assert command.run(Namespace(exercises=[], fairness=None, mutants=False, fresh=True, remember=False)) == 1
+    assert (
+        command.run(Namespace(exercises=[], fairness=None, mutants=False, fresh=True, remember=False, course=None)) == 1
+    )
     assert "exercise.toml:3: titre manquant" in capsys.readouterr().out
 
 

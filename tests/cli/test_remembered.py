@@ -57,12 +57,12 @@ def run(place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixt
     monkeypatch.setattr(check.parallel, "in_order", in_order)
     monkeypatch.setattr(check, "start_probing", lambda **_: None)
     monkeypatch.setattr(check, "require_safe_sandbox", lambda _: None)
-    found = discover([place / "graders"])
+    found = discover(rooms=[place / "graders"])
     monkeypatch.setattr(check, "load", partial(load_whole, place / "curriculum", discovery=found))
 
     def run(*exercises: str, fresh: bool = False, remember: bool = False) -> tuple[int, list[str]]:
         capsys.readouterr()
-        code = check._whole(Namespace(exercises=list(exercises), fresh=fresh, remember=remember))
+        code = check._whole(Namespace(exercises=list(exercises), fresh=fresh, remember=remember, course=None))
         return code, capsys.readouterr().out.splitlines()
 
     return run

@@ -42,7 +42,10 @@ class CodeDefinition(Definition):
         """
         odd = sorted(self.judged ^ set(functions))
         if odd:
-            raise MalformedExerciseError(self.file, f"asked for or judged, but not both: {', '.join(odd)}")
+            raise MalformedExerciseError(
+                self.file,
+                f"fonctions demandées et non corrigées, ou l’inverse : {', '.join(odd)} (exercise.toml dit lesquelles)",
+            )
         same_functions(self.folder, self.misconceptions, functions)
         return CodeGrader(
             self.exercise, self.folder, tuple(functions), self.checks, self.kit, self.misconceptions, self.solution,
@@ -76,9 +79,12 @@ def code(
     folder = Path(file).parent
     total = sum(check.points for check in checks)
     if abs(total - MAX_POINTS) > 1e-9:
-        raise MalformedExerciseError(Path(file), f"the checks sum to {total} points, not {MAX_POINTS}")
+        raise MalformedExerciseError(
+            Path(file),
+            f"les vérifications font {total:g} points : changez « points » pour qu’elles en fassent {MAX_POINTS:g}",
+        )
     if len({check.id for check in checks}) != len(checks):
-        raise MalformedExerciseError(Path(file), "two checks have the same id")
+        raise MalformedExerciseError(Path(file), "deux vérifications ont le même « id »")
     solution = read_solution(folder)
     misconceptions = tuple(read_misconceptions(folder, solution))
     model = read_model(folder)

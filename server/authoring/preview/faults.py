@@ -24,7 +24,7 @@ def look(session: Session) -> None:
     os.nice(POLITE)
     sys.dont_write_bytecode = True
     course = read_course(session.place, render=True)
-    found = [*course.problems, *shapes.faults(course), *lessons.faults(course, ["light"]), *of_replays(course)]
+    found = [*course.problems, *shapes.faults(course), *lessons.faults(course), *of_replays(course)]
     unfinished = session.faults.with_suffix(".new")
     unfinished.write_text(json.dumps([[str(one.path), one.line, one.message] for one in found]), encoding="utf-8")
     unfinished.replace(session.faults)

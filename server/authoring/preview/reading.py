@@ -15,7 +15,7 @@ from server.course.memory import Memory
 def read_course(place: Path, memory: Memory | None = None, *, render: bool = False) -> Course:
     """Imports it, and looks at its texts; code that stops Python while it is imported is a fault like another."""
     try:
-        found = discover([place / GRADERS])
+        found = discover(rooms=[place / GRADERS])
         return load(place / CURRICULUM, discovery=found, render=render, check=True, memory=memory)
     except BaseException as error:
         if isinstance(error, KeyboardInterrupt):

@@ -43,6 +43,8 @@ def settings_of(kept: Path) -> Settings:
     return Settings(
         data_dir=kept,
         database_url=None,
+        nats_url="",
+        root_path="",
         workers=0,
         warm_figures=False,
         submission_burst=MANY,
