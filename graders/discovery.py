@@ -4,25 +4,16 @@ from __future__ import annotations
 
 import importlib
 import traceback
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from graders import courses
 from graders.core.answers import NumericDefinition
 from graders.core.code.exercise import CodeDefinition
 from graders.core.contract.definition import MODULE_FILE, Definition
 from graders.core.contract.malformed import MalformedExerciseError
-
-ROOT = Path(__file__).resolve().parent
-
-
-@dataclass(frozen=True)
-class Problem:
-    """A malformed exercise: the others still serve."""
-
-    path: Path
-    line: int
-    message: str
+from graders.courses import Problem
 
 
 @dataclass(frozen=True)
@@ -35,41 +26,56 @@ class Discovery:
 
 def find(exercise: str) -> Definition:
     """The definition of one exercise ("l20/poses"), which is known to be sound. Raises what its module raises."""
-    return _load(ROOT / exercise / MODULE_FILE)
+    found = ((room, room / exercise / MODULE_FILE) for room in courses.rooms(courses.GRADERS))
+    return _load(*next((room, path) for room, path in found if path.is_file()))
 
 
-def discover(exercises: Collection[str] | None = None) -> Discovery:
-    """Import every grader below this package, or those of some exercises."""
+def discover(exercises: Collection[str] | None = None, rooms: Sequence[Path] | None = None) -> Discovery:
+    """Import every grader of this repository and of the courses outside it, or those of some exercises, or of some
+    rooms alone."""
     definitions: dict[str, Definition] = {}
-    problems: list[Problem] = []
-    for path in sorted(ROOT.glob(f"*/*/{MODULE_FILE}")):
+    problems = [*courses.HERE.problems]
+    for room, path in _graders(courses.rooms(courses.GRADERS) if rooms is None else rooms):
         if exercises is not None and f"{path.parts[-3]}/{path.parts[-2]}" not in exercises:
             continue
         try:
-            definition = _load(path)
+            definition = _load(room, path)
         except MalformedExerciseError as error:
             problems.append(Problem(error.path, error.line, error.message))
         except Exception as error:  # any mistake of an author's module is reported with its place
-            problems.append(_problem(path, error))
+            problems.append(_problem(room, path, error))
         else:
             definitions[definition.exercise] = definition
     return Discovery(definitions, tuple(problems))
 
 
-def _load(path: Path) -> Definition:
-    name = ".".join(path.relative_to(ROOT.parent).with_suffix("").parts)
+def _graders(rooms: Sequence[Path]) -> Iterator[tuple[Path, Path]]:
+    """The graders' modules, each with the room where it stands."""
+    for room in rooms:
+        yield from ((room, path) for path in sorted(room.glob(f"*/*/{MODULE_FILE}")))
+
+
+def _load(room: Path, path: Path) -> Definition:
+    name = ".".join(path.relative_to(room.parent).with_suffix("").parts)
     definition = getattr(importlib.import_module(name), "DEFINITION", None)
     if not isinstance(definition, CodeDefinition | NumericDefinition):
-        raise MalformedExerciseError(path, "defines no DEFINITION")
+        raise MalformedExerciseError(
+            path,
+            "ce correcteur n’a pas de DEFINITION : écrivez « DEFINITION = code(__file__, checks=…) » ou « numeric(…) »",
+        )
     if definition.folder.resolve() != path.parent:
-        raise MalformedExerciseError(path, f"defines the exercise of another folder, {definition.folder}")
+        raise MalformedExerciseError(
+            path, f"ce correcteur est celui d’un autre dossier, {definition.folder} : écrivez code(__file__, …)"
+        )
     return definition
 
 
-def _problem(path: Path, error: Exception) -> Problem:
+def _problem(room: Path, path: Path, error: Exception) -> Problem:
     if isinstance(error, SyntaxError):
-        return Problem(Path(error.filename or path), error.lineno or 1, f"syntax error: {error.msg}")
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if str(ROOT) in frame.filename]
+        return Problem(
+            Path(error.filename or path), error.lineno or 1, f"ce fichier Python ne se compile pas ({error.msg})"
+        )
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if str(room) in frame.filename]
     own = [frame for frame in frames if Path(frame.filename).parent == path.parent]
     message = f"{type(error).__name__}: {error}"
     return Problem(path, 1, message) if not own else Problem(Path(own[-1].filename), own[-1].lineno or 1, message)

@@ -9,7 +9,8 @@ from server.base.paths import ROOT
 from server.base.settings import Settings
 
 _PR_SET_PDEATHSIG = 1
-LOGS = "BALISE_LOG_FORMAT"
+#: What says nothing secret, and every process needs.
+COMMON = ("BALISE_LOG_FORMAT", "BALISE_COURSES")
 
 
 def die_with(parent: int) -> None:
@@ -29,8 +30,8 @@ def environment(settings: Settings) -> dict[str, str]:
 
 
 def bare_environment() -> dict[str, str]:
-    """The same without any setting but the form of logs: the database's password is among them."""
-    others = {name: value for name, value in os.environ.items() if name == LOGS or not name.startswith("BALISE_")}
+    """The same without any setting but the form of logs and the courses: the database's password is among them."""
+    others = {name: value for name, value in os.environ.items() if name in COMMON or not name.startswith("BALISE_")}
     return {**others, "PYTHONPATH": _path()}
 
 

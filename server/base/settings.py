@@ -20,8 +20,6 @@ from pydantic_settings import BaseSettings, SettingsConfigDict
 from server.base.paths import default_data_dir
 
 PREFIX = "BALISE_"
-#: Settings that are announced, and have no effect yet: who sets them already has made no mistake.
-TO_COME = frozenset({"courses"})
 #: Segments that no browser, proxy nor shell writes in two ways, and none of which goes upwards.
 _PATH = re.compile(r"(/[A-Za-z0-9_~-][A-Za-z0-9._~-]*)+")
 Seconds = Annotated[float, Field(allow_inf_nan=False)]
@@ -94,6 +92,11 @@ class Settings(BaseSettings):
         ge=1,
         le=5,
         description="on how many servers of a NATS cluster the stream is kept: 3 for one of three",
+    )
+    courses: str = Field(
+        default="",
+        description="folders of courses outside of Balise, separated as in `PATH`",
+        json_schema_extra=_told("none"),
     )
     workers: int = Field(
         default_factory=lambda: os.cpu_count() or 1,
@@ -308,7 +311,7 @@ def misspelt(environment: Iterable[str]) -> Iterator[tuple[str, str | None]]:
     """The variables that look like settings and are none, each with the setting that was probably meant."""
     for name in sorted(environment):
         field = name.lower().removeprefix(PREFIX.lower())
-        known = field in Settings.model_fields or field in TO_COME or name in ELSEWHERE
+        known = field in Settings.model_fields or name in ELSEWHERE
         if name.upper().startswith(PREFIX) and not known:
             close = get_close_matches(field, Settings.model_fields, n=1)
             yield name, variable(close[0]) if close else None

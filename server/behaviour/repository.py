@@ -14,6 +14,7 @@ from server.behaviour.schemas import Asked, MemberLine
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.database import upserting, utc_now
 from server.gradebook.models import Grading, Standing
+from server.identity.models import Account
 from server.submissions.models import Submission
 
 #: The key of PostgreSQL's lock for putting programs into groups.
@@ -243,6 +244,48 @@ def smallest(db: Session, class_id: UUID, group_id: str) -> Submission | None:
         .limit(1)
     )
     return db.execute(query).scalar_one_or_none()
+
+
+def unexplained(db: Session, exercise: str, most: int) -> Sequence[tuple[str, int, int]]:
+    """Groups of an exercise in which no misconception was found, in any class: how many attempts that count, by how
+    many students; the most students first."""
+    students = func.count(Submission.account_id.distinct())
+    query = (
+        select(Fingerprint.group_id, func.count(), students)
+        .join(Grading, Grading.id == Fingerprint.grading_id)
+        .join(Submission, Submission.grading_id == Grading.id)
+        .where(
+            Submission.exercise == exercise,
+            Grading.diagnosis.is_(None),
+            Grading.outcome.in_(OBSERVED),
+            Fingerprint.group_id.is_not(None),
+        )
+        .group_by(Fingerprint.group_id)
+        .order_by(students.desc(), func.count().desc(), Fingerprint.group_id)
+        .limit(most)
+    )
+    return [(str(row[0]), row[1], row[2]) for row in db.execute(query)]
+
+
+def shortest(db: Session, group_id: str) -> tuple[bytes, str] | None:
+    """The shortest program of a group in which no misconception was found, and its author's name."""
+    query = (
+        select(Submission.source, Account.name)
+        .join(Account, Account.id == Submission.account_id)
+        .join(Grading, Grading.id == Submission.grading_id)
+        .join(Fingerprint, Fingerprint.grading_id == Grading.id)
+        .where(Fingerprint.group_id == group_id, Grading.diagnosis.is_(None))
+        .order_by(func.length(Submission.source), Submission.created_at, Submission.id)
+        .limit(1)
+    )
+    row = db.execute(query).one_or_none()
+    return None if row is None else (row[0], row[1])
+
+
+def any_name(db: Session, group_id: str) -> BehaviourName | None:
+    """What a teacher calls a group, the newest name first."""
+    query = select(BehaviourName).where(BehaviourName.group_id == group_id).order_by(BehaviourName.named_at.desc())
+    return db.execute(query.limit(1)).scalar_one_or_none()
 
 
 def attempt(db: Session, class_id: UUID, group_id: str, submission_id: UUID) -> Submission | None:

@@ -2,12 +2,13 @@
 
 import argparse
 import gc
+import os
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 
-from server.cli import options
+from server.cli import authors, options
 from server.cli.french import speak_french
 from server.cli.options import bounded
 
@@ -22,9 +23,9 @@ class CannotRun(Exception):
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs a command; returns its exit status."""
     arguments = _parser().parse_args(argv)
-    command = _command(arguments.command, alone=argv is None)
     try:
-        return command(arguments)
+        take_in(getattr(arguments, "course", None))
+        return _command(arguments.command, alone=argv is None)(arguments)
     except CannotRun as reason:
         print(f"balise : {reason}", file=sys.stderr)
         return CANNOT
@@ -33,6 +34,19 @@ def main(argv: Sequence[str] | None = None) -> int:
         return CANNOT
     except KeyboardInterrupt:
         return 130
+
+
+def take_in(course: Path | None) -> None:
+    """Reads a course that stands in a folder with the others, here and in the processes to come. Raises CannotRun."""
+    if course is not None:
+        from graders.courses import HERE, VARIABLE, mount
+
+        os.environ[VARIABLE] = os.pathsep.join(filter(None, (str(course.resolve()), os.environ.get(VARIABLE))))
+        mount(course)
+        if course.resolve() not in HERE.places:
+            raise CannotRun(
+                "ce cours n’est pas pris :" + "".join(f"\n  {one.path} : {one.message}" for one in HERE.problems)
+            )
 
 
 def _command(name: str, *, alone: bool) -> Command:
@@ -57,6 +71,7 @@ def _parser() -> argparse.ArgumentParser:
     _demo(commands.add_parser("demo", help=help_text, description=f"{help_text.capitalize()}."))
     _grade(commands.add_parser("grade", help="corrige un fichier, sans serveur"))
     _check(commands.add_parser("check", help="vérifie les exercices eux-mêmes (références, erreurs cataloguées)"))
+    authors.add(commands)
     doctor = commands.add_parser("doctor", help="dit quelles protections du bac à sable tiennent sur cette machine")
     help_text = "regarde plutôt ce que plusieurs machines partagent : base, NATS, horloges, correcteurs"
     doctor.add_argument("--cluster", action="store_true", help=help_text)
@@ -105,6 +120,7 @@ def _serve(parser: argparse.ArgumentParser) -> None:
 
 def _grade(parser: argparse.ArgumentParser) -> None:
     _exercise_and_file(parser, nargs="?")
+    authors.course(parser)
     parser.add_argument(
         "--questions", action="store_true", help="écrit les questions d’un exercice sans code, pour cette graine"
     )
@@ -116,6 +132,12 @@ def _grade(parser: argparse.ArgumentParser) -> None:
 
 def _check(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="exercices à vérifier (par défaut : tous)")
+    authors.course(parser)
+    memory = parser.add_mutually_exclusive_group()
+    help_text = "vérifie aussi ce qui était en ordre et n’a pas changé depuis"
+    memory.add_argument("--fresh", "--all", action="store_true", help=help_text)
+    help_text = "laisse de côté ce qui n’a pas changé, même en intégration continue (CI), où rien n’est retenu sinon"
+    memory.add_argument("--remember", action="store_true", help=help_text)
     instead = parser.add_mutually_exclusive_group()
     instead.add_argument(
         "--fairness",

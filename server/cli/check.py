@@ -1,9 +1,10 @@
 """`balise check [EXERCISE…]`: what a course's own tests run.
 
-The texts are rendered; their figures are drawn and their cells run unless only some exercises are asked for. For each
-exercise: the reference gets full marks, the starter does not, every catalogued misconception is rejected and named,
-each specimen gets the outcome of its folder. What is known of answers without code is tried on several deals. All this
-on all cores, told in one order.
+The texts are rendered; their figures are drawn, their cells run and their animations played unless only some exercises
+are asked for. For each exercise: the reference gets full marks, the starter does not, every catalogued misconception is
+rejected and named, each specimen gets the outcome of its folder. What is known of answers without code is tried on
+several deals. All this on all cores, told in one order. What was in order and is unchanged is not tried again (see
+`remembered`).
 """
 
 import logging
@@ -11,22 +12,33 @@ import secrets
 import sys
 import time
 from argparse import Namespace
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
+from types import MappingProxyType
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.protocol import Known
+from graders.courses import CURRICULUM, GRADERS, HERE
+from graders.discovery import discover
+from server.authoring import shapes
 from server.cells import faults as cells
-from server.cli import CannotRun, alterations, fairness, parallel
+from server.cli import CannotRun, alterations, fairness, parallel, remembered
 from server.cli.local import find, load_course, local_grader, require_safe_sandbox, start_probing
+from server.cli.remembered import Remembered
 from server.course import Course, Exercise, Problem, load
+from server.course.closure import Imports
 from server.course.models import SEED_BITS
 from server.figures import lessons
 from server.grading.joint import Grader
+from server.replays import faults as replays
 
 Judge = Callable[[Judgement], str]
+#: The part that all texts are, of every course: they speak of each other.
+TEXTS = "textes"
 
 #: Seconds of the processor after which a program is stopped that is known to be stopped: which limit it is does not
 #: matter, and those of some exercises are long.
@@ -68,17 +80,88 @@ def run(arguments: Namespace) -> int:
         return _fairness(arguments)
     if arguments.mutants:
         return _mutants(arguments)
+    return _whole(arguments)
+
+
+@dataclass(frozen=True)
+class Part:
+    """What is remembered as a whole: `jobs` are tried, unless all that `found_from` is a digest of is unchanged."""
+
+    name: str
+    found_from: str
+    jobs: Sequence[Job]
+
+
+def _whole(arguments: Namespace) -> int:
     begun = time.monotonic()
-    probing, course = start_probing(slow=False), load()
+    memory = remembered.opened(fresh=arguments.fresh, asked=arguments.remember)
+    probing = None if memory else start_probing(slow=False)  # most often, nothing is left to run then
+    course, faults = _read(memory, arguments.course)
     exercises = [find(course, name) for name in arguments.exercises] or list(course.exercises.values())
-    require_safe_sandbox(probing)
-    jobs: list[Job] = [] if arguments.exercises else [partial(_figures, course), partial(_cells, course)]
-    jobs += [partial(_examination, exercise, case) for exercise in exercises for case in cases(exercise)]
-    faults = sum(map(_told, course.problems))
-    for told in parallel.in_order(course, _do, jobs, "Vérification", _subject):
-        faults += _told(told) if isinstance(told, Examination) else sum(map(_told, told))
+    imports = Imports(*HERE.places, memory=memory.imports)
+    parts = [*([] if arguments.exercises else _modules(course)), *(_part(exercise, imports) for exercise in exercises)]
+    left = [part for part in parts if not _is_known(memory, part)]
+    if left:
+        require_safe_sandbox(probing or start_probing(slow=False))
+    faults += _tried(memory, course, left)
+    memory.write()
     print(_summary(len(exercises), faults, time.monotonic() - begun))
     return 1 if faults else 0
+
+
+def _read(memory: Remembered, place: Path | None) -> tuple[Course, int]:
+    """All courses, or the one in a folder, and how many faults their texts have; these are rendered unless they were in
+    order, and still are."""
+    places = HERE.places if place is None else [place.resolve()]
+    name, found_from = (TEXTS if place is None else f"{TEXTS} {place.resolve()}"), remembered.of_texts(places)
+    render = memory.since(name, found_from) is None
+    if place is None:
+        course = load(render=render, memory=memory.imports)
+    else:
+        found = discover(rooms=[place.resolve() / GRADERS])
+        course = load(place.resolve() / CURRICULUM, discovery=found, render=render, memory=memory.imports)
+    faults = sum(map(_told, (*course.problems, *shapes.faults(course))))
+    if not faults:
+        memory.keep(name, found_from)
+    return course, faults
+
+
+def _modules(course: Course) -> Iterator[Part]:
+    for module in course.modules.values():
+        alone = replace(course, modules=MappingProxyType({module.slug: module}))
+        jobs: list[Job] = [partial(one, alone) for one in (_figures, _cells, _replays)]
+        yield Part(module.slug, remembered.of_module(module), jobs)
+
+
+def _part(exercise: Exercise, imports: Imports) -> Part:
+    return Part(
+        exercise.id,
+        remembered.of_exercise(exercise, imports),
+        [partial(_examination, exercise, case) for case in cases(exercise)],
+    )
+
+
+def _is_known(memory: Remembered, part: Part) -> bool:
+    """Whether it was in order, and is unchanged; says so."""
+    day = memory.since(part.name, part.found_from)
+    if day is not None:
+        print(f"✓ {part.name:<24} inchangé depuis le {day}", flush=True)
+    return day is not None
+
+
+def _tried(memory: Remembered, course: Course, parts: Sequence[Part]) -> int:
+    """Tries all that is left, and keeps what is in order; how many faults there are."""
+    if not parts:
+        return 0
+    jobs = [(part, job) for part in parts for job in part.jobs]
+    faults = Counter[str]()
+    results = parallel.in_order(course, _do, [job for _, job in jobs], "Vérification", _subject)
+    for (part, _), told in zip(jobs, results, strict=True):
+        faults[part.name] += _told(told) if isinstance(told, Examination) else sum(map(_told, told))
+    for part in parts:
+        if not faults[part.name]:
+            memory.keep(part.name, part.found_from)
+    return faults.total()
 
 
 def _do(grader: Grader, job: Job) -> Told:
@@ -88,7 +171,7 @@ def _do(grader: Grader, job: Job) -> Told:
 def _subject(job: Job) -> object:
     """An exercise's jobs go together: what it computes once, one process computes."""
     assert isinstance(job, partial)
-    return job.func, (job.args[0].id if job.func is _examination else None)
+    return job.args[0].id if job.func is _examination else id(job)
 
 
 def _figures(course: Course, _: Grader) -> Sequence[Problem]:
@@ -97,6 +180,10 @@ def _figures(course: Course, _: Grader) -> Sequence[Problem]:
 
 def _cells(course: Course, _: Grader) -> Sequence[Problem]:
     return [*cells.faults(course)]
+
+
+def _replays(course: Course, _: Grader) -> Sequence[Problem]:
+    return [*replays.faults(course)]
 
 
 def _examination(exercise: Exercise, case: Case, grader: Grader) -> Examination:

@@ -5,9 +5,10 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 
 from graders.core.contract.kits import kits_of
+from graders.courses import module_folder
 from server.cli import CannotRun
 from server.course import Course, Exercise, load
-from server.course.service import MODULE_SLUG, ROOT
+from server.course.service import MODULE_SLUG
 from server.grading.joint import Grader
 from server.sandbox import Sandbox, SandboxFault, WallReport, WallStatus, probe, safe_to_serve
 from server.sandbox.install import import_set
@@ -66,7 +67,7 @@ def require_safe_sandbox(probing: Probing) -> list[WallReport]:
 def beginning(exercise_id: str, source: bytes) -> Iterator[Future[Sandbox]]:
     """A sandbox for a program of an exercise, the template of which comes up while other things are read."""
     slug = exercise_id.partition("/")[0]
-    module = ROOT / "curriculum" / slug
+    module = module_folder(slug)
 
     def start() -> Sandbox:
         known = MODULE_SLUG.fullmatch(slug) and module.is_dir()

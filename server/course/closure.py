@@ -15,14 +15,15 @@ from pathlib import Path
 from server.course.memory import Memory
 
 OURS = ("graders", "reference")
-DRAWING = "graders.plotting"
+#: What draws, and what says where courses stand.
+APART = ("graders.plotting.", "graders.courses.")
 
 
 class Imports:
-    """The modules under `root`, each read once; `memory` keeps what was read of the same content earlier."""
+    """The modules under `roots`, each read once; `memory` keeps what was read of the same content earlier."""
 
-    def __init__(self, root: Path, memory: Memory | None = None) -> None:
-        self._root, self._memory = root, memory or Memory()
+    def __init__(self, *roots: Path, memory: Memory | None = None) -> None:
+        self._roots, self._memory = roots, memory or Memory()
         self._module = cache(self._read)
 
     def closure(self, module: str) -> dict[str, Path]:
@@ -38,19 +39,19 @@ class Imports:
         return files
 
     def _read(self, module: str) -> tuple[Path | None, frozenset[str]]:
-        base = self._root.joinpath(*module.split("."))
-        for path, package in ((base / "__init__.py", module), (base.with_suffix(".py"), module.rpartition(".")[0])):
-            if path.is_file():
-                content = path.read_bytes()
-                found = self._memory.imports(content, package, partial(_asked, content, package))
-                return path, frozenset(name for asked in (package, *found) for name in _on_the_way(asked))
+        for base in (root.joinpath(*module.split(".")) for root in self._roots):
+            for path, package in ((base / "__init__.py", module), (base.with_suffix(".py"), module.rpartition(".")[0])):
+                if path.is_file():
+                    content = path.read_bytes()
+                    found = self._memory.imports(content, package, partial(_asked, content, package))
+                    return path, frozenset(name for asked in (package, *found) for name in _on_the_way(asked))
         return None, frozenset()
 
 
 def _on_the_way(module: str) -> Iterator[str]:
     """`a`, `a.b` and `a.b.c` for `a.b.c`, where it is of ours."""
     parts = module.split(".")
-    if parts[0] in OURS and not f"{module}.".startswith(f"{DRAWING}."):
+    if parts[0] in OURS and not f"{module}.".startswith(APART):
         yield from (".".join(parts[:length]) for length in range(1, len(parts) + 1))
 
 

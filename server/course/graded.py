@@ -21,7 +21,7 @@ from server.course.closure import Imports
 from server.course.memory import Found
 from server.course.models import CourseFault, Problem
 from server.course.schemas import ExerciseFile
-from server.course.version import version
+from server.course.version import graders_of, version
 from server.text.markup import Names
 from server.text.markup.text import no_names
 
@@ -47,8 +47,8 @@ class Sources:
     Of what is `known` already, no grader need be loaded.
     """
 
-    curriculum: Path
-    code: Path
+    curricula: tuple[Path, ...]
+    code: tuple[Path, ...]
     discovery: Discovery | None
     imports: Imports
     known: Mapping[str, Found] = field(default_factory=dict)
@@ -68,7 +68,7 @@ class Sources:
 
     def graders(self, path: Path) -> Path:
         """The folder of what grades the exercise of this folder of the course."""
-        return self.code / "graders" / name_of(path)
+        return graders_of(self.code, path.parents[1].name, path.name)
 
 
 class Graded(NamedTuple):

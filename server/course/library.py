@@ -86,8 +86,7 @@ class Library:
             raise CourseFault(Problem(path, None, f"dossier de pages inconnu (connus : {', '.join(BY_FOLDER)})"))
         if not re.fullmatch(SLUG, path.stem) or path.stem == GLOSSARY:
             raise CourseFault(Problem(path, None, "nom de page : minuscules sans accent, chiffres et tirets"))
-        head, body, line = _split(path, toml_file.read_text(path))
-        card = toml_file.parse(head, path, FrontMatter, first_line=2)
+        card, body, line = _read(path)
         return Lesson(
             module=self.folder.name,
             slug=path.stem,
@@ -154,6 +153,17 @@ def _lesson_name(lesson: Lesson) -> LessonName:
 def _picture(drawing: Drawing) -> Picture:
     width, height = drawing.size
     return Picture(drawing.alt, round(width * PIXELS), round(height * PIXELS))
+
+
+def front_matter(path: Path) -> FrontMatter:
+    """What a lesson says before its text. Raises CourseFault."""
+    return _read(path)[0]
+
+
+def _read(path: Path) -> tuple[FrontMatter, str, int]:
+    """Front matter, body, and the line of the body's first character."""
+    head, body, line = _split(path, toml_file.read_text(path))
+    return toml_file.parse(head, path, FrontMatter, first_line=2), body, line
 
 
 def _split(path: Path, text: str) -> tuple[str, str, int]:

@@ -76,9 +76,10 @@ class Memory:
             log.warning("what was found of the course is not remembered in %s", self._path, exc_info=True)
 
 
-def source_of(curriculum: Path, code: Path) -> str:
+def source_of(curricula: Iterable[Path], code: Iterable[Path]) -> str:
     """The digest of all that a look at the texts depends on."""
-    roots = [("curriculum", curriculum), *((name, code / name) for name in OF_OURS)]
+    roots = [("curriculum", curriculum) for curriculum in curricula]
+    roots += [(name, root / name) for root in code for name in OF_OURS]
     head = "\0".join((sys.version, *(f"{name} {version(name)}" for name in LIBRARIES)))
     return digest([one for root in roots for one in files(*root)], head.encode())
 

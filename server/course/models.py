@@ -245,7 +245,8 @@ class ReadingPath:
 class Module:
     """A module of the course, with its exercises in order, and its lessons in the order of reading.
 
-    `number` is its name in the course ("L20"), `sessions` its length; `previous` and `next` are numbers of modules.
+    `number` is its name in the course ("L20"), `sessions` its length; `previous` and `next` are numbers of modules;
+    `folder` is where it stands.
     `kits` are what its programs may find: by name, the source texts of its files by their paths (see
     `graders.core.contract.kits`). The one that bears the slug is of one file, and any program's but for exercises that
     ask for another.
@@ -271,6 +272,7 @@ class Module:
     files: Mapping[str, Path] = field(default_factory=dict)
     paths: tuple[ReadingPath, ...] = ()
     names: Callable[[], Names] = no_names
+    folder: Path = Path()
 
 
 @dataclass(frozen=True, eq=False)

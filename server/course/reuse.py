@@ -23,15 +23,15 @@ Own = Mapping[str, bytes]
 NOTHING_OWN: Own = MappingProxyType({})
 
 
-def with_reused(curriculum: Path, exercise: str) -> frozenset[str]:
+def with_reused(curricula: Sequence[Path], exercise: str) -> frozenset[str]:
     """The names of an exercise and of those that it reuses, as their files say."""
     module, _, slug = exercise.partition("/")
     found, waiting = set[str](), [slug]
     while waiting:
         name = waiting.pop()
-        path = curriculum / module / "exercices" / name / "exercise.toml"
-        if name not in found and path.is_file():
-            waiting += _said(path)
+        paths = [room / module / "exercices" / name / "exercise.toml" for room in curricula]
+        if name not in found:
+            waiting += [one for path in paths if path.is_file() for one in _said(path)]
         found.add(name)
     return frozenset(f"{module}/{name}" for name in found)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeVar
 
+from graders import courses
 from graders.core.contract.kits import kits_of
 from server.course import drawings, reuse, toml_file
 from server.course.closure import Imports
@@ -19,13 +20,13 @@ from server.course.memory import NOTHING_FOUND, Memory, source_of
 from server.course.models import Course, CourseFault, Exercise, FunctionSpec, Module, Problem, ReadingPath
 from server.course.schemas import ExerciseFile, ModuleFile
 from server.course.toml_places import line_of
+from server.course.version import graders_of
 from server.text.markup import Names, Source, Text
 
 if TYPE_CHECKING:
     from graders.discovery import Discovery
 
 T = TypeVar("T")
-ROOT = Path(__file__).parents[2]
 MODULE_SLUG = re.compile(r"[a-z]+[0-9]+")  # addresses start with it, beside /connexion and its like
 EXERCISE_SLUG = re.compile(r"[a-z0-9]+(_[a-z0-9]+)*")
 HINT_TITLE = re.compile(r"^##[ \t]+Indice[ \t]+(\d+)[ \t]*$", re.MULTILINE)
@@ -40,9 +41,9 @@ class Look(Enum):
 
 
 def load(
-    curriculum: Path = ROOT / "curriculum",
+    curriculum: Path | None = None,
     *,
-    code: Path = ROOT,
+    code: Path | None = None,
     discovery: Discovery | None = None,
     render: bool = True,
     check: bool = False,
@@ -51,28 +52,32 @@ def load(
 ) -> Course:
     """Read the whole course. Never raises for a malformed module or exercise: see `Course.problems`.
 
-    `code` holds `graders/` and `reference/`, which versions cover. Rendering all the texts takes seconds, most of it
-    for the formulas. With `render=False` a text is rendered when it is looked at, and its faults are not looked for;
-    with `check=True` too, all of its faults are, but for those of formulas: once, where `memory` says that these very
-    files were sound. Their graders are then loaded when they are asked for. With `only`, an exercise ("l20/poses") is
-    read alone, with those that it reuses.
+    All courses are read, unless `curriculum` is one's; `code` holds `graders/` and `reference/`, which versions cover.
+    Rendering all the texts takes seconds, most of it for the formulas. With `render=False` a text is rendered when it
+    is looked at, and its faults are not looked for; with `check=True` too, all of its faults are, but for those of
+    formulas: once, where `memory` says that these very files were sound. Their graders are then loaded when they are
+    asked for. With `only`, an exercise ("l20/poses") is read alone, with those that it reuses.
     """
     memory = memory or Memory()
     look = Look.drawn if render else Look.read if check else Look.no
-    source = source_of(curriculum, code) if look is Look.read else ""
+    curricula = (curriculum,) if curriculum else tuple(courses.rooms(courses.CURRICULUM))
+    roots = (code,) if code else tuple(courses.HERE.places)
+    source = source_of(curricula, roots) if look is Look.read else ""
     known = memory.found(source) if source else NOTHING_FOUND
     if source and memory.is_sound(source):
         look = Look.no
-    wanted = reuse.with_reused(curriculum, only) if only else None
+    wanted = reuse.with_reused(curricula, only) if only else None
     if discovery is None and not known:
         from graders.discovery import discover
 
         discovery = discover(wanted)
-    problems = [Problem(one.path, one.line, one.message) for one in (discovery.problems if discovery else ())]
-    sources = Sources(curriculum, code, discovery, Imports(code, memory), known)
-    modules = _each(problems, lambda path: _module(sources, path, problems, look, wanted), _modules(curriculum, only))
+    amiss = discovery.problems if discovery else courses.HERE.problems
+    problems = [Problem(one.path, one.line, one.message) for one in amiss]
+    sources = Sources(curricula, roots, discovery, Imports(*roots, memory=memory), known)
+    modules = _each(problems, lambda path: _module(sources, path, problems, look, wanted), _modules(curricula, only))
     modules.sort(key=lambda module: (module.order, module.slug))
     problems.extend(_orphans(sources))
+    problems.extend(_same_kits(modules))
     if source:
         memory.keep("" if problems else source, {} if problems else sources.found)
     return Course(MappingProxyType({module.slug: module for module in modules}), tuple(problems))
@@ -89,8 +94,9 @@ def _each(problems: list[Problem], build: Callable[[Path], T], paths: list[Path]
     return built
 
 
-def _modules(curriculum: Path, only: str) -> list[Path]:
-    folders = sorted(path for path in curriculum.iterdir() if path.is_dir() and not path.name.startswith((".", "__")))
+def _modules(curricula: Iterable[Path], only: str) -> list[Path]:
+    there = (path for curriculum in curricula for path in curriculum.iterdir() if path.is_dir())
+    folders = sorted(path for path in there if not path.name.startswith((".", "__")))
     return [path for path in folders if not only or path.name == only.partition("/")[0]]
 
 
@@ -140,6 +146,7 @@ def _module(
         files=MappingProxyType(library.files),
         paths=tuple(ReadingPath(one.title, one.summary, one.page) for one in card.paths),
         names=library.names,
+        folder=path,
     )
 
 
@@ -235,5 +242,17 @@ def _part(path: Path, text: str, start: int, end: int, names: Callable[[], Names
 def _orphans(sources: Sources) -> Iterator[Problem]:
     """Graders without an exercise: a renamed folder must not silently vanish from the course."""
     for name in sorted(sources.discovery.definitions if sources.discovery is not None else ()):
-        if not (sources.curriculum / Path(name).parent / "exercices" / Path(name).name).is_dir():
-            yield Problem(sources.code / "graders" / name, None, f"ce correcteur n’a pas d’exercice « {name} »")
+        module, slug = name.split("/")
+        if not any((room / module / "exercices" / slug).is_dir() for room in sources.curricula):
+            yield Problem(graders_of(sources.code, module, slug), None, f"ce correcteur n’a pas d’exercice « {name} »")
+
+
+def _same_kits(modules: list[Module]) -> Iterator[Problem]:
+    """Kits that two modules call the same: programs would find one for the other."""
+    homes: dict[str, Path] = {}
+    for module in modules:
+        for name in module.kits:
+            other = homes.setdefault(name, module.folder)
+            if other != module.folder:
+                message = f"la trousse « {name} » existe déjà dans {other / 'kit'} : renommez l’une des deux"
+                yield Problem(module.folder / "kit", None, message)

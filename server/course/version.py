@@ -12,7 +12,7 @@ exercise shares and no file of the course says: the sandbox, Python, NumPy.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from graders.core.contract.kits import Files, kits_of
@@ -28,18 +28,18 @@ NOT_DATA = {".py", ".md"}
 EQUIVALENTS = "equivalents.toml"
 
 
-def version(imports: Imports, code: Path, folder: Path, card: ExerciseFile, grader: object, kit: str) -> str:
-    """See the head of this file. `folder` is the exercise's, in the course; `code` holds the graders; `kit` is the name
-    of what its programs find."""
+def version(imports: Imports, code: Sequence[Path], folder: Path, card: ExerciseFile, grader: object, kit: str) -> str:
+    """See the head of this file. `folder` is the exercise's, in the course; `code` are the folders that hold graders;
+    `kit` is the name of what its programs find."""
     return digest(grading_files(imports, code, folder, card, grader, kit), _asked(card))
 
 
 def grading_files(
-    imports: Imports, code: Path, folder: Path, card: ExerciseFile, grader: object, kit: str
+    imports: Imports, code: Sequence[Path], folder: Path, card: ExerciseFile, grader: object, kit: str
 ) -> Iterator[tuple[str, Path]]:
     """The files that decide of a verdict, each with a name that tells no place on this machine."""
     module = folder.parents[1].name
-    graders = code / "graders" / module / folder.name
+    graders = graders_of(code, module, folder.name)
     described = imports.closure(f"graders.{module}.{folder.name}.{GRADER}")
     yield from sorted((described | imports.closure(type(grader).__module__)).items())
     yield from (named for named in files(GRADER, graders) if _decides(named[1].relative_to(graders)))
@@ -47,6 +47,12 @@ def grading_files(
         yield from _kit(kits_of(folder.parents[1])[kit])
     else:
         yield from ((name, folder / name) for name in IN_THE_COURSE if (folder / name).is_file())
+
+
+def graders_of(code: Sequence[Path], module: str, slug: str) -> Path:
+    """The folder that grades an exercise, or would."""
+    folders = [root / "graders" / module / slug for root in code]
+    return next((folder for folder in folders if folder.is_dir()), folders[0])
 
 
 def _kit(files: Files) -> Iterator[tuple[str, Path]]:

@@ -15,6 +15,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Literal
 
+from graders.courses import HERE
 from server.base.digest import digest
 from server.base.paths import ROOT
 from server.course.code import MANIPULATIONS
@@ -81,7 +82,8 @@ def _order(kind: str, asked: Mapping[str, Any], drawn_by: str, words: Words = OF
 @cache
 def code_version() -> str:
     """Of what draws the verdicts' figures and replays, and of what the lessons' drawings call."""
-    rooms = [(name, ROOT / name) for name in ("graders", "reference", "server/figures")]
+    rooms = [(name, place / name) for place in HERE.places for name in ("graders", "reference")]
+    rooms.append(("server/figures", ROOT / "server" / "figures"))
     return " ".join((digest(rooms), *map(version, LIBRARIES)))
 
 

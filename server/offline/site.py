@@ -41,7 +41,7 @@ NOT_FOR_READING = {".js"}
 def version(module: Module) -> str:
     """Of all that an archive is made of: the same version, the same bytes."""
     parts = [
-        (module.slug, ROOT / "curriculum" / module.slug),
+        (module.slug, module.folder),
         ("templates", TEMPLATES),
         ("graders", ROOT / "graders" / "scene"),
         ("reading", ROOT / "server" / "reading"),

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from graders.courses import module_folder
 from graders.scene.hands import Start
 from graders.scene.parameters import Draw, Parameter, RefusedError, Value, Values
 from graders.scene.prediction import Placed, Prediction
@@ -22,7 +23,6 @@ from graders.scene.replay import Replay
 from graders.typography import french
 from server.base.caches import Lately
 from server.base.errors import Invalid, NotFound
-from server.base.paths import ROOT
 from server.course.code import MANIPULATIONS, load_file
 
 MODULE = re.compile(r"[a-z]+[0-9]+")
@@ -91,21 +91,21 @@ Key = tuple[Script, tuple[Value, ...]]
 
 
 class Replays:
-    """The replays of a course; remembers the latest answers, up to so many bytes."""
+    """The replays of all courses, or of one; remembers the latest answers, up to so many bytes."""
 
-    def __init__(self, curriculum: Path = ROOT / "curriculum", memory_bytes: int = MEMORY_BYTES) -> None:
+    def __init__(self, curriculum: Path | None = None, memory_bytes: int = MEMORY_BYTES) -> None:
         self._curriculum = curriculum
         self._answers: Lately[Key, Answer] = Lately(memory_bytes, lambda answer: len(answer.compressed))
 
     def names(self, module: str) -> tuple[str, ...]:
         """The replays of a module, as addresses name them."""
-        return names_in(self._curriculum / module) if MODULE.fullmatch(module) else ()
+        return names_in(self._home(module)) if MODULE.fullmatch(module) else ()
 
     def find(self, module: str, name: str) -> Script:
         """Raises NotFound."""
         if name not in self.names(module):
             raise NotFound(NO_REPLAY)
-        return load(self._curriculum / module, name)
+        return load(self._home(module), name)
 
     def find_manipulation(self, module: str, name: str) -> Script:
         """What a manipulation starts from, or what it asks to have computed. Raises NotFound."""
@@ -131,13 +131,16 @@ class Replays:
         """The manipulations of a module, as addresses name them."""
         if not MODULE.fullmatch(module):
             return ()
-        scenes = sorted((self._curriculum / module / MANIPULATIONS).glob("*/scene.py"))
+        scenes = sorted((self._home(module) / MANIPULATIONS).glob("*/scene.py"))
         return tuple(path.parent.name for path in scenes if NAME.fullmatch(path.parent.name))
 
     def _manipulation(self, module: str, name: str) -> Path:
         if name not in self.manipulations(module):
             raise NotFound(NO_MANIPULATION)
-        return self._curriculum / module / MANIPULATIONS / name
+        return self._home(module) / MANIPULATIONS / name
+
+    def _home(self, module: str) -> Path:
+        return self._curriculum / module if self._curriculum else module_folder(module)
 
     def remembered(self, script: Script, values: Values) -> Answer | None:
         return self._answers.get(_key(script, values))

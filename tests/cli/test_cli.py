@@ -94,8 +94,8 @@ def test_what_cannot_be_graded_has_its_own_status(right: Path, tmp_path: Path, m
 WRONG_USAGE = {
     (): "il manque COMMANDE",
     ("zut",): "COMMANDE : « zut » n’existe pas. Au choix : "
-    "'serve', 'demo', 'grade', 'check', 'doctor', 'submit', 'login', 'export', 'worker', 'top', 'backup', 'restore', "
-    "'admin'",
+    "'serve', 'demo', 'grade', 'check', 'new', 'schema', 'study', 'preview', 'doctor', 'submit', 'login', 'export', "
+    "'worker', 'top', 'backup', 'restore', 'admin'",
     ("admin",): "il manque ACTION",
     ("grade",): "il manque EXERCISE",
     ("doctor", "--vite"): "argument inconnu : --vite",
@@ -233,8 +233,8 @@ def test_questions_are_told_for_a_seed_and_only_where_there_are_some(capsys: Any
 
 
 def test_check_refuses_an_unknown_exercise(course: Course, monkeypatch: Any) -> None:
-    monkeypatch.setattr(check, "load", lambda: course)
-    assert main(["check", "l20/inconnu"]) == 2
+    monkeypatch.setattr(check, "load", lambda **_: course)
+    assert main(["check", "--fresh", "l20/inconnu"]) == 2
 
 
 @pytest.mark.usefixtures("walls_that_stand")
@@ -243,8 +243,10 @@ def test_a_broken_exercise_is_a_failure_of_check(monkeypatch: Any, tmp_path: Pat
     from server.course import Problem
 
     broken = Course({}, (Problem(tmp_path / "exercise.toml", 3, "titre manquant"),))
-    monkeypatch.setattr(command, "load", lambda: broken)
-    assert command.run(Namespace(exercises=[], fairness=None, mutants=False)) == 1
+    monkeypatch.setattr(command, "load", lambda **_: broken)
+    assert (
+        command.run(Namespace(exercises=[], fairness=None, mutants=False, fresh=True, remember=False, course=None)) == 1
+    )
     assert "exercise.toml:3: titre manquant" in capsys.readouterr().out
 
 

@@ -110,7 +110,7 @@ def test_imports_are_remembered_by_what_a_file_holds(tmp_path: Path) -> None:
 
     def closure() -> set[str]:
         memory = Memory(kept)
-        found = set(Imports(tmp_path, memory).closure("graders.near"))
+        found = set(Imports(tmp_path, memory=memory).closure("graders.near"))
         memory.keep("", {})
         return found
 

@@ -145,7 +145,7 @@ BROKEN: dict[str, tuple[str, str, int | None, str]] = {
         18,
         "right options",
     ),
-    "uncatalogued misconception": ("misconceptions.toml", CHOICE + 'misconception = "zut"\n', 1, "not catalogued"),
+    "uncatalogued misconception": ("misconceptions.toml", CHOICE + 'misconception = "zut"\n', 1, "n’est pas ici"),
     "step after a later one": (
         "questions.toml",
         ORDER.replace('role = "commencer"', 'role = "x"\nafter = ["deux"]'),
@@ -155,7 +155,7 @@ BROKEN: dict[str, tuple[str, str, int | None, str]] = {
     "same step twice": ("questions.toml", ORDER.replace('id = "deux"', 'id = "un"'), 9, "deux fois"),
     "distractor named as a step": ("questions.toml", ORDER.replace('id = "faux"', 'id = "un"'), 13, "same name"),
     "unknown datum": ("questions.toml", NUMERIC.replace("{{a}}", "{{b}}"), 8, "unknown data"),
-    "question that is not judged": ("grader.py", NUMERIC.replace('id = "q"', 'id = "r"'), 1, "judges"),
+    "question that is not judged": ("grader.py", NUMERIC.replace('id = "q"', 'id = "r"'), 1, "juge q"),
     "bad TeX in a symbol": ("questions.toml", NUMERIC.replace('symbol = "a"', 'symbol = "a_"'), 5, "formule"),
     "digits out of bounds": (
         "questions.toml",

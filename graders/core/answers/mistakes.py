@@ -40,16 +40,16 @@ def read_mistakes(folder: Path) -> Mapping[str, Mistake]:
     try:
         entries = tomllib.loads(path.read_text(encoding="utf-8"))["misconception"]
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, KeyError) as error:
-        raise MalformedExerciseError(path, f"not a list of misconceptions: {error}") from error
+        raise MalformedExerciseError(path, f"il faut des tables [[misconception]] ({error})") from error
     mistakes: dict[str, Mistake] = {}
     for entry in entries:
         name = entry.get("id", "?")
         if entry.keys() != FIELDS or not all(isinstance(value, str) and value.strip() for value in entry.values()):
             raise MalformedExerciseError(
-                path, f"misconception {name} must have {', '.join(sorted(FIELDS))}, and no more"
+                path, f"erreur « {name} » : il faut {', '.join(sorted(FIELDS))}, et rien d’autre"
             )
         if name in mistakes:
-            raise MalformedExerciseError(path, f"two misconceptions are called {name}")
+            raise MalformedExerciseError(path, f"deux erreurs se nomment « {name} »")
         mistakes[name] = Mistake(**entry)
     return mistakes
 
@@ -58,5 +58,5 @@ def same_mistakes(folder: Path, catalogued: Mapping[str, Mistake], used: set[str
     """What the exercise speaks of and what is catalogued are the same. Raises MalformedExerciseError."""
     path = folder / "misconceptions.toml"
     for name in sorted(used ^ catalogued.keys()):
-        where = "is used but not catalogued" if name in used else "is catalogued but no answer leads to it"
-        raise MalformedExerciseError(path, f"misconception {name} {where}")
+        where = "une réponse y mène, mais elle n’est pas ici" if name in used else "aucune réponse n’y mène"
+        raise MalformedExerciseError(path, f"erreur « {name} » : {where}")

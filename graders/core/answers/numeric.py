@@ -53,12 +53,16 @@ class NumericDefinition(Definition):
         grader = NumericGrader(self.exercise, self.folder, self.catalogue, self.dealing, self.quantities, sheet)
         asked, judged = [question.id for question in sheet.questions], [quantity.id for quantity in self.quantities]
         if asked != judged:
-            raise MalformedExerciseError(self.file, f"judges {judged}, but the sheet asks {asked}")
+            raise MalformedExerciseError(
+                self.file, f"ce correcteur juge {', '.join(judged)}, et questions.toml demande {', '.join(asked)}"
+            )
         shown_data = {datum.name for datum in sheet.data}
         dealt = grader.data(0)
         if shown_data != dealt.keys():
             odd = sorted(shown_data ^ dealt.keys())
-            raise MalformedExerciseError(self.file, f"dealt and shown data differ: {odd}")
+            raise MalformedExerciseError(
+                self.file, f"nombres tirés par deal() et non montrés, ou l’inverse : {', '.join(odd)}"
+            )
         for place, unknown in enumerate(sheet.unknown()):
             if unknown:
                 raise MalformedSheetError(f"the sheet speaks of unknown data: {unknown}", ("question", place))
@@ -76,7 +80,9 @@ def numeric(
     catalogue = read_mistakes(folder)
     total = sum(quantity.points for quantity in quantities)
     if abs(total - MAX_POINTS) > 1e-9:
-        raise MalformedExerciseError(Path(file), f"the questions sum to {total} points, not {MAX_POINTS}")
+        raise MalformedExerciseError(
+            Path(file), f"les questions font {total:g} points : changez-les pour qu’elles en fassent {MAX_POINTS:g}"
+        )
     same_mistakes(folder, catalogue, {slip for quantity in quantities for slip in quantity.slips})
     return NumericDefinition(folder, catalogue, deal, tuple(quantities))
 
@@ -233,7 +239,10 @@ def _dealt(grader: NumericGrader, seed: int) -> Dealt:
         dealt = _one_deal(grader, grader.dealing(stream(seed, f"draw {try_number}")))
         if all(_apart(quantity, dealt) for quantity in grader.quantities):
             return dealt
-    raise MalformedExerciseError(grader.folder / MODULE_FILE, f"no deal of seed {seed} keeps the slips apart")
+    raise MalformedExerciseError(
+        grader.folder / MODULE_FILE,
+        f"graine {seed} : dans tous les tirages, deux erreurs donnent le même nombre, ou la bonne réponse est nulle",
+    )
 
 
 def _one_deal(grader: NumericGrader, data: Data) -> Dealt:

@@ -14,6 +14,7 @@ from graders.core.code.prober import Prober
 from graders.core.code.probes import Probes
 from graders.core.contract.definition import Definition
 from graders.core.contract.malformed import MalformedExerciseError
+from graders.core.contract.program import KitSettings
 from graders.core.contract.verdict import MAX_POINTS
 
 
@@ -41,7 +42,10 @@ class CodeDefinition(Definition):
         """
         odd = sorted(self.judged ^ set(functions))
         if odd:
-            raise MalformedExerciseError(self.file, f"asked for or judged, but not both: {', '.join(odd)}")
+            raise MalformedExerciseError(
+                self.file,
+                f"fonctions demandées et non corrigées, ou l’inverse : {', '.join(odd)} (exercise.toml dit lesquelles)",
+            )
         same_functions(self.folder, self.misconceptions, functions)
         return CodeGrader(
             self.exercise, self.folder, tuple(functions), self.checks, self.kit, self.misconceptions, self.solution,
@@ -49,29 +53,38 @@ class CodeDefinition(Definition):
         )  # fmt: skip
 
 
+def seeded(module: str) -> KitMaker:
+    """The kit of a module, given a seed alone."""
+    return lambda rng: KitSettings(module, {"seed": int(rng.integers(2**62))})
+
+
 def code(
     file: str,
     *,
     checks: Sequence[Check],
-    kit: KitMaker,
+    kit: KitMaker | None = None,
     probes: Sequence[Probes] = (),
     long: bool = False,
     heavy: bool = False,
 ) -> CodeDefinition:
     """Describe an exercise from its grader's module: `code(__file__, checks=…, kit=…)`.
 
-    `probes` are asked of a submission whose checks failed, and their answers compared with the model's mutants. One
-    that is `long` takes seconds to grade any program: it is not rehearsed. One that is `heavy` takes about a second to
-    grade a right program, a fifth of it at most by being the first: only a mistake is rehearsed.
+    `kit` makes the settings of an execution; left out, they are a seed for `rng` and nothing else. `probes` are asked
+    of a submission whose checks failed, and their answers compared with the model's mutants. One that is `long` takes
+    seconds to grade any program: it is not rehearsed. One that is `heavy` takes about a second to grade a right
+    program, a fifth of it at most by being the first: only a mistake is rehearsed.
 
     Raises MalformedExerciseError when the folder does not hold together.
     """
     folder = Path(file).parent
     total = sum(check.points for check in checks)
     if abs(total - MAX_POINTS) > 1e-9:
-        raise MalformedExerciseError(Path(file), f"the checks sum to {total} points, not {MAX_POINTS}")
+        raise MalformedExerciseError(
+            Path(file),
+            f"les vérifications font {total:g} points : changez « points » pour qu’elles en fassent {MAX_POINTS:g}",
+        )
     if len({check.id for check in checks}) != len(checks):
-        raise MalformedExerciseError(Path(file), "two checks have the same id")
+        raise MalformedExerciseError(Path(file), "deux vérifications ont le même « id »")
     solution = read_solution(folder)
     misconceptions = tuple(read_misconceptions(folder, solution))
     model = read_model(folder)
@@ -81,4 +94,6 @@ def code(
         if m.whole and not m.ruled
     ]
     prober = Prober(model, probes, whole) if model is not None else None
-    return CodeDefinition(folder, tuple(checks), kit, solution, misconceptions, prober, long, heavy)
+    return CodeDefinition(
+        folder, tuple(checks), kit or seeded(folder.parent.name), solution, misconceptions, prober, long, heavy
+    )

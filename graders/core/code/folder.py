@@ -67,7 +67,9 @@ def _entries(folder: Path) -> tuple[str, dict[str, Any]]:
         entries = tomllib.loads(text)
         _ = entries["misconception"]
     except (tomllib.TOMLDecodeError, KeyError) as error:
-        raise MalformedExerciseError(path, f"not a list of misconceptions: {error}") from error
+        raise MalformedExerciseError(
+            path, f"il faut des tables [[misconception]], ou « misconception = [] » ({error})"
+        ) from error
     return text, entries
 
 
@@ -80,7 +82,7 @@ def _lines(text: str, table: str) -> Iterator[int]:
 def _misconceptions(folder: Path, entry: dict[str, Any], line: int, solution: str) -> Iterator[Misconception]:
     missing = FIELDS - entry.keys()
     if missing:
-        message = f"misconception {entry.get('id', '?')} lacks {', '.join(sorted(missing))}"
+        message = f"erreur « {entry.get('id', '?')} » : il manque {', '.join(sorted(missing))}"
         raise MalformedExerciseError(folder / MISCONCEPTIONS, message, line)
     home = folder / "misconceptions"
     file = home / f"{entry['id']}.py"
@@ -125,7 +127,11 @@ def read_model(folder: Path) -> Model | None:
         found[table] = []
         for entry, line in zip(entries.get(table, ()), _lines(text, table), strict=False):
             if table == "slip" and entry.get("id") not in SLIPS:
-                raise MalformedExerciseError(folder / MISCONCEPTIONS, f"{entry.get('id')} is no slip", line)
+                raise MalformedExerciseError(
+                    folder / MISCONCEPTIONS,
+                    f"« {entry.get('id')} » n’est pas une étourderie connue : {', '.join(sorted(SLIPS))}",
+                    line,
+                )
             found[table] += _edits(entry, folder, line)
     return Model(_read(path), (*found["misconception"], *found["slip"]), found["style"])
 
@@ -138,7 +144,8 @@ def _edits(entry: dict[str, Any], folder: Path, line: int) -> list[Edit]:
         changes = tuple(zip(texts[::2], texts[1::2], strict=True))
         edit = Edit(entry.get("id", ""), changes, frozenset(entry.get("functions", ())))
         if edit.apply(model) is None and not entry.get("after"):
-            message = f"an edit of {edit.id or 'a style'} does not find its text once in {MODEL}: {texts[::2]}"
+            name = edit.id or "style"
+            message = f"« {name} » : ce texte doit se trouver une fois, et une seule, dans {MODEL} : {texts[::2]}"
             raise MalformedExerciseError(folder / MISCONCEPTIONS, message, line)
         made.append(edit)
     return made
@@ -149,7 +156,7 @@ def same_functions(folder: Path, misconceptions: Sequence[Misconception], functi
     for misconception in misconceptions:
         unknown = sorted(set(misconception.functions) - set(functions))
         if unknown:
-            message = f"{misconception.id} speaks of unknown functions: {unknown}"
+            message = f"« {misconception.id} » parle de fonctions que l’exercice ne demande pas : {', '.join(unknown)}"
             raise MalformedExerciseError(folder / MISCONCEPTIONS, message, misconception.line)
 
 
@@ -157,7 +164,9 @@ def read_specimens(folder: Path) -> Iterator[Specimen]:
     """The submissions under `specimens/<outcome>/`. Raises MalformedExerciseError for a folder that names none."""
     for path in sorted((folder / "specimens").glob("*/*.py")):
         if path.parent.name not in set(Outcome):
-            raise MalformedExerciseError(path, f"{path.parent.name} is no outcome")
+            raise MalformedExerciseError(
+                path, f"« {path.parent.name} » n’est pas un verdict ; les dossiers de spécimens : {', '.join(Outcome)}"
+            )
         yield Specimen(Outcome(path.parent.name), path)
 
 
@@ -165,4 +174,4 @@ def _read(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8")
     except OSError as error:
-        raise MalformedExerciseError(path, f"cannot be read: {error.strerror}") from error
+        raise MalformedExerciseError(path, f"ce fichier manque, ou ne se lit pas ({error.strerror})") from error

@@ -5,6 +5,7 @@ from __future__ import annotations
 import builtins
 import copy
 import importlib
+import importlib.util
 import sys
 import threading
 import types
@@ -13,14 +14,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import graders
 from graders.core.contract.earlier import NAME, Earlier
-from graders.core.contract.kits import kits_of, module_name
+from graders.core.contract.kits import PLAIN, kits_of, module_name
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, KitSettings, Reply, StudentFault, one_by_one
 from graders.core.contract.values import Arguments, Value
 
-PROJECT = Path(__file__).resolve().parents[3]
-CURRICULUM = PROJECT / "curriculum"
 #: Among the names that a kit gives, its drivers: how a call of some names of the file is made, by these names.
 DRIVERS = "__drivers__"
 
@@ -28,7 +28,7 @@ DRIVERS = "__drivers__"
 @cache
 def kit_source(module: str) -> str:
     """The source of a module's kit, as students can read it."""
-    return (PROJECT / "curriculum" / module / "kit" / f"{module}.py").read_text(encoding="utf-8")
+    return kits_of(_home(module))[module][f"{module}.py"].read_text(encoding="utf-8")
 
 
 @cache
@@ -42,7 +42,14 @@ _IMPORTING = threading.Lock()
 @cache
 def _home(kit: str) -> Path:
     """The folder of the module that a kit belongs to, in the course."""
-    return next(module for module in sorted(CURRICULUM.iterdir()) if kit in kits_of(module))
+    modules = (module for room in _curricula() for module in sorted(room.iterdir()) if module.is_dir())
+    return next(module for module in modules if kit in kits_of(module))
+
+
+def _curricula() -> list[Path]:
+    """Beside each folder of graders stands what is read of its course."""
+    rooms = [Path(room).resolve().with_name("curriculum") for room in graders.__path__]
+    return [room for room in rooms if room.is_dir()]
 
 
 @cache
@@ -58,12 +65,23 @@ def _kit(name: str) -> Mapping[str, types.ModuleType]:
     with _IMPORTING:
         sys.path[:0] = places
         try:
+            if PLAIN in files.values():
+                _plain_kit(home.name)
             return {module: importlib.import_module(module) for module in names}
         finally:
             for place in places:
                 sys.path.remove(place)
             for module in names:
                 sys.modules.pop(module, None)
+
+
+def _plain_kit(name: str) -> None:
+    """Imports the kit of a module that has none, by the name that its own would have."""
+    spec = importlib.util.spec_from_file_location(name, PLAIN)
+    assert spec is not None, "a .py file has a loader"
+    assert spec.loader is not None
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
 
 
 def _importer(modules: Mapping[str, types.ModuleType]) -> Callable[..., Any]:

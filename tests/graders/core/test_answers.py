@@ -194,7 +194,7 @@ def test_a_draw_on_which_a_slip_is_right_is_drawn_again(tmp_path: Path) -> None:
 
 def test_a_deal_that_is_never_right_is_our_own_fault(tmp_path: Path) -> None:
     asked = Quantity("q", 20, lambda d, _: d["a"], slips={"meme": lambda d, _: d["a"]})
-    with pytest.raises(MalformedExerciseError, match="no deal"):
+    with pytest.raises(MalformedExerciseError, match="graine 0"):
         made_up(lambda _: {"a": 1.0}, asked, folder=tmp_path)
     assert DEALS > 50
 
@@ -203,11 +203,11 @@ def test_definitions_that_do_not_hold_together_are_refused(tmp_path: Path) -> No
     def deal(_: Any) -> dict[str, float]:
         return {"a": 1.0}
 
-    with pytest.raises(MalformedExerciseError, match="not 20"):
+    with pytest.raises(MalformedExerciseError, match="fassent 20"):
         made_up(deal, Quantity("q", 3, lambda d, _: d["a"]), folder=tmp_path)
     with pytest.raises(MalformedSheetError, match="unknown data"):
         made_up(deal, Quantity("q", 20, lambda d, _: d["a"]), text="Et {{b}} ?", folder=tmp_path)
-    with pytest.raises(MalformedExerciseError, match="differ"):
+    with pytest.raises(MalformedExerciseError, match="non montrés"):
         made_up(lambda _: {"a": 1.0, "b": 2.0}, Quantity("q", 20, lambda d, _: d["a"]), folder=tmp_path)
 
 

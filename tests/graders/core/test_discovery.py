@@ -18,14 +18,14 @@ from graders.core.code.exercise import CodeDefinition
 DEFINITION = CodeDefinition(Path(__file__).parent, (), lambda rng: None, "")
 """
 BROKEN = {
-    "no definition": ("GRADER = 3\n", 1, "defines no DEFINITION"),
-    "another folder": (GOOD.replace("(__file__).parent", "(__file__).parents[1]"), 1, "of another folder"),
+    "no definition": ("GRADER = 3\n", 1, "pas de DEFINITION"),
+    "another folder": (GOOD.replace("(__file__).parent", "(__file__).parents[1]"), 1, "d’un autre dossier"),
     "an exception": ("x = 1\n\ny = x / 0\n", 3, "ZeroDivisionError"),
-    "a syntax error": ("x = 1\ny = (\n", 2, "syntax error"),
+    "a syntax error": ("x = 1\ny = (\n", 2, "ne se compile pas"),
     "an author's mistake": (
         "from graders.core.code.exercise import code\n\nDEFINITION = code(__file__, checks=[], kit=None)\n",
         1,
-        "sum to 0 points",
+        "font 0 points",
     ),
 }
 
@@ -36,7 +36,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     root = tmp_path / "graders"
     (root / "m9" / "good").mkdir(parents=True)
     (root / "m9" / "good" / "grader.py").write_text(GOOD)
-    monkeypatch.setattr("graders.discovery.ROOT", root)
     monkeypatch.setattr(graders, "__path__", [*graders.__path__, str(root)])
     yield root
     for name in [name for name in sys.modules if name.startswith("graders.m9")]:
@@ -50,7 +49,7 @@ def test_a_grader_that_cannot_be_read_is_told_and_the_others_are_found(
     path = folder / "m9" / "bad" / "grader.py"
     path.parent.mkdir()
     path.write_text(source)
-    found = discover()
+    found = discover(rooms=[folder])
     assert list(found.definitions) == ["m9/good"]
     (problem,) = found.problems
     assert (problem.path, problem.line) == (path, line)

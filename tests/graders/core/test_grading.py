@@ -318,14 +318,14 @@ def test_a_folder_that_does_not_hold_together_is_reported_with_its_place(tmp_pat
         describe()
     (folder / "solution.py").write_text(SOLUTION)
     catalogue.write_text("\n[[misconception]]\nid = 'a'\n")
-    with pytest.raises(MalformedExerciseError, match=r"misconceptions\.toml:2: .*lacks explanation, functions"):
+    with pytest.raises(MalformedExerciseError, match=r"misconceptions\.toml:2: .*il manque explanation, functions"):
         describe()
     catalogue.write_text(FOLDER_OF_TWO)
-    with pytest.raises(MalformedExerciseError, match=r"a\.py:1: cannot be read"):
+    with pytest.raises(MalformedExerciseError, match=r"a\.py:1: ce fichier manque"):
         describe()
     for name in "ab":
         (folder / "misconceptions" / f"{name}.py").write_text("")
-    with pytest.raises(MalformedExerciseError, match=r"misconceptions\.toml:8: b speaks of unknown functions"):
+    with pytest.raises(MalformedExerciseError, match=r"misconceptions\.toml:8: « b » parle de fonctions"):
         describe().bind(["double", "carre"])
     with pytest.raises(MalformedExerciseError, match=r"grader\.py:1: .*triple"):
         describe().bind(["double", "carre", "triple"])
@@ -335,5 +335,5 @@ def test_a_folder_that_does_not_hold_together_is_reported_with_its_place(tmp_pat
     assert bound.mistakes() == {"a", "b"}
     (folder / "specimens" / "melted").mkdir(parents=True)
     (folder / "specimens" / "melted" / "a.py").write_text("")
-    with pytest.raises(MalformedExerciseError, match="melted is no outcome"):
+    with pytest.raises(MalformedExerciseError, match="« melted » n’est pas un verdict"):
         list(bound.known())

@@ -31,7 +31,7 @@ def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
         path = folder / "kit" / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
-    monkeypatch.setattr(local, "CURRICULUM", tmp_path / "curriculum")
+    monkeypatch.setattr(local, "_curricula", lambda: [tmp_path / "curriculum"])
     for cached in (local._home, local._kit):
         cached.cache_clear()
     yield folder

@@ -1,0 +1,5 @@
+"""What people read: lessons, glossary, figures, replays, statements, starters, hints, the kits."""
+
+from graders import courses
+
+__path__ = [str(room) for room in courses.rooms(courses.CURRICULUM)]

@@ -1,0 +1,131 @@
+"""Courses outside this repository: where they are, and how their graders, numerics and texts are imported.
+
+A course is a folder with `curriculum/`, and, where it needs them, `graders/` and `reference/`, as this repository has
+them. `BALISE_COURSES` names such folders (separated as in PATH), an installed package announces its own under the entry
+point `balise.courses`. Their rooms are added to the packages of the same names: `graders.l19.gain.grader` is imported
+by that name wherever it stands, and so are `reference.kalman` and `curriculum.l19.figures._plan`.
+
+A name belongs to one course. Where two have it, the second course is left out whole, and it is said.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+VARIABLE = "BALISE_COURSES"
+GROUP = "balise.courses"
+OWN = Path(__file__).resolve().parents[1]
+CURRICULUM, GRADERS, REFERENCE = "curriculum", "graders", "reference"
+ROOMS = (CURRICULUM, GRADERS, REFERENCE)
+TELLS_NOTHING = {"README"}
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is malformed: the others still serve."""
+
+    path: Path
+    line: int
+    message: str
+
+
+@dataclass
+class Courses:
+    """The courses that are there, this repository's first, and why others are not."""
+
+    places: list[Path] = field(default_factory=lambda: [OWN])
+    problems: list[Problem] = field(default_factory=list)
+
+    def add(self, place: Path) -> None:
+        """Takes a course in, once; or notes why not."""
+        place = place.resolve()
+        if place in self.places:
+            return
+        faults = [*_faults(place)] or [*self._clashes(place)]
+        self.problems += faults
+        if not faults:
+            self.places.append(place)
+
+    def _clashes(self, place: Path) -> Iterator[Problem]:
+        for room in ROOMS:
+            for name, path in _names(place / room).items():
+                for other in self.places:
+                    taken = _names(other / room).get(name)
+                    if taken is not None:
+                        message = (
+                            f"« {name} » existe déjà : {taken}. Ce cours est laissé de côté ; renommez l’un des deux."
+                        )
+                        yield Problem(path, 1, message)
+
+
+def _faults(place: Path) -> Iterator[Problem]:
+    if not place.is_dir():
+        yield Problem(place, 1, "ce dossier de cours n’existe pas.")
+    elif not (place / CURRICULUM).is_dir():
+        yield Problem(place, 1, "ce n’est pas un cours : il n’a pas de dossier « curriculum ».")
+    for room in ROOMS:
+        if (place / room / "__init__.py").exists():
+            message = f"un cours s’ajoute au paquet « {room} », qui a déjà ce fichier : supprimez-le."
+            yield Problem(place / room / "__init__.py", 1, message)
+
+
+def _names(room: Path) -> dict[str, Path]:
+    """What stands in a room of a course, by the names that it is imported by."""
+    found = room.iterdir() if room.is_dir() else ()
+    told = {path.stem: path for path in found if path.is_dir() or path.suffix == ".py"}
+    return {name: path for name, path in told.items() if not name.startswith((".", "_")) and name not in TELLS_NOTHING}
+
+
+def found() -> Courses:
+    """The courses of this process: those that the variable names, then those that are installed."""
+    courses = Courses()
+    for name in filter(None, os.environ.get(VARIABLE, "").split(os.pathsep)):
+        courses.add(Path(name).expanduser())
+    for value, place in _installed():
+        if place is None:
+            message = f"le point d’entrée « {GROUP} » nomme « {value} », qui ne s’importe pas."
+            courses.problems.append(Problem(Path(value), 1, message))
+        else:
+            courses.add(place)
+    return courses
+
+
+def _installed() -> Iterator[tuple[str, Path | None]]:
+    """What entry points name, with the folder of the package; the package is not run."""
+    from importlib.metadata import entry_points
+
+    for point in entry_points(group=GROUP):
+        try:
+            spec = importlib.util.find_spec(point.module)
+        except ImportError:
+            spec = None
+        folders = list(spec.submodule_search_locations or ()) if spec else []
+        yield point.value, Path(folders[0]) if folders else None
+
+
+HERE = found()
+
+
+def mount(place: Path) -> None:
+    """Takes one more course in, now that its rooms' packages may be there already."""
+    HERE.add(place)
+    for room in ROOMS:
+        package = sys.modules.get(room)
+        if package is not None:
+            package.__path__ = [str(folder) for folder in rooms(room)]
+
+
+def rooms(name: str) -> list[Path]:
+    """The folders of one room ("graders"), one a course."""
+    return [place / name for place in HERE.places]
+
+
+def module_folder(slug: str) -> Path:
+    """What is read of a module; this repository's where there is none."""
+    folders = [room / slug for room in rooms(CURRICULUM)]
+    return next((folder for folder in folders if folder.is_dir()), folders[0])

@@ -1,0 +1,1 @@
+"""What writes a course: skeletons, the preview, the shapes of its files, what classes' attempts teach about it."""

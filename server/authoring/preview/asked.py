@@ -1,0 +1,111 @@
+"""What the checks of an exercise ask, and what they await: seen on the solution, for who writes them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from graders.core.code.checks import Cases, Check, drawable
+from graders.core.code.grading import CodeGrader
+from graders.core.compare import words
+from graders.core.contract.findings import FigureData
+from graders.core.contract.local import LOCAL, LocalProgram
+from graders.core.contract.program import Answer, KitSettings, Program, Reply
+from graders.core.contract.streams import stream
+from graders.core.contract.values import Arguments, Value
+
+#: How many calls of a check are shown; the others are counted.
+SHOWN = 6
+
+
+@dataclass(frozen=True)
+class Call:
+    """One call, as it is written, and what the solution answers."""
+
+    text: str
+    answer: str
+
+
+@dataclass
+class Asked:
+    """What one check asks of the solution under a seed. `failed`: it does not pass, or what it raised."""
+
+    check: Check
+    calls: list[Call] = field(default_factory=list)
+    count: int = 0
+    failed: str = ""
+    drawn: bool = False
+
+    def note(self, function: str, args: Arguments, answer: Answer) -> None:
+        self.count += 1
+        if len(self.calls) < SHOWN:
+            given = ", ".join(map(words.text, args))
+            got = words.text(answer.value) if isinstance(answer, Reply) else answer.message
+            self.calls.append(Call(f"{function}({given})", got))
+
+
+def asked(grader: CodeGrader, seed: int) -> Iterator[Asked]:
+    """Each check in turn, on the solution; a check that raises is told, and the others go on."""
+    for check in grader.checks:
+        seen = Asked(check)
+        try:
+            failed = grader.first_failed(grader.solution.encode(), _Seeing(seen), seed=seed, checks=[check])
+            seen.failed = "la solution n’y passe pas" if failed else ""
+        except Exception as error:  # whatever the author's check raises is shown in its place
+            seen.failed = f"{type(error).__name__}: {error}"
+        seen.drawn = isinstance(check, Cases) and check.figure is not None
+        yield seen
+
+
+def figure_of(grader: CodeGrader, check_id: str, seed: int) -> FigureData | None:
+    """The data of a check's figure on its first case, the right answer being given; None where it draws nothing."""
+    check = next((one for one in grader.checks if one.id == check_id), None)
+    if not isinstance(check, Cases) or check.figure is None:
+        return None
+    args = next(iter(check.cases(stream(seed, check.id))))
+    expected = check.expected(*args)
+    figure = check.figure(args, expected, drawable(expected, _shape(expected)))
+    plain: Any = words.tidy(words.whole_jsonable(figure, limit=20_000))
+    return dict(plain)
+
+
+def _shape(value: Value) -> tuple[int, ...]:
+    import numpy as np
+
+    return np.shape(value)
+
+
+class _Seeing:
+    """Starts trusted files, and has what they are asked noted."""
+
+    def __init__(self, seen: Asked) -> None:
+        self._seen = seen
+
+    def open(self, source: bytes, kit: KitSettings) -> Program:
+        return _Seen(LOCAL.open(source, kit), self._seen)
+
+
+class _Seen:
+    """A program of `_Seeing`."""
+
+    def __init__(self, program: LocalProgram, seen: Asked) -> None:
+        self._program, self._seen = program, seen
+        self.functions = program.functions
+
+    def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
+        reply = self._program.call(function, *args, return_arguments=return_arguments)
+        self._seen.note(function, args, reply)
+        return reply
+
+    def call_many(self, function: str, calls: Any, *, faults: int | None = None) -> Iterator[Answer]:
+        given = list(calls)
+        for args, answer in zip(given, self._program.call_many(function, given, faults=faults), strict=False):
+            self._seen.note(function, args, answer)
+            yield answer
+
+    def stdout(self) -> str:
+        return self._program.stdout()
+
+    def close(self) -> None:
+        self._program.close()

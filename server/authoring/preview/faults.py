@@ -1,0 +1,43 @@
+"""What is wrong with one version of the files, looked for in a process of its own: formulas, figures, animations."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from server.authoring import shapes
+from server.authoring.preview.reading import read_course
+from server.authoring.preview.supervising import Session
+from server.course import Problem
+from server.figures import lessons
+from server.replays.faults import faults as of_replays
+
+#: It must not slow down what the author is looking at.
+POLITE = 15
+
+
+def look(session: Session) -> None:
+    """Writes all that is wrong, once it is known."""
+    os.nice(POLITE)
+    sys.dont_write_bytecode = True
+    course = read_course(session.place, render=True)
+    found = [*course.problems, *shapes.faults(course), *lessons.faults(course), *of_replays(course)]
+    unfinished = session.faults.with_suffix(".new")
+    unfinished.write_text(json.dumps([[str(one.path), one.line, one.message] for one in found]), encoding="utf-8")
+    unfinished.replace(session.faults)
+
+
+def read(session: Session, known: Iterable[Problem]) -> list[Problem]:
+    """What was found of this version; what its server knows by itself, until more is known."""
+    try:
+        return [*_read(session.faults)]
+    except FileNotFoundError:
+        return [*known]
+
+
+def _read(path: Path) -> Iterator[Problem]:
+    for place, line, message in json.loads(path.read_text(encoding="utf-8")):
+        yield Problem(Path(place), line, message)

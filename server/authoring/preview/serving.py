@@ -1,0 +1,122 @@
+"""One version of the files, served: the course's real pages, and a thread that grades what they send."""
+
+from __future__ import annotations
+
+import socket
+import sys
+import threading
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+from types import FrameType
+
+import uvicorn
+
+from graders.core.contract.findings import Judgement
+from server.app import create_app
+from server.authoring.preview.pages import Previewed, Version, router
+from server.authoring.preview.reading import read_course
+from server.authoring.preview.supervising import Session
+from server.base.provided import provided_to
+from server.base.settings import Settings
+from server.course import Course
+from server.course.memory import MEMORY, Memory
+from server.database import Database
+from server.database.migrate import upgrade
+from server.grading.joint import Grader
+from server.grading.task import GradingTask, SentFile
+from server.queue.polling import Polling
+from server.queue.service import TableQueue
+from server.queue.switchboard import Switchboard
+from server.queue.worker import Worker
+from server.sandbox import Sandbox
+from server.submissions.events import Events
+from server.submissions.service import GRADE
+
+#: Seconds between two looks at what waits to be graded.
+EVERY = 0.03
+MANY = 100_000
+
+
+def settings_of(kept: Path) -> Settings:
+    """Nothing of the service's own data, and no limit for who tries their own exercises."""
+    return Settings(
+        data_dir=kept,
+        database_url=None,
+        nats_url="",
+        root_path="",
+        workers=0,
+        warm_figures=False,
+        submission_burst=MANY,
+        waiting_each=MANY,
+        waiting_from_address=MANY,
+        guest_burst=MANY,
+        cell_burst=MANY,
+    )
+
+
+def prepare(kept: Path) -> None:
+    """Makes the database of a preview, once."""
+    with closing(Database(settings_of(kept).url)) as database:
+        upgrade(database.engine)
+
+
+def serve(session: Session, listener: socket.socket, ready: Callable[[], None]) -> None:
+    """Until it is told to end."""
+    sys.dont_write_bytecode = True  # nothing of ours among the author's files
+    settings = settings_of(session.kept)
+    if session.generation == 1:
+        prepare(session.kept)
+    course = read_course(session.place, Memory(session.kept / MEMORY))
+    app = create_app(settings, course=course)
+    version = Version(session, course.problems, Sandbox(course.kits))
+    app.state.preview = version
+    app.include_router(router)
+    events = provided_to(app, Events)
+    threading.Thread(target=_grade, args=(settings, course, version.sandbox, events), daemon=True).start()
+
+    def stopping() -> None:
+        version.over.set()
+        events.close()
+
+    with version.sandbox:
+        config = uvicorn.Config(
+            Previewed(app, version, course),
+            log_config=None,
+            access_log=False,
+            timeout_graceful_shutdown=1,
+            server_header=False,
+        )
+        _Server(config, ready, stopping).run([listener])
+
+
+class _Server(uvicorn.Server):
+    """uvicorn, which says when it answers, and lets the streams of its pages end when it must."""
+
+    def __init__(self, config: uvicorn.Config, ready: Callable[[], None], stopping: Callable[[], None]) -> None:
+        super().__init__(config)
+        self._ready, self._stopping = ready, stopping
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        self.should_exit = True  # and no signal is raised again once it has: there is nothing to interrupt
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        self._ready()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self._stopping()
+        await super().shutdown(sockets)
+
+
+def _grade(settings: Settings, course: Course, sandbox: Sandbox, events: Events) -> None:
+    """The worker of a preview: in a thread, with the course that the pages have."""
+    grader = Grader(course, sandbox)
+
+    def grade(sent: SentFile) -> Judgement:
+        return grader.grade(sent.exercise, sent.source, sent.seed, submission=sent.submission_id, own=sent.own)
+
+    sandbox.warm("numpy")
+    with closing(Database(settings.url)) as database:
+        queue = TableQueue(Switchboard(events.changed))
+        Worker(database, queue, settings, {GRADE: GradingTask(course, grade)}).run(Polling(EVERY))

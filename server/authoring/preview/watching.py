@@ -1,0 +1,32 @@
+"""The process that watches an author's files: `python -m server.authoring.preview.watching PARENT FOLDER…`.
+
+It writes one line of JSON, the paths that have changed, each time that some have. In a process of its own: watchfiles
+has a thread, and a process that forks should have none.
+"""
+
+import json
+import os
+import sys
+
+from watchfiles import DefaultFilter, watch
+
+from server.base.children import die_with
+
+#: Milliseconds: an editor writes a file in several strokes.
+SETTLED, AT_MOST = 40, 400
+
+
+class Written(DefaultFilter):
+    """What an author writes, and not what Python, editors and git leave beside it."""
+
+    ignore_dirs = (*DefaultFilter.ignore_dirs, ".github")
+
+
+def main(parent: int, folders: list[str]) -> None:
+    die_with(parent)
+    for changes in watch(*folders, watch_filter=Written(), step=SETTLED, debounce=AT_MOST, raise_interrupt=False):
+        print(json.dumps(sorted({path for _, path in changes})), flush=True)
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]), [folder for folder in sys.argv[2:] if os.path.isdir(folder)])

@@ -1,0 +1,175 @@
+"""What classes' attempts teach about an exercise: failures alike that no misconception names, for who writes it.
+
+Groups are those of `server.behaviour`; a program is shown without what tells who wrote it, and without what its
+behaviour does not need.
+"""
+
+from __future__ import annotations
+
+import ast
+import itertools
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy.orm import Session
+
+from graders.core.code.behaviour import Behaviour, Observer
+from graders.core.code.folder import MISCONCEPTIONS
+from graders.core.code.grading import CodeGrader
+from graders.core.code.plain import same_all
+from graders.core.compare import words as render
+from graders.core.compare.slips import SLIPS
+from server.behaviour import repository
+from server.behaviour.export import anonymous, entry, identity_of
+from server.behaviour.fingerprints import lighter
+from server.behaviour.schemas import Words
+from server.course.models import Exercise
+from server.grading.joint import Grader
+
+#: How many smaller programs are tried, each launched twice.
+TRIES = 60
+TO_WORD = "À DIRE"
+
+
+@dataclass(frozen=True)
+class Found:
+    """A group: in how many attempts, by how many students, how it fails, what a teacher calls it if one does.
+
+    `source` is its shortest program, `names` those of its author; `version` is the exercise's, when it was asked.
+    """
+
+    group: str
+    attempts: int
+    students: int
+    functions: tuple[str, ...]
+    example: dict[str, Any] | None
+    version: str
+    words: Words | None
+    source: bytes
+    names: tuple[str, ...]
+
+
+class CannotWrite(Exception):
+    """A misconception that cannot be written; the message is French."""
+
+
+def groups(db: Session, exercise: str, most: int) -> list[Found]:
+    """The most frequent first."""
+    return [found for row in repository.unexplained(db, exercise, most) if (found := _found(db, *row)) is not None]
+
+
+def _found(db: Session, group_id: str, attempts: int, students: int) -> Found | None:
+    group, program = repository.group(db, group_id), repository.shortest(db, group_id)
+    if group is None or program is None:
+        return None
+    name = repository.any_name(db, group_id)
+    return Found(
+        group_id,
+        attempts,
+        students,
+        tuple(group.functions),
+        group.example,
+        group.exercise_version,
+        Words(name.title, name.explanation, name.question) if name else None,
+        program[0],
+        tuple(re.findall(r"\w+", program[1])),
+    )
+
+
+def program_of(found: Found, exercise: Exercise, grader: Grader | None) -> str:
+    """Its program, as small as it can be made where there is a sandbox. Raises Invalid for one that cannot be read."""
+    bare = anonymous(found.source, found.names)
+    if grader is None or not isinstance(exercise.grader, CodeGrader):
+        return bare
+    observer = Observer(exercise.grader, exercise.version)
+
+    def behaviour(text: str) -> Behaviour:
+        return observer.observe(text.encode(), grader.programs(exercise.id, lighter(exercise.policy)))
+
+    wanted = behaviour(bare)
+    if not wanted.tells:
+        return bare
+    return shrunk(bare, lambda text: same_all(behaviour(text).answers, wanted.answers))
+
+
+def shrunk(program: str, alike: Callable[[str], bool], tries: int = TRIES) -> str:
+    """The program without the statements, and the branches, that may go while it stays `alike`."""
+    place, changed = 0, False
+    for _ in range(tries):
+        smaller = next(itertools.islice(_smaller(program), place, None), None)
+        if smaller is None and not changed:
+            break
+        if smaller is None:  # what went may have been all that needed something else
+            place, changed = 0, False
+        elif alike(smaller):
+            program, changed = smaller, True
+        else:
+            place += 1
+    return program
+
+
+def _smaller(program: str) -> Iterator[str]:
+    """The program with one statement less, or with what is inside of one in its place; the outermost first."""
+    for place in itertools.count():
+        tree = ast.parse(program)
+        found = next(itertools.islice(_blocks(tree), place, None), None)
+        if found is None:
+            return
+        block, index, may_be_empty = found
+        inside = [getattr(block[index], name, []) for name in ("body", "orelse")]
+        of_names = isinstance(block[index], ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)
+        whole = list(block)
+        for put in ([], *([] if of_names else filter(None, inside))):
+            block[:] = [*whole[:index], *put, *whole[index + 1 :]]
+            block[:] = block or ([] if may_be_empty else [ast.Pass()])
+            text = ast.unparse(ast.fix_missing_locations(tree)) + "\n"
+            if text != program:
+                yield text
+
+
+def _blocks(tree: ast.Module) -> Iterator[tuple[list[ast.stmt], int, bool]]:
+    """Each statement as a place in a block, and whether that block may be empty."""
+    for node in ast.walk(tree):
+        for name in ("body", "orelse"):
+            block = getattr(node, name, None)
+            if isinstance(block, list):
+                yield from ((block, index, name == "orelse" or node is tree) for index in range(len(block)))
+
+
+def write(found: Found, exercise: Exercise, program: str) -> list[Path]:
+    """Adds a misconception to the exercise's grader, for its author to word. Raises CannotWrite."""
+    if not isinstance(exercise.grader, CodeGrader):
+        raise CannotWrite(f"« {exercise.id} » n’est pas un exercice de code")
+    title = found.words.title if found.words else f"erreur {found.group}"
+    identity = identity_of(title, exercise.grader.mistakes() | SLIPS.keys())
+    words = found.words or Words(f"{TO_WORD} : l’erreur en quelques mots", f"{TO_WORD} : pourquoi", f"{TO_WORD} ?")
+    functions = [one.name for one in exercise.functions if one.name in found.functions]
+    folder = exercise.grader.folder
+    file, catalogue = folder / "misconceptions" / f"{identity}.py", folder / MISCONCEPTIONS
+    table = entry(exercise.id, identity, functions or [one.name for one in exercise.functions], words)
+    table = table.partition("\n")[2]
+    try:
+        file.parent.mkdir(exist_ok=True)
+        file.write_text(program, encoding="utf-8")
+        with catalogue.open("a", encoding="utf-8") as written:
+            written.write(f"\n# {told(found)}\n{table}")
+    except OSError as error:
+        raise CannotWrite(f"impossible d’écrire dans « {folder} » : {error.strerror}") from error
+    return [catalogue, file]
+
+
+def told(found: Found) -> str:
+    """How often, in a line."""
+    return f"{found.attempts} essai{'s' * (found.attempts > 1)}, {found.students} élève{'s' * (found.students > 1)}"
+
+
+def shown(found: Found) -> Sequence[str]:
+    """The input that shows it best."""
+    if not found.example:
+        return ()
+    given = ", ".join(f"{name} = {render.text(value)}" for name, value in found.example["inputs"].items())
+    expected, got = (render.text(found.example[part]) for part in ("expected", "got"))
+    return [f"{found.example['function']}({given})", f"attendu : {expected}", f"obtenu  : {got}"]

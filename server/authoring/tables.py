@@ -1,0 +1,194 @@
+"""The tables of keys in the authors' pages, made from the models and the classes themselves.
+
+`python -m server.authoring.tables` writes them where a page says `<!-- table: Name -->`; a test holds them so.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from graders.core.answers.quantity import Quantity
+from graders.core.code.checks import Cases, Check, Trial, Untouched
+from graders.core.code.probes import Probes
+from graders.core.compare import comparison, shrinking
+from graders.core.contract.outcomes import Outcome
+from graders.robotics import poses
+from server.authoring.keys import KEYS
+from server.base.paths import ROOT
+from server.course.kinds import KINDS
+from server.sandbox.policy import ROWS, Policy
+
+PAGES = ROOT / "server" / "docs" / "auteurs"
+MARK = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- fin -->)", re.DOTALL)
+TYPES = {
+    "string": "texte", "integer": "entier", "number": "nombre", "boolean": "vrai ou faux", "array": "liste",
+    "object": "table", "null": "",
+}  # fmt: skip
+
+#: What each field of a class of the graders is, in French.
+FIELDS: Mapping[type, Mapping[str, str]] = {
+    Check: {
+        "id": "nom, unique dans l’exercice",
+        "title": "ce que l’élève lit de la vérification",
+        "points": "sur 20 ; tous font 20",
+        "functions": "les fonctions qu’elle juge",
+        "hint": "une question, montrée quand elle échoue",
+    },
+    Cases: {
+        "names": "noms des arguments, dans les contre-exemples",
+        "cases": "`cases(rng)` donne des tuples d’arguments, du plus simple au plus général",
+        "expected": "`expected(*arguments)` calcule la bonne réponse",
+        "compare": "un comparateur (voir plus bas)",
+        "shrinkers": "un simplificateur par argument (voir plus bas)",
+        "valid": "`valid(arguments)` : un cas simplifié reste-t-il un cas que l’énoncé permet ?",
+        "figure": "`figure(arguments, attendu, obtenu)` donne les données d’un dessin de `figures.py`",
+    },
+    Trial: {
+        "protocol": "`protocol(bench)` appelle les fonctions, et lève `Rejection` si ce n’est pas bon",
+    },
+    Untouched: {
+        "names": "noms des arguments de chaque fonction",
+        "inputs": "`inputs(rng)` donne les arguments de chaque fonction",
+        "chance": "les fonctions qui tirent au hasard : elles sont appelées plusieurs fois avant",
+    },
+    Quantity: {
+        "id": "nom de la question, dans `questions.toml`",
+        "points": "sur 20 ; tous font 20",
+        "expected": "`expected(data, earlier)` : la réponse, d’après les nombres tirés et les réponses d’avant",
+        "rel": "tolérance, en fraction de la réponse",
+        "abs": "tolérance, en unités de la réponse",
+        "angle": "comparée à 2π près",
+        "slips": "formules fausses, par le nom de l’erreur qu’elles montrent",
+    },
+    Probes: {
+        "function": "la fonction que l’on sonde",
+        "calls": "les appels, toujours les mêmes",
+        "kit": "les réglages de la trousse",
+        "read": "`read(arguments, valeur)` : ce que l’on compare",
+        "same": "deux réponses sont-elles la même ?",
+        "rules": "des règles, pour ce qu’aucune erreur ne reproduit",
+        "last_rules": "celles qui parlent en dernier",
+        "random": "la fonction tire au hasard",
+        "unless": "rien n’est demandé si une vérification de l’une d’elles seule a échoué",
+        "facet": "une partie de la réponse, sur laquelle certaines erreurs ne pèsent pas",
+        "compared": "combien d’appels sont comparés aux erreurs ; tous, sans lui",
+        "given": "des noms pour les erreurs seules",
+    },
+}
+COMPARATORS = (comparison.CloseTo, comparison.ScalarCloseTo, comparison.SameIndices, poses.SamePose)
+SHRINKERS = (shrinking.keep, shrinking.shrink_number, shrinking.shrink_array, poses.shrink_pose)
+#: What the docstrings say, in French.
+SAID = {
+    "CloseTo": "tableaux ou nombres de même forme et, à la tolérance près, de mêmes valeurs",
+    "ScalarCloseTo": "un nombre, à la tolérance près (`float`, `int`, scalaire de numpy, tableau 0-d)",
+    "SameIndices": "les mêmes entiers, dans le même ordre",
+    "SamePose": "une pose (x, y, θ), l’angle modulo 2π (de `graders.robotics.poses`)",
+    "keep": "ne simplifie pas cet argument",
+    "shrink_number": "un nombre plus simple : 0, 1, moins de décimales",
+    "shrink_array": "un tableau plus petit, de nombres plus simples",
+    "shrink_pose": "une pose plus simple (de `graders.robotics.poses`)",
+}
+
+
+def table(name: str) -> str:
+    """One table, in Markdown. Raises KeyError for what there is none of."""
+    made = {"Comparateurs": _comparators, "Simplificateurs": _shrinkers, "Limites": _limits, "Issues": _outcomes}
+    if name in made:
+        return made[name]()
+    if name == "Pages":
+        rows = [[f"`{kind.folder}/`", kind.shelf or "séances, sur la page du module"] for kind in KINDS]
+        return _table(["dossier", "ce qui s’y lit"], rows)
+    models = {model.__name__: model for model in KEYS}
+    return _of_model(models[name]) if name in models else _of_class({one.__name__: one for one in FIELDS}[name])
+
+
+def _table(heads: list[str], rows: list[list[str]]) -> str:
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines) + "\n"
+
+
+def _of_model(model: type[BaseModel]) -> str:
+    schema = model.model_json_schema()
+    required = set(schema.get("required", ()))
+    rows = [
+        [
+            f"`{name}`" + (" *" if name in required else ""),
+            _type(schema, schema["properties"][name]),
+            KEYS[model][name].words,
+            f"`{name} = {KEYS[model][name].example}`",
+        ]
+        for name in model.model_fields
+    ]
+    return _table(["clé", "type", "ce que c’est", "exemple"], rows)
+
+
+def _type(schema: Mapping[str, Any], value: Mapping[str, Any]) -> str:
+    if "$ref" in value:
+        return _type(schema, schema["$defs"][value["$ref"].rsplit("/", 1)[1]])
+    if "anyOf" in value:
+        return " ou ".join(dict.fromkeys(filter(None, (_type(schema, one) for one in value["anyOf"]))))
+    if "const" in value or "enum" in value:
+        return " ou ".join(f"`{one}`" for one in value.get("enum", [value.get("const")]))
+    if value.get("type") == "array" and "items" in value:
+        inside = _type(schema, value["items"])
+        return f"liste de {inside}s" if " " not in inside else f"liste ({inside})"
+    return TYPES[value["type"]]
+
+
+def _of_class(kind: type) -> str:
+    inherited = {name for base in kind.__mro__[1:] for name in getattr(base, "__dataclass_fields__", {})}
+    rows = [
+        [f"`{one.name}`" + (" *" if _needed(one) else ""), f"`{one.type}`", FIELDS[kind][one.name]]
+        for one in dataclasses.fields(kind)
+        if one.name not in inherited
+    ]
+    return _table(["paramètre", "type", "ce que c’est"], rows)
+
+
+def _needed(one: dataclasses.Field[Any]) -> bool:
+    return one.default is dataclasses.MISSING and one.default_factory is dataclasses.MISSING
+
+
+def _comparators() -> str:
+    rows = [
+        [f"`{one.__name__}{inspect.signature(one)}`".replace(" -> None", ""), SAID[one.__name__]] for one in COMPARATORS
+    ]
+    return _table(["comparateur", "accepte"], rows)
+
+
+def _shrinkers() -> str:
+    return _table(["simplificateur", "essaie"], [[f"`{one.__name__}`", SAID[one.__name__]] for one in SHRINKERS])
+
+
+def _limits() -> str:
+    default = Policy()
+    rows = [
+        [f"`{name}`", row.words, str(getattr(default, name)), f"{row.least:g} à {row.most:g}"]
+        for name, row in ROWS.items()
+    ]
+    return _table(["clé", "ce que c’est", "sans elle", "permis"], rows)
+
+
+def _outcomes() -> str:
+    return _table(["dossier", "verdict"], [[f"`{one.value}/`", one.wording("code").title] for one in Outcome])
+
+
+def filled(text: str) -> str:
+    """A page with its tables made anew."""
+    return MARK.sub(lambda found: f"{found[1]}{table(found[2])}{found[3]}", text)
+
+
+def main(pages: Path = PAGES) -> None:
+    for path in sorted(pages.glob("*.md")):
+        path.write_text(filled(path.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

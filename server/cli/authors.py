@@ -1,0 +1,69 @@
+"""The options of what authors run: `balise new`, `balise schema`, `balise preview`."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from server.cli.options import bounded
+
+if TYPE_CHECKING:
+    Commands = argparse._SubParsersAction[argparse.ArgumentParser]
+
+KINDS = ("module", "page", "exercise", "choice", "numbers", "order", "replay")
+
+
+def add(commands: "Commands") -> None:
+    help_text = "écrit le squelette d’un module, d’une page, d’un exercice ou d’une animation, qui marche tel quel"
+    _new(commands.add_parser("new", help=help_text, description=f"{help_text.capitalize()}."))
+    help_text = "écrit les schémas des fichiers TOML d’un cours, pour que l’éditeur en complète les clés"
+    _schema(commands.add_parser("schema", help=help_text, description=f"{help_text.capitalize()}."))
+    help_text = "montre ce que des classes ratent de la même façon, et qu’aucune erreur connue ne nomme"
+    _study(commands.add_parser("study", help=help_text, description=f"{help_text.capitalize()}."))
+    help_text = "montre un cours pendant qu’on l’écrit, sur cette machine seulement"
+    _preview(commands.add_parser("preview", help=help_text, description=f"{help_text.capitalize()}."))
+
+
+def _schema(parser: argparse.ArgumentParser) -> None:
+    help_text = "dossier du cours (par défaut : celui où l’on est)"
+    parser.add_argument("--course", dest="into", type=Path, default=Path(), metavar="DIR", help=help_text)
+
+
+def _study(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("exercise", metavar="EXERCISE", help="exercice de code, comme l20/poses")
+    help_text = "fait de ce groupe une erreur à nommer, dans le dossier du correcteur"
+    parser.add_argument("--write", metavar="GROUP", help=help_text)
+    help_text = "combien de groupes, du plus fréquent au plus rare (par défaut : %(default)s)"
+    parser.add_argument("--most", type=_most, default=10, metavar="N", help=help_text)
+    parser.add_argument("--data", type=Path, metavar="DIR", help="dossier des données du service")
+    course(parser)
+
+
+def _most(text: str) -> int:
+    return max(1, bounded(text, 1000, "le nombre de groupes"))
+
+
+def course(parser: argparse.ArgumentParser) -> None:
+    help_text = "dossier d’un cours hors de Balise, pris en place (avec ceux de BALISE_COURSES)"
+    parser.add_argument("--course", type=Path, metavar="DIR", help=help_text)
+
+
+def _preview(parser: argparse.ArgumentParser) -> None:
+    help_text = "module, comme l19, ou dossier d’un cours (par défaut : le premier de BALISE_COURSES, ou celui d’ici)"
+    parser.add_argument("what", nargs="?", metavar="MODULE|DIR", help=help_text)
+    help_text = "port, 0 pour un port libre (par défaut : %(default)s)"
+    parser.add_argument("--port", type=_port, default=8010, help=help_text)
+
+
+def _port(text: str) -> int:
+    return bounded(text, 65535, "le port")
+
+
+def _new(parser: argparse.ArgumentParser) -> None:
+    help_text = (
+        "module, page, exercise (de code), choice (questionnaire), numbers (calcul), order (démonstration), replay"
+    )
+    parser.add_argument("kind", choices=KINDS, metavar="KIND", help=help_text)
+    help_text = "le module (l19), ou le module et un nom (l19/gain ; pour une page, l19/fiches/gain)"
+    parser.add_argument("name", metavar="NAME", help=help_text)
+    help_text = "dossier du cours (par défaut : celui du module, ou le dossier où l’on est)"
+    parser.add_argument("--course", dest="into", type=Path, metavar="DIR", help=help_text)

@@ -1,0 +1,32 @@
+"""`balise new KIND NAME`: a skeleton that works, in the folder of a course."""
+
+import os
+from argparse import Namespace
+from pathlib import Path
+
+from graders.courses import HERE, OWN
+from server.authoring import new
+from server.cli import CannotRun
+
+
+def run(arguments: Namespace) -> int:
+    course: Path = arguments.into or new.place_of(arguments.name)
+    try:
+        files = new.write(arguments.kind, arguments.name, course)
+    except new.Refused as refused:
+        raise CannotRun(f"{refused}.") from refused
+    except OSError as error:
+        raise CannotRun(f"impossible d’écrire dans « {course} » : {error.strerror}.") from error
+    for path in files:
+        print(os.path.relpath(path))
+    print("\n" + "\n".join(_next(arguments.kind, arguments.name, course)))
+    return 0
+
+
+def _next(kind: str, name: str, course: Path) -> list[str]:
+    """What one does then, as one types it."""
+    where = "" if course.resolve() in (OWN, *HERE.places) else f" --course {os.path.relpath(course)}"
+    lines = [f"Voir : balise preview {os.path.relpath(course)}"]
+    if kind not in {"module", "page", "replay"}:
+        lines.append(f"Vérifier : balise check {name}{where}")
+    return lines

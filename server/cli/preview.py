@@ -1,0 +1,64 @@
+"""`balise preview [MODULE|DIR]`: a course as it is written, on this machine alone."""
+
+import os
+import socket
+from argparse import Namespace
+from pathlib import Path
+
+from graders import courses
+from server.cli import CannotRun, take_in
+from server.cli.local import require_safe_sandbox, start_probing
+from server.course.service import MODULE_SLUG
+
+LOCALHOST = "127.0.0.1"
+BACKLOG = 128
+
+
+def run(arguments: Namespace) -> int:
+    place, module = _asked(arguments.what)
+    probing = start_probing(slow=False)
+    with _listening(arguments.port) as listener:
+        # Imported once, here: what is forked for each version of the files then has only the author's code to import.
+        from server.authoring.preview import faults, serving
+        from server.authoring.preview.supervising import Supervisor
+
+        require_safe_sandbox(probing)
+        address = f"http://{LOCALHOST}:{listener.getsockname()[1]}/{module}"
+        print(f"Aperçu de {os.path.relpath(place)} : {address}", flush=True)
+        print("  Chaque changement se voit aussitôt. Ctrl+C pour arrêter.\n", flush=True)
+        Supervisor(place, listener, serving.serve, faults.look, _say).run()
+    return 0
+
+
+def _say(text: str) -> None:
+    print(text, flush=True)
+
+
+def _asked(what: str | None) -> tuple[Path, str]:
+    """The course's folder, and the module to begin with, if one was named."""
+    if what is None:
+        outside = courses.HERE.places[1:]
+        here = Path.cwd()
+        return (outside[0] if outside else here if _is_course(here) else courses.OWN), ""
+    if MODULE_SLUG.fullmatch(what) and courses.module_folder(what).is_dir():
+        return courses.module_folder(what).parents[1], what
+    place = Path(what)
+    if not place.is_dir():
+        raise CannotRun(f"« {what} » n’est ni un module, ni le dossier d’un cours.")
+    take_in(place)
+    return place.resolve(), ""
+
+
+def _is_course(folder: Path) -> bool:
+    return (folder / courses.CURRICULUM).is_dir() and folder.resolve() in courses.HERE.places
+
+
+def _listening(port: int) -> socket.socket:
+    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listener.bind((LOCALHOST, port))
+    except OSError as error:
+        raise CannotRun(f"le port {port} n’est pas libre : choisissez-en un autre avec --port.") from error
+    listener.listen(BACKLOG)
+    return listener

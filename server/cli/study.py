@@ -1,0 +1,64 @@
+"""`balise study EXERCISE`: what is failed alike in the database, and named by nothing yet."""
+
+import os
+from argparse import Namespace
+from collections.abc import Sequence
+from contextlib import closing
+
+from sqlalchemy.exc import SQLAlchemyError
+
+from server.authoring import study
+from server.authoring.study import Found
+from server.base.errors import Invalid
+from server.cli import CannotRun
+from server.cli.configuration import read_settings
+from server.cli.local import find, load_course, local_grader, start_probing
+from server.course import Exercise
+from server.database import Database
+from server.grading.joint import Grader
+
+
+def run(arguments: Namespace) -> int:
+    probing = start_probing(slow=False)
+    course = load_course()
+    exercise = find(course, arguments.exercise)
+    found = _groups(arguments, exercise)
+    chosen = [one for one in found if arguments.write in (None, one.group)]
+    if arguments.write and not chosen:
+        raise CannotRun(f"aucun groupe « {arguments.write} ». Groupes : {', '.join(one.group for one in found)}.")
+    if not found:
+        print(f"{exercise.id} : rien de ce qui échoue n’est sans nom.")
+        return 0
+    with local_grader(course, probing) as grader:
+        for one in chosen:
+            _tell(one, exercise, grader, write=bool(arguments.write))
+    return 0
+
+
+def _groups(arguments: Namespace, exercise: Exercise) -> Sequence[Found]:
+    settings = read_settings(data_dir=arguments.data)
+    try:
+        with closing(Database(settings.url)) as database, database.read() as db:
+            return study.groups(db, exercise.id, arguments.most)
+    except SQLAlchemyError as error:
+        raise CannotRun(f"la base de données ne se lit pas : {error}") from error
+
+
+def _tell(found: Found, exercise: Exercise, grader: Grader, *, write: bool) -> None:
+    try:
+        program = study.program_of(found, exercise, grader)
+    except Invalid as refused:
+        program = f"# {refused}\n"
+    name = f" — « {found.words.title} », dit un enseignant" if found.words else ""
+    older = "" if found.version == exercise.version else " (d’une autre version de l’exercice)"
+    print(f"{found.group} : {study.told(found)}{older}{name}")
+    for line in study.shown(found):
+        print(f"  {line}")
+    print("".join(f"    {line}\n" for line in program.splitlines()))
+    if write:
+        try:
+            files = study.write(found, exercise, program)
+        except study.CannotWrite as refused:
+            raise CannotRun(f"{refused}.") from refused
+        print("\n".join(os.path.relpath(path) for path in files))
+        print(f"Dites-la en mots, puis : balise check {exercise.id}")

@@ -1,0 +1,87 @@
+"""Skeletons: each does what it says as it was written, and names that do not do are told before anything is written."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from graders.core.contract.local import LOCAL
+from graders.plotting import counterexample
+from server.authoring import new
+from server.cli.authors import KINDS
+from server.cli.check import cases
+from server.course import Course
+from server.replays.service import load as load_replay
+from tests.authoring.conftest import WRITTEN
+
+
+def test_there_is_a_skeleton_of_each_kind_that_the_command_line_names() -> None:
+    assert set(new.KINDS) == set(KINDS) == {kind for kind, _ in WRITTEN}
+
+
+def test_all_that_is_written_holds_together(course: Course) -> None:
+    outside = [problem for problem in course.problems if "n’a pas d’exercice" not in problem.message]
+    assert outside == []
+    module = course.modules["l19"]
+    assert [lesson.slug for lesson in module.lessons] == ["gain", "premiers-pas"]
+    assert [exercise.slug for exercise in module.exercises] == ["gain", "verification", "calcul", "demo"], "in order"
+
+
+def test_what_is_known_of_each_exercise_gets_what_it_must(course: Course) -> None:
+    tried = 0
+    for exercise in course.exercises.values():
+        for case in cases(exercise):
+            judgement = exercise.grader.grade(case.write(3), LOCAL, seed=3, version=exercise.version)
+            assert case.judge(judgement) == "", (exercise.id, case.subject)
+            tried += 1
+    assert tried > 15
+
+
+def test_a_wrong_program_has_its_name_and_its_figure(course: Course) -> None:
+    exercise = course.exercises["l19/gain"]
+    wrong = b"def gain(a, b, t):\n    return b + t * (a - b)\n"
+    judgement = exercise.grader.grade(wrong, LOCAL, seed=3, version=exercise.version)
+    assert judgement.verdict.diagnosis
+    assert judgement.verdict.diagnosis.title == "Le départ et l'arrivée sont échangés"
+    (data, *_) = judgement.figures.values()
+    assert b"<svg" in counterexample("l19/gain", data)
+
+
+def test_a_replay_plays(place: Path, course: Course) -> None:
+    script = load_replay(place / "curriculum" / "l19", "derive-lente")
+    assert len(script.run(script.read([("pas", "4")]))["frames"]) == 5
+
+
+def test_a_course_is_a_package_that_names_itself(place: Path) -> None:
+    project = tomllib.loads((place / "pyproject.toml").read_text(encoding="utf-8"))
+    ((name, package),) = project["project"]["entry-points"]["balise.courses"].items()
+    sources = project["tool"]["hatch"]["build"]["targets"]["wheel"]["sources"]
+    assert {path.split("/")[0] for path in sources.values()} == {package}
+    assert name == project["project"]["name"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "said"),
+    [
+        ("module", "Kalman", "l19"),
+        ("module", "l20", "curriculum/l20"),
+        ("exercise", "l18/gain", "balise new module l18"),
+        ("exercise", "gain", "l19/gain"),
+        ("exercise", "l19/Gain", "minuscules"),
+        ("exercise", "l19/2gains", "lettre"),
+        ("exercise", "l19/a/gain", "l19/gain"),
+        ("exercise", "l19/gain", "exercices/gain"),
+        ("page", "l19/memos/gain", "fiches"),
+        ("page", "l19/cours/gain", "fiches/gain.md"),
+        ("page", "l19/Le-gain", "tirets"),
+        ("exercise", "../gain", "module"),
+        ("page", "l19/../gain", "dossiers"),
+    ],
+)
+def test_a_name_that_does_not_do_is_told_and_nothing_is_written(place: Path, kind: str, name: str, said: str) -> None:
+    before = sorted(place.rglob("*"))
+    with pytest.raises(new.Refused, match=said):
+        new.write(kind, name, place)
+    assert sorted(place.rglob("*")) == before

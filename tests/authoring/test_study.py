@@ -1,0 +1,107 @@
+"""What classes' attempts teach: failures alike that have no name, how often, in a program as small as can be."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from graders.core.code.folder import read_misconceptions
+from graders.core.code.grading import CodeGrader
+from graders.core.contract.local import LOCAL
+from server.authoring import shapes, study
+from server.base.settings import Settings
+from server.course import toml_file
+from server.database import Database
+from server.identity.models import Role
+from tests.support.behaviour import DIFFERENCE, SUM, SUM_AGAIN, ask_all, failed_verdict, groups, sent
+from tests.support.classes import new_class, seat
+from tests.support.quick import the_course
+from tests.support.service import EXERCISE, new_account
+
+WORDY = """
+# Ada Lovelace
+import numpy as np
+def composer(a, b):
+    "Par Ada."
+    print("Ada")
+    unused = 3
+    if unused:
+        c = a + b
+    else:
+        c = a
+    return c
+"""
+
+
+class InThisProcess:
+    """Starts programs without walls: these are ours."""
+
+    def programs(self, exercise: str, policy: object) -> object:
+        return LOCAL
+
+
+def test_groups_that_nothing_names_come_with_their_frequency(sqlite: Database, settings: Settings) -> None:
+    made = new_class(sqlite, new_account(sqlite, Role.teacher, "Mme Martin"))
+    ada, bob = (seat(sqlite, made, new_account(sqlite, name=name)) for name in ("Ada Lovelace", "Bob"))
+    first = sent(sqlite, ada, SUM)
+    sent(sqlite, bob, SUM_AGAIN)
+    sent(sqlite, ada, DIFFERENCE)
+    named = sent(sqlite, bob, DIFFERENCE + "\n# encore", failed_verdict(named="rotation_oubliee"))
+    assert ask_all(sqlite, settings) == 4
+    group = groups(sqlite)
+    with sqlite.read() as db:
+        found = study.groups(db, EXERCISE, 10)
+        assert study.groups(db, EXERCISE, 1) == found[:1]
+        assert study.groups(db, "l20/lidar", 10) == []
+    counted = [(one.group, one.attempts, one.students) for one in found]
+    assert counted == [(group[first], 2, 2), (group[named], 1, 1)], "what a misconception names is not counted"
+    assert found[0].source in {SUM.encode(), SUM_AGAIN.encode()}
+    assert study.shown(found[0])[1].startswith("attendu")
+
+
+def test_a_program_is_shown_without_its_author_and_what_it_does_not_need(sqlite: Database, settings: Settings) -> None:
+    made = new_class(sqlite, new_account(sqlite, Role.teacher, "Mme Martin"))
+    ada = seat(sqlite, made, new_account(sqlite, name="Ada Lovelace"))
+    rest = "\ndef inverse(a):\n    return [0.0, 0.0, 0.0]\n\ndef relatif(a, b):\n    return [0.0, 0.0, 0.0]\n"
+    sent(sqlite, ada, WORDY + rest)
+    ask_all(sqlite, settings)
+    exercise = the_course().exercises[EXERCISE]
+    with sqlite.read() as db:
+        (found,) = study.groups(db, EXERCISE, 10)
+    program = study.program_of(found, exercise, InThisProcess())  # type: ignore[arg-type]
+    assert "Ada" not in program
+    assert "c = a + b" in program
+    assert [word for word in ("import", "unused", "print", "else") if word in program] == [], program
+    assert "def relatif" in program, "what is wrong there too is behaviour"
+
+
+def test_shrinking_stops_at_what_it_may_cost() -> None:
+    asked: list[str] = []
+    lines = "".join(f"x{number} = {number}\n" for number in range(40))
+    kept = study.shrunk(lines, lambda text: not asked.append(text) and "x7 = 7" in text, tries=500)
+    assert kept == "x7 = 7\n"
+    asked.clear()
+    study.shrunk(lines, lambda text: not asked.append(text), tries=5)
+    assert len(asked) == 5
+
+
+def test_a_group_becomes_a_misconception_to_word(tmp_path: Path) -> None:
+    folder = tmp_path / "poses"
+    exercise = the_course().exercises[EXERCISE]
+    assert isinstance(exercise.grader, CodeGrader)
+    shutil.copytree(exercise.grader.folder, folder, ignore=shutil.ignore_patterns("__pycache__", "specimens"))
+    grader = replace(exercise.grader, folder=folder)
+    here = replace(exercise, make=lambda: grader)
+    found = study.Found("ab12", 4, 3, ("composer",), None, exercise.version, None, b"", ())
+    catalogue, file = study.write(found, here, "def composer(a, b):\n    return a\n")
+    shape = toml_file.read(catalogue, shapes.MisconceptionsFile)
+    assert shape.misconception[-1].id == file.stem == "erreur_ab12"
+    assert study.TO_WORD in shape.misconception[-1].title
+    *_, last = read_misconceptions(folder, "")
+    assert (last.id, last.functions) == ("erreur_ab12", ("composer",))
+    assert "4 essais, 3 élèves" in catalogue.read_text(encoding="utf-8")
+    with pytest.raises(study.CannotWrite):
+        study.write(found, the_course().exercises["l20/verification"], "")
