@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
+from server.base.paths import ROOT
 from server.base.settings import Settings
 from server.course.memory import MEMORY, Found, Memory, source_of
-from server.course.service import ROOT
 from tests.support.quick import migrated, the_course
 
 START = """

@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 
-from graders.core.contract.local import PROJECT
+from server.base.paths import ROOT as PROJECT
 
 #: Of each statement that a module keeps: its parameters that have no type, and so would reach the driver as they are.
 UNTYPED = """

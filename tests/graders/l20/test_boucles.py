@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.contract.local import PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.l20.boucles.readings import Unsuitable, read_signature
 from graders.plotting import counterexample
+from server.base.paths import ROOT as PROJECT
 from tests.graders.l20.boucles_styles import ARRAY, DESCRIPTORS, DISTANCES, LIST, submission
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some

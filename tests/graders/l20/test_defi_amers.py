@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from graders.core.contract.local import PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Floats
 from graders.l20.defi_amers import asked, maps, optimum, system
 from graders.l20.defi_amers.replays import REPLAYS
 from graders.plotting import counterexample
+from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
 from tests.support.verdicts import checked, failed, judgement_of, named, verdict_of

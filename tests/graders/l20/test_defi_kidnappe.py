@@ -13,12 +13,13 @@ from graders.core.code.bench import Bench, Runner
 from graders.core.code.checks import Rejection
 from graders.core.code.grading import run_checks
 from graders.core.code.loops import ClosedLoop, Run
-from graders.core.contract.local import LOCAL, PROJECT
+from graders.core.contract.local import LOCAL
 from graders.core.contract.streams import stream
 from graders.l20 import journeys, world
 from graders.l20.defi_kidnappe import runs
 from graders.l20.defi_kidnappe.replays import REPLAYS
 from graders.plotting import counterexample
+from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
 from tests.support.verdicts import checked, failed, named, verdict_of

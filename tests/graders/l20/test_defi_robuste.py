@@ -10,13 +10,13 @@ from functools import partial
 import numpy as np
 import pytest
 
-from graders.core.contract.local import PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Floats
 from graders.l20.defi_robuste import graphs, kernel, robust
 from graders.l20.defi_robuste.replays import REPLAYS
 from graders.plotting import counterexample
 from reference.pose_graph import NormalEquations, PoseGraph, gauge_dimension, graduated_non_convexity
+from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
 from tests.support.verdicts import checked, failed, judgement_of, named, verdict_of

@@ -15,12 +15,13 @@ from graders.core.code.bench import Runner
 from graders.core.code.grading import run_checks
 from graders.core.contract.bounds import weight
 from graders.core.contract.films import plain
-from graders.core.contract.local import LOCAL, PROJECT
+from graders.core.contract.local import LOCAL
 from graders.core.contract.streams import stream
 from graders.l20.predire2d.cases import module_world
 from graders.l20.predire2d.trials import SIGMA, WALKS, episodes, film
 from graders.scene.films import wire
 from reference.localisation.grid_filter import correct, predict
+from server.base.paths import ROOT as PROJECT
 from server.figures.program import LARGEST_REPLAY
 from tests.graders.shipped import CODE
 from tests.replays.reading import layer, unpacked

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.contract.local import PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.l20.icp import cases, film
 from graders.l20.icp.descent import DEFAULT, Registration, descend, fair, staircase
@@ -18,6 +17,7 @@ from graders.l20.icp.judge import misjudged, misplaced
 from graders.l20.icp.replays import REPLAYS
 from graders.plotting import counterexample
 from reference.registration import icp
+from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, one_in, some
 from tests.support.verdicts import checked, failed, judgement_of, named, verdict_of

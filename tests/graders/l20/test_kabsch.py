@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.contract.local import PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.l20.kabsch import cases
 from graders.l20.kabsch.checks import Pairing, Question, simpler_pairings
 from graders.l20.kabsch.judge import judge
 from graders.plotting import counterexample
 from reference.registration import kabsch
+from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
 from tests.support.verdicts import failed, judgement_of, named, verdict_of

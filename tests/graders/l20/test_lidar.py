@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.contract.local import PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.streams import stream
 from graders.l20.lidar import cases, probes
 from graders.l20.lidar.checks import ACCEPTED, SameDistance
 from graders.plotting import counterexample
+from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, one_in, some
 from tests.support.verdicts import checked, failed, named, verdict_of

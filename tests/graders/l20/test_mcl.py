@@ -15,7 +15,7 @@ from graders.core.code.bench import Bench, Runner
 from graders.core.code.checks import Rejection
 from graders.core.code.grading import run_checks
 from graders.core.code.loops import ClosedLoop, Run
-from graders.core.contract.local import LOCAL, PROJECT, kit_names
+from graders.core.contract.local import LOCAL, kit_names
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
 from graders.core.contract.streams import stream
@@ -24,6 +24,7 @@ from graders.l20.mcl import memory, probes, runs, steps
 from graders.l20.mcl.replays import REPLAYS
 from graders.l20.mcl.scenes import HALL_KIT
 from graders.plotting import counterexample
+from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
 from tests.support.verdicts import checked, failed, judgement_of, named, verdict_of

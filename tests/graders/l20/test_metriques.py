@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.contract.local import PROJECT
 from graders.l20.metriques import cases
 from graders.plotting import counterexample
 from reference.metrics import absolute_trajectory_error
 from reference.se2 import to_matrix
+from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
 from tests.support.verdicts import checked, failed, named, verdict_of

@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from graders.core.contract.local import PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.l20.modele_faisceau import cases
 from graders.l20.modele_faisceau.checks import SameField, SameLogarithm, distance_field, log_likelihood
 from graders.plotting import counterexample
 from reference.errors import InvalidArgumentError
 from reference.sensors.beam import BeamModel, plain_log_likelihood
+from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, one_in, some
 from tests.support.verdicts import checked, failed, named, verdict_of

@@ -8,13 +8,13 @@ from functools import partial
 import numpy as np
 import pytest
 
-from graders.core.contract.local import PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import UnreadableError, Value
 from graders.l20.noeud_ros import cases
 from graders.l20.noeud_ros.judge import Did, read_log, right
 from graders.l20.noeud_ros.scenes import JUDGED, Phase, must_stop, phase
 from graders.plotting import counterexample
+from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, one_in, some
 from tests.support.verdicts import checked, failed, named, verdict_of

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.contract.local import PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.l20.occupation import cases
 from graders.l20.occupation.cells import told
@@ -19,6 +18,7 @@ from graders.l20.occupation.replays import REPLAYS
 from graders.plotting import counterexample
 from reference.occupancy import InverseSensorModel, OccupancyGrid
 from reference.world.scan import Scan
+from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, one_in, some
 from tests.support.verdicts import checked, failed, judgement_of, named, verdict_of

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from graders.core.compare.comparison import close
-from graders.core.contract.local import PROJECT
 from graders.l20.odometrie import cases
 from graders.l20.odometrie.grader import right_spread, right_step
 from graders.l20.odometrie.journey import START, TRACK, round_trip
 from graders.plotting import counterexample
 from reference.odometry import DifferentialDrive, integrate
+from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
 from tests.support.verdicts import checked, failed, named, verdict_of

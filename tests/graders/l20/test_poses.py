@@ -6,8 +6,9 @@ from typing import Any
 
 import pytest
 
-from graders.core.contract.local import LOCAL, PROJECT
+from graders.core.contract.local import LOCAL
 from graders.plotting import counterexample
+from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES
 from tests.support.verdicts import verdict_of

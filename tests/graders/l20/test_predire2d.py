@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.contract.local import PROJECT, LocalProgram
+from graders.core.contract.local import LocalProgram
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import KitSettings, Program, StudentFault
 from graders.l20.predire2d import cases, trials
@@ -16,6 +16,7 @@ from graders.l20.predire2d.beliefs import SameBelief, SameLikeliest, in_words, i
 from graders.l20.predire2d.checks import tells_something
 from graders.plotting import counterexample
 from reference.localisation.grid_filter import most_likely
+from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
 from tests.support.verdicts import judgement_of, verdict_of

@@ -14,7 +14,7 @@ from scipy import stats
 
 from graders.core.code.bench import Bench, Runner
 from graders.core.code.grading import FRESH
-from graders.core.contract.local import LOCAL, PROJECT
+from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.streams import stream
 from graders.l20.reechantillonnage import trials
@@ -22,6 +22,7 @@ from graders.l20.reechantillonnage.harvest import harvest
 from graders.l20.reechantillonnage.judge import TAIL, is_comb, plausible
 from graders.plotting import counterexample
 from reference.filters.resampling import comb, systematic_resampling
+from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
 from tests.support.verdicts import verdict_of

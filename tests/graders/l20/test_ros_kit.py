@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from graders.core.contract.local import PROJECT
+from server.base.paths import ROOT as PROJECT
 from tests.support.ros import Ros, ros
 
 SIMULATED = ros()

@@ -7,9 +7,9 @@ from functools import partial
 
 import pytest
 
-from graders.core.contract.local import PROJECT
 from graders.core.contract.outcomes import Outcome
 from graders.plotting import counterexample
+from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES
 from tests.support.verdicts import failed, judgement_of, plain_verdict_of, verdict_of
