@@ -1,9 +1,11 @@
 """`balise preview [MODULE|DIR]`: a course as it is written, on this machine alone."""
 
 import os
+import signal
 import socket
 from argparse import Namespace
 from pathlib import Path
+from types import FrameType
 
 from graders import courses
 from server.cli import CannotRun, take_in
@@ -16,6 +18,7 @@ BACKLOG = 128
 
 def run(arguments: Namespace) -> int:
     place, module = _asked(arguments.what)
+    signal.signal(signal.SIGTERM, _leave)
     probing = start_probing(slow=False)
     with _listening(arguments.port) as listener:
         # Imported once, here: what is forked for each version of the files then has only the author's code to import.
@@ -28,6 +31,11 @@ def run(arguments: Namespace) -> int:
         print("  Chaque changement se voit aussitôt. Ctrl+C pour arrêter.\n", flush=True)
         Supervisor(place, listener, serving.serve, faults.look, _say).run()
     return 0
+
+
+def _leave(_signal: int, _frame: FrameType | None) -> None:
+    """Being asked to stop is no failure: what was kept meanwhile goes, and the processes with it."""
+    raise SystemExit(0)
 
 
 def _say(text: str) -> None:

@@ -56,7 +56,9 @@ def start(tmp_path_factory: pytest.TempPathFactory) -> Any:
     folder = tmp_path_factory.mktemp("data")
     migrated(Settings(data_dir=folder)).close()
     exercises = the_course().exercises.values()
-    Memory(folder / MEMORY).keep(source_of(ROOT / "curriculum", ROOT), {e.id: Found("v", e.kit, ()) for e in exercises})
+    Memory(folder / MEMORY).keep(
+        source_of([ROOT / "curriculum"], [ROOT]), {e.id: Found("v", e.kit, ()) for e in exercises}
+    )
     done = subprocess.run(
         [sys.executable, "-c", START, str(folder)], check=False, capture_output=True, text=True, cwd=ROOT
     )
@@ -84,6 +86,6 @@ def test_who_prints_its_usage_loads_next_to_nothing() -> None:
     done = subprocess.run([sys.executable, "-c", line], check=False, capture_output=True, text=True, cwd=ROOT)
     loaded = done.stdout.splitlines()[-1].split()
     assert {name for name in loaded if name.startswith("server")} == {
-        "server", "server.cli", "server.cli.french", "server.cli.options"
+        "server", "server.cli", "server.cli.french", "server.cli.authors", "server.cli.options"
     }  # fmt: skip
     assert not {"numpy", "pydantic", "asyncio", "sqlalchemy"} & set(loaded)
