@@ -40,7 +40,7 @@ accounts {{
 }}
 {more}
 """
-PATIENCE = 20.0
+PATIENCE = 90.0  # seconds: of a busy machine
 
 
 def free_port() -> int:
