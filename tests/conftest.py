@@ -31,7 +31,8 @@ settings.load_profile("balise")
 
 def pytest_configure(config: pytest.Config) -> None:
     """Not for the process of xdist that runs no test: the others wait for it, and these import the whole service."""
-    if config.getoption("dist", "no") == "no" or hasattr(config, "workerinput"):
+    runs_tests = config.getoption("dist", "no") == "no" or hasattr(config, "workerinput")
+    if runs_tests or config.option.collectonly:
         for plugin in SHARED:
             config.pluginmanager.import_plugin(plugin)
 
