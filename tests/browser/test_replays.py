@@ -192,9 +192,14 @@ def test_a_replay_plays_without_an_answer(visit: NewVisit) -> None:
     figure = page.locator("#rejeu-graphe")
     asked = figure.locator(".replay-prediction")
     expect(asked.get_by_role("radio")).to_have_count(3)
+    expect(figure.locator(".replay-summary")).to_be_visible()  # of another scene than the question's
+    figure.get_by_label("Ajouter une fausse fermeture").check()
+    expect(figure.locator(".replay-summary")).to_be_hidden()  # words and curves would tell what is asked
+    expect(figure.locator(".replay-charts")).to_be_hidden()
     figure.locator(".replay-transport select").select_option("4")
     figure.get_by_role("button", name="Lecture").click()
     expect(figure.locator(".replay-counter")).to_have_text(re.compile(r"^(\d+) / \1$"))
+    expect(figure.locator(".replay-summary")).to_be_visible()
     expect(asked.get_by_role("radio")).to_have_count(3)
 
 

@@ -55,9 +55,12 @@ def _node(raw: dict[str, Any]) -> Node:
     return Node(raw.get("role", {}).get("value", ""), raw.get("name", {}).get("value", "").strip(), said)
 
 
-def check(visitor: Visit, path: str) -> list[Node]:
+def check(visitor: Visit, path: str, button: str = "") -> list[Node]:
+    """The tree of a page, once its scripts have made that button."""
     page = visitor.open(path)
     page.wait_for_load_state("load")
+    if button:
+        expect(page.get_by_role("button", name=button)).to_be_visible()
     tree = nodes(page)
     assert [one.role for one in tree if one.role in CONTROLS and not one.name] == [], path
     roles = Counter(one.role for one in tree)
@@ -76,8 +79,7 @@ def check(visitor: Visit, path: str) -> list[Node]:
 
 def test_a_lesson(visit: NewVisit) -> None:
     visitor = visit()
-    tree = check(visitor, "/l20/lire/methodes")
-    assert "Exécuter la cellule 2" in [one.name for one in tree]
+    check(visitor, "/l20/lire/methodes", "Exécuter la cellule 2")
     page = visitor.page
     page.evaluate(LISTEN)
     page.get_by_role("button", name="Exécuter la cellule 1").click()

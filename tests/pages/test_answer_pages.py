@@ -28,7 +28,8 @@ JSON = {"Accept": "application/json"}
 
 
 class Form(HTMLParser):
-    """What a browser without script would send of a page's form, and the words in its attributes."""
+    """What a browser without script would send of a page's form, and the words in its attributes: but for the labels
+    that are read aloud, which say what is written beside them."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -41,7 +42,9 @@ class Form(HTMLParser):
     def handle_starttag(self, tag: str, pairs: list[tuple[str, str | None]]) -> None:
         attributes = {name: value or "" for name, value in pairs}
         name = attributes.get("name", "")
-        self.words.update(word for value in attributes.values() for word in re.split(r"[.\s-]", value))
+        self.words.update(
+            word for key, value in attributes.items() if key != "aria-label" for word in re.split(r"[.\s-]", value)
+        )
         if tag == "select":
             self._select = name
         if tag == "option" and "selected" in attributes:

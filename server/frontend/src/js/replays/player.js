@@ -100,7 +100,9 @@ export class Player {
 
   seek(index) {
     this.#playing = false;
-    this.#position = Math.min(Math.max(index, 0), this.data.frames.length - 1);
+    const end = this.data.frames.length - 1;
+    this.#position = Math.min(Math.max(index, 0), end);
+    if (this.#position === end) this.prediction?.ended(this.settings.asked());
     this.#draw();
   }
 
@@ -222,7 +224,7 @@ export class Player {
     const wish = this.drag.wish;
     const ghost = wish ? [{ kind: "pose", at: wish, color: "ink", radius: 0.4, style: "ghost" }] : [];
     const placed = this.prediction?.layers(this.settings.asked()) ?? [];
-    this.summary.hidden = this.prediction?.hides(this.settings.asked()) ?? false;
+    this.summary.hidden = this.charts.hidden = this.prediction?.hides(this.settings.asked()) ?? false;
     for (const stage of this.stages) stage.paint(position, this.colours, [...ghost, ...placed]);
     for (const plot of this.plots) plot.paint(position, this.colours);
     this.transport.show(index, this.data.frames.length, this.#playing);

@@ -42,9 +42,10 @@ export class Prediction {
     return this.place.layers(this.#seen && Boolean(this.answer));
   }
 
-  /** Whether the scene of these settings may not be told yet: a point is being placed on it. */
+  /** Whether what comes of these settings may not be told yet, neither in words nor by curves: one has not answered. */
   hides(settings) {
-    return Boolean(this.place?.open) && !this.#seen && same(settings, this.asked.settings);
+    const open = this.place ? this.place.open : !this.answer;
+    return Boolean(open) && !this.#seen && same(settings, this.asked.settings);
   }
 
   #words(answer) {
