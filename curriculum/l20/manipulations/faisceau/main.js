@@ -120,7 +120,7 @@ export function begin(bench, { data }) {
       { kind: "polyline", color: "ink", width: 2, moved: list(foreseen) },
       { kind: "segments", color: "ink", width: 2, opacity: 1, moved: list([[reach + LAST - 0.3, nothing, reach + LAST + 0.3, nothing]]) },
       { kind: "polyline", color: "ink", width: 1.5, moved: list([[0, 0], [reach, 0]]) },
-      { kind: "labels", color: "ink", texts: ["0", "2", "4", "6", "8", "10", "rien vu"], moved: list([0, 2, 4, 6, 8, 10, reach + LAST].map((x) => [x, -0.5])) },
+      { kind: "labels", color: "ink", texts: ["0", "2", "4", "6", "8", "10", "rien vu"], moved: list([0, 2, 4, 6, 8, 10, reach + LAST - 0.4].map((x) => [x, -0.5])) },
     ]); // prettier-ignore
   }
 
