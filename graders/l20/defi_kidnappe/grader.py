@@ -1,9 +1,10 @@
 """l20/defi_kidnappe (★): a localisation that finds a robot again which somebody has carried away.
 
 Measured on the honest filters of `specimens/ok`, run by run, and without injection: filters guided by the scan find the
-robot 99 % of the time and more; 10 % sown anywhere, 93 to 98 %; 5 % sown anywhere, 87 to 93 %; none, 12 %. Eight runs
-of fifteen are needed. At 87 % an honest filter is refused 7 times in 10,000; at 12 % one that sows nothing would pass
-3 times in 10,000, did it not fail `injection` for sure. A window of 20 steps, or of 40, changes these chances by three
+robot 99 % of the time and more; 10 % sown anywhere, 93 to 98 %; 5 % sown anywhere, 84 to 93 %; none, 12 %; all injected
+at one place, 27 % (3 to 5 runs of the fifteen, on eight seeds). Seven runs of fifteen are needed. At 84 % an honest
+filter is refused 14 times in 100,000 (eight runs would refuse it once in 1,000); at 12 % one that sows nothing would
+pass once in 1,000, did it not fail `injection` for sure. A window of 20 steps, or of 40, changes these chances by three
 points at most: what a filter finds again it keeps.
 """
 

@@ -18,7 +18,7 @@ from graders.l20.mcl.runs import PARTICLES, Following, run_figure
 from graders.l20.mcl.telling import number, pose_text
 from reference.world.grid_map import GridMap
 
-RUNS, FOUND = 15, 8
+RUNS, FOUND = 15, 7
 BEFORE, AFTER, WINDOW = 30, 60, 30
 NEAR, IN_A_ROW = 1.5, 3
 #: Cells between where the robot was and where it is put.
