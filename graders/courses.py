@@ -43,10 +43,13 @@ class Courses:
 
     def add(self, place: Path) -> None:
         """Takes a course in, once; or notes why not."""
-        place = place.resolve()
-        if place in self.places:
-            return
-        faults = [*_faults(place)] or [*self._clashes(place)]
+        try:
+            place = place.resolve()
+            if place in self.places:
+                return
+            faults = [*_faults(place)] or [*self._clashes(place)]
+        except (OSError, RuntimeError) as error:  # a folder that is not ours to read, a link that leads to itself
+            faults = [Problem(place, 1, f"ce dossier de cours ne se lit pas : {error}.")]
         self.problems += faults
         if not faults:
             self.places.append(place)
@@ -78,14 +81,21 @@ def _names(room: Path) -> dict[str, Path]:
     """What stands in a room of a course, by the names that it is imported by."""
     found = room.iterdir() if room.is_dir() else ()
     told = {path.stem: path for path in found if path.is_dir() or path.suffix == ".py"}
-    return {name: path for name, path in told.items() if not name.startswith((".", "_")) and name not in TELLS_NOTHING}
+    return {name: path for name, path in told.items() if name not in TELLS_NOTHING and not _apart(name, path)}
+
+
+def _apart(name: str, path: Path) -> bool:
+    """What no course is known by; what only the rooms themselves import clashes like the rest, and drafts do not."""
+    if name.startswith("_") and not name.startswith("__"):
+        return path.is_dir() and not any(path.glob("*.py"))
+    return name.startswith((".", "__"))
 
 
 def found() -> Courses:
     """The courses of this process: those that the variable names, then those that are installed."""
     courses = Courses()
     for name in filter(None, os.environ.get(VARIABLE, "").split(os.pathsep)):
-        courses.add(Path(name).expanduser())
+        courses.add(Path(os.path.expanduser(name)))
     for value, place in _installed():
         if place is None:
             message = f"le point d’entrée « {GROUP} » nomme « {value} », qui ne s’importe pas."
@@ -102,7 +112,7 @@ def _installed() -> Iterator[tuple[str, Path | None]]:
     for point in entry_points(group=GROUP):
         try:
             spec = importlib.util.find_spec(point.module)
-        except ImportError:
+        except Exception:  # of "a.b", a is run: whatever it raises, the others still serve
             spec = None
         folders = list(spec.submodule_search_locations or ()) if spec else []
         yield point.value, Path(folders[0]) if folders else None

@@ -75,7 +75,7 @@ def _found(db: Session, group_id: str, attempts: int, students: int) -> Found | 
         group.exercise_version,
         Words(name.title, name.explanation, name.question) if name else None,
         program[0],
-        tuple(re.findall(r"\w+", program[1])),
+        tuple(word for name in program[1] for word in re.findall(r"[^\W_]+", name)),
     )
 
 

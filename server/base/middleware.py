@@ -75,13 +75,13 @@ class Trail:
             finally:
                 if scope["path"] not in WATCHING:
                     VISITS.note(_visitor(scope))
-                route = _route(scope)
+                route = route_of(scope)
                 seconds = round(time.perf_counter() - began, 4)
                 traces.answered(span, scope["method"], route, status)
                 logs.tell("request", method=scope["method"], route=route, status=status, seconds=seconds)
 
 
-def _route(scope: Scope) -> str:
+def route_of(scope: Scope) -> str:
     """The path of the route that answered; of a router's, with what it was included under, where FastAPI tells it."""
     included = scope.get("fastapi", {}).get("effective_route_context")
     return str(getattr(included, "path", "") or getattr(scope.get("route"), "path", ""))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 
-from starlette.datastructures import MutableHeaders
+from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -59,15 +59,19 @@ class Mounted:
         if scope["type"] != "http":
             return await self._app(scope, receive, send)
 
+        # Starlette sends on whoever writes a slash too many, with the whole address.
+        here = f"{scope['scheme']}://{Headers(scope=scope).get('host', '')}"
+
         async def send_outwards(message: Message) -> None:
             if message["type"] == "http.response.start":
                 headers = MutableHeaders(scope=message)
-                place = headers.get("location", "")
+                place = headers.get("location", "").removeprefix(here)
                 if place.startswith("/") and not place.startswith("//"):
                     headers["location"] = f"{self._root}{place}"
             await send(message)
 
-        await self._app({**scope, **self._inside(scope)}, receive, send_outwards)
+        scope.update(self._inside(scope))  # whatever answers for an application that failed reads it as well
+        await self._app(scope, receive, send_outwards)
 
     def _inside(self, scope: Scope) -> dict[str, object]:
         raw = scope.get("raw_path") or b""

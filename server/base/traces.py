@@ -117,10 +117,22 @@ def request(method: str, parent: str = "") -> Iterator[Any]:
 
     above = _below(parent) if parent else Context()
     attributes = {"http.request.method": method}
-    with _State.tracer.start_as_current_span(
-        method, above, SpanKind.SERVER, attributes, record_exception=False
-    ) as span:
+    with _span(_State.tracer, method, context=above, kind=SpanKind.SERVER, attributes=attributes) as span:
         yield span
+
+
+@contextmanager
+def _span(tracer: Tracer, name: str, **how: Any) -> Iterator[Span]:
+    """The current span within. That something was raised is told, and not what it says, which may be what was sent."""
+    from opentelemetry.trace import StatusCode
+
+    how |= {"record_exception": False, "set_status_on_exception": False}
+    with tracer.start_as_current_span(name, **how) as span:
+        try:
+            yield span
+        except Exception:
+            span.set_status(StatusCode.ERROR)
+            raise
 
 
 def answered(span: Span | None, method: str, route: str, status: int) -> None:
@@ -142,7 +154,7 @@ def step(name: str, **attributes: str | int) -> Iterator[None]:
     if _State.tracer is None or not _traced():
         yield
         return
-    with _State.tracer.start_as_current_span(name, attributes=attributes, record_exception=False):
+    with _span(_State.tracer, name, attributes=attributes):
         yield
 
 
@@ -189,7 +201,7 @@ def job(payload: Mapping[str, Any], kind: str, tries: int, leased_since: int) ->
         _State.tracer.start_span("wait", above, start_time=put_at).end(max(put_at, leased_since))
     _State.tracer.start_span("lease", above, start_time=leased_since).end(now)
     told: Attributes = {"job.kind": kind, "job.tries": tries}
-    with _State.tracer.start_as_current_span(kind, above, SpanKind.CONSUMER, told, record_exception=False):
+    with _span(_State.tracer, kind, context=above, kind=SpanKind.CONSUMER, attributes=told):
         yield
 
 

@@ -79,7 +79,8 @@ class _Bare(ast.NodeTransformer):
 
     def __init__(self, names: Collection[str]) -> None:
         words = sorted((re.escape(name) for name in names if len(name) > 2), key=len, reverse=True)
-        self._names = re.compile(rf"\b({'|'.join(words)})\b", re.IGNORECASE) if words else None
+        alone = rf"(?<![^\W_])({'|'.join(words)})(?![^\W_])"  # "ada_lovelace" is two words
+        self._names = re.compile(alone, re.IGNORECASE) if words else None
 
     def visit_Expr(self, node: ast.Expr) -> ast.AST | None:
         return None if isinstance(node.value, ast.Constant) else self.generic_visit(node)
@@ -90,6 +91,9 @@ class _Bare(ast.NodeTransformer):
     def visit_Assign(self, node: ast.Assign) -> ast.AST | None:
         names = {target.id if isinstance(target, ast.Name) else "" for target in node.targets}
         return None if names <= CREDITS else self.generic_visit(node)
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.AST | None:
+        return None if isinstance(node.target, ast.Name) and node.target.id in CREDITS else self.generic_visit(node)
 
     def visit_If(self, node: ast.If) -> ast.AST | None:
         alone = any(isinstance(one, ast.Name) and one.id == "__name__" for one in ast.walk(node.test))

@@ -267,10 +267,11 @@ def unexplained(db: Session, exercise: str, most: int) -> Sequence[tuple[str, in
     return [(str(row[0]), row[1], row[2]) for row in db.execute(query)]
 
 
-def shortest(db: Session, group_id: str) -> tuple[bytes, str] | None:
-    """The shortest program of a group in which no misconception was found, and its author's name."""
+def shortest(db: Session, group_id: str) -> tuple[bytes, Sequence[str]] | None:
+    """The shortest program of a group in which no misconception was found, and its author's names, as the account and
+    the lists of their classes have them."""
     query = (
-        select(Submission.source, Account.name)
+        select(Submission.source, Account)
         .join(Account, Account.id == Submission.account_id)
         .join(Grading, Grading.id == Submission.grading_id)
         .join(Fingerprint, Fingerprint.grading_id == Grading.id)
@@ -279,7 +280,12 @@ def shortest(db: Session, group_id: str) -> tuple[bytes, str] | None:
         .limit(1)
     )
     row = db.execute(query).one_or_none()
-    return None if row is None else (row[0], row[1])
+    if row is None:
+        return None
+    author: Account = row[1]
+    lists = select(Membership.family_name, Membership.given_name, Membership.email)
+    listed = db.execute(lists.where(Membership.account_id == author.id)).all()
+    return row[0], [author.name, author.login or "", *(name for names in listed for name in names)]
 
 
 def any_name(db: Session, group_id: str) -> BehaviourName | None:

@@ -73,8 +73,12 @@ class Site:
     def __init__(
         self, course: Course, module: Module, pictures: Pictures, downloads: Downloads, *, on_paper: bool = False
     ) -> None:
-        self._course, self._module, self._pictures, self._downloads = course, module, pictures, downloads
+        self._course, self._module, self._downloads = course, module, downloads
         self._on_paper = on_paper
+        #: Those whose text is shown: what the others show would tell it.
+        self._shown = [lesson for lesson in module.lessons if on_paper or not lesson.solution]
+        names = {name for lesson in self._shown for name in (*lesson.figures, *lesson.stills)}
+        self._pictures = {key: picture for key, picture in pictures.items() if key[0] in names}
         self._scripts = replays.Replays()
         self._places = Places(assets.root(), dict(self._addresses()))
 
@@ -107,13 +111,13 @@ class Site:
     def _replays(self) -> list[str]:
         if self._on_paper:
             return []
-        return list(dict.fromkeys(name for lesson in self._module.lessons for name in lesson.replays))
+        return list(dict.fromkeys(name for lesson in self._shown for name in lesson.replays))
 
     def _hands(self) -> list[str]:
         """The manipulations that ask nothing of the service but what they begin with."""
         if self._on_paper:
             return []
-        shown = {still for lesson in self._module.lessons for still in lesson.stills}
+        shown = {still for lesson in self._shown for still in lesson.stills}
         names = self._scripts.manipulations(self._module.slug)
         return [
             name for name in names if still_of(name) in shown and self._scripts.stands_alone(self._module.slug, name)

@@ -12,6 +12,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 
 from server.base.errors import Invalid, ServiceError
+from server.base.middleware import SECURITY_HEADERS, route_of
 from server.base.problems import TITLES, as_json, of_error, place, problem
 from server.base.provided import provided_to
 from server.database import Database
@@ -61,8 +62,9 @@ def _validation_error(request: Request, error: Exception) -> Response:
 
 
 def _unexpected(request: Request, error: Exception) -> Response:
-    log.error("unexpected error on %s %s", request.method, request.url.path, exc_info=error)
-    return answer(request, problem(request, 500, *TITLES[500]))
+    """Told by its route: addresses hold one-time links. No middleware adds anything to this answer."""
+    log.error("unexpected error on %s %s", request.method, route_of(request.scope), exc_info=error)
+    return answer(request, problem(request, 500, *TITLES[500]), SECURITY_HEADERS)
 
 
 def install(app: FastAPI) -> None:

@@ -28,6 +28,7 @@ def composer(a, b):
     "Par Ada."
     print("Ada")
     unused = 3
+    chez = open if a is b else "/home/byron/"
     if unused:
         c = a + b
     else:
@@ -64,13 +65,15 @@ def test_groups_that_nothing_names_come_with_their_frequency(sqlite: Database, s
 
 def test_a_program_is_shown_without_its_author_and_what_it_does_not_need(sqlite: Database, settings: Settings) -> None:
     made = new_class(sqlite, new_account(sqlite, Role.teacher, "Mme Martin"))
-    ada = seat(sqlite, made, new_account(sqlite, name="Ada Lovelace"))
+    ada = seat(sqlite, made, new_account(sqlite, name="Ada Lovelace"), family_name="Byron", given_name="Augusta")
     rest = "\ndef inverse(a):\n    return [0.0, 0.0, 0.0]\n\ndef relatif(a, b):\n    return [0.0, 0.0, 0.0]\n"
     sent(sqlite, ada, WORDY + rest)
     ask_all(sqlite, settings)
     exercise = the_course().exercises[EXERCISE]
     with sqlite.read() as db:
         (found,) = study.groups(db, EXERCISE, 10)
+    assert {"Ada", "Lovelace", "Augusta", "Byron"} <= set(found.names), "as the lists of classes have them too"
+    assert "byron" not in study.program_of(found, exercise, None)
     program = study.program_of(found, exercise, InThisProcess())  # type: ignore[arg-type]
     assert "Ada" not in program
     assert "c = a + b" in program

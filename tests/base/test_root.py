@@ -22,6 +22,7 @@ from server.base.provided import provided_to
 from server.base.request import COOKIE
 from server.base.settings import Settings
 from server.board.live import Boards
+from server.database import Database
 from server.figures.service import Figures
 from server.grading.task import SentFile
 from server.identity.models import Role
@@ -191,6 +192,36 @@ def test_the_path_is_taken_off_where_the_proxy_has_left_it_and_where_it_has_not(
     assert (gone.status_code, gone.json()["instance"]) == (404, "/balise/rien")
     assert site.client.get("/balise/healthz").status_code == site.client.get("/healthz").status_code == 200
     assert site.client.get("/api/v1/openapi.json").json()["servers"] == [{"url": ROOT}]
+
+
+def test_a_slash_too_many_does_not_lead_out_of_the_path(site: Site) -> None:
+    for there in ("/balise/classes/", "/classes/"):
+        assert site.client.get(there).headers["location"] == "/balise/classes"
+    assert site.client.get("/l20/lire/localiser/?ouvrir=oui").headers["location"] == (
+        "/balise/l20/lire/localiser?ouvrir=oui"
+    )
+
+
+def test_our_own_failure_is_told_as_elsewhere_and_its_address_in_no_log(
+    site: Site, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """An address may hold a one-time link; a program that asks the API gets no page."""
+
+    def fail(*_: object, **__: object) -> None:
+        raise RuntimeError("ours")
+
+    client = TestClient(site.app, follow_redirects=False, raise_server_exceptions=False)
+    monkeypatch.setattr(Database, "read", fail)
+    page = client.get("/balise/l20/lire/le-secret-du-lien")
+    assert page.status_code == 500
+    assert "frame-ancestors 'none'" in page.headers["content-security-policy"]
+    told = client.get("/balise/api/v1/exercises", headers={"Authorization": "Bearer x"})
+    assert (told.status_code, told.headers["content-type"]) == (500, "application/problem+json")
+    assert told.json()["instance"] == "/balise/api/v1/exercises"
+    said = [record.getMessage() for record in caplog.records if record.name == "server.web.errors"]
+    assert len(said) == 2
+    assert not any("secret" in one for one in said)
+    assert said[0].endswith("/{module:module}/lire/{slug}")
 
 
 def test_one_logs_in_and_comes_back_and_the_cookie_is_of_the_path_alone(site: Site) -> None:

@@ -11,6 +11,7 @@ import pytest
 from opentelemetry.sdk.trace import ReadableSpan, TracerProvider
 from opentelemetry.sdk.trace.export import SimpleSpanProcessor
 from opentelemetry.sdk.trace.export.in_memory_span_exporter import InMemorySpanExporter
+from opentelemetry.trace import StatusCode
 from sqlalchemy import select
 
 from server.base import traces
@@ -87,6 +88,22 @@ def test_a_request_is_told_by_its_route_and_follows_a_trusted_proxy_alone(
         assert span.name == "GET /bienvenue/{token}"
         assert (f"{span.context.trace_id:032x}" == theirs.split("-")[1]) is proxied
         assert "un-secret" not in span.to_json()
+
+
+def test_what_fails_is_told_without_what_it_says(told: InMemorySpanExporter) -> None:
+    payload = {traces.TRACE: "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01"}
+    within = [
+        lambda: traces.request("GET"),
+        lambda: traces.job(payload, "grade", 1, 1_000),
+        lambda: traces.step("run"),
+    ]
+    for first, second in ((within[0], within[2]), (within[1], within[2])):
+        with pytest.raises(ValueError, match="Bob"), first(), second():
+            raise ValueError(SECRET)
+    spans = told.get_finished_spans()
+    failed = [span.name for span in spans if span.status.status_code is StatusCode.ERROR]
+    assert failed == ["run", "GET", "run", "grade"]
+    assert all("Bob" not in span.to_json() for span in spans)
 
 
 def test_nothing_is_traced_nor_loaded_unless_it_is_asked_for(site: Site) -> None:

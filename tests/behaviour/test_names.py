@@ -293,11 +293,13 @@ def test_an_exported_program_does_not_tell_who_wrote_it() -> None:
 """Par Ada Lovelace."""
 # Ada
 __author__ = "Ada Lovelace"
+__credits__: str = f"{1}"
 
 def composer(a, b):
     "Ada"
     if a is None:
         raise ValueError("demander à ada")  # Ada
+    chemin = "C:/ada_lovelace/"
 
 class Vide:
     """Ada."""
@@ -307,6 +309,8 @@ if __name__ == "__main__":
 '''
     text = anonymous(source.encode(), ["Ada", "Lovelace", "de"])
     assert "ada" not in text.lower()
+    assert "lovelace" not in text.lower()
+    assert "__credits__" not in text
     assert "demander à élève" in text
     names: dict[str, Any] = {}
     exec(compile("x = 1\n\n\n" + text, "<export>", "exec"), names)

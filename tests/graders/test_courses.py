@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
 
-from graders.courses import OWN, VARIABLE, Courses, found
+from graders.courses import GROUP, OWN, VARIABLE, Courses, found
 
 
 def course(root: Path, *files: str) -> Path:
@@ -53,6 +55,52 @@ def test_two_courses_outside_may_clash_too(tmp_path: Path) -> None:
     courses.add(second)
     assert courses.places == [OWN, first]
     assert str(first / "curriculum" / "m9") in told(courses)[0]
+
+
+def test_so_may_what_only_their_own_files_import(tmp_path: Path) -> None:
+    courses = Courses()
+    first = course(tmp_path / "a", "reference/_common.py", "curriculum/_brouillons/a.md")
+    (tmp_path / "b" / "curriculum" / "m8").mkdir(parents=True)
+    courses.add(first)
+    for name in ("reference/_common.py", "curriculum/_brouillons/a.md"):
+        path = tmp_path / "b" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("")
+    courses.add(tmp_path / "b")
+    assert courses.places == [OWN, first], "else one course would run the other’s numerics"
+    assert [one.path for one in courses.problems] == [tmp_path / "b" / "reference" / "_common.py"], "no code, no clash"
+
+
+def test_a_folder_that_cannot_be_read_keeps_nobody_from_serving(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    loop = tmp_path / "boucle"
+    loop.symlink_to(loop)
+    good = course(tmp_path / "bon")
+
+    def unreadable(room: Path) -> Iterator[Path]:
+        if room.is_relative_to(tmp_path / "ferme"):
+            raise PermissionError(13, "Permission denied", str(room))
+        yield from listed(room)
+
+    listed = Path.iterdir
+    monkeypatch.setattr(Path, "iterdir", unreadable)
+    closed = course(tmp_path / "ferme")
+    monkeypatch.setenv(VARIABLE, f"{loop}:~personne-ici/cours:{closed}:{good}")
+    courses = found()
+    assert courses.places == [OWN, good]
+    assert len(courses.problems) == 3
+    assert "ne se lit pas" in told(courses)[-1]
+
+
+def test_a_package_that_fails_as_it_is_looked_for_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "casse_m9").mkdir()
+    (tmp_path / "casse_m9" / "__init__.py").write_text("1 / 0")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr("importlib.metadata.entry_points", lambda **_: [EntryPoint("m9", "casse_m9.cours", GROUP)])
+    monkeypatch.delenv(VARIABLE, raising=False)
+    (problem,) = found().problems
+    assert "casse_m9.cours" in problem.message
 
 
 def test_what_is_no_course_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

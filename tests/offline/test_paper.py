@@ -42,6 +42,23 @@ def test_on_paper_a_module_has_the_answers_and_no_script() -> None:
     assert "<script" not in copy
 
 
+def test_an_archive_has_nothing_of_what_the_answers_of_a_paper_show() -> None:
+    course = the_course()
+    module = course.modules["l20"]
+    drawn = next(one for one in module.lessons if one.figures and one.replays)
+    copy = replace(drawn, solution=True)
+    only = replace(module, lessons=(copy,), exercises=(), glossary={}, files={})
+    closed, printed = (
+        {
+            place
+            for _, place in site.Site(course, only, pictures(course), Downloads(course), on_paper=paper)._addresses()
+        }
+        for paper in (False, True)
+    )
+    assert not [place for place in closed if place.startswith(("figures/", "rejeux/", "manipulations/"))]
+    assert {f"figures/{name}-light.svg" for name in drawn.figures} <= printed
+
+
 def test_without_a_browser_one_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("shutil.which", lambda _: None)
     with pytest.raises(CannotRun, match="apt install chromium"):

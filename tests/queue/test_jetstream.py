@@ -238,6 +238,15 @@ def test_what_scales_the_graders_reads_a_consumer_that_there_is(settings: Settin
     assert consumer == layout(settings, LANES).desk(GRADE).consumer
 
 
+def test_a_ticket_holds_a_name_and_no_more(settings: Settings) -> None:
+    """Whoever may publish there fills no disk: a million names at most."""
+    stream = layout(settings, LANES).stream()
+    header = f"NATS/1.0\r\nNats-Msg-Id: {uuid4()}:again:{10**12}\r\n\r\n"
+    assert len(header) < (stream.max_msg_size or 0) <= 4096
+    plain = stream.evolve(max_msg_size=-1)
+    assert layout(settings, LANES)._stream_differs(plain), "a stream made before is put right"
+
+
 @pytest.fixture
 def own_nats(tmp_path: Path) -> Iterator[Nats]:
     server = Nats(tmp_path / "nats")

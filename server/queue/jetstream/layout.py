@@ -17,6 +17,8 @@ CHANGED = "balise.changed"
 #: Tickets that nobody has taken in this time are dropped: the sweeper calls again for what waits.
 MOST_AGE = 3600.0
 MOST_TICKETS = 1_000_000
+#: A ticket is a name, in its headers: whoever enters NATS fills no disk with more.
+LONGEST_TICKET = 1024
 #: How long the stream knows a ticket's name: the same one is not taken twice.
 SAME_NAME_SECONDS = 120.0
 #: A ticket passed on so often is dropped: it bounces between workers that all refuse what waits. The tries of a job are
@@ -61,6 +63,7 @@ class Layout:
             num_replicas=self.replicas,
             max_age=MOST_AGE,
             max_msgs=MOST_TICKETS,
+            max_msg_size=LONGEST_TICKET,
             duplicate_window=SAME_NAME_SECONDS,
         )
 
@@ -115,7 +118,7 @@ def _differs(found: object, wanted: object) -> Iterator[str]:
 
 
 FIELDS = (
-    *("subjects", "retention", "storage", "num_replicas", "max_age", "max_msgs", "duplicate_window"),
+    *("subjects", "retention", "storage", "num_replicas", "max_age", "max_msgs", "max_msg_size", "duplicate_window"),
     *("filter_subject", "ack_policy", "ack_wait", "max_deliver", "max_waiting", "max_ack_pending"),
 )
 
