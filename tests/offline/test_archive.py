@@ -8,6 +8,8 @@ import json
 import posixpath
 import re
 import zipfile
+from collections.abc import Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import cache
 from html.parser import HTMLParser
@@ -207,6 +209,12 @@ def quick_site(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(site, "pictured", lambda _module: [("a", "light"), ("a", "dark")])
 
 
+def told_to_the_end(story: Coroutine[Any, Any, None]) -> None:
+    """In a thread of its own: in this one the browser of other tests may have its loop."""
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(asyncio.run, story).result()
+
+
 @pytest.mark.usefixtures("quick_site")
 def test_an_archive_is_made_once_and_kept(tmp_path: Path) -> None:
     (tmp_path / "l20-0123.zip").write_bytes(b"an earlier version")
@@ -230,7 +238,7 @@ def test_an_archive_is_made_once_and_kept(tmp_path: Path) -> None:
             archives.module("l99")
         await archives.close()
 
-    asyncio.run(story())
+    told_to_the_end(story())
     assert {path.name for path in tmp_path.iterdir()} == {"l20-abc123.zip", "autre.zip"}
 
 
@@ -248,5 +256,5 @@ def test_one_that_fails_is_told_and_may_be_tried_again(tmp_path: Path) -> None:
         assert archives._making["l20"] is not first
         await archives.close()
 
-    asyncio.run(story())
+    told_to_the_end(story())
     assert list(tmp_path.iterdir()) == []
