@@ -23,7 +23,7 @@ from graders.core.code.plain import same_all
 from graders.core.compare import words as render
 from graders.core.compare.slips import SLIPS
 from server.behaviour import repository
-from server.behaviour.export import anonymous, entry, identity_of
+from server.behaviour.export import anonymous, entry, identity_of, to_read
 from server.behaviour.fingerprints import lighter
 from server.behaviour.schemas import Words
 from server.course.models import Exercise
@@ -153,7 +153,7 @@ def write(found: Found, exercise: Exercise, program: str) -> list[Path]:
     table = table.partition("\n")[2]
     try:
         file.parent.mkdir(exist_ok=True)
-        file.write_text(program, encoding="utf-8")
+        file.write_text(to_read(program), encoding="utf-8")
         with catalogue.open("a", encoding="utf-8") as written:
             written.write(f"\n# {told(found)}\n{table}")
     except OSError as error:

@@ -21,6 +21,9 @@ from server.course.models import Exercise
 
 LONGEST_ID = 40
 CREDITS = frozenset({f"__{one}__" for one in ("author", "authors", "contact", "copyright", "credits", "email")})
+UNREAD = (
+    'raise RuntimeError("programme d’élève, qui serait exécuté sans bac à sable : relisez-le, puis ôtez cette ligne")'
+)
 UNREADABLE = "Ce programme ne se relit pas sans ses commentaires : il ne peut pas être exporté."
 
 
@@ -35,7 +38,7 @@ def archive(
     held = io.BytesIO()
     with zipfile.ZipFile(held, "w", zipfile.ZIP_DEFLATED) as archived:
         archived.writestr(MISCONCEPTIONS, entry(exercise.id, identity, functions, words))
-        archived.writestr(f"misconceptions/{identity}.py", anonymous(source, names))
+        archived.writestr(f"misconceptions/{identity}.py", to_read(anonymous(source, names)))
     return identity, held.getvalue()
 
 
@@ -59,6 +62,14 @@ def entry(exercise_id: str, identity: str, functions: Collection[str], words: Wo
     }
     lines = [f"{name} = {json.dumps(value, ensure_ascii=False)}" for name, value in members.items()]
     return "\n".join([f"# À ajouter à graders/{exercise_id}/{MISCONCEPTIONS}", "[[misconception]]", *lines, ""])
+
+
+def to_read(program: str) -> str:
+    """A program that ends at once, until who writes the course has read it and taken its first line out.
+
+    Misconceptions are run where verdicts are made, without walls: what a student has written must not be, unread.
+    """
+    return f"{UNREAD}\n{program}"
 
 
 def anonymous(source: bytes, names: Collection[str] = ()) -> str:

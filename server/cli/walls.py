@@ -76,12 +76,15 @@ def _said(name: str) -> str:
 def stood() -> bool:
     """Whether they stood, on this very ground, not long ago."""
     try:
-        with open(os.open(path(), os.O_RDONLY | os.O_NOFOLLOW), encoding="utf-8") as file:
-            if not all(map(_ours, (os.fstat(file.fileno()), path().parent.stat()))):
+        if not _ours(path().parent.stat()):
+            return False
+        with open(os.open(path(), os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK), encoding="utf-8") as file:
+            found = os.fstat(file.fileno())
+            if not (stat.S_ISREG(found.st_mode) and _ours(found)):
                 return False
             known = json.load(file)
         return 0 <= time.time() - float(known["at"]) < KEPT_SECONDS and bool(known["ground"] == ground())
-    except (OSError, ValueError, TypeError, KeyError):
+    except (OSError, ValueError, TypeError, KeyError, RecursionError):
         return False
 
 

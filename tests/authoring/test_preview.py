@@ -62,6 +62,13 @@ def test_it_answers_this_machine_alone(preview: TestClient) -> None:
     for host in ("balise.example", "127.0.0.1.balise.example", "localhost.balise.example:8010"):
         assert preview.get("/l19", headers={"host": host}).status_code == 403
     assert preview.get("/l19", headers={"host": "127.0.0.1:8010"}).status_code == 200
+    site, asks = {"sec-fetch-site": "cross-site"}, "/apercu/l19/gain"
+    for how, status in (("no-cors", 403), ("navigate", 200)):
+        dest = "document" if how == "navigate" else "image"
+        assert preview.get(asks, headers={**site, "sec-fetch-mode": how, "sec-fetch-dest": dest}).status_code == status
+    framed = {**site, "sec-fetch-mode": "navigate", "sec-fetch-dest": "iframe"}
+    assert preview.get(asks, headers=framed).status_code == 403
+    assert preview.get(asks, headers={"sec-fetch-site": "same-origin", "sec-fetch-mode": "cors"}).status_code == 200
     forged = preview.post("/apercu/l19/gain/0", headers={"origin": "http://autre.example"}, follow_redirects=False)
     assert forged.status_code == 403
 

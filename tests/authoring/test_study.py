@@ -105,6 +105,8 @@ def test_a_group_becomes_a_misconception_to_word(tmp_path: Path) -> None:
     assert study.TO_WORD in shape.misconception[-1].title
     *_, last = read_misconceptions(folder, "")
     assert (last.id, last.functions) == ("erreur_ab12", ("composer",))
+    with pytest.raises(RuntimeError, match="relisez-le"):  # else verdicts would be made beside what a student wrote
+        exec(compile(file.read_bytes(), "<written>", "exec"), {})
     assert "4 essais, 3 élèves" in catalogue.read_text(encoding="utf-8")
     with pytest.raises(study.CannotWrite):
         study.write(found, the_course().exercises["l20/verification"], "")

@@ -59,6 +59,8 @@ DOUBTS: dict[str, Callable[[Path], object]] = {
     "of another ground": lambda kept: rewritten(kept, ground="0" * 64),
     "that is damaged": lambda kept: kept.write_text("{"),
     "that is another thing": lambda kept: kept.write_text("[3]"),
+    "that is deeper than Python reads": lambda kept: kept.write_text("[" * 100_000),
+    "that somebody never ends": lambda kept: (kept.unlink(), os.mkfifo(kept)),
     "that is gone": Path.unlink,
 }
 

@@ -298,6 +298,15 @@ def test_proxies_let_through_what_the_service_bounds_and_wait_as_long_as_it_does
         assert f"proxy_set_header {header};" in snippet
 
 
+def test_no_visitor_names_a_request_or_its_trace() -> None:
+    """What a trusted proxy lets through is believed."""
+    snippet, caddy = text("proxy/nginx/proxy.conf"), text("proxy/Caddyfile")
+    assert 'proxy_set_header traceparent "";' in snippet
+    assert "proxy_set_header X-Request-ID $request_id;" in snippet
+    assert "header_up -traceparent" in caddy
+    assert "header_up X-Request-ID {http.request.uuid}" in caddy
+
+
 def expressions() -> Iterator[str]:
     for group in documents("monitoring/alerts.yml")[0]["groups"]:
         yield from (rule["expr"] for rule in group["rules"])

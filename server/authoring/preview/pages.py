@@ -213,6 +213,14 @@ def _exercise_at(path: str, course: Course | None) -> str:
     return f"/apercu/{name}" if name in course.exercises else ""
 
 
+def _asked_here(headers: Headers) -> bool:
+    """By an address of this machine, and by no other site's page, which would have it compute; links may lead here."""
+    from_here = headers.get("sec-fetch-site", "none") in {"same-origin", "none"}
+    return headers.get("host", "").rsplit(":", 1)[0] in HERE and (
+        from_here or (headers.get("sec-fetch-mode"), headers.get("sec-fetch-dest")) == ("navigate", "document")
+    )
+
+
 class Previewed:
     """The application, on this machine alone, with the foot of a preview on each of its pages."""
 
@@ -222,8 +230,7 @@ class Previewed:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
             return await self._app(scope, receive, send)
-        host = Headers(scope=scope).get("host", "")
-        if host.rsplit(":", 1)[0] not in HERE:
+        if not _asked_here(Headers(scope=scope)):
             refusal = PlainTextResponse("Cet aperçu ne répond qu’à cette machine.", 403)
             return await refusal(scope, receive, send)
         dropped = {b"accept-encoding", b"if-none-match"}
