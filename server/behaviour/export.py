@@ -8,6 +8,7 @@ import ast
 import io
 import json
 import re
+import textwrap
 import unicodedata
 import zipfile
 from collections.abc import Collection
@@ -21,9 +22,10 @@ from server.course.models import Exercise
 
 LONGEST_ID = 40
 CREDITS = frozenset({f"__{one}__" for one in ("author", "authors", "contact", "copyright", "credits", "email")})
-UNREAD = (
-    'raise RuntimeError("programme d’élève, qui serait exécuté sans bac à sable : relisez-le, puis ôtez cette ligne")'
-)
+UNREAD = """\
+RELU = False  # Programme d’élève, qui sera exécuté sans bac à sable : relisez-le, puis écrivez True.
+if RELU:
+"""
 UNREADABLE = "Ce programme ne se relit pas sans ses commentaires : il ne peut pas être exporté."
 
 
@@ -65,11 +67,11 @@ def entry(exercise_id: str, identity: str, functions: Collection[str], words: Wo
 
 
 def to_read(program: str) -> str:
-    """A program that ends at once, until who writes the course has read it and taken its first line out.
+    """A program that does nothing, until who writes the course has read it and says so in its first line.
 
     Misconceptions are run where verdicts are made, without walls: what a student has written must not be, unread.
     """
-    return f"{UNREAD}\n{program}"
+    return UNREAD + textwrap.indent(program or "pass\n", "    ")
 
 
 def anonymous(source: bytes, names: Collection[str] = ()) -> str:

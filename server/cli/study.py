@@ -61,7 +61,5 @@ def _tell(found: Found, exercise: Exercise, grader: Grader, *, write: bool) -> N
         except study.CannotWrite as refused:
             raise CannotRun(f"{refused}.") from refused
         print("\n".join(os.path.relpath(path) for path in files))
-        print(
-            "Ce programme est d’un élève, et sera exécuté sans bac à sable : relisez-le, puis ôtez sa première ligne."
-        )
+        print("Ce programme est d’un élève, et sera exécuté sans bac à sable : relisez-le, puis dites-le en tête.")
         print(f"Dites-la en mots, puis : balise check {exercise.id}")

@@ -105,8 +105,11 @@ def test_a_group_becomes_a_misconception_to_word(tmp_path: Path) -> None:
     assert study.TO_WORD in shape.misconception[-1].title
     *_, last = read_misconceptions(folder, "")
     assert (last.id, last.functions) == ("erreur_ab12", ("composer",))
-    with pytest.raises(RuntimeError, match="relisez-le"):  # else verdicts would be made beside what a student wrote
-        exec(compile(file.read_bytes(), "<written>", "exec"), {})
+    names: dict[str, object] = {}
+    exec(compile(file.read_bytes(), "<written>", "exec"), names)
+    assert "composer" not in names, "unread, it would run beside what makes verdicts"
+    exec(compile(file.read_text(encoding="utf-8").replace("False", "True", 1), "<read>", "exec"), names)
+    assert "composer" in names
     assert "4 essais, 3 élèves" in catalogue.read_text(encoding="utf-8")
     with pytest.raises(study.CannotWrite):
         study.write(found, the_course().exercises["l20/verification"], "")

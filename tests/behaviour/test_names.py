@@ -23,7 +23,7 @@ from graders.core.code.plain import same_all
 from graders.core.contract.local import LOCAL
 from server.audit.models import AuditEvent, What
 from server.behaviour import service
-from server.behaviour.export import UNREAD, anonymous, identity_of
+from server.behaviour.export import anonymous, identity_of
 from server.classes.models import SchoolClass, Seat
 from server.gradebook.models import Grading
 from server.identity.models import Role
@@ -285,9 +285,9 @@ def test_a_name_can_be_taken_into_the_course(scene: Scene, tmp_path: Path) -> No
     )  # fmt: skip
     assert mine.functions == ("composer", "inverse", "relatif")
     asked = Observer(exercise.grader, exercise.version)
-    with pytest.raises(RuntimeError, match="relisez-le"):  # nothing that a student wrote is run unread
-        exec(compile(mine.source, "<export>", "exec"), {})
-    once_read = mine.source.replace(f"{UNREAD}\n", "").encode()
+    unread = asked.observe(mine.source.encode(), LOCAL)
+    assert same_all(unread.answers, asked.observe(exercise.solution.encode(), LOCAL).answers), "not run unread"
+    once_read = mine.source.replace("RELU = False", "RELU = True").encode()
     assert same_all(asked.observe(once_read, LOCAL).answers, asked.observe(SUM.encode(), LOCAL).answers)
 
 
