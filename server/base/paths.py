@@ -8,9 +8,9 @@ TEMPLATES = ROOT / "templates"
 
 
 def default_cache_dir() -> Path:
-    """What may be lost at any time: `$XDG_CACHE_HOME/balise`, or `~/.cache/balise`."""
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "balise"
+    """What may be lost at any time: `$XDG_CACHE_HOME/balise` where that is absolute, or `~/.cache/balise`."""
+    base = os.environ.get("XDG_CACHE_HOME", "")
+    return (Path(base) if Path(base).is_absolute() else Path.home() / ".cache") / "balise"
 
 
 def default_data_dir() -> Path:

@@ -4,10 +4,10 @@ import json
 import os
 from pathlib import Path
 
+from server.base.whole import OWNER_ALONE, write_whole
 from server.cli import CannotRun
 
 NAME = Path("balise", "tokens.json")
-OWNER_ALONE = 0o600
 
 
 def path() -> Path:
@@ -32,14 +32,8 @@ def read() -> dict[str, str]:
 def keep(server: str, token: str) -> None:
     """Replaces the file at once: it is never there half written, nor readable by others."""
     others = {name: value for name, value in read().items() if name != server}
-    unfinished = path().with_suffix(".new")
     try:
         path().parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        unfinished.unlink(missing_ok=True)
-        with open(
-            os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, OWNER_ALONE), "w", encoding="utf-8"
-        ) as file:
-            json.dump({**others, server: token}, file, indent=2)
-        unfinished.replace(path())
+        write_whole(path(), json.dumps({**others, server: token}, indent=2), OWNER_ALONE)
     except OSError as error:
         raise CannotRun(f"le jeton ne peut pas être gardé dans {path()} : {error.strerror}.") from error

@@ -22,6 +22,7 @@ from pathlib import Path
 from graders.courses import HERE, OWN
 from server.base.digest import digest
 from server.base.paths import default_cache_dir
+from server.base.whole import write_whole
 from server.course.closure import Imports
 from server.course.memory import Memory, source_of
 from server.course.models import Exercise, Module
@@ -65,11 +66,9 @@ class Remembered:
     def write(self) -> None:
         if self._path is None:
             return
-        unfinished = self._path.with_suffix(f".{os.getpid()}")
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
-            unfinished.write_text(json.dumps(dict([*self._known.items()][-MOST:]), indent=0), encoding="utf-8")
-            unfinished.replace(self._path)
+            write_whole(self._path, json.dumps(dict([*self._known.items()][-MOST:]), indent=0))
             self.imports.keep("", {})
         except OSError:
             log.warning("what was found in order is not remembered in %s", self._path, exc_info=True)

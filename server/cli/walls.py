@@ -17,10 +17,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from server.base.digest import digest
-from server.cli.kept import OWNER_ALONE
+from server.base.paths import default_cache_dir
+from server.base.whole import OWNER_ALONE, write_whole
 from server.sandbox.install import installation
 
-NAME = Path("balise", "walls.json")
+NAME = "walls.json"
 KEPT_SECONDS = 86400.0
 SANDBOX = Path(__file__).parents[1] / "sandbox"
 #: What the kernel says of itself, of its settings, and of this process.
@@ -46,9 +47,7 @@ OF_STATUS = ("Uid", "Gid", "Groups", "Cap", "NoNewPrivs", "Seccomp")
 
 
 def path() -> Path:
-    """As freedesktop.org's base directories say."""
-    folder = os.environ.get("XDG_CACHE_HOME", "")
-    return (Path(folder) if Path(folder).is_absolute() else Path.home() / ".cache") / NAME
+    return default_cache_dir() / NAME
 
 
 def ground() -> str:
@@ -94,13 +93,8 @@ def _ours(found: os.stat_result) -> bool:
 
 def keep() -> None:
     """That they stand. Where it cannot be kept, they are tried again the next time."""
-    unfinished = path().with_suffix(".new")
     try:
         path().parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        unfinished.unlink(missing_ok=True)
-        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL
-        with open(os.open(unfinished, flags, OWNER_ALONE), "w", encoding="utf-8") as file:
-            json.dump({"at": time.time(), "ground": ground()}, file)
-        unfinished.replace(path())
+        write_whole(path(), json.dumps({"at": time.time(), "ground": ground()}), OWNER_ALONE)
     except OSError:
         return

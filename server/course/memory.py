@@ -17,6 +17,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from server.base.digest import digest, files
+from server.base.whole import write_whole
 
 log = logging.getLogger(__name__)
 
@@ -67,11 +68,9 @@ class Memory:
         """Writes what has served, of which files the course is sound (empty: of none), and what was found of it."""
         if self._path is None or (sound == self._sound and found == self._found and self._used == self._imports):
             return
-        unfinished = self._path.with_suffix(".new")
         kept = {"sound": sound, "found": found, "imports": self._used}
         try:
-            unfinished.write_text(json.dumps(kept), encoding="utf-8")
-            unfinished.replace(self._path)
+            write_whole(self._path, json.dumps(kept))
         except OSError:
             log.warning("what was found of the course is not remembered in %s", self._path, exc_info=True)
 

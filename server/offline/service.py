@@ -16,6 +16,7 @@ from pathlib import Path
 from starlette.concurrency import run_in_threadpool
 
 from server.base.errors import Crowded, NotFound, NotNow
+from server.base.whole import write_whole
 from server.course import Course, Module
 from server.figures.orders import Theme
 from server.figures.service import Figures
@@ -122,9 +123,7 @@ class Archives:
 def _keep(path: Path, module: str, made: bytes) -> None:
     """All of it or nothing; earlier versions of the module's make room."""
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-    unfinished = path.with_suffix(".new")
-    unfinished.write_bytes(made)
-    unfinished.replace(path)
+    write_whole(path, made)
     for other in path.parent.iterdir():
         kept = KEPT.fullmatch(other.name)
         if kept and kept["module"] == module and other != path:

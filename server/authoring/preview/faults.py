@@ -11,6 +11,7 @@ from pathlib import Path
 from server.authoring import shapes
 from server.authoring.preview.reading import read_course
 from server.authoring.preview.supervising import Session
+from server.base.whole import write_whole
 from server.course import Problem
 from server.figures import lessons
 from server.replays.faults import faults as of_replays
@@ -25,9 +26,7 @@ def look(session: Session) -> None:
     sys.dont_write_bytecode = True
     course = read_course(session.place, render=True)
     found = [*course.problems, *shapes.faults(course), *lessons.faults(course), *of_replays(course)]
-    unfinished = session.faults.with_suffix(".new")
-    unfinished.write_text(json.dumps([[str(one.path), one.line, one.message] for one in found]), encoding="utf-8")
-    unfinished.replace(session.faults)
+    write_whole(session.faults, json.dumps([[str(one.path), one.line, one.message] for one in found]))
 
 
 def read(session: Session, known: Iterable[Problem]) -> list[Problem]:
