@@ -3,6 +3,7 @@
 import { Chart } from "../replays/chart.js";
 import { Transport } from "../replays/controls.js";
 import { lowered, make } from "../replays/dom.js";
+import { keepPlaces } from "../replays/frames.js";
 
 const STILL = window.matchMedia("(prefers-reduced-motion: reduce)");
 
@@ -65,15 +66,4 @@ export class Film {
     const words = this.scene.frames[index].caption;
     if (this.words !== words) this.caption.replaceChildren(...lowered((this.words = words)));
   }
-}
-
-/** Points that a frame does not give again stay where the frame before had them. */
-function keepPlaces(frames) {
-  frames.forEach(({ layers }, k) =>
-    layers.forEach((layer, i) => {
-      if (layer.kind !== "points" || layer.at) return;
-      const { at, headings } = frames[k - 1].layers[i];
-      Object.assign(layer, { at, headings });
-    }),
-  );
 }

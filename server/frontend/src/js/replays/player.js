@@ -5,6 +5,7 @@ import { onThemeChange, readColours } from "./colours.js";
 import { Settings, Transport } from "./controls.js";
 import { button, lowered, make, mark } from "./dom.js";
 import { Drag } from "./drag.js";
+import { keepPlaces } from "./frames.js";
 import { ALONE, GOALS, keysHelp } from "./keys.js";
 import { Prediction, same } from "./prediction.js";
 import { Source } from "./source.js";
@@ -269,15 +270,4 @@ export class Player {
     this.status.hidden = false;
     this.status.replaceChildren(words, again);
   }
-}
-
-/** Points that a frame does not give again stay where the frame before had them. */
-function keepPlaces(frames) {
-  frames.forEach(({ layers }, k) =>
-    layers.forEach((layer, i) => {
-      if (layer.kind !== "points" || layer.at) return;
-      const { at, headings } = frames[k - 1].layers[i];
-      Object.assign(layer, { at, headings });
-    }),
-  );
 }
