@@ -39,11 +39,10 @@ def run(_arguments: Namespace) -> int:
     try:
         with closing(Database(settings.url)) as database:
             require_current(database.engine)
-        if not settings.nats_url:
-            print(ALONE, file=sys.stderr)
-        place = make_url(settings.url).render_as_string(hide_password=True)
-        print(f"Balise corrige ce qui attend dans {place} ; Ctrl+C pour arrêter.", flush=True)
-        with closing(Database(settings.url)) as database:
+            if not settings.nats_url:
+                print(ALONE, file=sys.stderr)
+            place = make_url(settings.url).render_as_string(hide_password=True)
+            print(f"Balise corrige ce qui attend dans {place} ; Ctrl+C pour arrêter.", flush=True)
             run_worker(settings, Polling(), NoSignals(), Counts(database).renewed)
     except Stop:
         return 0
