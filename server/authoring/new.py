@@ -19,16 +19,6 @@ from server.text.markup.text import SLUG as PAGE_SLUG
 SKELETONS = Path(__file__).with_name("skeletons")
 COURSE = "course"
 MODULE = "module"
-#: What there are skeletons of, with what each is, as the command line says it.
-KINDS = {
-    MODULE: "un module (l19)",
-    "page": "une page à lire (l19/le-gain, ou l19/fiches/gain)",
-    "exercise": "un exercice de code (l19/gain)",
-    "choice": "un questionnaire (l19/verification)",
-    "numbers": "un calcul aux nombres tirés pour chacun (l19/calcul)",
-    "order": "une démonstration à remettre en ordre (l19/demo)",
-    "replay": "une animation (l19/derive)",
-}
 STEP = 10
 FOLDERS = {kind.folder: kind.name for kind in LESSONS}
 

@@ -9,6 +9,7 @@ from server.cli.options import bounded
 if TYPE_CHECKING:
     Commands = argparse._SubParsersAction[argparse.ArgumentParser]
 
+#: What there are skeletons of: each is a folder of `server/authoring/skeletons`.
 KINDS = ("module", "page", "exercise", "choice", "numbers", "order", "replay")
 
 
