@@ -4,13 +4,11 @@ import json
 from argparse import Namespace
 from pathlib import Path
 
-from sqlalchemy.exc import SQLAlchemyError
-
 from server.backup import service
 from server.backup.archive import BackupError, Manifest
 from server.cli import CannotRun
-from server.cli.admin import require_database
 from server.cli.configuration import read_settings
+from server.cli.database import in_words, require_database
 from server.database import utc_now
 from server.tables import metadata
 from server.web.words import plural
@@ -25,11 +23,10 @@ def run(arguments: Namespace) -> int:
     path = Path(arguments.file) if arguments.file else Path(name)
     path = path / name if path.is_dir() else path
     try:
-        manifest = service.back_up(settings, path, OURS)
+        with in_words():
+            manifest = service.back_up(settings, path, OURS)
     except BackupError as error:
         raise CannotRun(str(error)) from error
-    except SQLAlchemyError as error:
-        raise CannotRun(f"la base de données ne convient pas : {error}") from error
     show(manifest, path, arguments.json, f"Sauvegarde faite dans {path}, et vérifiée en la restaurant à part")
     return 0
 

@@ -8,7 +8,6 @@ import sys
 import time
 from argparse import Namespace
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import closing
 from datetime import datetime
 from typing import Any
 
@@ -37,9 +36,9 @@ def run(arguments: Namespace) -> int:
     if arguments.server is not None:
         return _follow(arguments, _remote(arguments))
     from server.cli.configuration import read_settings
-    from server.database import Database
+    from server.cli.database import opened
 
-    with closing(Database(read_settings(data_dir=arguments.data).url)) as database:
+    with opened(read_settings(data_dir=arguments.data)) as database:
         return _follow(arguments, _local(database))
 
 
@@ -62,24 +61,12 @@ def _remote(arguments: Namespace) -> Read:
 
 def _local(database: Any) -> Read:
     """Of the database alone: visitors, walls and the logs' errors are the service's, which tells them over HTTP."""
-    from sqlalchemy.exc import OperationalError
-
-    from server.database.migrate import WrongSchema, require_current
+    from server.cli.database import in_words
     from server.health import overview
 
-    try:
-        require_current(database.engine)
-    except WrongSchema as wrong:
-        raise CannotRun(str(wrong)) from wrong
-    except OperationalError as error:
-        raise CannotRun(f"la base de données ne répond pas : {error.orig}") from error
-
     def read() -> Json:
-        try:
-            with database.read() as db:
-                return overview.to_json(overview.read(db))
-        except OperationalError as error:
-            raise CannotRun(f"la base de données ne répond pas : {error.orig}") from error
+        with in_words(), database.read() as db:
+            return overview.to_json(overview.read(db))
 
     return read
 

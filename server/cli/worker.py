@@ -4,17 +4,14 @@ import logging
 import os
 import sys
 from argparse import Namespace
-from contextlib import closing
 
 from sqlalchemy import make_url
-from sqlalchemy.exc import OperationalError
 
 from server.base import logs, traces
 from server.cli import CannotRun
 from server.cli.configuration import read_settings, start_traces
+from server.cli.database import opened
 from server.cli.local import require_safe_sandbox, start_probing
-from server.database import Database
-from server.database.migrate import WrongSchema, require_current
 from server.grading.process import run as run_worker
 from server.grading.process import stop_on_signals
 from server.health.counts import Counts
@@ -37,8 +34,7 @@ def run(_arguments: Namespace) -> int:
     start_traces(f"worker[{os.getpid()}]")
     stop_on_signals(interrupt=True)
     try:
-        with closing(Database(settings.url)) as database:
-            require_current(database.engine)
+        with opened(settings) as database:
             if not settings.nats_url:
                 print(ALONE, file=sys.stderr)
             place = make_url(settings.url).render_as_string(hide_password=True)
@@ -46,10 +42,6 @@ def run(_arguments: Namespace) -> int:
             run_worker(settings, Polling(), NoSignals(), Counts(database).renewed)
     except Stop:
         return 0
-    except WrongSchema as wrong:
-        raise CannotRun(str(wrong)) from wrong
-    except OperationalError as error:
-        raise CannotRun(f"la base de données ne répond pas : {error.orig}") from error
     finally:
         traces.stop()
     return 0

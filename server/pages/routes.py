@@ -5,10 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal
-from uuid import UUID
+from typing import Annotated
 
-from fastapi import APIRouter, Form, Query, Request, Response
+from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import FormData
@@ -25,7 +24,7 @@ from server.course.dependencies import CourseOf
 from server.database import Database
 from server.database.dependencies import DatabaseOf, Db
 from server.gradebook import service as gradebook
-from server.gradebook import solutions
+from server.gradebook.dependencies import SolutionDoor
 from server.gradebook.schemas import Attempt
 from server.identity.dependencies import AccountsOf, BrowserAccount, OptionalAccount, SignedIn, account_or_guest
 from server.identity.models import Account
@@ -211,18 +210,9 @@ def save(
 
 
 @router.post("/{module:module}/exercices/{slug}/corrige")
-def open_or_close_solution(
-    module: str,
-    slug: str,
-    account: SignedIn,
-    course: CourseOf,
-    db: Db,
-    ouvrir: Annotated[bool, Form()],
-    classe: Annotated[UUID | Literal[""], Form()] = "",
-) -> RedirectResponse:
-    """To a class, or to everyone where none is named."""
+def open_or_close_solution(module: str, slug: str, course: CourseOf, door: SolutionDoor) -> RedirectResponse:
     exercise = find_exercise(course, module, slug)
-    solutions.open_or_close(db, account, exercise.id, classe or None, wanted=ouvrir)
+    door(exercise.id)
     return RedirectResponse(f"{exercise_href(exercise)}#corrige", MOVES_ON)
 
 

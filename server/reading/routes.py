@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict
 from http import HTTPStatus
 from typing import Annotated, Literal
-from uuid import UUID
 
-from fastapi import APIRouter, Depends, Form, Query, Request, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse
 
 from server.base import root
@@ -15,11 +14,9 @@ from server.base.errors import NotFound
 from server.base.provided import provided
 from server.base.request import client_address
 from server.course.dependencies import CourseOf
-from server.database.dependencies import Db
 from server.figures.dependencies import FiguresOf
 from server.figures.orders import MEDIA_TYPES, Theme
-from server.gradebook import solutions
-from server.identity.dependencies import SignedIn
+from server.gradebook.dependencies import SolutionDoor
 from server.polls import service as polls
 from server.reading import service
 from server.reading.downloads import Downloads
@@ -52,20 +49,12 @@ def lesson(request: Request, module: str, slug: str, reader: Reading, ouvrir: Li
 
 
 @router.post("/{module:module}/lire/{slug}/corrige")
-def open_or_close_answers(
-    module: str,
-    slug: str,
-    account: SignedIn,
-    course: CourseOf,
-    db: Db,
-    ouvrir: Annotated[bool, Form()],
-    classe: Annotated[UUID | Literal[""], Form()] = "",
-) -> RedirectResponse:
-    """Opens the answers of a paper to a class, or to everyone where none is named, or closes them."""
+def open_or_close_answers(module: str, slug: str, course: CourseOf, door: SolutionDoor) -> RedirectResponse:
+    """The answers of a paper."""
     found = service.find_lesson(find_module(course, module), slug)
     if not found.solution:
         raise NotFound("Cette page n’est pas un corrigé.")
-    solutions.open_or_close(db, account, found.id, classe or None, wanted=ouvrir)
+    door(found.id)
     return RedirectResponse(lesson_href(found), HTTPStatus.SEE_OTHER)
 
 

@@ -13,6 +13,7 @@ from server.base.logs import RECENT
 from server.base.provided import provided_to
 from server.base.tally import Visits
 from server.cli import main, top
+from server.grading.kinds import LANES
 from server.health.metrics import Metrics
 from server.identity.models import Role
 from server.queue.owner import owner_of
@@ -118,7 +119,12 @@ def test_it_is_read_in_the_database_too_and_told_where_there_is_none(
     assert "corrections" in capsys.readouterr().out
     monkeypatch.setenv("BALISE_DATABASE_URL", f"sqlite:///{tmp_path / 'none.sqlite3'}")
     assert main(["top", "--once"]) == 2
-    assert "schéma absent" in capsys.readouterr().err
+    assert "il n’y a pas de base de données" in capsys.readouterr().err
+    assert not (tmp_path / "none.sqlite3").exists()
+
+
+def test_every_kind_of_job_has_its_words() -> None:
+    assert set(top.KINDS) == set(LANES)
 
 
 def test_a_refusal_while_the_service_starts_again_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
