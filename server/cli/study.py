@@ -3,18 +3,15 @@
 import os
 from argparse import Namespace
 from collections.abc import Sequence
-from contextlib import closing
-
-from sqlalchemy.exc import SQLAlchemyError
 
 from server.authoring import study
 from server.authoring.study import Found
 from server.base.errors import Invalid
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
+from server.cli.database import opened
 from server.cli.local import find, load_course, local_grader, start_probing
 from server.course import Exercise
-from server.database import Database
 from server.grading.joint import Grader
 
 
@@ -36,12 +33,8 @@ def run(arguments: Namespace) -> int:
 
 
 def _groups(arguments: Namespace, exercise: Exercise) -> Sequence[Found]:
-    settings = read_settings(data_dir=arguments.data)
-    try:
-        with closing(Database(settings.url)) as database, database.read() as db:
-            return study.groups(db, exercise.id, arguments.most)
-    except SQLAlchemyError as error:
-        raise CannotRun(f"la base de données ne se lit pas : {error}") from error
+    with opened(read_settings(data_dir=arguments.data)) as database, database.read() as db:
+        return study.groups(db, exercise.id, arguments.most)
 
 
 def _tell(found: Found, exercise: Exercise, grader: Grader, *, write: bool) -> None:

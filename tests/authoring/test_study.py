@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,8 @@ from graders.core.code.grading import CodeGrader
 from graders.core.contract.local import LOCAL
 from server.authoring import shapes, study
 from server.base.settings import Settings
+from server.cli import main
+from server.cli import study as command
 from server.course import toml_file
 from server.database import Database
 from server.identity.models import Role
@@ -35,6 +38,9 @@ def composer(a, b):
         c = a
     return c
 """
+
+
+SAID = "rien de ce qui échoue n’est sans nom"
 
 
 class InThisProcess:
@@ -89,6 +95,31 @@ def test_shrinking_stops_at_what_it_may_cost() -> None:
     asked.clear()
     study.shrunk(lines, lambda text: not asked.append(text), tries=5)
     assert len(asked) == 5
+
+
+def test_the_command_tells_the_groups_and_refuses_one_that_is_not_there(
+    sqlite: Database, settings: Settings, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("BALISE_DATABASE_URL", settings.url)
+    monkeypatch.setattr(command, "load_course", the_course)
+    monkeypatch.setattr(command, "start_probing", lambda **_: None)
+    monkeypatch.setattr(command, "local_grader", lambda *_: nullcontext(InThisProcess()))
+    assert main(["study", EXERCISE]) == 0
+    assert SAID in capsys.readouterr().out
+    made = new_class(sqlite, new_account(sqlite, Role.teacher, "Mme Martin"))
+    sent(sqlite, seat(sqlite, made, new_account(sqlite, name="Ada")), SUM)
+    ask_all(sqlite, settings)
+    (name,) = groups(sqlite).values()
+    assert main(["study", EXERCISE, "--most", "3"]) == 0
+    told = capsys.readouterr().out
+    assert told.startswith(f"{name} : 1 essai")
+    assert "    def composer" in told
+    assert main(["study", EXERCISE, "--write", "nobody"]) == 2
+    assert f"aucun groupe « nobody ». Groupes : {name}." in capsys.readouterr().err
+    assert main(["study", "l20/nothing"]) == 2
+    monkeypatch.setenv("BALISE_DATABASE_URL", "sqlite:////nowhere/at/all.sqlite3")
+    assert main(["study", EXERCISE]) == 2
+    assert "il n’y a pas de base de données" in capsys.readouterr().err
 
 
 def test_a_group_becomes_a_misconception_to_word(tmp_path: Path) -> None:
