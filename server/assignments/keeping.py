@@ -127,11 +127,20 @@ def delete(db: Session, school_class: SchoolClass, by: UUID, assignment: Assignm
     db.flush()
 
 
-def copy(db: Session, original: SchoolClass, made: SchoolClass, by: UUID, moved: Callable[[datetime], datetime]) -> int:
+def copy(
+    db: Session,
+    original: SchoolClass,
+    made: SchoolClass,
+    by: UUID,
+    moved: Callable[[datetime], datetime],
+    there: Callable[[str], str | None],
+) -> int:
     """Gives a copied class the assignments of the original, their dates moved; no exemption, nothing released.
 
-    How many there are.
+    `there` finds an exercise in the copy's module: one that is not there is left out, and so is what had no other.
+    How many assignments there are.
     """
+    copied = 0
     rows = repository.of_class(db, original.id)
     exercises = repository.exercises(db, [one.id for one in rows])
     for one in rows:
@@ -139,10 +148,22 @@ def copy(db: Session, original: SchoolClass, made: SchoolClass, by: UUID, moved:
         columns = wanted.columns()
         for name in ("opens_at", "due_at", "closes_at"):
             columns[name] = None if columns[name] is None else moved(columns[name])
-        there = Wanted(exercises=wanted.exercises, **columns)
-        _added(db, made, by, there)
-        audit.note(db, made.id, by, What.assignment_made, about=there.title, after=_told(there))
-    return len(rows)
+        found = [(there(weighted.exercise), weighted.weight) for weighted in wanted.exercises]
+        kept = tuple(Weighted(exercise, weight) for exercise, weight in found if exercise is not None)
+        if kept:
+            given = Wanted(exercises=kept, **columns)
+            _added(db, made, by, given)
+            audit.note(db, made.id, by, What.assignment_made, about=given.title, after=_told(given))
+            copied += 1
+    return copied
+
+
+def without(db: Session, school_class: SchoolClass, there: Callable[[str], str | None]) -> Sequence[tuple[str, str]]:
+    """What `copy` leaves out: the titles of assignments, each with an exercise of it."""
+    rows = repository.of_class(db, school_class.id)
+    exercises = repository.exercises(db, [one.id for one in rows])
+    weighted = ((row, one) for row in rows for one in wanted_of(row, exercises.get(row.id, ())).exercises)
+    return [(row.title, one.exercise) for row, one in weighted if there(one.exercise) is None]
 
 
 def _told(wanted: Wanted) -> dict[str, Any]:

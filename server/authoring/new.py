@@ -9,11 +9,12 @@ from pathlib import Path
 
 from graders import courses
 from server.course import toml_file
+from server.course.editions import MODULE_SLUG
 from server.course.kinds import KINDS as LESSONS
 from server.course.library import front_matter
 from server.course.models import CourseFault
 from server.course.schemas import ExerciseFile
-from server.course.service import EXERCISE_SLUG, MODULE_SLUG
+from server.course.service import EXERCISE_SLUG
 from server.text.markup.text import SLUG as PAGE_SLUG
 
 SKELETONS = Path(__file__).with_name("skeletons")

@@ -56,17 +56,6 @@ def create(db: Session, by: Account, name: str, module: str) -> SchoolClass:
     return made
 
 
-def copy(db: Session, original: SchoolClass, by: Account, name: str) -> SchoolClass:
-    """The same for other students: module, rules, who teaches; a code of its own. Raises Invalid."""
-    made = create(db, by, name, original.module)
-    made.approval = original.approval
-    for member in repository.members(db, original.id):
-        if member.membership.is_staff and member.status is Status.active and member.id != by.id:
-            db.add(Membership(class_id=made.id, account_id=member.id, role=member.seat))
-    db.flush()
-    return made
-
-
 def _free_code(db: Session) -> str:
     while repository.code_is_taken(db, code := new_code()):
         pass

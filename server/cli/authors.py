@@ -11,6 +11,8 @@ if TYPE_CHECKING:
 
 #: What there are skeletons of: each is a folder of `server/authoring/skeletons`.
 KINDS = ("module", "page", "exercise", "choice", "numbers", "order", "replay")
+#: What copies a module instead, beside those that classes keep.
+EDITION = "edition"
 
 
 def add(commands: "Commands") -> None:
@@ -61,9 +63,10 @@ def _port(text: str) -> int:
 
 def _new(parser: argparse.ArgumentParser) -> None:
     help_text = (
-        "module, page, exercise (de code), choice (questionnaire), numbers (calcul), order (démonstration), replay"
+        "module, page, exercise (de code), choice (questionnaire), numbers (calcul), order (démonstration), replay, "
+        "ou edition : un module recopié, que l’on changera sans toucher à celui des classes"
     )
-    parser.add_argument("kind", choices=KINDS, metavar="KIND", help=help_text)
+    parser.add_argument("kind", choices=(*KINDS, EDITION), metavar="KIND", help=help_text)
     help_text = "le module (l19), ou le module et un nom (l19/gain ; pour une page, l19/fiches/gain)"
     parser.add_argument("name", metavar="NAME", help=help_text)
     help_text = "dossier du cours (par défaut : celui du module, ou le dossier où l’on est)"

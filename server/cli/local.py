@@ -8,7 +8,7 @@ from graders.core.contract.kits import kits_of
 from graders.courses import module_folder
 from server.cli import CannotRun
 from server.course import Course, Exercise, load
-from server.course.service import MODULE_SLUG
+from server.course.editions import MODULE_SLUG
 from server.grading.joint import Grader
 from server.sandbox import Sandbox, SandboxFault, WallReport, WallStatus, probe, safe_to_serve
 from server.sandbox.install import import_set

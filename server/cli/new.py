@@ -5,14 +5,15 @@ from argparse import Namespace
 from pathlib import Path
 
 from graders.courses import HERE, OWN
-from server.authoring import new
+from server.authoring import editions, new
 from server.cli import CannotRun
+from server.cli.authors import EDITION
 
 
 def run(arguments: Namespace) -> int:
     course: Path = arguments.into or new.place_of(arguments.name)
     try:
-        files = new.write(arguments.kind, arguments.name, course)
+        files = _written(arguments.kind, arguments.name, course)
     except new.Refused as refused:
         raise CannotRun(f"{refused}.") from refused
     except OSError as error:
@@ -23,10 +24,14 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
+def _written(kind: str, name: str, course: Path) -> list[Path]:
+    return editions.write(name, course) if kind == EDITION else new.write(kind, name, course)
+
+
 def _next(kind: str, name: str, course: Path) -> list[str]:
     """What one does then, as one types it."""
     where = "" if course.resolve() in (OWN, *HERE.places) else f" --course {os.path.relpath(course)}"
     lines = [f"Voir : balise preview {os.path.relpath(course)}"]
-    if kind not in {"module", "page", "replay"}:
+    if kind not in {"module", "page", "replay", EDITION}:
         lines.append(f"Vérifier : balise check {name}{where}")
     return lines

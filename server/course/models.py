@@ -9,6 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal, cast
 
+from server.course.editions import edition_of, latest
 from server.course.kinds import LessonKind
 from server.sandbox.policy import Policy
 from server.text.markup import Cell, Heading, Names, Section, Text
@@ -274,6 +275,11 @@ class Module:
     names: Callable[[], Names] = no_names
     folder: Path = Path()
 
+    @property
+    def label(self) -> str:
+        """Its number, and its edition where it is not the first."""
+        return self.number + edition_of(self.slug).words
+
 
 @dataclass(frozen=True, eq=False)
 class Course:
@@ -288,6 +294,18 @@ class Course:
         return MappingProxyType(
             {exercise.id: exercise for module in self.modules.values() for exercise in module.exercises}
         )
+
+    @cached_property
+    def latest(self) -> tuple[Module, ...]:
+        """What newcomers are offered: the last edition of each module."""
+        wanted = latest(self.modules)
+        return tuple(module for slug, module in self.modules.items() if slug in wanted)
+
+    def newer(self, slug: str) -> Module | None:
+        """The last edition of a module, where that is another one."""
+        family, number = edition_of(slug)
+        found = (one for one in self.latest if edition_of(one.slug).family == family)
+        return next((one for one in found if edition_of(one.slug).number > number), None)
 
     def version_of(self, exercise: str) -> str:
         """The version of an exercise by its id, which may have left the course."""

@@ -14,6 +14,7 @@ from graders import courses
 from graders.core.contract.kits import kits_of
 from server.course import drawings, reuse, toml_file
 from server.course.closure import Imports
+from server.course.editions import MODULE_SLUG
 from server.course.graded import Sources, name_of, python_of, read_graded
 from server.course.library import Library, problems_of
 from server.course.memory import NOTHING_FOUND, Memory, source_of
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from graders.discovery import Discovery
 
 T = TypeVar("T")
-MODULE_SLUG = re.compile(r"[a-z]+[0-9]+")  # addresses start with it, beside /connexion and its like
+NO_MODULE = "nom de module : des minuscules puis un nombre, comme « l20 » ; sa deuxième édition est « l20e2 »"
 EXERCISE_SLUG = re.compile(r"[a-z0-9]+(_[a-z0-9]+)*")
 HINT_TITLE = re.compile(r"^##[ \t]+Indice[ \t]+(\d+)[ \t]*$", re.MULTILINE)
 
@@ -110,7 +111,7 @@ def _module(
     sources: Sources, path: Path, problems: list[Problem], look: Look, wanted: Collection[str] | None
 ) -> Module:
     if not MODULE_SLUG.fullmatch(path.name):
-        raise CourseFault(Problem(path, None, "nom de module : des minuscules puis un nombre, comme « l20 »"))
+        raise CourseFault(Problem(path, None, NO_MODULE))
     card = toml_file.read(path / "module.toml", ModuleFile)
     kits = {name: {place: python_of(file) for place, file in files.items()} for name, files in kits_of(path).items()}
     library = Library(path, drawings.read(path / "figures", problems), problems)

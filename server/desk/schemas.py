@@ -122,11 +122,23 @@ class PeoplePage:
 
 
 @dataclass(frozen=True)
+class EditionChoice:
+    """An edition that a class may be copied into; `without` are exercises of its assignments that are not in it."""
+
+    slug: str
+    title: str
+    without: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class SettingsPage:
+    """`editions` are those of the class's module, from its own on."""
+
     head: ClassHead
     approval: bool
     staff: tuple[StaffRow, ...]
     code: CodeView | None
+    editions: tuple[EditionChoice, ...]
 
 
 @dataclass(frozen=True)

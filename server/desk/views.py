@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from datetime import datetime
+from functools import partial
 from urllib.parse import urlencode
 
 from markupsafe import Markup
 from sqlalchemy.orm import Session
 
+from server.assignments import keeping
 from server.classes import repository
 from server.classes.codes import shown_code
 from server.classes.importing import Plan
@@ -17,13 +19,14 @@ from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.classes.schemas import Member
 from server.classes.service import Slip, good_code
 from server.comments import repository as comments
-from server.course import Course
+from server.course import Course, Module
 from server.desk.schemas import (
     ChangeRow,
     ClassesPage,
     ClassHead,
     ClassRow,
     CodeView,
+    EditionChoice,
     ImportPage,
     JoinPage,
     MemberRow,
@@ -38,6 +41,7 @@ from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import Place
+from server.web import editions
 from server.web.news import news_views
 from server.web.words import moment, moment_text
 
@@ -59,7 +63,7 @@ def regrade_href(class_href: str, exercise: str) -> str:
 def module_name(course: Course, slug: str) -> str:
     """A class may outlive its module on this server."""
     module = course.modules.get(slug)
-    return f"Module {module.number}" if module else slug
+    return f"Module {module.label}" if module else slug
 
 
 def classes_page(db: Session, course: Course, account: Account | None) -> ClassesPage:
@@ -74,7 +78,7 @@ def classes_page(db: Session, course: Course, account: Account | None) -> Classe
         attended=tuple(row for one, seat, row in rows if one.archived_at is None and not _is_staff(seat)),
         archived=tuple(row for one, _, row in rows if one.archived_at is not None),
         may_create=account is not None and Right.create in rights.on_server(account),
-        modules=tuple((module.slug, f"{module.number} — {module.title}") for module in course.modules.values()),
+        modules=tuple((module.slug, f"{module.label} — {module.title}") for module in course.latest),
     )
 
 
@@ -205,7 +209,30 @@ def _without_password(member: Member) -> bool:
 def settings_page(db: Session, course: Course, place: Place, account: Account, base: str) -> SettingsPage:
     school_class = place.school_class
     staff = staff_rows(repository.members(db, school_class.id), place, account)
-    return SettingsPage(head(course, place, "/reglages"), school_class.approval, staff, code_view(school_class, base))
+    return SettingsPage(
+        head=head(course, place, "/reglages"),
+        approval=school_class.approval,
+        staff=staff,
+        code=code_view(school_class, base),
+        editions=tuple(
+            _choice(db, course, school_class, one) for one in editions.to_move_to(course, school_class.module)
+        ),
+    )
+
+
+def _choice(db: Session, course: Course, school_class: SchoolClass, edition: Module) -> EditionChoice:
+    there = partial(editions.there, course, module=edition.slug)
+    left = () if edition.slug == school_class.module else keeping.without(db, school_class, there)
+    return EditionChoice(
+        slug=edition.slug,
+        title=f"{edition.label} — {edition.title}",
+        without=tuple(f"{_title(course, exercise)}, du devoir « {title} »" for title, exercise in left),
+    )
+
+
+def _title(course: Course, exercise: str) -> str:
+    served = course.exercises.get(exercise)
+    return f"« {served.title} »" if served else exercise
 
 
 def import_page(course: Course, place: Place, plan: Plan, text: str) -> ImportPage:

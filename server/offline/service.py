@@ -18,6 +18,7 @@ from starlette.concurrency import run_in_threadpool
 from server.base.errors import Crowded, NotFound, NotNow
 from server.base.whole import write_whole
 from server.course import Course, Module
+from server.course.editions import MODULE
 from server.figures.orders import Theme
 from server.figures.service import Figures
 from server.offline import site
@@ -31,7 +32,7 @@ ADDRESS = "archive"
 PATIENCE = 900.0
 #: Seconds between two tries for a figure, while there is no room in the queue.
 PAUSE = 5.0
-KEPT = re.compile(r"(?P<module>[a-z]+[0-9]+)-[0-9a-f]+\.zip")
+KEPT = re.compile(rf"(?P<module>{MODULE})-[0-9a-f]+\.zip")
 
 
 @dataclass

@@ -36,7 +36,7 @@ from server.pages.schemas import (
 from server.submissions import deals
 from server.submissions.models import State
 from server.submissions.service import Place
-from server.web import deadlines, regraded, verdicts
+from server.web import deadlines, editions, regraded, verdicts
 from server.web.schemas import VerdictView
 from server.web.views import (
     Reader,
@@ -68,7 +68,7 @@ def attempt_at(reader: Reader, exercise: Exercise, submission_id: str) -> Attemp
 def home_page(reader: Reader) -> HomePage:
     progress = gradebook.progress(reader.db, reader.account)
     due = deadlines.soon(reader.db, reader.account, progress)
-    return HomePage(tuple(_card(module, progress) for module in reader.course.modules.values()), due)
+    return HomePage(tuple(_card(module, progress) for module in editions.shown(reader, progress)), due)
 
 
 def _card(module: Module, progress: dict[str, Progress]) -> ModuleCard:

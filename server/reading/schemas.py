@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from server.polls.models import ANSWER_LENGTH, POLL_LENGTH
 from server.web.deadlines import DueView
-from server.web.schemas import DoorView, ExerciseRow, FigureView, ModuleLink
+from server.web.schemas import DoorView, EditionNote, ExerciseRow, FigureView, ModuleLink
 
 
 @dataclass(frozen=True)
@@ -91,6 +91,7 @@ class CourseHome:
     done: int
     total: int
     due: tuple[DueView, ...]
+    edition: EditionNote | None = None
 
 
 @dataclass(frozen=True)

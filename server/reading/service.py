@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from itertools import groupby
 from typing import Any
@@ -35,7 +36,7 @@ from server.reading.schemas import (
     TermView,
 )
 from server.text.prose import line
-from server.web import deadlines
+from server.web import deadlines, editions
 from server.web.deadlines import DueView
 from server.web.rendering import environment
 from server.web.schemas import ExerciseRow, FigureView
@@ -59,7 +60,8 @@ def find_lesson(module: Module, slug: str) -> Lesson:
 
 def course_home(reader: Reader, module: Module) -> CourseHome:
     progress = gradebook.progress(reader.db, reader.account)
-    return home_view(module, progress, deadlines.soon(reader.db, reader.account, progress, module.slug))
+    view = home_view(module, progress, deadlines.soon(reader.db, reader.account, progress, module.slug))
+    return replace(view, edition=editions.note(reader, module))
 
 
 def home_view(module: Module, progress: Mapping[str, Progress], due: tuple[DueView, ...]) -> CourseHome:
@@ -80,7 +82,7 @@ def home_view(module: Module, progress: Mapping[str, Progress], due: tuple[DueVi
     )
     return CourseHome(
         slug=module.slug,
-        number=module.number,
+        number=module.label,
         title=module.title,
         track=module.track,
         summary=module.summary,

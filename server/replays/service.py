@@ -24,8 +24,8 @@ from graders.typography import french
 from server.base.caches import Lately
 from server.base.errors import Invalid, NotFound
 from server.course.code import MANIPULATIONS, load_file
+from server.course.editions import MODULE_SLUG
 
-MODULE = re.compile(r"[a-z]+[0-9]+")
 NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 MEMORY_BYTES = 32 * 1024 * 1024
 LONGEST_VALUE = 80  # characters, where a parameter does not say otherwise
@@ -99,7 +99,7 @@ class Replays:
 
     def names(self, module: str) -> tuple[str, ...]:
         """The replays of a module, as addresses name them."""
-        return names_in(self._home(module)) if MODULE.fullmatch(module) else ()
+        return names_in(self._home(module)) if MODULE_SLUG.fullmatch(module) else ()
 
     def find(self, module: str, name: str) -> Script:
         """Raises NotFound."""
@@ -129,7 +129,7 @@ class Replays:
 
     def manipulations(self, module: str) -> tuple[str, ...]:
         """The manipulations of a module, as addresses name them."""
-        if not MODULE.fullmatch(module):
+        if not MODULE_SLUG.fullmatch(module):
             return ()
         scenes = sorted((self._home(module) / MANIPULATIONS).glob("*/scene.py"))
         return tuple(path.parent.name for path in scenes if NAME.fullmatch(path.parent.name))

@@ -10,6 +10,7 @@ from starlette.convertors import Convertor, register_url_convertor
 from server.base.request import SAFE_METHODS
 from server.classes.dependencies import PresenceOf
 from server.course.dependencies import CourseOf
+from server.course.editions import MODULE
 from server.database.dependencies import Db
 from server.identity.dependencies import OptionalAccount
 from server.submissions.dependencies import SubmissionsOf
@@ -19,7 +20,7 @@ from server.web.views import Reader
 class ModuleConvertor(Convertor[str]):
     """A module's slug, so that `/l20` never stands in the way of `/connexion`."""
 
-    regex = "[a-z]+[0-9]+"
+    regex = MODULE
 
     def convert(self, value: str) -> str:
         return value

@@ -82,7 +82,14 @@ def _here(request: Request, modules: Mapping[str, Module]) -> HereView | None:
     module = modules.get(request.path_params.get("module", ""))
     if module is None or not module.lessons:
         return None
-    return HereView(module.slug, module.number, request.url.path == f"/{module.slug}/recherche")
+    return HereView(module.slug, module.label, request.url.path == f"/{module.slug}/recherche")
+
+
+def _modules(request: Request, course: Course) -> list[tuple[str, str, str]]:
+    """Slug, number and title of each: the edition that the address is in, else the last."""
+    here = course.modules.get(request.path_params.get("module", ""))
+    latest = [here if here and course.newer(here.slug) is one else one for one in course.latest]
+    return [(module.slug, module.label, module.title) for module in latest]
 
 
 def _back(request: Request, context: Mapping[str, Any]) -> str:
@@ -105,10 +112,10 @@ def page(
     **context: Any,
 ) -> HTMLResponse:
     """A whole page: `template` extends `base.html`, which shows `account` and the modules of the course."""
-    modules = provided_to(request.app, Course).modules
+    course = provided_to(request.app, Course)
     surroundings = {
-        "modules": [(module.slug, module.number, module.title) for module in modules.values()],
-        "here": _here(request, modules),
+        "modules": _modules(request, course),
+        "here": _here(request, course.modules),
         "path": request.url.path,
         "back": _back(request, context),
     }

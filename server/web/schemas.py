@@ -24,6 +24,14 @@ class AccountView:
 
 
 @dataclass(frozen=True)
+class EditionNote:
+    """What is said of a module's editions on its page; `href` is the other one's."""
+
+    words: str
+    href: str = ""
+
+
+@dataclass(frozen=True)
 class HereView:
     """The module that one is in; `searching` where the page has a search field of its own."""
 

@@ -60,7 +60,7 @@ def door_view(door: Door) -> DoorView:
 
 def module_link(module: Module, progress: dict[str, Progress] | None = None) -> ModuleLink:
     done = sum((progress or {}).get(exercise.id, NOTHING_YET).succeeded for exercise in module.exercises)
-    return ModuleLink(module.slug, module.number, module.title, module.summary, len(module.exercises), done)
+    return ModuleLink(module.slug, module.label, module.title, module.summary, len(module.exercises), done)
 
 
 def exercise_row(exercise: Exercise, progress: Progress) -> ExerciseRow:

@@ -10,7 +10,7 @@ import pytest
 
 from server.base.errors import Conflict, Invalid, NotFound
 from server.base.settings import Settings
-from server.classes import importing, repository, service
+from server.classes import copying, importing, repository, service
 from server.classes.importing import Plan
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.classes.roster import read_roster
@@ -165,11 +165,24 @@ def test_a_copy_has_the_teachers_and_none_of_the_students(
     helper = seat(sqlite, made, new_account(sqlite), Seat.assistant)
     seat(sqlite, made, new_account(sqlite))
     with sqlite.write() as db:
-        copied = service.copy(db, db.get_one(SchoolClass, made.id), teacher, "MPSI 2 (2027)")
+        copied = copying.copy(db, db.get_one(SchoolClass, made.id), teacher, "MPSI 2 (2027)", module=made.module)
         seats = {one.id: one.seat for one in repository.members(db, copied.id)}
     assert seats == {teacher.id: Seat.teacher, helper.id: Seat.assistant}
     assert (copied.module, copied.approval) == (made.module, made.approval)
     assert copied.join_code not in {None, made.join_code}
+
+
+def test_a_copy_may_take_along_the_students_of_today(sqlite: Database, made: SchoolClass, teacher: Account) -> None:
+    ada = seat(sqlite, made, new_account(sqlite), family_name="LOVELACE", given_name="Ada", groups=["TP1"])
+    seat(sqlite, made, new_account(sqlite), status=Status.left)
+    seat(sqlite, made, new_account(sqlite), status=Status.pending)
+    with sqlite.write() as db:
+        original = db.get_one(SchoolClass, made.id)
+        copied = copying.copy(db, original, teacher, "MPSI 2", module="l20e2", with_students=True)
+        there = {one.id: one.membership for one in repository.members(db, copied.id)}
+    assert copied.module == "l20e2"
+    assert set(there) == {teacher.id, ada.id}
+    assert (there[ada.id].family_name, there[ada.id].groups) == ("LOVELACE", ["TP1"])
 
 
 def test_members_are_known_by_login_then_address_then_name(

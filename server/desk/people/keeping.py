@@ -12,7 +12,7 @@ from server.audit.members import noted
 from server.base.dependencies import SettingsOf
 from server.base.errors import Invalid, NotFound, ServiceError
 from server.base.root import service_address
-from server.classes import service
+from server.classes import copying, service
 from server.classes.dependencies import ClassesOf
 from server.classes.models import Seat
 from server.classes.schemas import CODE_LASTS, DEFAULT_LASTING, name_of_class
@@ -26,7 +26,7 @@ from server.identity.models import Account
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import Place
-from server.web import school_time
+from server.web import editions, school_time
 from server.web.dependencies import Reading
 from server.web.forms import Field, go
 from server.web.rendering import page
@@ -201,15 +201,20 @@ def set_staff(
 @router.post("/classes/{class_id}/copier")
 def copy(
     request: Request, class_id: str, account: SignedIn, db: Db, course: CourseOf, name: Field = "",
-    semaines: Field = "", rentree: Field = "",
+    semaines: Field = "", rentree: Field = "", edition: Field = "", eleves: Annotated[bool, Form()] = False,
 ) -> Response:  # fmt: skip
-    """With its assignments, each date at its time of day so many weeks later, or from when the first is to open."""
+    """With its assignments, each date at its time of day so many weeks later, or from when the first is to open.
+
+    `edition`: into another edition of its module; `eleves`: with the students.
+    """
     place = rights.require(db, account, Right.set_up, class_id)
     rights.require_on_server(account, Right.create)
     try:
         days = shift.days(db, place.school_class, semaines, rentree)
-        made = service.copy(db, place.school_class, account, name)
-        assignments.copy(db, place.school_class, made, account.id, lambda when: school_time.moved(when, days))
+        module = editions.chosen(course, place.school_class.module, edition)
+        made = copying.copy(db, place.school_class, account, name, module=module, with_students=eleves)
+        moved, there = partial(school_time.moved, days=days), partial(editions.there, course, module=module)
+        assignments.copy(db, place.school_class, made, account.id, moved, there)
     except Invalid as refused:
         return _settings(request, account, db, course, place, refused)
     return go(views.href_of(made))

@@ -1,0 +1,45 @@
+"""Editions: a module's later ones stand beside it, so that a class keeps its own until its teacher moves it.
+
+The second edition of `l19` is the module `l19e2`: other exercises, for all that is kept of them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import NamedTuple
+
+#: A module's name in addresses and folders.
+MODULE = r"[a-z]+[0-9]+(?:e(?:[2-9]|[1-9][0-9]+))?"
+MODULE_SLUG = re.compile(MODULE)
+_MARK = re.compile(r"(?P<family>[a-z]+[0-9]+)(?:e(?P<number>[0-9]+))?")
+
+
+class Edition(NamedTuple):
+    family: str
+    number: int
+
+    @property
+    def words(self) -> str:
+        """What is said beside the module's number: nothing of the first."""
+        return f", {self.number}ᵉ édition" if self.number > 1 else ""
+
+
+def edition_of(slug: str) -> Edition:
+    """That of a module, served or no more."""
+    found = _MARK.fullmatch(slug)
+    return Edition(found["family"], int(found["number"] or 1)) if found else Edition(slug, 1)
+
+
+def following(slug: str) -> str:
+    """The name of the edition after this one."""
+    family, number = edition_of(slug)
+    return f"{family}e{number + 1}"
+
+
+def latest(slugs: Iterable[str]) -> frozenset[str]:
+    """The last edition of each module."""
+    last: dict[str, str] = {}
+    for slug in sorted(slugs, key=edition_of):
+        last[edition_of(slug).family] = slug
+    return frozenset(last.values())

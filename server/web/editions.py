@@ -1,0 +1,80 @@
+"""Which edition of a module somebody is shown: that of their class, else the last."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from server.base.errors import NotFound
+from server.classes import repository
+from server.course import Course, Module
+from server.course.editions import edition_of
+from server.gradebook.schemas import Progress
+from server.web.schemas import EditionNote
+from server.web.views import Reader
+
+NEWER = "Une édition plus récente de ce module existe\u202f: {label}."
+OURS = "Votre classe garde cette édition, jusqu’à ce que votre enseignant en change."
+OTHER = "Votre classe travaille sur une autre édition de ce module\u202f: {label}."
+
+
+def kept(reader: Reader) -> frozenset[str]:
+    """The modules of one's classes, those that are archived left out."""
+    if reader.account is None:
+        return frozenset()
+    joined = repository.of_account(reader.db, reader.account.id)
+    return frozenset(one.school_class.module for one in joined if one.school_class.archived_at is None)
+
+
+def shown(reader: Reader, progress: Mapping[str, Progress]) -> Sequence[Module]:
+    """Of each module the edition of one's class, else the last, and those where one has begun; in the course's order.
+
+    No query where each module has but one edition.
+    """
+    course = reader.course
+    if len(course.latest) == len(course.modules):
+        return course.latest
+    own = kept(reader)
+    families = {edition_of(slug).family for slug in own if slug in course.modules}
+    wanted = own | {one.slug for one in course.latest if edition_of(one.slug).family not in families}
+    begun = {exercise.partition("/")[0] for exercise, one in progress.items() if one.attempts}
+    return [module for slug, module in course.modules.items() if slug in wanted | begun]
+
+
+def note(reader: Reader, module: Module) -> EditionNote | None:
+    """What is said on the page of a module that has other editions."""
+    course = reader.course
+    family = edition_of(module.slug).family
+    others = [one for one in course.modules.values() if one is not module and edition_of(one.slug).family == family]
+    if not others:
+        return None
+    own = kept(reader)
+    if module.slug in own:
+        return EditionNote(OURS) if course.newer(module.slug) else None
+    for one in others:
+        if one.slug in own:
+            return EditionNote(OTHER.format(label=one.label), f"/{one.slug}")
+    newer = course.newer(module.slug)
+    return EditionNote(NEWER.format(label=newer.label), f"/{newer.slug}") if newer else None
+
+
+def to_move_to(course: Course, slug: str) -> tuple[Module, ...]:
+    """The editions that a class of this one may be copied into: its own, where it is served, and those after it."""
+    family, number = edition_of(slug)
+    same = (one for one in course.modules.values() if edition_of(one.slug).family == family)
+    return tuple(one for one in same if edition_of(one.slug).number >= number)
+
+
+def chosen(course: Course, own: str, wanted: str) -> str:
+    """The module of a class's copy. Raises NotFound for one that is none of its later editions."""
+    if wanted in {"", own} or any(one.slug == wanted for one in to_move_to(course, own)):
+        return wanted or own
+    raise NotFound("Cette édition du module n’existe pas.")
+
+
+def there(course: Course, exercise: str, module: str) -> str | None:
+    """The exercise of the same name in another edition, where it has one; in its own, served or not."""
+    home, _, slug = exercise.partition("/")
+    if home == module:
+        return exercise
+    found = f"{module}/{slug}"
+    return found if found in course.exercises else None

@@ -1,0 +1,56 @@
+"""An edition is a module of its own, beside the first, and a class goes to it when its teacher says so."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+
+import pytest
+
+from graders.core.contract.local import LOCAL
+from server.authoring import editions
+from server.authoring.new import Refused
+from server.course import Course, load
+from server.course.editions import edition_of, following, latest
+from server.web.editions import there, to_move_to
+from tests.support.outside import taken_in
+
+
+def test_names_tell_the_edition() -> None:
+    assert edition_of("l19") == ("l19", 1)
+    assert edition_of("l19e12") == ("l19", 12)
+    assert [following(slug) for slug in ("l19", "l19e2", "l19e9")] == ["l19e2", "l19e3", "l19e10"]
+    assert latest(["l19", "l19e10", "l19e9", "m2"]) == {"l19e10", "m2"}
+
+
+def test_a_copied_module_holds_together_and_grades(place: Path, tmp_path: Path) -> None:
+    course = tmp_path / "kalman"
+    shutil.copytree(place, course, ignore=shutil.ignore_patterns("__pycache__"))
+    with taken_in(course):
+        files = editions.write("l19", course)
+        assert all("l19" not in path.parts for path in (one.relative_to(course) for one in files))
+        assert editions.write("l19", course)[0].relative_to(course).parts[1] == "l19e3"
+        read = load(course / "curriculum", code=course, render=False)
+        assert [one.message for one in read.problems if "n’a pas d’exercice" not in one.message] == []
+        assert [module.slug for module in read.latest] == ["l19e3"]
+        assert [one.slug for one in to_move_to(read, "l19e2")] == ["l19e2", "l19e3"]
+        exercise = read.exercises["l19e2/gain"]
+        judgement = exercise.grader.grade(exercise.grader.solution.encode(), LOCAL, seed=3, version="x")
+        assert (judgement.verdict.exercise, judgement.verdict.score) == ("l19e2/gain", 1.0)
+    with pytest.raises(Refused):
+        editions.write("l18", course)
+
+
+def test_exercises_are_found_by_name_in_another_edition(course: Course) -> None:
+    module = course.modules["l19"]
+    kept = tuple(replace(one, module="l19e2") for one in module.exercises if one.slug != "gain")
+    newer = replace(module, slug="l19e2", exercises=kept)
+    both = Course(MappingProxyType({"l19": module, "l19e2": newer}), ())
+    assert there(both, "l19/calcul", "l19e2") == "l19e2/calcul"
+    assert there(both, "l19/gain", "l19e2") is None
+    assert there(both, "l19/gone", "l19") == "l19/gone"
+    assert both.newer("l19") is newer
+    assert both.newer("l19e2") is None
+    assert newer.label == "L19, 2ᵉ édition"
