@@ -28,7 +28,10 @@ CHECKED_ONCE = [[".statement"], [".katex"]]  # what a verdict does not change
 
 def check(visitor: Visit, what: str, *, exclude: list[list[str]] | None = None, formulas: bool = False) -> None:
     """With `formulas`, they are looked at too as they are drawn."""
-    page = visitor.page
+    check_page(visitor.page, what, exclude=exclude, formulas=formulas)
+
+
+def check_page(page: Any, what: str, *, exclude: list[list[str]] | None = None, formulas: bool = False) -> None:
     if not formulas:
         page.evaluate(FORMULAS)
     page.evaluate(axe.Axe().axe_script)

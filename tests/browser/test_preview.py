@@ -16,6 +16,7 @@ import pytest
 
 from server.authoring import new
 from tests.browser.conftest import ROOT, sync_api
+from tests.browser.test_accessibility import check_page
 
 expect = sync_api.expect
 pytestmark = [pytest.mark.slow, pytest.mark.long]
@@ -101,6 +102,21 @@ def test_the_first_hour_of_an_author(place: Path, address: str, browser: Any) ->
     page.goto(f"{address}/apercu/l19/quiz")
     page.get_by_role("button", name="Essayer : chemin : deux").click()
     expect(page.get_by_role("heading", name="Le point de départ est oublié")).to_be_visible()
+    page.close()
+
+
+def test_axe_finds_nothing_on_what_the_preview_adds(place: Path, address: str, browser: Any) -> None:
+    page = browser.new_page(viewport={"width": 390, "height": 800})
+    page.set_default_timeout(30_000)
+    lesson = place / "curriculum" / "l19" / "seances" / "premiers-pas.md"
+    replace(lesson, "## Une idée", "## Une idée\n\nVoyez [](page:nulle-part).")
+    for path in ("/l19/lire/premiers-pas", "/apercu/l19/gain", "/apercu/l19/quiz"):
+        page.goto(f"{address}{path}")
+        expect(page.locator("#apercu")).to_contain_text("nulle-part")
+        page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
+        check_page(page, path)
+        wide = page.evaluate("document.documentElement.scrollWidth")
+        assert wide <= 390, (path, wide)
     page.close()
 
 
