@@ -61,7 +61,7 @@ class Grid(Layer):
     def _wire(self) -> dict[str, Any]:
         cells = np.asarray(self.cells, dtype=np.float64)
         if cells.ndim != 2 or cells.size == 0 or not np.all(np.isfinite(cells)):
-            raise SceneError("cells", f"of shape {cells.shape} are not numbers (H, W)")
+            raise SceneError("cells", f"il faut un tableau de nombres (H, W) ; sa forme est {cells.shape}")
         corner = [rounded(c, 6) for c in self.corner]
         return {
             "kind": "grid", "palette": self.palette, "corner": corner, "cell": self.cell, **picture(cells)
@@ -92,7 +92,7 @@ class Points(Layer):
             if values is not None:
                 column = finite(name, values)
                 if len(column) != len(at):
-                    raise SceneError(name, f"are {len(column)} for {len(at)} points")
+                    raise SceneError(name, f"il en faut un par point : {len(column)} pour {len(at)}")
                 body[name] = packed(np.round(column, 2 if name == "weights" else 3))
         return body
 
@@ -162,7 +162,7 @@ class Segments(Layer):
     def _wire(self) -> dict[str, Any]:
         starts, ends = finite("starts", self.starts, 2), finite("ends", self.ends, 2)
         if len(starts) != len(ends):
-            raise SceneError("ends", f"are {len(ends)} for {len(starts)} starts")
+            raise SceneError("ends", f"il faut autant de fins que de débuts : {len(ends)} pour {len(starts)}")
         line = {"kind": "segments", "color": self.color, "width": self.width, "dashed": self.dashed}
         return {**line, "opacity": self.opacity, "at": packed(np.hstack([starts, ends]))}
 
@@ -210,5 +210,5 @@ class Labels(Layer):
     def _wire(self) -> dict[str, Any]:
         at = finite("at", self.at, 2)
         if len(at) != len(self.texts):
-            raise SceneError("texts", f"are {len(self.texts)} for {len(at)} places")
+            raise SceneError("texts", f"il en faut un par place : {len(self.texts)} pour {len(at)}")
         return {"kind": "labels", "color": self.color, "texts": list(self.texts), "at": packed(at)}

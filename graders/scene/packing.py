@@ -30,9 +30,9 @@ def finite(name: str, values: ArrayLike, columns: int | None = None) -> NDArray[
         array = array.reshape(0, columns)
     expected = 1 if columns is None else 2
     if array.ndim != expected or (columns is not None and array.shape[1] != columns):
-        raise SceneError(name, f"has shape {array.shape}, not {'(n,)' if columns is None else f'(n, {columns})'}")
+        raise SceneError(name, f"sa forme est {array.shape}, et non {'(n,)' if columns is None else f'(n, {columns})'}")
     if not np.all(np.isfinite(array)):
-        raise SceneError(name, "holds a number that is not finite")
+        raise SceneError(name, "un des nombres n’est pas fini")
     return array
 
 

@@ -37,11 +37,13 @@ class Prediction:
     def __post_init__(self) -> None:
         ids = [name for name, _ in self.answers]
         if not FEWEST <= len(ids) <= MOST:
-            raise SceneError("answers", f"are {len(ids)}, not {FEWEST} to {MOST}")
+            raise SceneError("answers", f"il en faut de {FEWEST} à {MOST} ; il y en a {len(ids)}")
         if len(set(ids)) != len(ids) or not all(ANSWER_ID.fullmatch(name) for name in ids):
-            raise SceneError("answers", "have ids that are malformed, or given twice")
+            raise SceneError(
+                "answers", "un nom est donné deux fois, ou n’est pas fait de minuscules, chiffres et tirets"
+            )
         if self.right not in ids:
-            raise SceneError("right", f"« {self.right} » is not among the answers")
+            raise SceneError("right", f"« {self.right} » n’est pas l’une des réponses")
 
     def wire(self) -> dict[str, Any]:
         return {
@@ -75,9 +77,9 @@ class Placed:
 
     def __post_init__(self) -> None:
         if not 0.0 < self.near < self.far:
-            raise SceneError("near", f"{self.near} and far {self.far} are no two distances, the lesser first")
+            raise SceneError("near", f"{self.near} et far, {self.far} : il faut deux distances, la plus petite d’abord")
         if not self.spots or not all(self._within(x, y) for x, y in self.spots):
-            raise SceneError("spots", "are none, or not all within the box")
+            raise SceneError("spots", "il en faut, et toutes dans le cadre")
 
     @property
     def right(self) -> str:

@@ -92,7 +92,7 @@ class View:
 
     def wire(self) -> dict[str, Any]:
         if not (self.x0 < self.x1 and self.y0 < self.y1):
-            raise SceneError("view", "is empty")
+            raise SceneError("view", "la vue est vide")
         return {"box": [rounded(side, 6) for side in (self.x0, self.y0, self.x1, self.y1)], "up": self.up}
 
 
@@ -124,7 +124,7 @@ class Series:
         y = np.asarray(self.y, dtype=np.float64)
         x = np.arange(len(y), dtype=np.float64) if self.x is None else np.asarray(self.x, dtype=np.float64)
         if y.ndim != 1 or x.shape != y.shape:
-            raise SceneError("x", f"of shape {x.shape} does not go with y of shape {y.shape}")
+            raise SceneError("x", f"sa forme {x.shape} ne va pas avec celle de y, {y.shape}")
         points = {"x": [rounded(v, 5) for v in x.tolist()], "y": [rounded(v) for v in y.tolist()]}
         return {"label": french(self.label), "color": self.color, "style": self.style, **points}
 
@@ -165,7 +165,7 @@ class Chart:
     def wire(self, frames: int) -> dict[str, Any]:
         cursor = range(frames) if self.cursor is None else self.cursor
         if len(cursor) != frames:
-            raise SceneError("cursor", f"has {len(cursor)} places for {frames} frames")
+            raise SceneError("cursor", f"il y faut autant de places que d’images : {len(cursor)} pour {frames}")
         return {
             "title": french(self.title),
             "xLabel": french(self.x_label),
@@ -220,17 +220,21 @@ class Replay:
 
     def wire(self) -> dict[str, Any]:
         if not self.frames:
-            raise SceneError("frames", "are none")
+            raise SceneError("frames", "il n’y a pas une image")
         if not self.summary:
-            raise SceneError("summary", "says nothing")
+            raise SceneError("summary", "dites en une phrase ce que l’animation montre")
         for layer in (*self.layers, *self.over):
             if layer.until is not None and len(layer.until) != len(self.frames):
-                raise SceneError("until", f"has {len(layer.until)} counts for {len(self.frames)} frames")
+                raise SceneError("until", f"il y faut un nombre par image : {len(layer.until)} pour {len(self.frames)}")
         for layer in self._all_layers():
             if layer.panel is not None and not 0 <= layer.panel < len(self.panels):
-                raise SceneError("panel", f"{layer.panel} is not among {len(self.panels)} panels")
+                raise SceneError(
+                    "panel", f"{layer.panel} n’est pas l’un des {len(self.panels)} panneaux, comptés à partir de 0"
+                )
         if self.wrong is not None and not 0 <= self.wrong < len(self.frames):
-            raise SceneError("wrong", f"{self.wrong} is not among {len(self.frames)} frames")
+            raise SceneError(
+                "wrong", f"{self.wrong} n’est pas l’une des {len(self.frames)} images, comptées à partir de 0"
+            )
         return {
             **self.view.wire(),
             **self._extras(),

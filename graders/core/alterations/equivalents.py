@@ -51,13 +51,13 @@ def read_equivalents(folder: Path) -> tuple[Mark, ...]:
     try:
         read = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise MalformedExerciseError(path, f"not TOML: {error}") from error
+        raise MalformedExerciseError(path, f"ce n’est pas du TOML ({error})") from error
     entries = read.pop("equivalent", None)
     if read or not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
-        raise MalformedExerciseError(path, "not a list of [[equivalent]]")
+        raise MalformedExerciseError(path, "il faut des tables [[equivalent]]")
     starts = [text[: header.start()].count("\n") + 1 for header in _HEADER.finditer(text)]
     if len(starts) != len(entries):
-        raise MalformedExerciseError(path, "each mark begins with a line [[equivalent]]")
+        raise MalformedExerciseError(path, "chaque marque commence par une ligne [[equivalent]]")
     marks = tuple(_mark(path, entry, line) for entry, line in zip(entries, starts, strict=True))
     _all_different(marks)
     return marks
@@ -65,13 +65,13 @@ def read_equivalents(folder: Path) -> tuple[Mark, ...]:
 
 def _mark(path: Path, entry: dict[str, object], line: int) -> Mark:
     if odd := sorted(set(FIELDS) ^ entry.keys()):
-        raise MalformedExerciseError(path, f"lacks these, or knows nothing of them: {', '.join(odd)}", line)
+        raise MalformedExerciseError(path, f"ces champs manquent, ou sont de trop : {', '.join(odd)}", line)
     texts = [entry[name] for name in FIELDS]
     if not all(isinstance(text, str) for text in texts):
-        raise MalformedExerciseError(path, "every field of a mark is a text", line)
+        raise MalformedExerciseError(path, "chaque champ d’une marque est un texte", line)
     function, removed, added, reason = map(str, texts)
     if not reason.strip() or not removed.strip():
-        raise MalformedExerciseError(path, "a mark says which lines it is of, and why", line)
+        raise MalformedExerciseError(path, "une marque dit de quelles lignes elle parle, et pourquoi", line)
     return Mark(path, line, function, _lines(removed), _lines(added), reason.strip())
 
 
@@ -84,7 +84,7 @@ def _all_different(marks: Sequence[Mark]) -> None:
     for mark in marks:
         key = (mark.function, mark.removed, mark.added)
         if key in seen:
-            raise MalformedExerciseError(mark.file, "the same mark stands before", mark.line)
+            raise MalformedExerciseError(mark.file, "la même marque est déjà plus haut", mark.line)
         seen.add(key)
 
 
@@ -92,5 +92,5 @@ def stale(marks: Sequence[Mark], found: Sequence[Alteration]) -> Iterator[Malfor
     """What is wrong with the marks of which no alteration is left."""
     for mark in marks:
         if not any(mark.marks(alteration) for alteration in found):
-            words = "no alteration of the solution has this function and these lines any more"
+            words = "aucune altération de la solution n’a plus cette fonction et ces lignes"
             yield MalformedExerciseError(mark.file, words, mark.line)

@@ -78,18 +78,18 @@ def _check(question: ChoiceQuestion, place: int) -> None:
     ids = [option.id for option in question.options]
     right = len(question.right)
     faults = {
-        "has two options of one name": len(set(ids)) != len(ids),
-        f"has more than {MOST} options": len(ids) > MOST,
-        "has no right option": not right,
-        "has several right options": right > 1 and not question.several,
-        "has nothing but right options": right == len(ids),
-        "finds a misconception in a right option": any(
+        "deux options ont le même nom": len(set(ids)) != len(ids),
+        f"elle a plus de {MOST} options": len(ids) > MOST,
+        "aucune option n’est juste": not right,
+        "plusieurs options sont justes : dites « several = true »": right > 1 and not question.several,
+        "toutes ses options sont justes": right == len(ids),
+        "une option juste désigne une erreur": any(
             option.right and option.misconception for option in question.options
         ),
     }
     for fault, present in faults.items():
         if present:
-            raise MalformedSheetError(f"question {question.id} {fault}", ("question", place))
+            raise MalformedSheetError(f"question « {question.id} » : {fault}", ("question", place))
 
 
 @dataclass(frozen=True, eq=False)

@@ -65,7 +65,9 @@ class NumericDefinition(Definition):
             )
         for place, unknown in enumerate(sheet.unknown()):
             if unknown:
-                raise MalformedSheetError(f"the sheet speaks of unknown data: {unknown}", ("question", place))
+                raise MalformedSheetError(
+                    f"ces nombres ne sont pas tirés par deal() : {', '.join(unknown)}", ("question", place)
+                )
         return grader
 
 

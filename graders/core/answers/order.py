@@ -62,15 +62,15 @@ def order(exercise: str, folder: Path, sheet: OrderSheet) -> OrderGrader:
     steps = names[: len(sheet.steps)]
     for place, distractor in enumerate(sheet.distractors):
         if distractor.id in steps:
-            raise MalformedSheetError(f"step and distractor have the same name {distractor.id}", ("distractor", place))
+            raise MalformedSheetError(f"une étape et un intrus se nomment « {distractor.id} »", ("distractor", place))
     if len(set(names)) != len(names):
-        raise MalformedSheetError("two steps have the same name")
+        raise MalformedSheetError("deux étapes ont le même nom")
     if len(names) > MOST:
-        raise MalformedSheetError(f"there are more than {MOST} steps")
+        raise MalformedSheetError(f"il y a plus de {MOST} étapes")
     for place, step in enumerate(sheet.steps):
         unknown = set(step.after) - set(steps[:place])
         if unknown:
-            message = f"step {step.id} comes after {sorted(unknown)}, not steps above it"
+            message = f"étape « {step.id} » : {', '.join(sorted(unknown))} n’est pas une étape écrite au-dessus"
             raise MalformedSheetError(message, ("step", place, "after"))
     catalogue = read_mistakes(folder)
     same_mistakes(

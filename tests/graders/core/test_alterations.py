@@ -164,14 +164,14 @@ def test_a_mark_says_of_what_it_is(tmp_path: Path) -> None:
     [
         (BOUND + '[[equivalent]]\nfunction = "f"\n', 6, "added, reason, removed"),
         (BOUND + BOUND.replace("reason", "raison"), 6, "raison, reason"),
-        (BOUND + BOUND, 6, "stands before"),
-        (BOUND.replace('"−0 vaut 0"', '" "'), 1, "why"),
+        (BOUND + BOUND, 6, "déjà plus haut"),
+        (BOUND.replace('"−0 vaut 0"', '" "'), 1, "pourquoi"),
         (BOUND.replace('"−0 vaut 0"', "12"), 1, "text"),
-        (f'title = "x"\n{BOUND}', 1, "not a list"),
-        ("equivalent = 3", 1, "not a list"),
-        ("equivalent = [{}]", 1, "begins with a line"),
-        ("[[equivalent", 1, "not TOML"),
-        ("", 1, "not a list"),
+        (f'title = "x"\n{BOUND}', 1, "il faut des tables"),
+        ("equivalent = 3", 1, "il faut des tables"),
+        ("equivalent = [{}]", 1, "commence par une ligne"),
+        ("[[equivalent", 1, "pas du TOML"),
+        ("", 1, "il faut des tables"),
     ],
 )
 def test_a_mark_is_read_strictly_and_told_with_its_line(tmp_path: Path, text: str, line: int, said: str) -> None:

@@ -205,7 +205,7 @@ def test_definitions_that_do_not_hold_together_are_refused(tmp_path: Path) -> No
 
     with pytest.raises(MalformedExerciseError, match="fassent 20"):
         made_up(deal, Quantity("q", 3, lambda d, _: d["a"]), folder=tmp_path)
-    with pytest.raises(MalformedSheetError, match="unknown data"):
+    with pytest.raises(MalformedSheetError, match="ne sont pas tirés"):
         made_up(deal, Quantity("q", 20, lambda d, _: d["a"]), text="Et {{b}} ?", folder=tmp_path)
     with pytest.raises(MalformedExerciseError, match="non montrés"):
         made_up(lambda _: {"a": 1.0, "b": 2.0}, Quantity("q", 20, lambda d, _: d["a"]), folder=tmp_path)
