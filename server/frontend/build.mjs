@@ -1,6 +1,7 @@
 // Bundle src/ and KaTeX into the folder given as argument. Run by build_hook.py, or by hand: npm run build -- DIR
 import { cp, mkdir, readFile, readdir, writeFile } from "node:fs/promises";
-import { join } from "node:path";
+import { extname, join } from "node:path";
+import { brotliCompressSync, constants, gzipSync } from "node:zlib";
 import { build } from "esbuild";
 
 const out = process.argv[2] ?? "../static";
@@ -54,3 +55,16 @@ for (const font of await readdir(join(katex, "fonts"))) {
   if (font.endsWith(".woff2")) await cp(join(katex, "fonts", font), join(out, "katex/fonts", font));
 }
 await cp("src/img", join(out, "img"), { recursive: true });
+
+// Compressed once, as small as can be, beside each text: the server has but to choose.
+const packed = new Set([".js", ".css", ".svg"]);
+const least = 1024;
+for (const entry of await readdir(out, { recursive: true, withFileTypes: true })) {
+  if (!entry.isFile() || !packed.has(extname(entry.name))) continue;
+  const path = join(entry.parentPath, entry.name);
+  const content = await readFile(path);
+  if (content.length < least) continue;
+  const options = { [constants.BROTLI_PARAM_QUALITY]: constants.BROTLI_MAX_QUALITY, [constants.BROTLI_PARAM_SIZE_HINT]: content.length };
+  await writeFile(`${path}.br`, brotliCompressSync(content, { params: options }));
+  await writeFile(`${path}.gz`, gzipSync(content, { level: constants.Z_BEST_COMPRESSION }));
+}

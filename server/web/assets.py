@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import logging
+import os
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 
-from starlette.responses import Response
+from starlette.datastructures import Headers
+from starlette.responses import FileResponse, Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
@@ -18,6 +21,35 @@ SOURCES = SERVER / "frontend" / "src"
 STAMP = "stamp.txt"
 PREFIX = "/static"
 FOREVER = "public, max-age=31536000, immutable"
+#: The encodings of what was compressed when it was built, the smallest first: what follows the file's name.
+PACKED = {"br": ".br", "gzip": ".gz"}
+
+
+class _Packed(StaticFiles):
+    """Files of which some stand compressed beside themselves."""
+
+    def file_response(
+        self, full_path: str | os.PathLike[str], stat_result: os.stat_result, scope: Scope, status_code: int = 200
+    ) -> Response:
+        for encoding in _accepted(Headers(scope=scope).get("accept-encoding", "")):
+            packed = f"{os.fspath(full_path)}{PACKED[encoding]}"
+            if os.path.isfile(packed):
+                answer = super().file_response(packed, os.stat(packed), scope, status_code)
+                answer.headers["Content-Type"] = FileResponse(full_path).headers["Content-Type"]
+                answer.headers["Content-Encoding"] = encoding
+                break
+        else:
+            answer = super().file_response(full_path, stat_result, scope, status_code)
+        answer.headers["Vary"] = "Accept-Encoding"
+        return answer
+
+
+def _accepted(header: str) -> Iterator[str]:
+    """Of our encodings those that the browser takes, in our order."""
+    taken = {
+        name.strip(): options.replace(" ", "") for name, _, options in (one.partition(";") for one in header.split(","))
+    }
+    return (encoding for encoding in PACKED if taken.get(encoding, "q=0") not in {"q=0", "q=0.0", "q=0.00", "q=0.000"})
 
 
 @lru_cache(maxsize=1)
@@ -52,7 +84,7 @@ def folder() -> Path:
 
 @lru_cache(maxsize=1)
 def _files() -> StaticFiles:
-    return StaticFiles(directory=folder())
+    return _Packed(directory=folder())
 
 
 async def serve(scope: Scope, version: str, name: str) -> Response:

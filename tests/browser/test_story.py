@@ -159,8 +159,8 @@ def test_everything_can_be_done_from_the_keyboard(visit: NewVisit) -> None:
     page.keyboard.type("def composer(a, b):\nreturn [1 / 1, 2, 3]\n")
     page.keyboard.press("Tab")
     page.keyboard.type("x")
-    assert page.locator(".cm-line").all_inner_texts()[1:] == ["    return [1 / 1, 2, 3]", "        x"]
-    for _ in range(9):
+    assert page.locator(".cm-line").all_inner_texts()[1:] == ["    return [1 / 1, 2, 3]", "    x"]
+    for _ in range(5):
         page.keyboard.press("Backspace")
     page.keyboard.press("Escape")
     page.keyboard.press("Tab")
@@ -267,3 +267,36 @@ def test_no_page_scrolls_sideways(visit: NewVisit) -> None:
                 page.wait_for_timeout(300)  # wide formulas are put on lines of their own a little after
             overflow = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
             assert overflow <= 0, (path, width)
+
+
+LONG = """def f(x):
+    return {"a": x, "b": 1e-3}  # fin
+
+
+class Pose:
+    def y(self):
+        return f"{self.x}"
+"""
+
+
+@pytest.mark.slow
+def test_the_editor_searches_folds_and_closes_brackets(visit: NewVisit) -> None:
+    visitor = visit()
+    page = visitor.open()
+    lines = page.locator(".cm-line")
+    visitor.write(LONG)
+    page.keyboard.press("Control+Home")
+    page.keyboard.press("Control+Shift+BracketLeft")
+    expect(lines.first).to_contain_text("…")
+    expect(lines).to_have_count(7)
+    expect(page.locator(".cm-line span").first).to_have_text("def")
+    page.keyboard.press("Control+Shift+BracketRight")
+    page.keyboard.press("Control+f")
+    expect(page.locator(".cm-search [name=search]")).to_be_focused()
+    page.keyboard.type("self")
+    page.keyboard.press("Enter")
+    expect(page.locator(".cm-searchMatch-selected")).to_have_count(1)
+    page.keyboard.press("Escape")
+    page.keyboard.press("Control+End")
+    page.keyboard.type("(")
+    expect(lines.last).to_have_text("()")

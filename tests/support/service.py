@@ -84,7 +84,8 @@ def _compiling_once(make: Callable[..., Engine]) -> Callable[..., Engine]:
     def made(url: str, **options: Any) -> Engine:
         engine = make(url, **options, query_cache_size=5000)
         if engine.dialect.name == "sqlite":
-            first = (kept or [engine])[0]
+            known = [one for one in kept if one.dialect.server_version_info]  # told by a first connection
+            first = (known or [engine])[0]
             kept[:] = [first]
             engine.dialect = engine.pool._dialect = first.dialect  # what is compiled is known by its dialect
             engine._compiled_cache = first._compiled_cache

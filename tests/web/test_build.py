@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+from starlette.responses import FileResponse, Response
 from starlette.testclient import TestClient
 
 from server.app import create_app
 from server.base.paths import ROOT
 from server.base.settings import Settings
 from server.web import assets
+from tests.support.quick import in_a_loop
 from tests.support.small_course import CourseFolder
 
 FRONTEND = assets.SERVER / "frontend"
+CACHED = (assets.is_built, assets.stamp, assets._files)
+MOST_SCRIPT = 100_000  # bytes on the wire, where a browser takes brotli: over HTTPS
 
 
 @pytest.fixture(scope="module")
@@ -80,13 +85,79 @@ def test_without_npm_the_installation_goes_on(
 
 
 @pytest.fixture
+def packed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Path]:
+    """A build of one script, with what stands beside it."""
+    (tmp_path / "a.js").write_text("plain")
+    (tmp_path / "a.js.br").write_text("small")
+    (tmp_path / "a.js.gz").write_text("less small")
+    (tmp_path / "b.js").write_text("plain")
+    (tmp_path / "stamp.txt").write_text("stamp")
+    monkeypatch.setattr(assets, "BUILT", tmp_path)
+    for function in CACHED:
+        function.cache_clear()
+    yield tmp_path
+    for function in CACHED:
+        function.cache_clear()
+
+
+@pytest.mark.parametrize(
+    ("name", "accepted", "encoding", "text"),
+    [
+        ("a.js", "gzip, deflate, br, zstd", "br", b"small"),
+        ("a.js", "gzip, deflate", "gzip", b"less small"),
+        ("a.js", "br;q=0, gzip;q=0.5", "gzip", b"less small"),
+        ("a.js", "", None, b"plain"),
+        ("b.js", "br", None, b"plain"),
+    ],
+)
+def test_what_was_compressed_at_build_is_sent_so(
+    packed: Path, name: str, accepted: str, encoding: str | None, text: bytes
+) -> None:
+    async def ask(tag: str = "") -> Response:
+        headers = [(b"accept-encoding", accepted.encode()), (b"if-none-match", tag.encode())]
+        scope = {"type": "http", "method": "GET", "path": name, "headers": headers}
+        return await assets.serve(scope, "stamp", name)
+
+    answer = in_a_loop(ask())
+    assert isinstance(answer, FileResponse)
+    assert Path(answer.path).read_bytes() == text
+    assert answer.headers.get("content-encoding") == encoding
+    assert answer.headers["content-type"].startswith("text/javascript")
+    assert (answer.headers["vary"], answer.headers["cache-control"]) == ("Accept-Encoding", assets.FOREVER)
+    assert in_a_loop(ask(answer.headers["etag"])).status_code == 304
+
+
+def test_an_exercise_asks_for_a_hundred_kilobytes_of_script_at_most() -> None:
+    if not assets.is_built():
+        pytest.skip("the front end is not built")
+    scripts, waiting = set(), ["js/theme.js", "js/app.js", "js/exercise.js", *_chunks("editor-")]
+    while waiting:
+        name = waiting.pop()
+        if name not in scripts:
+            scripts.add(name)
+            text = (assets.BUILT / name).read_text(encoding="utf-8")
+            waiting += [f"js/{one}" for one in re.findall(r'(?:from|import)"\./([^"]+)"', text)]
+    sent = {name: min(path.stat().st_size for path in _versions(assets.BUILT / name)) for name in scripts}
+    assert sum(sent.values()) <= MOST_SCRIPT, sent
+
+
+def _chunks(start: str) -> list[str]:
+    found = [f"js/{path.name}" for path in (assets.BUILT / "js").glob(f"{start}*.js")]
+    assert len(found) == 1
+    return found
+
+
+def _versions(path: Path) -> list[Path]:
+    return [one for one in (path, path.with_name(f"{path.name}.br")) if one.is_file()]
+
+
+@pytest.fixture
 def unbuilt(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
-    cached = (assets.is_built, assets.stamp, assets._files)
     monkeypatch.setattr(assets, "BUILT", tmp_path / "nowhere")
-    for function in cached:
+    for function in CACHED:
         function.cache_clear()
     yield
-    for function in cached:
+    for function in CACHED:
         function.cache_clear()
 
 

@@ -3,16 +3,17 @@
 
 import { closeBrackets, closeBracketsKeymap } from "@codemirror/autocomplete";
 import { defaultKeymap, history, historyKeymap, indentWithTab } from "@codemirror/commands";
-import { python } from "@codemirror/lang-python";
 import {
   HighlightStyle,
+  StreamLanguage,
   bracketMatching,
   foldKeymap,
+  foldService,
   indentOnInput,
   indentUnit,
   syntaxHighlighting,
 } from "@codemirror/language";
-import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
+import { python } from "@codemirror/legacy-modes/mode/python";
 import { EditorState, Prec, StateEffect, StateField } from "@codemirror/state";
 import {
   Decoration,
@@ -31,7 +32,7 @@ const colours = HighlightStyle.define([
   { tag: [tags.string, tags.special(tags.string)], color: "var(--code-string)" },
   { tag: [tags.number, tags.bool, tags.null], color: "var(--code-number)" },
   { tag: [tags.comment], color: "var(--code-comment)", fontStyle: "italic" },
-  { tag: [tags.function(tags.definition(tags.variableName)), tags.definition(tags.className)], color: "var(--code-name)" },
+  { tag: [tags.definition(tags.variableName)], color: "var(--code-name)" },
   { tag: [tags.meta], color: "var(--code-name)" },
 ]);
 
@@ -77,6 +78,30 @@ function submitKey(onSubmit) {
   return Prec.highest(keymap.of([{ key: "Mod-Enter", run }]));
 }
 
+// Searching comes when it is asked for: few do, and all would wait for it.
+const SEARCH_KEYS = ["Mod-f", "F3", "Mod-g", "Mod-d", "Mod-Alt-g", "Mod-Shift-l"];
+
+function searchKeys() {
+  const run = (key) => (view) => {
+    import("./editor_search.js").then(({ begin }) => begin(view, key));
+    return true;
+  };
+  return keymap.of(SEARCH_KEYS.map((key) => ({ key, run: run(key) })));
+}
+
+// What is indented more than its first line is folded with it.
+const folds = foldService.of((state, start) => {
+  const first = state.doc.lineAt(start);
+  const depth = (line) => (line.text.trim() ? line.text.search(/\S/) : Infinity);
+  let end = first.to;
+  for (let number = first.number + 1; number <= state.doc.lines; number += 1) {
+    const line = state.doc.line(number);
+    if (depth(line) <= depth(first)) break;
+    if (line.text.trim()) end = line.to;
+  }
+  return end > first.to ? { from: first.to, to: end } : null;
+});
+
 // The line of a fault, until the text changes.
 const markFault = StateEffect.define();
 const faultLine = StateField.define({
@@ -115,9 +140,10 @@ export function createEditor({ area, text, label, onChange, onSubmit }) {
       indentOnInput(),
       bracketMatching(),
       closeBrackets(),
-      highlightSelectionMatches(),
-      keymap.of([...closeBracketsKeymap, ...defaultKeymap, ...searchKeymap, ...historyKeymap, ...foldKeymap, indentWithTab]),
-      python(),
+      searchKeys(),
+      keymap.of([...closeBracketsKeymap, ...defaultKeymap, ...historyKeymap, ...foldKeymap, indentWithTab]),
+      StreamLanguage.define(python),
+      folds,
       syntaxHighlighting(colours),
       look,
       faultLine,
