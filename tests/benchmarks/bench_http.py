@@ -48,8 +48,10 @@ def serving(data: Path) -> Iterator[tuple[str, int]]:
                 break
         else:
             raise SystemExit("the server did not start")
-        yield found[1], process.pid
-        process.terminate()
+        try:
+            yield found[1], process.pid
+        finally:
+            process.terminate()
 
 
 def new_token(client: httpx.Client, login: str = "banc") -> str:

