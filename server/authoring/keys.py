@@ -69,7 +69,7 @@ KEYS: Mapping[type[BaseModel], Keys] = {
         ),
         "previous": Key("numéro du module d’avant", '"L19"'),
         "next": Key("numéro du module d’après", '"L21"'),
-        "order": Key("sa place parmi les modules", "20"),
+        "order": Key("sa place parmi les modules, si ce n’est celle de son numéro", "20"),
     },
     PathEntry: {
         "title": Key("pour qui il est", '"En terminale"'),

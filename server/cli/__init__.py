@@ -131,7 +131,9 @@ def _grade(parser: argparse.ArgumentParser) -> None:
 
 
 def _check(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("exercises", nargs="*", metavar="EXERCISE", help="exercices à vérifier (par défaut : tous)")
+    parser.add_argument(
+        "exercises", nargs="*", metavar="MODULE|EXERCISE", help="modules ou exercices à vérifier (par défaut : tout)"
+    )
     authors.course(parser)
     memory = parser.add_mutually_exclusive_group()
     help_text = "vérifie aussi ce qui était en ordre et n’a pas changé depuis"

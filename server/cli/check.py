@@ -1,10 +1,10 @@
-"""`balise check [EXERCISE…]`: what a course's own tests run.
+"""`balise check [MODULE|EXERCISE…]`: what a course's own tests run.
 
-The texts are rendered; their figures are drawn, their cells run and their animations played unless only some exercises
-are asked for. For each exercise: the reference gets full marks, the starter does not, every catalogued misconception is
-rejected and named, each specimen gets the outcome of its folder. What is known of answers without code is tried on
-several deals. All this on all cores, told in one order. What was in order and is unchanged is not tried again (see
-`remembered`).
+The texts are rendered; of each module, their figures are drawn, their cells run and their animations played, unless
+only some exercises are asked for. For each exercise: the reference gets full marks, the starter does not, every
+catalogued misconception is rejected and named, each specimen gets the outcome of its folder. What is known of answers
+without code is tried on several deals. All this on all cores, told in one order. What was in order and is unchanged is
+not tried again (see `remembered`).
 """
 
 import logging
@@ -16,6 +16,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import repeat
 from pathlib import Path
 from types import MappingProxyType
 
@@ -29,7 +30,7 @@ from server.cells import faults as cells
 from server.cli import CannotRun, alterations, fairness, parallel, remembered
 from server.cli.local import find, load_course, local_grader, require_safe_sandbox, start_probing
 from server.cli.remembered import Remembered
-from server.course import Course, Exercise, Problem, load
+from server.course import Course, Exercise, Module, Problem, load
 from server.course.closure import Imports
 from server.course.models import SEED_BITS
 from server.figures import lessons
@@ -97,9 +98,9 @@ def _whole(arguments: Namespace) -> int:
     memory = remembered.opened(fresh=arguments.fresh, asked=arguments.remember)
     probing = None if memory else start_probing(slow=False)  # most often, nothing is left to run then
     course, faults = _read(memory, arguments.course)
-    exercises = [find(course, name) for name in arguments.exercises] or list(course.exercises.values())
+    modules, exercises = _asked(course, arguments.exercises)
     imports = Imports(*HERE.places, memory=memory.imports)
-    parts = [*([] if arguments.exercises else _modules(course)), *(_part(exercise, imports) for exercise in exercises)]
+    parts = [*map(_texts, repeat(course), modules), *(_part(exercise, imports) for exercise in exercises)]
     left = [part for part in parts if not _is_known(memory, part)]
     if left:
         require_safe_sandbox(probing or start_probing(slow=False))
@@ -126,11 +127,21 @@ def _read(memory: Remembered, place: Path | None) -> tuple[Course, int]:
     return course, faults
 
 
-def _modules(course: Course) -> Iterator[Part]:
-    for module in course.modules.values():
-        alone = replace(course, modules=MappingProxyType({module.slug: module}))
-        jobs: list[Job] = [partial(one, alone) for one in (_figures, _cells, _replays)]
-        yield Part(module.slug, remembered.of_module(module), jobs)
+def _asked(course: Course, names: Sequence[str]) -> tuple[Sequence[Module], Sequence[Exercise]]:
+    """The modules and the exercises of these names; all there are where there is none."""
+    modules = [course.modules[name] for name in names or course.modules if name in course.modules]
+    wanted = {exercise.id: exercise for module in modules for exercise in module.exercises}
+    wanted |= {name: find(course, name) for name in names if name not in course.modules}
+    return modules, list(wanted.values())
+
+
+def _texts(course: Course, module: Module) -> Part:
+    alone = replace(course, modules=MappingProxyType({module.slug: module}))
+    return Part(
+        module.slug,
+        remembered.of_module(module),
+        [partial(one, alone) for one in (_figures, _cells, _replays)],
+    )
 
 
 def _part(exercise: Exercise, imports: Imports) -> Part:

@@ -31,7 +31,8 @@ def _written(kind: str, name: str, course: Path) -> list[Path]:
 def _next(kind: str, name: str, course: Path) -> list[str]:
     """What one does then, as one types it."""
     where = "" if course.resolve() in (OWN, *HERE.places) else f" --course {os.path.relpath(course)}"
-    lines = [f"Voir : balise preview {os.path.relpath(course)}"]
+    own = course.resolve() == OWN  # this repository may hold several modules
+    lines = [f"Voir : balise preview {name.partition('/')[0] if own else os.path.relpath(course)}"]
     if kind not in {"module", "page", "replay", EDITION}:
         lines.append(f"Vérifier : balise check {name}{where}")
     return lines

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from string import ascii_lowercase
 from typing import NamedTuple
 
 #: A module's name in addresses and folders.
@@ -29,6 +30,11 @@ def edition_of(slug: str) -> Edition:
     """That of a module, served or no more."""
     found = _MARK.fullmatch(slug)
     return Edition(found["family"], int(found["number"] or 1)) if found else Edition(slug, 1)
+
+
+def number_of(slug: str) -> int:
+    """Where a module stands in the course, if nothing else says so: 19 for `l19`."""
+    return int(edition_of(slug).family.lstrip(ascii_lowercase))
 
 
 def following(slug: str) -> str:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
+from graders.courses import module_folder
 from server.course import glossary, toml_file
+from server.course.editions import MODULE_SLUG
 from server.course.kinds import BY_FOLDER
 from server.course.models import CourseFault, Drawing, Lesson, Problem
 from server.course.schemas import FrontMatter
@@ -60,6 +63,7 @@ class Library:
             questions=self.questions,
             manipulations=self.manipulations,
             files=self.files,
+            elsewhere=title_elsewhere,
         )
 
     @cached_property
@@ -153,6 +157,18 @@ def _lesson_name(lesson: Lesson) -> LessonName:
 def _picture(drawing: Drawing) -> Picture:
     width, height = drawing.size
     return Picture(drawing.alt, round(width * PIXELS), round(height * PIXELS))
+
+
+def title_elsewhere(module: str, slug: str) -> str:
+    """The title of a page of another module, wherever its course stands; empty where there is none."""
+    if not (MODULE_SLUG.fullmatch(module) and re.fullmatch(SLUG, slug)):
+        return ""
+    folder = module_folder(module)
+    for kind in BY_FOLDER:
+        if (path := folder / kind / f"{slug}.md").is_file():
+            with suppress(CourseFault):  # told where that module is read
+                return front_matter(path).title
+    return ""
 
 
 def front_matter(path: Path) -> FrontMatter:

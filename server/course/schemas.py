@@ -49,7 +49,7 @@ class ModuleFile(Strict):
     paths: list[PathEntry] = []
     previous: str = ""
     next: str = ""
-    order: int = 0
+    order: int | None = None
 
 
 class FunctionEntry(Strict):

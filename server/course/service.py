@@ -14,7 +14,7 @@ from graders import courses
 from graders.core.contract.kits import kits_of
 from server.course import drawings, reuse, toml_file
 from server.course.closure import Imports
-from server.course.editions import MODULE_SLUG
+from server.course.editions import MODULE_SLUG, number_of
 from server.course.graded import Sources, name_of, python_of, read_graded
 from server.course.library import Library, problems_of
 from server.course.memory import NOTHING_FOUND, Memory, source_of
@@ -138,7 +138,7 @@ def _module(
         references=tuple(card.references),
         previous=card.previous,
         next=card.next,
-        order=card.order,
+        order=number_of(path.name) if card.order is None else card.order,
         kits=MappingProxyType(kits),
         exercises=tuple(exercises),
         lessons=library.lessons,

@@ -125,7 +125,7 @@ class Site:
 
     def _pages(self) -> Iterator[tuple[str, str]]:
         module = self._module
-        yield "index.html", self._page("module.html", page=reading.home_view(module, {}, ()))
+        yield "index.html", self._page("module.html", page=reading.home_view(module, {}, (), {}))
         yield ON_THE_SERVER, self._page("offline/server.html")
         if module.glossary:
             yield "glossaire.html", self._page("reading/glossary.html", page=reading.glossary_page(module))

@@ -1,4 +1,4 @@
-"""`python -m server.reading.preview NAME out.png`: see a drawing of the texts while one writes it."""
+"""`python -m server.reading.preview --module l19 NAME out.png`: see a drawing of the texts while one writes it."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("name", nargs="?", help="nom de la figure ; sans lui, la liste des noms")
     parser.add_argument("out", nargs="?", type=Path, help="fichier .png ou .svg à écrire")
     parser.add_argument("--theme", choices=["light", "dark"], default="light")
-    parser.add_argument("--module", default="l20")
+    parser.add_argument("--module", required=True, help="module, comme l19")
     return parser
 
 

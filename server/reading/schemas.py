@@ -68,6 +68,15 @@ class PathView:
 
 
 @dataclass(frozen=True)
+class NeighbourView:
+    """A module before or after another: « après », « L18 »; `href` is empty where it is not served."""
+
+    word: str
+    number: str
+    href: str
+
+
+@dataclass(frozen=True)
 class CourseHome:
     """A module's page. `start` is where a newcomer begins; None while the module has nothing to read."""
 
@@ -77,6 +86,7 @@ class CourseHome:
     track: str
     summary: str
     facts: tuple[tuple[str, str], ...]
+    around: tuple[NeighbourView, ...]
     objectives: tuple[str, ...]
     references: tuple[Markup, ...]
     paths: tuple[PathView, ...]

@@ -29,6 +29,7 @@ from server.reading.schemas import (
     LessonLink,
     LessonPage,
     Letter,
+    NeighbourView,
     PathView,
     SearchPage,
     SessionCard,
@@ -60,12 +61,18 @@ def find_lesson(module: Module, slug: str) -> Lesson:
 
 def course_home(reader: Reader, module: Module) -> CourseHome:
     progress = gradebook.progress(reader.db, reader.account)
-    view = home_view(module, progress, deadlines.soon(reader.db, reader.account, progress, module.slug))
+    due = deadlines.soon(reader.db, reader.account, progress, module.slug)
+    view = home_view(module, progress, due, {one.number: f"/{one.slug}" for one in reader.course.latest})
     return replace(view, edition=editions.note(reader, module))
 
 
-def home_view(module: Module, progress: Mapping[str, Progress], due: tuple[DueView, ...]) -> CourseHome:
-    """A module's page for one who stands there in its exercises, and has that to hand in."""
+def home_view(
+    module: Module, progress: Mapping[str, Progress], due: tuple[DueView, ...], others: Mapping[str, str]
+) -> CourseHome:
+    """A module's page for one who stands there in its exercises, and has that to hand in.
+
+    `others` are the addresses of modules, by their numbers.
+    """
     rows = _rows(in_order(module), progress)
     way = on_the_way(module)
     sessions = tuple(
@@ -74,11 +81,10 @@ def home_view(module: Module, progress: Mapping[str, Progress], due: tuple[DueVi
     placed = {row.href for card in sessions for row in card.exercises}
     left = tuple(row for row in rows.values() if row.href not in placed)
     length = plural(module.sessions, "séance") if module.sessions else ""
-    around = [f"{word} {number}" for word, number in (("après", module.previous), ("avant", module.next)) if number]
+    around = (("après", module.previous), ("avant", module.next))
     facts = (
         ("Durée", length),
         ("Prérequis", "\u00a0; ".join(module.prerequisites)),
-        ("Dans le parcours", ", ".join(around)),
     )
     return CourseHome(
         slug=module.slug,
@@ -87,6 +93,7 @@ def home_view(module: Module, progress: Mapping[str, Progress], due: tuple[DueVi
         track=module.track,
         summary=module.summary,
         facts=tuple((name, value) for name, value in facts if value),
+        around=tuple(NeighbourView(word, number, others.get(number, "")) for word, number in around if number),
         objectives=module.objectives,
         references=tuple(Markup(line(one, module.names)) for one in module.references),
         paths=tuple(PathView(one.title, one.summary, f"/{module.slug}/lire/{one.page}") for one in module.paths),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from server.text.markup.tex import readable
+from tests.support.quick import the_course
 from tests.support.small_course import CourseFolder
 from tests.support.texts_on_disk import FIGURES, GLOSSARY, read_page, without_formulas, write_page
 
@@ -47,6 +48,17 @@ def test_blocks_with_a_label_count_each_kind_for_itself(course_folder: CourseFol
         assert f'id="{label}"><p class="block-title"><span class="block-label">{text}{WIDE}1</span>' in page
     for label, text in (("thm-deux", "Théorème"), ("def-deux", "Définition")):
         assert f'id="{label}"><p class="block-title"><span class="block-label">{text}{WIDE}2</span>' in page
+
+
+def test_a_lesson_of_another_module_is_named_by_its_title(course_folder: CourseFolder) -> None:
+    page = html(course_folder, "Voir [](page:l20/filtre-bayesien), ou [là](page:l20/localiser).\n")
+    title = the_course().modules["l20"].names().pages["filtre-bayesien"].title
+    assert f'<a href="/l20/lire/filtre-bayesien">{title}</a>' in page
+    assert '<a href="/l20/lire/localiser">là</a>' in page
+
+
+def test_a_text_may_begin_with_a_formula_and_end_with_a_digit(course_folder: CourseFolder) -> None:
+    assert "$" not in read_page(course_folder, "$x$ qui jette 5\n\n| a |\n|---|\n| $x$ vaut 2 |\n").html
 
 
 def test_a_title_may_hold_a_formula_and_a_link(course_folder: CourseFolder) -> None:

@@ -58,6 +58,7 @@ BAD = {
     "heading of level 1": ("A\n\n# Titre\n", 3, "titre de niveau 1"),
     "heading too deep": ("## A\n\n### B\n\n#### C\n\n##### D\n", 7, "titre trop profond"),
     "heading that skips a level": ("## A\n\n#### B\n", 3, "titre de niveau 4 juste sous un titre de niveau 2"),
+    "unknown page of another module": ("[x](page:l99/absente)\n", 1, "page inconnue : « l99/absente »"),
     "formula left open": ("A\n\nLe $x vaut 1.\n", 3, "formule mal fermée"),
     "formula against a digit": ("2$x$ et la suite\n", 1, "formule mal fermée"),
     "bold left open": ("A\n**b\n", 2, "gras ou code mal refermé"),

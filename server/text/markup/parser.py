@@ -12,12 +12,13 @@ from markdown_it import MarkdownIt
 from markdown_it.ruler import RuleOptionsType
 from markdown_it.rules_block import StateBlock
 from markdown_it.rules_core import StateCore
+from markdown_it.rules_inline import StateInline
 from markdown_it.token import Token
 from mdit_py_plugins.anchors import anchors_plugin
 from mdit_py_plugins.container import container_plugin
 from mdit_py_plugins.deflist import deflist_plugin
 from mdit_py_plugins.dollarmath import dollarmath_plugin
-from mdit_py_plugins.dollarmath.index import math_block_dollar
+from mdit_py_plugins.dollarmath.index import math_block_dollar, math_inline_dollar
 from mdit_py_plugins.footnote import footnote_plugin
 
 from graders.typography import french, unaccented
@@ -64,12 +65,28 @@ def parse_inline(job: Job) -> list[Token]:
     return markdown().parseInline(job.source.text, {"job": job})
 
 
+_strict_math = math_inline_dollar(allow_space=False, allow_digits=False, allow_double=True)
+
+
+def _math_inline(state: StateInline, silent: bool) -> bool:
+    """The plugin's rule, which takes the last character of a text for the one before its first."""
+    if state.pos:
+        return _strict_math(state, silent)
+    text = state.src
+    state.src = f"{text} "
+    try:
+        return _strict_math(state, silent)
+    finally:
+        state.src = text
+
+
 @lru_cache(maxsize=1)
 def markdown() -> MarkdownIt:
     options = {"html": False, "typographer": True, "quotes": ["«\u00a0", "\u00a0»", "“", "”"]}
     parser = MarkdownIt("commonmark", options).enable(["table", "strikethrough", "smartquotes"])
     parser.use(deflist_plugin).use(footnote_plugin, inline=False)
     parser.use(dollarmath_plugin, double_inline=True, allow_space=False, allow_digits=False)
+    parser.inline.ruler.at("math_inline", _math_inline)
     parser.block.ruler.at("math_block", _math_block, INTERRUPTS)
     parser.use(anchors_plugin, min_level=FIRST_LEVEL, max_level=LAST_LEVEL, slug_func=slug)
     parser.use(container_plugin, "block", validate=_opens)

@@ -73,6 +73,11 @@ class Link:
     external: bool = False
 
 
+def nowhere(module: str, slug: str) -> str:
+    """The title of a page of another module; empty where there is none."""
+    return ""
+
+
 @dataclass(frozen=True)
 class Names:
     """Everything that the texts of a module may speak of, by name."""
@@ -87,6 +92,7 @@ class Names:
     questions: Collection[str] = ()
     manipulations: Collection[str] = ()
     files: Collection[str] = ()
+    elsewhere: Callable[[str, str], str] = nowhere
 
     def link(self, target: str, lesson: str) -> Link:
         """Where `target`, written in `lesson`, leads. Raises Unresolved."""
@@ -120,6 +126,13 @@ class Names:
         return Link(f"/{self.module}/lire/{target.page}#{label}", target.name)
 
     def _page(self, slug: str, anchor: str) -> Link:
+        module, apart, there = slug.partition("/")
+        if apart:
+            title = self.elsewhere(module, there)
+            if not title or anchor:
+                place = f"#{anchor}" if anchor else ""
+                raise Unresolved(f"page inconnue : « {slug}{place} » (d’un autre module : module/page, sans place)")
+            return Link(f"/{module}/lire/{there}", title)
         if slug == GLOSSARY:
             if anchor and anchor.removeprefix("t-") not in self.terms:
                 raise Unresolved(f"terme inconnu du glossaire : « {anchor} »")

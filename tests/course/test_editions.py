@@ -1,0 +1,37 @@
+"""Modules by their names: where they stand in the course, and what `balise check` takes them for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+
+import pytest
+
+from server.cli import CannotRun
+from server.cli.check import _asked
+from server.course import Course
+from server.course.editions import number_of
+from server.reading.service import home_view
+from tests.support.quick import the_course
+
+
+def test_a_module_stands_where_its_number_says() -> None:
+    assert [number_of(slug) for slug in ("l19", "l20e2", "maths7")] == [19, 20, 7]
+
+
+def test_a_module_is_checked_whole_by_its_name() -> None:
+    course = the_course()
+    module = course.modules["l20"]
+    other = replace(module, slug="l21", exercises=())
+    both = Course(MappingProxyType({"l20": module, "l21": other}), ())
+    assert _asked(both, ["l20", "l20/poses"]) == ([module], list(module.exercises))
+    assert _asked(both, ["l20/poses"]) == ([], [course.exercises["l20/poses"]])
+    assert _asked(both, [])[0] == [module, other]
+    with pytest.raises(CannotRun, match="l22"):
+        _asked(both, ["l22"])
+
+
+def test_neighbours_that_are_served_are_linked() -> None:
+    module = replace(the_course().modules["l20"], previous="L19", next="L21")
+    around = home_view(module, {}, (), {"L19": "/l19"}).around
+    assert [(one.word, one.number, one.href) for one in around] == [("après", "L19", "/l19"), ("avant", "L21", "")]
