@@ -14,10 +14,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from graders.core.code.ahead import Ahead
 from graders.core.compare.shrinking import Budget
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, KitSettings, Program, Programs, Reply, StudentFault
+from graders.core.contract.program import Answer, Foreseen, KitSettings, Program, Programs, Reply, StudentFault
 from graders.core.contract.values import Arguments, Value, kept
 
 #: How often the main program may be started anew, and how many others, one for each map or each run of a closed loop.
@@ -58,7 +59,7 @@ class Runner:
         budget: Budget = DEFAULT_BUDGET,
     ) -> None:
         self.reenacting = reenacting
-        self.budget = budget
+        self._budget = budget
         self._programs = programs
         self._source = source
         self._kit = kit
@@ -66,6 +67,7 @@ class Runner:
         self._others = 0
         self._program: Program | None = None
         self._dead: dict[str, StudentFault] = {}
+        self._ahead = Ahead()
         self.observations: list[Observation] = []
         self.films: dict[str, FigureData] = {}
         self.failed: set[str] = set()
@@ -74,21 +76,89 @@ class Runner:
     @property
     def program(self) -> Program:
         """The program on the main map. Raises StudentFault when its file does not load."""
-        if self._program is None:
-            self._launches += 1
-            self._program = self._start(self._kit, self._launches, MAX_LAUNCHES)
+        return self._program or self._launched()
+
+    def _launched(self, ahead: Sequence[Foreseen] = ()) -> Program:
+        self._launches += 1
+        self._program = self._start(self._kit, self._launches, MAX_LAUNCHES, ahead)
         return self._program
 
-    def _start(self, kit: KitSettings, launches: int, most: int) -> Program:
+    def _start(self, kit: KitSettings, launches: int, most: int, ahead: Sequence[Foreseen] = ()) -> Program:
         if launches > most:
             raise StudentFault(Outcome.RUNTIME_ERROR, "Votre programme s'est arrêté trop souvent.", fatal=True)
-        return self._programs.open(self._source, kit)
+        return self._programs.open(self._source, kit, ahead)
+
+    @property
+    def budget(self) -> Budget:
+        """What simplifying one counterexample may cost. What was asked ahead is answered first: it takes no part."""
+        self._settle()
+        return self._budget
+
+    def foresee(self, plan: Sequence[Foreseen]) -> None:
+        """What the next checks will ask of the main program, in this order and nothing else in between."""
+        self._settle()
+        self._ahead.foresee(plan)
+
+    def start(self, plan: Sequence[Foreseen]) -> None:
+        """Start the main program, with what is asked of it first. Raises StudentFault when its file does not load."""
+        self._ahead.foresee(plan)
+        self._ahead.begin(self._launched(plan), plan)
+
+    def answers(self, asked: Foreseen) -> Iterator[Answer]:
+        """The answers of the main program to what may have been foreseen, as the calls made now would give them."""
+        if self._refused(asked.function) or not self._ahead.foresees(asked):
+            yield from self._asked_now(asked)
+            return
+        try:
+            ready = self._ahead.ready(asked)
+            ready = self._asked_with_the_rest(asked) if ready is None else ready
+        except StudentFault as fault:
+            self._mourn(None, asked.function, fault)
+            yield fault
+            return
+        while ready or self._ahead.awaits(asked):
+            if not ready:
+                self._take_in()
+                continue
+            answer = ready.popleft()
+            if isinstance(answer, StudentFault) and answer.fatal:
+                self._dead[asked.function] = answer
+            yield answer
+
+    def _asked_now(self, asked: Foreseen) -> Iterator[Answer]:
+        if not asked.keeping:
+            yield from self.call_many(None, asked.function, asked.calls, faults=asked.faults)
+            return
+        for args in asked.calls:
+            try:
+                yield self.call(None, asked.function, args, keep=True)
+            except StudentFault as fault:
+                yield fault
+
+    def _asked_with_the_rest(self, asked: Foreseen) -> deque[Answer]:
+        self._settle()
+        together = self._ahead.from_here(asked, self._dead)
+        self._ahead.begin(self._program or self._launched(together), together)
+        ready = self._ahead.ready(asked)
+        assert ready is not None, "it was asked"
+        return ready
+
+    def _settle(self) -> None:
+        """Have all answers in that are on their way: nothing else can be asked before."""
+        while self._ahead.on_the_way:
+            self._take_in()
+
+    def _take_in(self) -> None:
+        if self._ahead.take_in():
+            self.close()
 
     def call(self, program: Program | None, function: str, args: Arguments, *, keep: bool) -> Reply:
         """Call a function of a program (None: of the main one)."""
         refused = self._refused(function)
         if refused is not None:
             raise refused
+        if program is None:
+            self._settle()
         try:
             return (program or self.program).call(function, *args, return_arguments=keep)
         except StudentFault as fault:
@@ -110,6 +180,8 @@ class Runner:
         refused = self._refused(function)
         if refused is not None:
             return iter((refused,))
+        if program is None:
+            self._settle()
         try:
             return (program or self.program).call_many(function, calls, faults=faults)
         except StudentFault as fault:
@@ -144,6 +216,7 @@ class Runner:
     def close(self) -> None:
         """Keep what was printed and give the main program back."""
         if self._program is not None:
+            self._ahead.lose()
             self.stdout = self.stdout or self._program.stdout()
             self._program.close()
             self._program = None
@@ -159,6 +232,8 @@ class Bench:
     kit: KitSettings
     program: Program | None = None
     last_call: tuple[str, Arguments] | None = None
+    #: What the check was seen to ask, before it began.
+    foreseen: Sequence[Foreseen] = ()
     _count: list[int] = field(default_factory=lambda: [0])
     _known: dict[Key, deque[Answer]] = field(default_factory=dict)
 
@@ -173,17 +248,26 @@ class Bench:
             raise answer
         return answer.value
 
-    def ahead(self, function: str, calls: Sequence[Arguments]) -> list[Answer]:
+    def ahead(self, asked: Foreseen) -> list[Answer]:
         """The answers of calls made together before a protocol comes to them, which it then finds with `call`.
 
         A re-enacted mistake has no time to win: it makes each call in its turn.
         """
         if self.runner.reenacting:
             return []
-        answers = [answer for _, answer in self.call_many(function, calls, faults=1)]
-        for args, answer in zip(calls, answers, strict=False):
-            self._known.setdefault(_key(function, args), deque()).append(answer)
+        answers = [answer for _, answer in self.answers(asked)]
+        for args, answer in zip(asked.calls, answers, strict=False):
+            self._known.setdefault(_key(asked.function, args), deque()).append(answer)
         return answers
+
+    def answers(self, asked: Foreseen) -> Iterator[tuple[Arguments, Answer]]:
+        """The arguments and the answer of each call, whether it was foreseen or is made now."""
+        if self.program is not None:
+            yield from self.call_many(asked.function, asked.calls, faults=asked.faults)
+            return
+        for args, answer in zip(asked.calls, self.runner.answers(asked), strict=False):
+            self.last_call = (asked.function, args)
+            yield args, answer
 
     def call_keeping(self, function: str, *args: Value) -> Reply:
         """As `call`, with the arguments as they are after the call."""
@@ -206,6 +290,14 @@ class Bench:
         self.runner.observations.append(Observation(self.check, self._count[0], function, kept(value), name, ok))
         self._count[0] += 1
 
+    def observe_right(self, function: str, values: Sequence[Value]) -> None:
+        """As `observe`, of values that are small and right."""
+        count = self._count[0]
+        self._count[0] += len(values)
+        self.runner.observations += [
+            Observation(self.check, count + k, function, value, None, True) for k, value in enumerate(values)
+        ]
+
     def film(self, data: FigureData) -> None:
         """Keep what the program did in this check, whether it passes or fails, so that its author can watch it.
 
@@ -221,7 +313,7 @@ class Bench:
     def on(self, kit: KitSettings) -> Iterator[Bench]:
         """The same bench with the program started on another map."""
         with self.runner.other(kit) as program:
-            yield Bench(self.check, self.runner, self.rng, kit, program, None, self._count)
+            yield Bench(self.check, self.runner, self.rng, kit, program, _count=self._count)
 
 
 def _key(function: str, args: Arguments) -> Key:

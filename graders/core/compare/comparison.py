@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -29,6 +30,19 @@ class Mismatch:
 
 
 Comparator = Callable[[Value, Value], Mismatch | None]
+
+
+@runtime_checkable
+class AtOnce(Protocol):
+    """A comparator that can see at once that many answers are right: what it then says of each is None."""
+
+    def surely(self, expected: Floats, got: Floats) -> bool:
+        """Whether every row agrees, well within the tolerance. False where any of them is to be looked at alone."""
+        ...
+
+
+#: How far within a tolerance what is seen at once must be: rounding makes far less.
+WELL_WITHIN = 0.5
 
 
 def unreadable(error: UnreadableError) -> Mismatch:
@@ -61,6 +75,9 @@ class CloseTo:
             return None
         return Mismatch(worst_difference(wanted, array), value_slip(wanted, array))
 
+    def surely(self, expected: Floats, got: Floats) -> bool:
+        return close(expected, got, WELL_WITHIN * self.tolerance)
+
 
 @dataclass(frozen=True)
 class ScalarCloseTo:
@@ -74,6 +91,9 @@ class ScalarCloseTo:
         except UnreadableError as error:
             return unreadable(error)
         return CloseTo(self.tolerance)(float(expected), value)
+
+    def surely(self, expected: Floats, got: Floats) -> bool:
+        return expected.ndim == 1 and close(expected, got, WELL_WITHIN * self.tolerance)
 
 
 @dataclass(frozen=True)
