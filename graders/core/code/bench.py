@@ -26,6 +26,7 @@ MAX_LAUNCHES = 12
 MAX_OTHERS = 64
 DEFAULT_BUDGET = Budget()
 
+Turn = tuple[str, Arguments, Iterator[Answer]]
 Key = tuple[str, tuple[tuple[str, tuple[int, ...], bytes], ...]]
 
 
@@ -169,10 +170,18 @@ class Runner:
         self, program: Program | None, function: str, calls: Iterable[Arguments], *, faults: int | None
     ) -> Iterator[Answer]:
         """As `Program.call_many`, of a program (None: of the main one)."""
-        for answer in self._answers(program, function, calls, faults):
+        return self.told(program, function, self._answers(program, function, calls, faults))
+
+    def told(self, program: Program | None, function: str, answers: Iterator[Answer]) -> Iterator[Answer]:
+        """The same answers; what they say of the program's end is noted."""
+        for answer in answers:
             if isinstance(answer, StudentFault):
                 self._mourn(program, function, answer)
             yield answer
+
+    def calls(self, function: str) -> bool:
+        """Whether a function is still called."""
+        return function not in self._dead
 
     def _answers(
         self, program: Program | None, function: str, calls: Iterable[Arguments], faults: int | None
@@ -204,10 +213,10 @@ class Runner:
             self.close()
 
     @contextmanager
-    def other(self, kit: KitSettings) -> Iterator[Program]:
-        """The same file started on another map, for as long as the block lasts."""
+    def other(self, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Iterator[Program]:
+        """The same file started on another map, for as long as the block lasts; what is asked `ahead` goes with it."""
         self._others += 1
-        program = self._start(kit, self._others, MAX_OTHERS)
+        program = self._start(kit, self._others, MAX_OTHERS, ahead)
         try:
             yield program
         finally:
@@ -236,17 +245,41 @@ class Bench:
     foreseen: Sequence[Foreseen] = ()
     _count: list[int] = field(default_factory=lambda: [0])
     _known: dict[Key, deque[Answer]] = field(default_factory=dict)
+    _first: Iterator[tuple[int, Answer]] | None = None
+    _turn: Iterator[Turn] | None = None
+    _next: Turn | None = None
 
     def call(self, function: str, *args: Value) -> Value:
         """Call a function by position and return its value as plain data. Raises StudentFault."""
         self.last_call = (function, args)
-        ahead = self._known.get(_key(function, args)) if self._known else None
-        if not ahead:
+        answer = self._asked_before(function, args)
+        if answer is None:
             return self.runner.call(self.program, function, args, keep=False).value
-        answer = ahead.popleft()
         if isinstance(answer, StudentFault):
             raise answer
         return answer.value
+
+    def _asked_before(self, function: str, args: Arguments) -> Answer | None:
+        """The answer to a call that was made ahead: one that `ahead` has taken, or the next that was foreseen."""
+        known = self._known.get(_key(function, args)) if self._known else None
+        if known:
+            return known.popleft()
+        if self._turn is None:
+            self._turn = self._turns() if self.program is None else iter(())
+            self._next = next(self._turn, None)
+        if self._next is None:
+            return None
+        asked, given, answers = self._next
+        if function != asked or len(args) != len(given) or any(a is not b for a, b in zip(args, given, strict=True)):
+            return None
+        self._next = next(self._turn, None)
+        return next(answers, None)
+
+    def _turns(self) -> Iterator[Turn]:
+        """The calls foreseen, in order: function, arguments, and where their answers come from."""
+        for asked in self.foreseen:
+            answers = self.runner.answers(asked)
+            yield from ((asked.function, args, answers) for args in asked.calls)
 
     def ahead(self, asked: Foreseen) -> list[Answer]:
         """The answers of calls made together before a protocol comes to them, which it then finds with `call`.
@@ -262,10 +295,13 @@ class Bench:
 
     def answers(self, asked: Foreseen) -> Iterator[tuple[Arguments, Answer]]:
         """The arguments and the answer of each call, whether it was foreseen or is made now."""
-        if self.program is not None:
-            yield from self.call_many(asked.function, asked.calls, faults=asked.faults)
-            return
-        for args, answer in zip(asked.calls, self.runner.answers(asked), strict=False):
+        if self.program is None:
+            answers = self.runner.answers(asked)
+        elif self._first is not None and any(asked is one for one in self.foreseen):
+            answers = self.runner.told(self.program, asked.function, (answer for _, answer in self._first))
+        else:
+            answers = self.runner.call_many(self.program, asked.function, asked.calls, faults=asked.faults)
+        for args, answer in zip(asked.calls, answers, strict=False):
             self.last_call = (asked.function, args)
             yield args, answer
 
@@ -310,10 +346,14 @@ class Bench:
             self.runner.films[self.check] = data
 
     @contextmanager
-    def on(self, kit: KitSettings) -> Iterator[Bench]:
-        """The same bench with the program started on another map."""
-        with self.runner.other(kit) as program:
-            yield Bench(self.check, self.runner, self.rng, kit, program, _count=self._count)
+    def on(self, kit: KitSettings, first: Foreseen | None = None) -> Iterator[Bench]:
+        """The same bench with the program started on another map, and asked there something `first`."""
+        ahead = [first] if first is not None and self.runner.calls(first.function) else []
+        with self.runner.other(kit, ahead) as program:
+            bench = Bench(self.check, self.runner, self.rng, kit, program, _count=self._count)
+            if ahead:
+                bench.foreseen, bench._first = ahead, program.together(ahead)
+            yield bench
 
 
 def _key(function: str, args: Arguments) -> Key:

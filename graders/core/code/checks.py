@@ -88,10 +88,16 @@ class Check(ABC):
 
 @dataclass(frozen=True, kw_only=True)
 class Trial(Check):
-    """A check made of one function of the bench; `asks` draws what this finds in `bench.foreseen`."""
+    """A check made of one function of the bench; `asks` draws what this finds in `bench.foreseen`, which is all that a
+    right program is asked where `no_more`."""
 
     protocol: Callable[[Bench], None]
     asks: Callable[[Bench], Sequence[Foreseen]] | None = None
+    no_more: bool = False
+
+    @property
+    def asks_on(self) -> bool:
+        return not self.no_more
 
     def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
         return self.asks(bench) if self.asks else ()
@@ -207,7 +213,7 @@ class Cases(Check):
 
     def run(self, bench: Bench) -> None:
         first: Failure | None = None
-        (asked,) = foreseen_of(self, bench)
+        asked = foreseen_of(self, bench)[-1]
         answers = bench.answers(asked)
         plain = self._plain(answers)
         if self._surely_right(asked, plain):

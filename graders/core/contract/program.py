@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Arguments, Value
@@ -66,12 +66,14 @@ class Foreseen:
     """Calls of one function that are made whatever is answered, so that they may be asked before their turn comes.
 
     None is made after `faults` faults (None: all are). With `keeping`, the arguments come back with each answer.
+    `about` is what who asks wants to know of each call when its answer comes.
     """
 
     function: str
     calls: Sequence[Arguments]
     faults: int | None = None
     keeping: bool = False
+    about: Sequence[Any] = ()
 
 
 class Program(Protocol):
