@@ -37,7 +37,8 @@ class AtOnce(Protocol):
     """A comparator that can see at once that many answers are right: what it then says of each is None."""
 
     def surely(self, expected: Floats, got: Floats) -> bool:
-        """Whether every row agrees, well within the tolerance. False where any of them is to be looked at alone."""
+        """Whether every row agrees, well within the tolerance, of two arrays of one shape. False where any of them is to
+        be looked at alone."""
         ...
 
 
@@ -93,7 +94,7 @@ class ScalarCloseTo:
         return CloseTo(self.tolerance)(float(expected), value)
 
     def surely(self, expected: Floats, got: Floats) -> bool:
-        return expected.ndim == 1 and close(expected, got, WELL_WITHIN * self.tolerance)
+        return got.ndim == 1 and close(expected, got, WELL_WITHIN * self.tolerance)
 
 
 @dataclass(frozen=True)
