@@ -16,12 +16,12 @@ _AFTER = 1
 
 
 class Alike:
-    """The form of the last answer of a session that has one; `items` is what it takes of the session's."""
+    """The form of the last answer of a session that has one; `bytes` and `items` are what it takes of the session's."""
 
     def __init__(self) -> None:
-        self._before, self._after, self._bytes = b"", b"", -1
+        self._before, self._after, self.bytes = b"", b"", -1
         self._shape: tuple[int, ...] | None = None
-        self.items = 0
+        self._count = self.items = 0
 
     def learn(self, answer: bytes, decoded: Value, items: int) -> None:
         """Takes the form of an answer that the decoder has read, where it is one."""
@@ -35,17 +35,24 @@ class Alike:
         else:
             return
         begins = len(answer) - _AFTER - numbers
-        self._before, self._after, self._bytes = answer[:begins], answer[len(answer) - _AFTER :], len(answer)
-        self._shape, self.items = shape, items
+        self._before, self._after, self.bytes = answer[:begins], answer[len(answer) - _AFTER :], len(answer)
+        self._shape, self._count, self.items = shape, numbers // FLOAT.size, items
+
+    def fits(self, answer: bytes | bytearray, begins: int, ends: int) -> bool:
+        """Whether the answer that stands between these places has this form."""
+        return (
+            ends - begins == self.bytes
+            and answer.startswith(self._before, begins, ends)
+            and answer.endswith(self._after, begins, ends)
+        )
+
+    def numbers(self, answer: bytes | bytearray, begins: int) -> Value:
+        """The value of an answer that fits, from where it begins."""
+        begins += len(self._before)
+        if self._shape is None:
+            return float(FLOAT.unpack_from(answer, begins)[0])
+        return np.frombuffer(answer, _FLOATS, self._count, begins).reshape(self._shape).astype(np.float64)
 
     def read(self, answer: bytes) -> Value:
         """The value of an answer of this form; None for any other, which the decoder must read."""
-        if len(answer) != self._bytes or not answer.startswith(self._before) or not answer.endswith(self._after):
-            return None
-        begins = len(self._before)
-        if self._shape is None:
-            return float(FLOAT.unpack_from(answer, begins)[0])
-        numbers = len(answer) - _AFTER - begins
-        return (
-            np.frombuffer(answer, _FLOATS, numbers // _FLOATS.itemsize, begins).reshape(self._shape).astype(np.float64)
-        )
+        return self.numbers(answer, 0) if self.fits(answer, 0, len(answer)) else None

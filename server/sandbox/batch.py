@@ -11,6 +11,7 @@ import os
 import struct
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
 
 import numpy as np
 
@@ -46,6 +47,7 @@ class Batch:
         self.bytes = 0
         self._rows: list[Row] = []
         self._shapes: Shapes | None = None
+        self._row_bytes = 0
         self._encoded: list[bytes] = []
         self._lengths: list[int] = []
         self._waiting: deque[tuple[int, int | None]] = deque()
@@ -63,9 +65,11 @@ class Batch:
         if self._shapes is None:
             self._encode(arguments)
         else:
+            if not self._rows:
+                self._row_bytes = sum(one.nbytes if isinstance(one, np.ndarray) else 8 for one in arguments)
             self._rows.append(arguments)
-            self.bytes += sum([one.nbytes if isinstance(one, np.ndarray) else 8 for one in arguments])
-        return self.bytes >= _BYTES or self.calls >= _CALLS
+            self.bytes += self._row_bytes
+        return self.bytes >= _BYTES or len(self._lengths) >= _CALLS
 
     @property
     def calls(self) -> int:
@@ -105,6 +109,16 @@ class Batch:
     def waits(self) -> bool:
         """Are there answers to come?"""
         return bool(self._waiting) and self._faults > 0
+
+    def plain(self, most: int) -> Iterator[int]:
+        """The tokens of so many answers to come, but for the last, where these hold nothing but what is returned."""
+        before_last = 0 if self.return_arguments or self._faults <= 0 else max(len(self._waiting) - 1, 0)
+        return (token for token, _ in islice(self._waiting, min(most, before_last)))
+
+    def came(self, answers: int) -> None:
+        """So many have come."""
+        for _ in range(answers):
+            self._waiting.popleft()
 
     def next(self) -> tuple[int, int | None]:
         """Token of the next answer, and how many arguments must come back with it (None: they were not asked for)."""

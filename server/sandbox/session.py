@@ -197,6 +197,8 @@ class Session(Conversation):
             for batch in asked:
                 self._ask(batch, faults)
                 while batch.waits:
+                    for value in self._here(batch):
+                        yield Reply(value, None)
                     answer = self._next(batch)
                     faults -= isinstance(answer, ProgramFault)
                     yield answer
@@ -221,6 +223,8 @@ class Session(Conversation):
                         yield number, self._missing(batch.function)
                         continue
                     while batch.waits:
+                        for value in self._here(batch):
+                            yield number, Reply(value, None)
                         yield number, self._next(batch)
                     _must_be_whole(batch)
         except ProgramFault as fatal:
@@ -269,6 +273,19 @@ class Session(Conversation):
         if not batch.waits:
             self._hear(batch.token, _END)
         return answer
+
+    def _here(self, batch: Batch) -> list[Value]:
+        """What the next answers return, as far as they are here and of the form of the last one. There is one more."""
+        self._must_be_open()
+        if self._fatal:
+            return []
+        form = self._alike
+        most = min(self._items_left // max(form.items, 1), self._bytes_left // max(form.bytes, 1))
+        values = self._child.wire.alike(batch.plain(most), frames.VALUE, form)
+        batch.came(len(values))
+        self._items_left -= len(values) * form.items
+        self._bytes_left -= len(values) * form.bytes
+        return values
 
     def _must_be_open(self) -> None:
         if self._closed:

@@ -5,7 +5,10 @@ from __future__ import annotations
 import select
 import socket
 import time
+from collections.abc import Iterable
 
+from server.sandbox.alike import Alike
+from server.sandbox.child.codec import Value
 from server.sandbox.child.frames import HEADER, framed
 
 _PIECE = 1 << 16
@@ -75,6 +78,23 @@ class Wire:
         payload = bytes(memoryview(self._held)[self._at + HEADER.size : self._at + end])
         self._at += end
         return kind, payload
+
+    def alike(self, tokens: Iterable[int], kind: int, form: Alike) -> list[Value]:
+        """The values of the answers that are here already, as long as they have this form and carry these tokens."""
+        values: list[Value] = []
+        held, at, header, here = self._held, self._at, HEADER.size, len(self._held)
+        for token in tokens:
+            begins = at + header
+            if begins > here:
+                break
+            length, given, came = HEADER.unpack_from(held, at)
+            ends = begins + length
+            if given != token or came != kind or ends > here or not form.fits(held, begins, ends):
+                break
+            values.append(form.numbers(held, begins))
+            at = ends
+        self._at = at
+        return values
 
     @property
     def holds(self) -> bool:

@@ -16,6 +16,7 @@ class Ahead:
         self._asked: Sequence[Foreseen] = ()
         self._coming: Iterator[tuple[int, Answer]] | None = None
         self._reached = 0
+        self._places: dict[Foreseen, int] = {}
         self._ready: dict[Foreseen, deque[Answer]] = {}
 
     def foresee(self, plan: Sequence[Foreseen]) -> None:
@@ -33,6 +34,7 @@ class Ahead:
     def begin(self, program: Program, asked: Sequence[Foreseen]) -> None:
         """Has a program answer these."""
         self._asked, self._coming, self._reached = asked, program.together(asked), 0
+        self._places = {one: place for place, one in enumerate(asked)}
         self._ready |= {one: deque() for one in asked}
 
     def ready(self, asked: Foreseen) -> deque[Answer] | None:
@@ -41,7 +43,7 @@ class Ahead:
 
     def awaits(self, asked: Foreseen) -> bool:
         """May there be others on their way?"""
-        return self._coming is not None and any(asked is one for one in self._asked[self._reached :])
+        return self._coming is not None and self._reached <= self._places.get(asked, -1)
 
     @property
     def on_the_way(self) -> bool:

@@ -11,6 +11,7 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from operator import is_not
 
 import numpy as np
 
@@ -245,6 +246,7 @@ class Bench:
     foreseen: Sequence[Foreseen] = ()
     _count: list[int] = field(default_factory=lambda: [0])
     _known: dict[Key, deque[Answer]] = field(default_factory=dict)
+    _taken: list[tuple[Foreseen, list[Answer]]] = field(default_factory=list)
     _first: Iterator[tuple[int, Answer]] | None = None
     _turn: Iterator[Turn] | None = None
     _next: Turn | None = None
@@ -261,6 +263,10 @@ class Bench:
 
     def _asked_before(self, function: str, args: Arguments) -> Answer | None:
         """The answer to a call that was made ahead: one that `ahead` has taken, or the next that was foreseen."""
+        for taken, gathered in self._taken:
+            for given, answer in zip(taken.calls, gathered, strict=False):
+                self._known.setdefault(_key(taken.function, given), deque()).append(answer)
+        self._taken.clear()
         known = self._known.get(_key(function, args)) if self._known else None
         if known:
             return known.popleft()
@@ -269,8 +275,8 @@ class Bench:
             self._next = next(self._turn, None)
         if self._next is None:
             return None
-        asked, given, answers = self._next
-        if function != asked or len(args) != len(given) or any(a is not b for a, b in zip(args, given, strict=True)):
+        asked, foreseen, answers = self._next
+        if function != asked or len(args) != len(foreseen) or any(map(is_not, args, foreseen)):
             return None
         self._next = next(self._turn, None)
         return next(answers, None)
@@ -289,8 +295,7 @@ class Bench:
         if self.runner.reenacting:
             return []
         answers = [answer for _, answer in self.answers(asked)]
-        for args, answer in zip(asked.calls, answers, strict=False):
-            self._known.setdefault(_key(asked.function, args), deque()).append(answer)
+        self._taken.append((asked, answers))
         return answers
 
     def answers(self, asked: Foreseen) -> Iterator[tuple[Arguments, Answer]]:

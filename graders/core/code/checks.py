@@ -16,7 +16,7 @@ import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.compare import words as render
-from graders.core.compare.comparison import AtOnce, Comparator, Mismatch
+from graders.core.compare.comparison import Comparator, Mismatch
 from graders.core.compare.shrinking import Shrinker, shrink_failure
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
@@ -187,7 +187,7 @@ class Cases(Check):
     `cases` yields tuples of arguments, simplest first; `expected` computes the right answer from these;
     `shrinkers`, one for each argument, simplify a failing case as long as `valid` holds of it;
     `figure(args, expected, got)` makes the data of a drawing (`got` is None unless it has the expected shape). With
-    `rows`, `expected` takes arrays of arguments as well, one case a row, and right answers may be seen at once: what
+    `rows`, `expected` takes arrays of arguments too, one case a row, and `compare.surely` sees right answers at once: what
     else `_judged` might hold against one is not asked.
     """
 
@@ -232,7 +232,7 @@ class Cases(Check):
     def _plain(self, answers: Iterator[tuple[Arguments, Answer]]) -> list[tuple[Arguments, Answer]]:
         """Of what can be judged at once, the answers up to the first that is not plain, with that: none costs much."""
         plain: list[tuple[Arguments, Answer]] = []
-        if self.rows and isinstance(self.compare, AtOnce):
+        if self.rows:
             for pair in answers:
                 plain.append(pair)
                 if not _is_plain(pair[1]):
@@ -241,18 +241,15 @@ class Cases(Check):
 
     def _surely_right(self, asked: Foreseen, plain: Sequence[tuple[Arguments, Answer]]) -> bool:
         """Whether all answers are there and can be seen to be right at once."""
-        if (
-            not isinstance(self.compare, AtOnce)
-            or not 0 < len(asked.calls) == len(plain)
-            or not _is_plain(plain[-1][1])
-        ):
+        if not 0 < len(asked.calls) == len(plain) or not _is_plain(plain[-1][1]):
             return False
         values = [value_of(answer) for _, answer in plain]
         if len({np.shape(value) for value in values}) > 1:
             return False
         wanted = np.asarray(self.expected(*map(np.array, zip(*asked.calls, strict=True))))
         got = np.array(values)
-        return wanted.shape == got.shape and self.compare.surely(wanted, got)
+        surely = getattr(self.compare, "surely", None)
+        return surely is not None and wanted.shape == got.shape and bool(surely(wanted, got))
 
     def _judged(self, args: Arguments, answer: Answer) -> Failure | None:
         expected = self.expected(*args)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -32,17 +31,9 @@ class Mismatch:
 Comparator = Callable[[Value, Value], Mismatch | None]
 
 
-@runtime_checkable
-class AtOnce(Protocol):
-    """A comparator that can see at once that many answers are right: what it then says of each is None."""
-
-    def surely(self, expected: Floats, got: Floats) -> bool:
-        """Whether every row agrees, well within the tolerance, of two arrays of one shape. False where any of them is to
-        be looked at alone."""
-        ...
-
-
-#: How far within a tolerance what is seen at once must be: rounding makes far less.
+#: Comparators of numbers have a method `surely` beside: of two arrays of one shape, a case a row, whether all surely
+#: agree. They then do one by one: this is how far within its tolerance what is seen at once must be, and rounding makes
+#: far less.
 WELL_WITHIN = 0.5
 
 
