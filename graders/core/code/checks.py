@@ -187,8 +187,8 @@ class Cases(Check):
     `cases` yields tuples of arguments, simplest first; `expected` computes the right answer from these;
     `shrinkers`, one for each argument, simplify a failing case as long as `valid` holds of it;
     `figure(args, expected, got)` makes the data of a drawing (`got` is None unless it has the expected shape). With
-    `rows`, `expected` takes arrays of arguments too, one case a row, and `compare.surely` sees right answers at once: what
-    else `_judged` might hold against one is not asked.
+    `rows`, `expected` takes arrays of arguments too, one case a row, and right answers are seen at once where `compare`
+    has a method `surely`: what else `_judged` might hold against one is not asked.
     """
 
     names: tuple[str, ...]
