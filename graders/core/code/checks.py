@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import itertools
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar, Protocol
 
 import numpy as np
 
+from graders.core.code.at_once import all_right, plain_answers, value_of
 from graders.core.code.bench import Bench
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Comparator, Mismatch
@@ -27,10 +28,6 @@ from graders.core.contract.values import Arguments, Floats, UnreadableError, Val
 MAX_FAULTS = 4
 #: A call that raises once in two is then seen to raise, but for one grading in four thousand.
 CHANCES = 12
-
-
-#: Numbers in an answer that may wait to be judged with others.
-PLAIN = 2500
 
 
 class Rejection(Exception):
@@ -215,8 +212,8 @@ class Cases(Check):
         first: Failure | None = None
         asked = foreseen_of(self, bench)[-1]
         answers = bench.answers(asked)
-        plain = self._plain(answers)
-        if self._surely_right(asked, plain):
+        plain = plain_answers(answers) if self.rows else []
+        if all_right(asked, plain, self.expected, self.compare):
             bench.observe_right(self.function, [value_of(answer) for _, answer in plain])
             return
         for args, answer in itertools.chain(plain, answers):
@@ -228,28 +225,6 @@ class Cases(Check):
             first = first or failure
         if first is not None and not bench.runner.reenacting:
             raise self._rejection(self._shrunk(bench, first))
-
-    def _plain(self, answers: Iterator[tuple[Arguments, Answer]]) -> list[tuple[Arguments, Answer]]:
-        """Of what can be judged at once, the answers up to the first that is not plain, with that: none costs much."""
-        plain: list[tuple[Arguments, Answer]] = []
-        if self.rows:
-            for pair in answers:
-                plain.append(pair)
-                if not _is_plain(pair[1]):
-                    break
-        return plain
-
-    def _surely_right(self, asked: Foreseen, plain: Sequence[tuple[Arguments, Answer]]) -> bool:
-        """Whether all answers are there and can be seen to be right at once."""
-        if not 0 < len(asked.calls) == len(plain) or not _is_plain(plain[-1][1]):
-            return False
-        values = [value_of(answer) for _, answer in plain]
-        if len({np.shape(value) for value in values}) > 1:
-            return False
-        wanted = np.asarray(self.expected(*map(np.array, zip(*asked.calls, strict=True))))
-        got = np.array(values)
-        surely = getattr(self.compare, "surely", None)
-        return surely is not None and wanted.shape == got.shape and bool(surely(wanted, got))
 
     def _judged(self, args: Arguments, answer: Answer) -> Failure | None:
         expected = self.expected(*args)
@@ -292,21 +267,6 @@ class Cases(Check):
         if self.figure is None:
             return None
         return self.figure(failure.args, failure.expected, drawable(failure.got, np.shape(failure.expected)))
-
-
-def _is_plain(answer: Answer) -> bool:
-    """A number, or a small array of numbers."""
-    if not isinstance(answer, Reply):
-        return False
-    value = answer.value
-    if type(value) is np.ndarray:
-        return value.dtype == np.float64 and value.size <= PLAIN
-    return isinstance(value, float)
-
-
-def value_of(answer: Answer) -> Value:
-    """What a call returned; None for a fault."""
-    return answer.value if isinstance(answer, Reply) else None
 
 
 def _answer(bench: Bench, function: str, args: Arguments) -> Answer:

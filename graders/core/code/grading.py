@@ -10,12 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from graders.core.code.bench import DEFAULT_BUDGET, Bench, Observation, Runner
+from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, fault_rejection
 from graders.core.code.diagnosis import combined, diagnose, slip_diagnosis
 from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.prober import Prober
 from graders.core.code.reenacting import Reenactor
+from graders.core.code.runner import DEFAULT_BUDGET, Observation, Runner
 from graders.core.compare.shrinking import Budget
 from graders.core.compare.slips import SLIPS
 from graders.core.compare.words import tidy, to_jsonable, whole_jsonable

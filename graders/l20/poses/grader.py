@@ -8,8 +8,9 @@ from functools import partial
 
 import numpy as np
 
+from graders.core.code.at_once import value_of
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Cases, Rejection, Trial, Untouched, value_of
+from graders.core.code.checks import Cases, Rejection, Trial, Untouched
 from graders.core.code.exercise import code
 from graders.core.compare import words as render
 from graders.core.contract.findings import FigureData

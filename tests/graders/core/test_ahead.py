@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.code.bench import Bench, Runner
+from graders.core.code.bench import Bench
 from graders.core.code.checks import Cases, Check, Untouched
 from graders.core.code.grading import run_check, run_checks
+from graders.core.code.runner import Runner
 from graders.core.compare.comparison import CloseTo, Comparator, ScalarCloseTo
 from graders.core.compare.shrinking import Budget, shrink_array
 from graders.core.contract.findings import Finding

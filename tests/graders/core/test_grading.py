@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.code.bench import Bench, Runner
+from graders.core.code.bench import Bench
 from graders.core.code.checks import Cases, Rejection, Trial, Untouched
 from graders.core.code.exercise import CodeDefinition, code
 from graders.core.code.folder import Misconception
 from graders.core.code.grading import CodeGrader
+from graders.core.code.runner import Runner
 from graders.core.compare.comparison import CloseTo
 from graders.core.compare.shrinking import shrink_array
 from graders.core.contract.local import LOCAL

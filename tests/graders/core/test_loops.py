@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.code.bench import Bench, Runner
+from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.code.loops import ClosedLoop, Run
+from graders.core.code.runner import Runner
 from graders.core.contract.local import LocalProgram
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Foreseen, KitSettings, Program, StudentFault
