@@ -9,9 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from graders.core.compare import words as render
-from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, wrong_shape
+from graders.core.compare.comparison import TOLERANCE, WELL_WITHIN, Mismatch, close, unreadable, wrong_shape
 from graders.core.compare.shrinking import shrink_number
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
+
+#: Radians within which reducing an angle loses nothing that a tolerance would see.
+FEW_TURNS = 20.0
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,16 @@ class SamePose:
         if not close(wanted[:2], pose[:2], self.tolerance):
             return Mismatch(self._position_message(wanted, pose))
         return self._angle_mismatch(float(wanted[2]), float(pose[2]))
+
+    def surely(self, expected: Floats, got: Floats) -> bool:
+        within = WELL_WITHIN * self.tolerance
+        if got.ndim != 2 or got.shape[1] != 3 or not close(expected[:, :2], got[:, :2], within):
+            return False
+        turns = (got[:, 2] - expected[:, 2]) / math.tau
+        farthest = FEW_TURNS if self.any_turn else math.pi + WELL_WITHIN * TOLERANCE
+        return bool(
+            (np.abs(got[:, 2]) <= farthest).all() and (np.abs(turns - np.round(turns)) * math.tau <= within).all()
+        )
 
     @staticmethod
     def _position_message(wanted: Floats, pose: Floats) -> str:

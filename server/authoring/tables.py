@@ -49,9 +49,12 @@ FIELDS: Mapping[type, Mapping[str, str]] = {
         "shrinkers": "un simplificateur par argument (voir plus bas)",
         "valid": "`valid(arguments)` : un cas simplifié reste-t-il un cas que l’énoncé permet ?",
         "figure": "`figure(arguments, attendu, obtenu)` donne les données d’un dessin de `figures.py`",
+        "rows": "`expected` accepte aussi des tableaux, un cas par ligne : les bonnes réponses sont vues d’un coup",
     },
     Trial: {
         "protocol": "`protocol(bench)` appelle les fonctions, et lève `Rejection` si ce n’est pas bon",
+        "asks": "`asks(bench)` tire d’avance les appels (`Foreseen`) qui ne dépendent d’aucune réponse",
+        "no_more": "un programme juste n’est appelé que par ceux-là",
     },
     Untouched: {
         "names": "noms des arguments de chaque fonction",

@@ -12,13 +12,14 @@ from uuid import UUID
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, KitSettings, Reply, StudentFault
+from graders.core.contract.program import Answer, Foreseen, KitSettings, Reply, StudentFault
 from graders.core.contract.values import Arguments, Value
 from graders.core.contract.verdict import internal_error_verdict
+from server import sandbox
 from server.course import reuse
 from server.course.models import Course
 from server.course.reuse import NOTHING_OWN, Own
-from server.sandbox import Frame, Kit, Policy, ProgramFault, Sandbox, Session, Shelf, judging_too_long
+from server.sandbox import Calls, Frame, Kit, Policy, ProgramFault, Sandbox, Session, Shelf, judging_too_long
 
 log = logging.getLogger(__name__)
 
@@ -50,8 +51,8 @@ class Patience:
 class SandboxProgram:
     """A student's program behind the walls, as graders see it."""
 
-    def __init__(self, session: Session, patience: Patience) -> None:
-        self._session, self._patience = session, patience
+    def __init__(self, session: Session, patience: Patience, ahead: Sequence[Foreseen]) -> None:
+        self._session, self._patience, self._ahead = session, patience, ahead
         self.functions = frozenset(session.functions)
 
     def call(self, function: str, *args: Value, return_arguments: bool = False) -> Reply:
@@ -67,10 +68,15 @@ class SandboxProgram:
             if spent := self._patience.spent():
                 yield spent
                 return
-            if isinstance(answer, ProgramFault):
-                yield student_fault(answer)
-            else:
-                yield Reply(answer.value)
+            yield _answer(answer)
+
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+        given = self._session.ahead if asked is self._ahead else self._session.together(list(map(_calls, asked)))
+        for number, answer in given:
+            if spent := self._patience.spent():
+                yield number, spent
+                return
+            yield number, _answer(answer)
 
     def stdout(self) -> str:
         return self._session.stdout()
@@ -89,14 +95,24 @@ class SandboxPrograms:
         self._sandbox, self._policy, self._patience = sandbox, policy, Patience(policy)
         self._library = tuple(library)
 
-    def open(self, source: bytes, kit: KitSettings) -> SandboxProgram:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> SandboxProgram:
         self._patience.must_last()
         settings = Kit(kit.module, dict(kit.parameters), kit.without, self._library)
         try:
-            session = self._sandbox.open(source, kit=settings, policy=self._policy, filename=FILENAME)
+            session = self._sandbox.open(
+                source, kit=settings, policy=self._policy, filename=FILENAME, ahead=list(map(_calls, ahead))
+            )
         except ProgramFault as fault:
             raise student_fault(fault) from fault
-        return SandboxProgram(session, self._patience)
+        return SandboxProgram(session, self._patience, ahead)
+
+
+def _calls(asked: Foreseen) -> Calls:
+    return Calls(asked.function, asked.calls, asked.faults, asked.keeping)
+
+
+def _answer(answer: sandbox.Reply | ProgramFault) -> Answer:
+    return student_fault(answer) if isinstance(answer, ProgramFault) else Reply(answer.value, answer.arguments)
 
 
 def student_fault(fault: ProgramFault) -> StudentFault:

@@ -47,6 +47,10 @@ def refilled(tokens: float, elapsed: float, bucket: Bucket) -> float:
 
 
 def _locked(db: Session, key: str, bucket: Bucket, now: datetime) -> Allowance:
+    held = select(Allowance).where(Allowance.key == key).with_for_update()
+    known = db.execute(held).scalar_one_or_none()
+    if known is not None:
+        return known
     full = {"key": key, "tokens": float(bucket.burst), "updated_at": now}
     db.execute(upserting(db, Allowance).on_conflict_do_nothing(), full)
-    return db.execute(select(Allowance).where(Allowance.key == key).with_for_update()).scalar_one()
+    return db.execute(held).scalar_one()

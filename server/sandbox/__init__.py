@@ -7,9 +7,10 @@ from server.sandbox.policy import Policy
 from server.sandbox.pool import Sandbox
 from server.sandbox.probe import WallReport, WallStatus, probe, safe_to_serve
 from server.sandbox.session import Session
-from server.sandbox.values import Kit, Reply, Shelf, Usage
+from server.sandbox.values import Calls, Kit, Reply, Shelf, Usage
 
 __all__ = [
+    "Calls",
     "FaultKind",
     "Frame",
     "Kit",

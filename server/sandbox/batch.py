@@ -1,59 +1,124 @@
 """Questions sent ahead: calls of one function that go to the program in one frame, and whose answers come one by one.
 
 The program takes a batch in whole before it answers anything, so that the two ends of the wire never wait for each
-other to read; the next batch goes only when the last answer of this one is there.
+other to read; the next one goes only when the last answer of this one is there. Several batches go together in one
+frame, which is taken in whole likewise.
 """
 
 from __future__ import annotations
 
-import secrets
+import os
+import struct
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
+
+import numpy as np
 
 from server.sandbox.child import codec, frames
-from server.sandbox.child.codec import Value
+from server.sandbox.child.codec import Array, Value
+from server.sandbox.child.plain import MAX_DIMENSIONS
+from server.sandbox.values import Calls
 
 #: A batch is closed by the call that brings it to so many bytes, or calls.
 _BYTES, _CALLS = 1 << 18, 128
+#: Several batches are closed by the one that brings them to so many bytes.
+_PARCEL = 1 << 20
+NO_END = 1 << 31
+_FLOATS = np.dtype(np.float64)
+Row = tuple[Value, ...]
+#: What calls must have in common to go by columns: of each argument, the shape; () is a float.
+Shapes = tuple[tuple[int, ...], ...]
+
+
+def token() -> int:
+    return int.from_bytes(os.urandom(8), "little")
 
 
 class Batch:
-    """What is asked, and which answers are still to come: a token and a number of arguments for each.
+    """What is asked, and which answers are still to come.
 
     It is `dropped` when some of its answers were given to nobody.
     """
 
     def __init__(self, function: str, *, return_arguments: bool) -> None:
-        self.token = secrets.randbits(64)
-        self._function, self._return_arguments = function, return_arguments
-        self._asked = bytearray()
+        self.function, self.return_arguments = function, return_arguments
+        self.token = token()
+        self.bytes = 0
+        self._rows: list[Row] = []
+        self._shapes: Shapes | None = None
+        self._row_bytes = 0
+        self._encoded: list[bytes] = []
+        self._lengths: list[int] = []
         self._waiting: deque[tuple[int, int | None]] = deque()
         self._faults = 0
         self.dropped = False
 
-    def add(self, arguments: tuple[Value, ...]) -> bool:
+    def add(self, arguments: Row) -> bool:
         """Adds a call; True when the batch should hold no more."""
-        token = secrets.randbits(64)
-        self._asked += frames.framed(token, frames.ARGUMENTS, codec.encode(arguments, frames.QUESTION_LIMITS))
-        self._waiting.append((token, len(arguments) if self._return_arguments else None))
-        return len(self._asked) >= _BYTES or len(self._waiting) >= _CALLS
+        shapes = _shapes(arguments)
+        if not self._lengths:
+            self._shapes = shapes
+        self._lengths.append(len(arguments))
+        if shapes is None or shapes != self._shapes:
+            self._give_up_columns()
+        if self._shapes is None:
+            self._encode(arguments)
+        else:
+            if not self._rows:
+                self._row_bytes = sum(one.nbytes if isinstance(one, np.ndarray) else 8 for one in arguments)
+            self._rows.append(arguments)
+            self.bytes += self._row_bytes
+        return self.bytes >= _BYTES or len(self._lengths) >= _CALLS
 
-    def payload(self, wall: float, faults: int) -> bytes:
-        """The frame's content; the program stops by itself after so many faults."""
+    @property
+    def calls(self) -> int:
+        return len(self._lengths)
+
+    def _give_up_columns(self) -> None:
+        rows, self._rows, self._shapes, self.bytes = self._rows, [], None, sum(map(len, self._encoded))
+        for row in rows:
+            self._encode(row)
+
+    def _encode(self, arguments: Row) -> None:
+        self._encoded.append(codec.encode(arguments, frames.QUESTION_LIMITS))
+        self.bytes += len(self._encoded[-1])
+
+    def payload(self, wall: float | None, faults: int) -> bytes:
+        """Its frame; the program stops by itself after so many faults. Without `wall`, the time that the
+        question before has left is this one's."""
         self._faults = faults
-        shared: dict[str, Value] = {
-            "function": self._function,
-            "return_arguments": self._return_arguments,
-            "calls": len(self._waiting),
-            "faults": faults,
-            "wall": wall,
-        }
-        return frames.framed(self.token, frames.CALLS, codec.encode(shared, frames.QUESTION_LIMITS)) + self._asked
+        tokens = os.urandom(8 * self.calls)
+        kept = self._lengths if self.return_arguments else [None] * self.calls
+        self._waiting = deque(zip(struct.unpack(f"<{self.calls}Q", tokens), kept, strict=True))
+        shared = self.return_arguments, faults, wall, self.function
+        head = frames.framed(self.token, frames.CALLS, codec.encode(shared, frames.QUESTION_LIMITS))
+        return frames.framed(
+            self.token, frames.CALLS, b"".join((head, frames.framed(0, frames.TOKENS, tokens), *self._parts()))
+        )
+
+    def _parts(self) -> Iterator[bytes]:
+        for row in self._encoded:
+            yield frames.framed(0, frames.ARGUMENTS, row)
+        if self._shapes is not None:
+            transposed = zip(*self._rows, strict=True)
+            columns = tuple(_column(*pair) for pair in zip(self._shapes, transposed, strict=True))
+            yield frames.framed(0, frames.COLUMNS, codec.encode(columns, frames.QUESTION_LIMITS))
 
     @property
     def waits(self) -> bool:
         """Are there answers to come?"""
         return bool(self._waiting) and self._faults > 0
+
+    def plain(self, most: int) -> Iterator[int]:
+        """The tokens of so many answers to come, but for the last, where these hold nothing but what is returned."""
+        before_last = 0 if self.return_arguments or self._faults <= 0 else max(len(self._waiting) - 1, 0)
+        return (token for token, _ in islice(self._waiting, min(most, before_last)))
+
+    def came(self, answers: int) -> None:
+        """So many have come."""
+        for _ in range(answers):
+            self._waiting.popleft()
 
     def next(self) -> tuple[int, int | None]:
         """Token of the next answer, and how many arguments must come back with it (None: they were not asked for)."""
@@ -64,13 +129,70 @@ class Batch:
         self._faults -= 1
 
 
-def batches(function: str, calls: Iterable[tuple[Value, ...]], *, return_arguments: bool) -> Iterator[Batch]:
+def _shapes(arguments: Row) -> Shapes | None:
+    """None for arguments that are not all floats and arrays of floats."""
+    shapes: list[tuple[int, ...]] = []
+    for one in arguments:
+        if type(one) is np.ndarray and one.dtype == _FLOATS and 0 < one.ndim < MAX_DIMENSIONS:
+            shapes.append(one.shape)
+        elif type(one) is float:
+            shapes.append(())
+        else:
+            return None
+    return tuple(shapes) or None
+
+
+def _column(shape: tuple[int, ...], column: tuple[Array, ...] | tuple[float, ...]) -> Array:
+    if not shape:
+        return np.array(column)
+    return np.concatenate(column).reshape(len(column), *shape)
+
+
+def batches(function: str, calls: Iterable[Row], *, return_arguments: bool) -> Iterator[Batch]:
     """The calls by batches; they are drawn no further ahead than the batch that is made."""
-    batch, empty = Batch(function, return_arguments=return_arguments), True
+    batch = Batch(function, return_arguments=return_arguments)
     for arguments in calls:
-        full, empty = batch.add(arguments), False
-        if full:
+        if batch.add(arguments):
             yield batch
-            batch, empty = Batch(function, return_arguments=return_arguments), True
-    if not empty:
+            batch = Batch(function, return_arguments=return_arguments)
+    if batch.calls:
         yield batch
+
+
+class Parcel:
+    """Batches that go to the program in one frame, each with the number of what asks for it."""
+
+    def __init__(self, asked: Sequence[Calls], begin: int) -> None:
+        self._asked, self.end, size = asked, begin, 0
+        self.batches: list[tuple[int, Batch]] = []
+        while self.end < len(asked) and size < _PARCEL:
+            batch = _whole(asked[self.end])
+            size += batch.bytes
+            if batch.calls:
+                self.batches.append((self.end, batch))
+            self.end += 1
+
+    def payload(self, wall: float | None) -> bytes:
+        """What stands in one frame with other questions: the first has so much time, the others what is left of it."""
+        pieces = []
+        for number, batch in self.batches:
+            faults = self._asked[number].faults
+            pieces.append(batch.payload(wall, NO_END if faults is None else faults))
+            wall = None
+        return b"".join(pieces)
+
+
+def parcels(asked: Sequence[Calls]) -> Iterator[Parcel]:
+    """One frame for all, or more where there is much to send: each is made when its turn comes."""
+    end = 0
+    while end < len(asked):
+        parcel = Parcel(asked, end)
+        end = parcel.end
+        yield parcel
+
+
+def _whole(asked: Calls) -> Batch:
+    batch = Batch(asked.function, return_arguments=asked.return_arguments)
+    for arguments in asked.calls:
+        batch.add(arguments)
+    return batch

@@ -7,7 +7,7 @@ import logging
 import threading
 import time
 from collections import OrderedDict, deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Self
@@ -21,7 +21,7 @@ from server.sandbox.launch import Files, Setting
 from server.sandbox.policy import MIB, Policy
 from server.sandbox.process import Child, TemplateProcess
 from server.sandbox.session import Session
-from server.sandbox.values import MENTION, Kit
+from server.sandbox.values import MENTION, Calls, Kit
 
 _log = logging.getLogger(__name__)
 #: Policies for which a template keeps spare children: the last ones used.
@@ -109,21 +109,23 @@ class Sandbox:
         filename: str = "solution.py",
         drawing: bool = False,
         shows_last: bool = False,
+        ahead: Sequence[Calls] = (),
     ) -> Session:
         """A session in which the file is loaded. Raises ProgramFault if it does not load, SandboxFault if we failed.
 
         With `drawing`, a source that speaks of matplotlib finds it, and its figures are asked for by `Session.figures`.
-        With `shows_last`, the value of an expression that ends the file is printed, as a notebook does.
+        With `shows_last`, the value of an expression that ends the file is printed, as a notebook does. What is asked
+        `ahead` goes with the file: `Session.ahead` gives its answers, as `Session.together` would.
         """
         policy = policy or self.policy
         _check_source(source, policy)
         imports = import_set(b"".join((source, *_imported(source, kit))), drawing=drawing)
         try:
-            return self._opened(imports, source, filename, kit, policy, shows_last=shows_last)
+            return self._opened(imports, source, filename, kit, policy, shows_last=shows_last, ahead=ahead)
         except TemplateFault as first:
             _log.warning("a template failed and is replaced: %s", first)
         try:
-            return self._opened(imports, source, filename, kit, policy, shows_last=shows_last)
+            return self._opened(imports, source, filename, kit, policy, shows_last=shows_last, ahead=ahead)
         except TemplateFault as error:
             raise SandboxFault(str(error)) from error
 
@@ -142,12 +144,20 @@ class Sandbox:
         self._seats.close()
 
     def _opened(
-        self, imports: str, source: bytes, filename: str, kit: Kit | None, policy: Policy, *, shows_last: bool
+        self,
+        imports: str,
+        source: bytes,
+        filename: str,
+        kit: Kit | None,
+        policy: Policy,
+        *,
+        shows_last: bool,
+        ahead: Sequence[Calls],
     ) -> Session:
         template, child = self._take(imports, policy)
         session = Session(child, policy)
         try:
-            session.load(source, filename, kit, shows_last=shows_last)
+            session.load(source, filename, kit, shows_last=shows_last, ahead=ahead)
         except TemplateFault as error:
             self._replace(imports, template)
             session.close()

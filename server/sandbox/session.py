@@ -4,32 +4,24 @@ from __future__ import annotations
 
 import marshal
 import re
-import secrets
-import signal
-import time
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
-from dataclasses import replace
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
-from typing import Any, NoReturn, Self
+from itertools import chain
+from typing import Self
 
 import numpy as np
 
 from server.sandbox import diagnosis, messages
-from server.sandbox.batch import Batch, batches
+from server.sandbox.batch import NO_END, Batch, Parcel, batches, parcels, token
 from server.sandbox.child import codec, drawing, frames
 from server.sandbox.child.codec import Value
-from server.sandbox.faults import FaultKind, Frame, ProgramFault, SandboxFault, TemplateFault
+from server.sandbox.conversation import ENDING_SECONDS, Conversation
+from server.sandbox.faults import FaultKind, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.policy import Policy
-from server.sandbox.process import Child, Ending
-from server.sandbox.values import Kit, Reply, Shelf, Usage
-from server.sandbox.wire import Closed, Forged, Late, TooMuch
+from server.sandbox.process import Child
+from server.sandbox.values import Calls, Kit, Reply, Shelf, Usage
 
-#: What the child is left to tell by itself that its time is up, before it is killed.
-GRACE = 0.5
-_READY_SECONDS = 10.0
-_ENDING_SECONDS = 5.0
-_NO_END = 1 << 31
 _ANSWERS, _END = frozenset({frames.VALUE, frames.FAULT}), frozenset({frames.DONE})
 
 
@@ -44,57 +36,72 @@ def _shelved(shelf: Shelf) -> Value:
     return shelf.label, shelf.functions, np.frombuffer(file, dtype=np.uint8), shelf.compiled
 
 
-class Session:
+def _must_be_whole(batch: Batch) -> None:
+    if batch.dropped:
+        raise SandboxFault("other questions have been asked since")
+
+
+def _configuration(kit: Kit | None) -> bytes:
+    question: dict[str, Value] = {
+        "kit": kit.module if kit else None,
+        "parameters": dict(kit.parameters) if kit else {},
+        "without": kit.without if kit else (),
+    }
+    return codec.encode(question, frames.QUESTION_LIMITS)
+
+
+class Session(Conversation):
     """Made by `Sandbox.open`. Not for two threads at once."""
 
     def __init__(self, child: Child, policy: Policy) -> None:
-        self._child, self._policy = child, policy
-        self._waited = 0.0
-        self._bytes_left, self._items_left = policy.session_bytes, policy.session_items
-        self._filename, self._lines = "", [""]
-        self._batch: Batch | None = None
-        self._fatal: ProgramFault | None = None
+        super().__init__(child, policy)
+        self._asked: deque[Batch] = deque()
         self._closed = False
         self._printed, self._cut = "", False
         self.functions: frozenset[str] = frozenset()
+        #: The answers to what was asked together with the file.
+        self.ahead: Iterator[tuple[int, Reply | ProgramFault]] = iter(())
 
-    def load(self, source: bytes, filename: str, kit: Kit | None, *, shows_last: bool = False) -> None:
-        """Runs the file's top level. Raises TemplateFault when the child was not sound to begin with."""
+    def load(
+        self,
+        source: bytes,
+        filename: str,
+        kit: Kit | None,
+        *,
+        shows_last: bool = False,
+        ahead: Sequence[Calls] = (),
+    ) -> None:
+        """Runs the file's top level; what is asked `ahead` goes with it, and is answered by the iterator of that name.
+
+        Raises TemplateFault when the child was not sound to begin with.
+        """
         self._expect(0, frames.READY)
-        self._configure(kit)
         self._filename, self._lines = filename, re.split("\r\n|\r|\n", source.decode("utf-8-sig", "replace"))
-        question: dict[str, Value] = {"source": np.frombuffer(source, dtype=np.uint8), "filename": filename}
-        question |= {"shows_last": shows_last, "library": tuple(map(_shelved, kit.library if kit else ()))}
-        token = secrets.randbits(64)
-        self._say(token, frames.LOAD, codec.encode(question | {"wall": self._left}, frames.QUESTION_LIMITS))
-        functions = diagnosis.names(self._understood(*self._hear(token, _ANSWERS)))
+        configure, load = token(), token()
+        more = parcels(ahead)
+        first = next(more, Parcel((), 0))
+        self._begin(
+            frames.framed(configure, frames.CONFIGURE, _configuration(kit))
+            + frames.framed(load, frames.LOAD, self._file(source, kit, shows_last=shows_last))
+            + first.payload(None)
+        )
+        self._expect(configure, frames.CONFIGURED)
+        functions = diagnosis.names(self._understood(*self._hear(load, _ANSWERS)))
         if functions is None:
             self._forged()
         self.functions = functions
+        self._sent(first)
+        self.ahead = self._together(first, more)
 
-    def _configure(self, kit: Kit | None) -> None:
+    def _file(self, source: bytes, kit: Kit | None, *, shows_last: bool) -> bytes:
         question: dict[str, Value] = {
-            "kit": kit.module if kit else None,
-            "parameters": dict(kit.parameters) if kit else {},
-            "without": kit.without if kit else (),
+            "source": np.frombuffer(source, dtype=np.uint8),
+            "filename": self._filename,
+            "shows_last": shows_last,
+            "library": tuple(map(_shelved, kit.library if kit else ())),
+            "wall": self._left,
         }
-        token = secrets.randbits(64)
-        try:
-            deadline = time.monotonic() + _READY_SECONDS
-            self._child.wire.ask(token, frames.CONFIGURE, codec.encode(question, frames.QUESTION_LIMITS), deadline)
-        except (Late, Closed, Forged) as error:
-            raise TemplateFault(f"a fork does not listen: {type(error).__name__}") from error
-        self._expect(token, frames.CONFIGURED)
-
-    def _expect(self, token: int, kind: int) -> None:
-        """The child says that it has gone a step further, before any line of the student has run."""
-        expected = frozenset({kind, frames.ANOMALY})
-        try:
-            came, said = self._child.wire.answer(token, expected, 1 << 16, time.monotonic() + _READY_SECONDS)
-        except (Late, Closed, Forged) as error:
-            raise TemplateFault(f"a fork did not come up: {type(error).__name__}") from error
-        if came == frames.ANOMALY:
-            raise TemplateFault(f"a fork failed: {said.decode('utf-8', 'replace')}")
+        return codec.encode(question, frames.QUESTION_LIMITS)
 
     def __enter__(self) -> Self:
         return self
@@ -123,7 +130,7 @@ class Session:
         """What the whole session used; closes it. Raises SandboxFault when nobody can tell."""
         self.close()
         try:
-            ending = self._child.ending(_ENDING_SECONDS)
+            ending = self._child.ending(ENDING_SECONDS)
         except (TemplateFault, TimeoutError) as error:
             raise SandboxFault("nobody knows what the session used") from error
         return Usage(ending.cpu_seconds, self._waited, ending.max_rss_bytes)
@@ -153,9 +160,20 @@ class Session:
         self._must_be_open()
         if function in self.functions or self._fatal:
             asked = batches(function, calls, return_arguments=return_arguments)
-            return self._answers(asked, _NO_END if faults is None else faults)
+            return self._answers(asked, NO_END if faults is None else faults)
+        return iter((self._missing(function),))
+
+    def together(self, asked: Sequence[Calls]) -> Iterator[tuple[int, Reply | ProgramFault]]:
+        """Asks several of these at once; gives each answer as it comes, with the number of what has asked for it.
+
+        For each, as `call_many`. Nothing comes after a fatal fault. Raises SandboxFault when the fault is ours.
+        """
+        self._must_be_open()
+        return self._together(None, parcels(asked))
+
+    def _missing(self, function: str) -> ProgramFault:
         message = messages.missing_function(function, self.functions)
-        return iter((ProgramFault(FaultKind.MISSING_FUNCTION, messages.typeset(message)),))
+        return ProgramFault(FaultKind.MISSING_FUNCTION, messages.typeset(message))
 
     def figures(self) -> tuple[bytes, ...]:
         """What the program gives as the PNG files of its open figures: bytes of its own making, to be read with care.
@@ -179,11 +197,12 @@ class Session:
             for batch in asked:
                 self._ask(batch, faults)
                 while batch.waits:
+                    for value in self._here(batch):
+                        yield Reply(value, None)
                     answer = self._next(batch)
                     faults -= isinstance(answer, ProgramFault)
                     yield answer
-                if batch.dropped:
-                    raise SandboxFault("other questions have been asked since")
+                _must_be_whole(batch)
                 if not faults:
                     return
         except ProgramFault as fatal:
@@ -191,25 +210,61 @@ class Session:
         except TemplateFault as error:
             raise SandboxFault(str(error)) from error
 
+    def _together(self, sent: Parcel | None, more: Iterator[Parcel]) -> Iterator[tuple[int, Reply | ProgramFault]]:
+        """The answers to a parcel that has been sent, then to those that are still to be."""
+        number = 0
+        try:
+            for parcel in chain((sent,) if sent else (), more):
+                if parcel is not sent:
+                    number = next(iter(parcel.batches), (number,))[0]
+                    self._send(parcel)
+                for number, batch in parcel.batches:
+                    if batch.function not in self.functions:
+                        yield number, self._missing(batch.function)
+                        continue
+                    while batch.waits:
+                        for value in self._here(batch):
+                            yield number, Reply(value, None)
+                        yield number, self._next(batch)
+                    _must_be_whole(batch)
+        except ProgramFault as fatal:
+            yield number, fatal
+        except TemplateFault as error:
+            raise SandboxFault(str(error)) from error
+
     def _ask(self, batch: Batch, faults: int) -> None:
-        """Sends a batch. What is left of one whose iterator was abandoned is read first, and dropped."""
+        self._drop_what_waits()
+        self._say(batch.payload(self._left, faults))
+        self._asked.append(batch)
+
+    def _send(self, parcel: Parcel) -> None:
+        self._drop_what_waits()
+        if any(batch.function in self.functions for _, batch in parcel.batches):
+            self._say(parcel.payload(self._left))
+        self._sent(parcel)
+
+    def _sent(self, parcel: Parcel) -> None:
+        self._asked.extend(batch for _, batch in parcel.batches if batch.function in self.functions)
+
+    def _drop_what_waits(self) -> None:
+        """What is left of questions whose iterators were abandoned is read before another goes, and dropped."""
         if self._fatal:
             raise self._fatal
-        while self._batch is not None and self._batch.waits:
-            self._batch.dropped = True
-            self._next(self._batch)
-        self._say(batch.token, frames.CALLS, batch.payload(self._left, faults))
-        self._batch = batch
+        for batch in self._asked:
+            while batch.waits:
+                batch.dropped = True
+                self._next(batch)
+        self._asked.clear()
 
     def _next(self, batch: Batch) -> Reply | ProgramFault:
         """The next answer of a batch; raises a fault that is fatal. With the last one comes the end of the batch."""
         self._must_be_open()
         if self._fatal:
             raise self._fatal
-        token, arguments = batch.next()
+        called, arguments = batch.next()
         answer: Reply | ProgramFault
         try:
-            answer = self._reply(self._understood(*self._hear(token, _ANSWERS)), arguments)
+            answer = self._reply(self._understood(*self._hear(called, _ANSWERS)), arguments)
         except ProgramFault as fault:
             if fault.fatal:
                 raise
@@ -218,6 +273,19 @@ class Session:
         if not batch.waits:
             self._hear(batch.token, _END)
         return answer
+
+    def _here(self, batch: Batch) -> list[Value]:
+        """What the next answers return, as far as they are here and of the form of the last one. There is one more."""
+        self._must_be_open()
+        if self._fatal:
+            return []
+        form = self._alike
+        most = min(self._items_left // max(form.items, 1), self._bytes_left // max(form.bytes, 1))
+        values = self._child.wire.alike(batch.plain(most), frames.VALUE, form)
+        batch.came(len(values))
+        self._items_left -= len(values) * form.items
+        self._bytes_left -= len(values) * form.bytes
+        return values
 
     def _must_be_open(self) -> None:
         if self._closed:
@@ -231,90 +299,3 @@ class Session:
         if not sound:
             self._forged()
         return Reply(value, arguments if isinstance(arguments, tuple) else None)
-
-    @property
-    def _left(self) -> float:
-        return max(self._policy.wall_seconds - self._waited, 0.001)
-
-    def _say(self, token: int, kind: int, payload: bytes) -> None:
-        with self._counted() as deadline:
-            self._child.wire.ask(token, kind, payload, deadline)
-
-    def _hear(self, token: int, kinds: frozenset[int]) -> tuple[int, bytes]:
-        with self._counted() as deadline:
-            kind, payload = self._child.wire.answer(token, kinds, self._policy.frame_bytes, deadline, self._bytes_left)
-        self._bytes_left -= len(payload)
-        return kind, payload
-
-    @contextmanager
-    def _counted(self) -> Iterator[float]:
-        """Counts the time spent with the wire, and ends a session that has no more of it or that plays with it."""
-        start = time.monotonic()
-        try:
-            yield start + self._left + GRACE
-        except Late:
-            self._end(lambda _: diagnosis.late(self._policy, self._last_frames()))
-        except Forged:
-            self._forged()
-        except TooMuch:
-            self._end(lambda _: diagnosis.too_much("bytes", self._policy))
-        except Closed:
-            self._died()
-        finally:
-            self._waited += time.monotonic() - start
-
-    def _understood(self, outcome: int, answer: bytes) -> Value:
-        try:
-            if outcome == frames.VALUE:
-                return self._value(answer)
-            fault: Any = codec.decode(answer, frames.FAULT_LIMITS)
-        except codec.Malformed:
-            self._forged()
-        program_fault = diagnosis.told(fault, self._policy)
-        if program_fault is None:
-            self._forged()
-        if program_fault.fatal:
-            self._end(lambda _: program_fault)
-        raise program_fault
-
-    def _value(self, answer: bytes) -> Value:
-        """Raises Malformed, or the fault of a program that has answered too much in all."""
-        limits = self._policy.answer
-        try:
-            value, items = codec.measured(answer, replace(limits, items=min(limits.items, self._items_left)))
-        except codec.TooMany:
-            if self._items_left >= limits.items:
-                raise
-            self._end(lambda _: diagnosis.too_much("items", self._policy))
-        self._items_left -= items
-        return value
-
-    def _died(self) -> NoReturn:
-        """The wire is closed: the process has ended by itself, or it has closed the wire and lives on."""
-        try:
-            self._child.ending(GRACE)
-        except TimeoutError:  # it lives on, or the machine is too busy to tell its end: only our own kill shows which
-            self._end(self._killed_or_ended)
-        self._end(self._ended)
-
-    def _killed_or_ended(self, ending: Ending) -> ProgramFault:
-        return diagnosis.forged() if ending.status == signal.SIGKILL else self._ended(ending)
-
-    def _ended(self, ending: Ending) -> ProgramFault:
-        return diagnosis.ended(ending, self._policy, self._last_frames())
-
-    def _last_frames(self) -> tuple[Frame, ...]:
-        return diagnosis.last_frames(self._child.output.last_words(), self._filename, self._lines)
-
-    def _forged(self) -> NoReturn:
-        self._end(lambda _: diagnosis.forged())
-
-    def _end(self, fault: Callable[[Ending], ProgramFault]) -> NoReturn:
-        """Ends the process, then raises the fault that its ending tells; later calls raise it again."""
-        self._child.kill()
-        try:
-            ending = self._child.ending(_ENDING_SECONDS)
-        except TimeoutError as error:
-            raise TemplateFault("a child cannot be killed") from error
-        self._fatal = fault(ending)
-        raise self._fatal

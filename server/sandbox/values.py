@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from server.sandbox.child import library
@@ -36,6 +36,18 @@ class Kit:
     parameters: Mapping[str, Value] = field(default_factory=dict)
     without: tuple[str, ...] = ()
     library: tuple[Shelf, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Calls:
+    """Calls of one function that are asked together with others: at most so many `faults` of theirs are waited for
+    (None: all).
+    """
+
+    function: str
+    calls: Sequence[tuple[Value, ...]]
+    faults: int | None = None
+    return_arguments: bool = False
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,10 @@ from __future__ import annotations
 import select
 import socket
 import time
+from collections.abc import Iterable
 
+from server.sandbox.alike import Alike
+from server.sandbox.child.codec import Value
 from server.sandbox.child.frames import HEADER, framed
 
 _PIECE = 1 << 16
@@ -37,13 +40,14 @@ class Wire:
         self._poll.register(end, select.POLLIN)
         self._piece = memoryview(bytearray(_PIECE))
         self._held = bytearray()
+        self._at = 0
 
     def close(self) -> None:
         self._end.close()
 
     def ask(self, token: int, kind: int, payload: bytes, deadline: float) -> None:
         """Sends a question. Raises Forged when something has come that nobody asked for."""
-        if self._held:
+        if self._at < len(self._held):
             raise Forged
         if self._poll.poll(0):
             raise Closed if not self._peek() else Forged
@@ -63,12 +67,40 @@ class Wire:
 
         `limit` is that of any frame, `left` what is left of a session's; an announced length is refused unread.
         """
-        length, given, kind = HEADER.unpack(self._read(HEADER.size, deadline))
+        self._fill(HEADER.size, deadline)
+        length, given, kind = HEADER.unpack_from(self._held, self._at)
         if given != token or kind not in kinds or length > limit:
             raise Forged
         if left is not None and length > left:
             raise TooMuch
-        return kind, self._read(length, deadline)
+        end = HEADER.size + length
+        self._fill(end, deadline)
+        payload = bytes(memoryview(self._held)[self._at + HEADER.size : self._at + end])
+        self._at += end
+        return kind, payload
+
+    def alike(self, tokens: Iterable[int], kind: int, form: Alike) -> list[Value]:
+        """The values of the answers that are here already, as long as they have this form and carry these tokens."""
+        values: list[Value] = []
+        held, at, header, here = self._held, self._at, HEADER.size, len(self._held)
+        for token in tokens:
+            begins = at + header
+            if begins > here:
+                break
+            length, given, came = HEADER.unpack_from(held, at)
+            ends = begins + length
+            if given != token or came != kind or ends > here or not form.fits(held, begins, ends):
+                break
+            values.append(form.numbers(held, begins))
+            at = ends
+        self._at = at
+        return values
+
+    @property
+    def holds(self) -> bool:
+        """Is a whole answer here already, as far as it tells itself?"""
+        here = len(self._held) - self._at
+        return here >= HEADER.size and here >= HEADER.size + HEADER.unpack_from(self._held, self._at)[0]
 
     def _peek(self) -> bool:
         try:
@@ -78,8 +110,12 @@ class Wire:
         except OSError:
             return False
 
-    def _read(self, length: int, deadline: float) -> bytes:
-        """The next bytes of those held, of which there is never more than the answer that is read, and a piece."""
+    def _fill(self, length: int, deadline: float) -> None:
+        """Holds so many bytes that are not given yet: never more than the answer that is read, and a piece."""
+        if len(self._held) - self._at >= length:
+            return
+        del self._held[: self._at]
+        self._at = 0
         while len(self._held) < length:
             try:
                 count = self._end.recv_into(self._piece)
@@ -91,9 +127,6 @@ class Wire:
             if not count:
                 raise Closed
             self._held += self._piece[:count]
-        wanted = bytes(memoryview(self._held)[:length])
-        del self._held[:length]
-        return wanted
 
     def _wait(self, event: int, deadline: float) -> None:
         left = deadline - time.monotonic()

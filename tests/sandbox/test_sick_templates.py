@@ -70,7 +70,7 @@ def test_a_program_that_runs_on_a_hung_template_is_our_fault_and_ends(body: str,
 def test_an_end_that_is_told_late_keeps_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
     """The template is stopped until we have lost patience and ordered it to kill a program that had ended by itself."""
     monkeypatch.setattr(vitals, "LOOK", 30.0)
-    monkeypatch.setattr("server.sandbox.session.GRACE", 0.1)
+    monkeypatch.setattr("server.sandbox.conversation.GRACE", 0.1)
     leaves = LEAVES.replace(b"os._exit", b"def f(x): os._exit")
     with Sandbox({}, spares=0) as sandbox, sandbox.open(leaves, policy=FAR) as session, ThreadPoolExecutor(1) as aside:
         template = root_and_template()[1]

@@ -20,13 +20,14 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.code.bench import Bench, Runner
+from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection, Untouched
 from graders.core.code.grading import CodeGrader
 from graders.core.code.plain import Plain, bounded, plain, same
 from graders.core.code.probes import seen
 from graders.core.code.questions import STOPPED, Series, answers_of, changed, read_all, shown_of
 from graders.core.code.recording import Recorder
+from graders.core.code.runner import Runner
 from graders.core.compare.words import tidy, to_jsonable
 from graders.core.contract.local import LocalProgram
 from graders.core.contract.outcomes import Outcome

@@ -11,142 +11,17 @@ from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from operator import is_not
 
 import numpy as np
 
-from graders.core.compare.shrinking import Budget
+from graders.core.code.runner import Observation, Runner
 from graders.core.contract.findings import FigureData
-from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, KitSettings, Program, Programs, Reply, StudentFault
+from graders.core.contract.program import Answer, Foreseen, KitSettings, Program, Reply, StudentFault
 from graders.core.contract.values import Arguments, Value, kept
 
-#: How often the main program may be started anew, and how many others, one for each map or each run of a closed loop.
-MAX_LAUNCHES = 12
-MAX_OTHERS = 64
-DEFAULT_BUDGET = Budget()
-
+Turn = tuple[str, Arguments, Iterator[Answer]]
 Key = tuple[str, tuple[tuple[str, tuple[int, ...], bytes], ...]]
-
-
-@dataclass(frozen=True)
-class Observation:
-    """What a function gave on one graded input (a value, or the name of the fault), and whether that was right."""
-
-    check: str
-    index: int
-    function: str
-    value: Value
-    fault: str | None
-    ok: bool
-
-
-class Runner:
-    """Keeps a program alive over the checks of one grading; a program that died is started anew.
-
-    A function that exhausted a limit or killed its process is not called again. `reenacting` says that only the
-    observations are wanted: no counterexample is shrunk. `budget` is for each of those that are. `failed` are the ids
-    of the checks that have failed so far, for those that depend on them.
-    """
-
-    def __init__(
-        self,
-        programs: Programs,
-        source: bytes,
-        kit: KitSettings,
-        *,
-        reenacting: bool = False,
-        budget: Budget = DEFAULT_BUDGET,
-    ) -> None:
-        self.reenacting = reenacting
-        self.budget = budget
-        self._programs = programs
-        self._source = source
-        self._kit = kit
-        self._launches = 0
-        self._others = 0
-        self._program: Program | None = None
-        self._dead: dict[str, StudentFault] = {}
-        self.observations: list[Observation] = []
-        self.films: dict[str, FigureData] = {}
-        self.failed: set[str] = set()
-        self.stdout = ""
-
-    @property
-    def program(self) -> Program:
-        """The program on the main map. Raises StudentFault when its file does not load."""
-        if self._program is None:
-            self._launches += 1
-            self._program = self._start(self._kit, self._launches, MAX_LAUNCHES)
-        return self._program
-
-    def _start(self, kit: KitSettings, launches: int, most: int) -> Program:
-        if launches > most:
-            raise StudentFault(Outcome.RUNTIME_ERROR, "Votre programme s'est arrêté trop souvent.", fatal=True)
-        return self._programs.open(self._source, kit)
-
-    def call(self, program: Program | None, function: str, args: Arguments, *, keep: bool) -> Reply:
-        """Call a function of a program (None: of the main one)."""
-        refused = self._refused(function)
-        if refused is not None:
-            raise refused
-        try:
-            return (program or self.program).call(function, *args, return_arguments=keep)
-        except StudentFault as fault:
-            self._mourn(program, function, fault)
-            raise
-
-    def call_many(
-        self, program: Program | None, function: str, calls: Iterable[Arguments], *, faults: int | None
-    ) -> Iterator[Answer]:
-        """As `Program.call_many`, of a program (None: of the main one)."""
-        for answer in self._answers(program, function, calls, faults):
-            if isinstance(answer, StudentFault):
-                self._mourn(program, function, answer)
-            yield answer
-
-    def _answers(
-        self, program: Program | None, function: str, calls: Iterable[Arguments], faults: int | None
-    ) -> Iterator[Answer]:
-        refused = self._refused(function)
-        if refused is not None:
-            return iter((refused,))
-        try:
-            return (program or self.program).call_many(function, calls, faults=faults)
-        except StudentFault as fault:
-            return iter((fault,))
-
-    def _refused(self, function: str) -> StudentFault | None:
-        """The fault that answers for a function that is not called again."""
-        before = self._dead.get(function)
-        if before is None:
-            return None
-        return StudentFault(before.outcome, f"{function} n'est pas rappelée : {before.message}", fatal=True)
-
-    def _mourn(self, program: Program | None, function: str, fault: StudentFault) -> None:
-        if fault.fatal:
-            self._dead[function] = fault
-            self._drop(program)
-
-    def _drop(self, program: Program | None) -> None:
-        if self._program is not None and program in (None, self._program):
-            self.close()
-
-    @contextmanager
-    def other(self, kit: KitSettings) -> Iterator[Program]:
-        """The same file started on another map, for as long as the block lasts."""
-        self._others += 1
-        program = self._start(kit, self._others, MAX_OTHERS)
-        try:
-            yield program
-        finally:
-            program.close()
-
-    def close(self) -> None:
-        """Keep what was printed and give the main program back."""
-        if self._program is not None:
-            self.stdout = self.stdout or self._program.stdout()
-            self._program.close()
-            self._program = None
 
 
 @dataclass
@@ -159,31 +34,73 @@ class Bench:
     kit: KitSettings
     program: Program | None = None
     last_call: tuple[str, Arguments] | None = None
+    #: What the check was seen to ask, before it began.
+    foreseen: Sequence[Foreseen] = ()
     _count: list[int] = field(default_factory=lambda: [0])
     _known: dict[Key, deque[Answer]] = field(default_factory=dict)
+    _taken: list[tuple[Foreseen, list[Answer]]] = field(default_factory=list)
+    _first: Iterator[tuple[int, Answer]] | None = None
+    _turn: Iterator[Turn] | None = None
+    _next: Turn | None = None
 
     def call(self, function: str, *args: Value) -> Value:
         """Call a function by position and return its value as plain data. Raises StudentFault."""
         self.last_call = (function, args)
-        ahead = self._known.get(_key(function, args)) if self._known else None
-        if not ahead:
+        answer = self._asked_before(function, args)
+        if answer is None:
             return self.runner.call(self.program, function, args, keep=False).value
-        answer = ahead.popleft()
         if isinstance(answer, StudentFault):
             raise answer
         return answer.value
 
-    def ahead(self, function: str, calls: Sequence[Arguments]) -> list[Answer]:
+    def _asked_before(self, function: str, args: Arguments) -> Answer | None:
+        """The answer to a call that was made ahead: one that `ahead` has taken, or the next that was foreseen."""
+        for taken, gathered in self._taken:
+            for given, answer in zip(taken.calls, gathered, strict=False):
+                self._known.setdefault(_key(taken.function, given), deque()).append(answer)
+        self._taken.clear()
+        known = self._known.get(_key(function, args)) if self._known else None
+        if known:
+            return known.popleft()
+        if self._turn is None:
+            self._turn = self._turns() if self.program is None else iter(())
+            self._next = next(self._turn, None)
+        if self._next is None:
+            return None
+        asked, foreseen, answers = self._next
+        if function != asked or len(args) != len(foreseen) or any(map(is_not, args, foreseen)):
+            return None
+        self._next = next(self._turn, None)
+        return next(answers, None)
+
+    def _turns(self) -> Iterator[Turn]:
+        """The calls foreseen, in order: function, arguments, and where their answers come from."""
+        for asked in self.foreseen:
+            answers = self.runner.answers(asked)
+            yield from ((asked.function, args, answers) for args in asked.calls)
+
+    def ahead(self, asked: Foreseen) -> list[Answer]:
         """The answers of calls made together before a protocol comes to them, which it then finds with `call`.
 
         A re-enacted mistake has no time to win: it makes each call in its turn.
         """
         if self.runner.reenacting:
             return []
-        answers = [answer for _, answer in self.call_many(function, calls, faults=1)]
-        for args, answer in zip(calls, answers, strict=False):
-            self._known.setdefault(_key(function, args), deque()).append(answer)
+        answers = [answer for _, answer in self.answers(asked)]
+        self._taken.append((asked, answers))
         return answers
+
+    def answers(self, asked: Foreseen) -> Iterator[tuple[Arguments, Answer]]:
+        """The arguments and the answer of each call, whether it was foreseen or is made now."""
+        if self.program is None:
+            answers = self.runner.answers(asked)
+        elif self._first is not None and any(asked is one for one in self.foreseen):
+            answers = self.runner.told(self.program, asked.function, (answer for _, answer in self._first))
+        else:
+            answers = self.runner.call_many(self.program, asked.function, asked.calls, faults=asked.faults)
+        for args, answer in zip(asked.calls, answers, strict=False):
+            self.last_call = (asked.function, args)
+            yield args, answer
 
     def call_keeping(self, function: str, *args: Value) -> Reply:
         """As `call`, with the arguments as they are after the call."""
@@ -206,6 +123,14 @@ class Bench:
         self.runner.observations.append(Observation(self.check, self._count[0], function, kept(value), name, ok))
         self._count[0] += 1
 
+    def observe_right(self, function: str, values: Sequence[Value]) -> None:
+        """As `observe`, of values that are small and right."""
+        count = self._count[0]
+        self._count[0] += len(values)
+        self.runner.observations += [
+            Observation(self.check, count + k, function, value, None, True) for k, value in enumerate(values)
+        ]
+
     def film(self, data: FigureData) -> None:
         """Keep what the program did in this check, whether it passes or fails, so that its author can watch it.
 
@@ -218,10 +143,14 @@ class Bench:
             self.runner.films[self.check] = data
 
     @contextmanager
-    def on(self, kit: KitSettings) -> Iterator[Bench]:
-        """The same bench with the program started on another map."""
-        with self.runner.other(kit) as program:
-            yield Bench(self.check, self.runner, self.rng, kit, program, None, self._count)
+    def on(self, kit: KitSettings, first: Foreseen | None = None) -> Iterator[Bench]:
+        """The same bench with the program started on another map, and asked there something `first`."""
+        ahead = [first] if first is not None and self.runner.calls(first.function) else []
+        with self.runner.other(kit, ahead) as program:
+            bench = Bench(self.check, self.runner, self.rng, kit, program, _count=self._count)
+            if ahead:
+                bench.foreseen, bench._first = ahead, program.together(ahead)
+            yield bench
 
 
 def _key(function: str, args: Arguments) -> Key:

@@ -14,13 +14,14 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
+from graders.core.code.at_once import all_right, plain_answers, value_of
 from graders.core.code.bench import Bench
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Comparator, Mismatch
 from graders.core.compare.shrinking import Shrinker, shrink_failure
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Reply, StudentFault
+from graders.core.contract.program import Answer, Foreseen, Reply, StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, same_value
 
 # A function that raised that often has shown enough; each fault may have cost a large part of its time limit.
@@ -68,6 +69,15 @@ class Check(ABC):
     needs_another: ClassVar[bool] = False
     """True when its points are earned only beside another check on the same functions: doing nothing earns nothing."""
 
+    def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
+        """What it will ask of the main program whatever is answered: drawn, before it runs, by the same bench."""
+        return ()
+
+    @property
+    def asks_on(self) -> bool:
+        """Whether a right program is asked more than what is foreseen: what later checks ask must wait for that."""
+        return True
+
     @abstractmethod
     def run(self, bench: Bench) -> None:
         """Return when the submission passes; raise Rejection, or let a StudentFault through, when it does not."""
@@ -75,9 +85,19 @@ class Check(ABC):
 
 @dataclass(frozen=True, kw_only=True)
 class Trial(Check):
-    """A check made of one function of the bench."""
+    """A check made of one function of the bench; `asks` draws what this finds in `bench.foreseen`, which is all that a
+    right program is asked where `no_more`."""
 
     protocol: Callable[[Bench], None]
+    asks: Callable[[Bench], Sequence[Foreseen]] | None = None
+    no_more: bool = False
+
+    @property
+    def asks_on(self) -> bool:
+        return not self.no_more
+
+    def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
+        return self.asks(bench) if self.asks else ()
 
     def run(self, bench: Bench) -> None:
         self.protocol(bench)
@@ -96,29 +116,39 @@ class Untouched(Check):
     inputs: Callable[[np.random.Generator], dict[str, Arguments]]
     chance: tuple[str, ...] = ()
 
-    def run(self, bench: Bench) -> None:
+    @property
+    def asks_on(self) -> bool:
+        return False
+
+    def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
+        asked = []
         for function, args in self.inputs(bench.rng).items():
-            after = self._after(bench, function, args)
-            trio = zip(self.names[function], args, after, strict=True)
-            changed = [name for name, before, now in trio if not same_value(before, now, tolerance=0.0)]
-            bench.observe(function, ",".join(changed), ok=not changed)
-            if changed:
-                raise self._rejection(function, changed[0], args, after)
-
-    def _after(self, bench: Bench, function: str, args: Arguments) -> Arguments:
-        """The arguments as a call leaves them."""
-        try:
             if function in self.chance:
-                self._must_not_raise(bench, function, args)
-            return bench.call_keeping(function, *args).arguments or ()
-        except StudentFault as fault:
-            raise fault_rejection(fault, inputs=dict(zip(self.names[function], args, strict=True))) from fault
+                asked.append(Foreseen(function, [args] * CHANCES, faults=1))
+            asked.append(Foreseen(function, [args], keeping=True))
+        return asked
 
-    @staticmethod
-    def _must_not_raise(bench: Bench, function: str, args: Arguments) -> None:
-        for _, answer in bench.call_many(function, itertools.repeat(args, CHANCES), faults=1):
+    def run(self, bench: Bench) -> None:
+        for asked in foreseen_of(self, bench):
+            args = asked.calls[0]
+            after = self._after(bench, asked)
+            if not asked.keeping:
+                continue
+            trio = zip(self.names[asked.function], args, after, strict=True)
+            changed = [name for name, before, now in trio if not same_value(before, now, tolerance=0.0)]
+            bench.observe(asked.function, ",".join(changed), ok=not changed)
+            if changed:
+                raise self._rejection(asked.function, changed[0], args, after)
+
+    def _after(self, bench: Bench, asked: Foreseen) -> Arguments:
+        """The arguments as the last of the calls leaves them."""
+        after: Arguments = ()
+        for args, answer in bench.answers(asked):
             if isinstance(answer, StudentFault):
-                raise answer
+                inputs = dict(zip(self.names[asked.function], args, strict=True))
+                raise fault_rejection(answer, inputs=inputs) from answer
+            after = answer.arguments or ()
+        return after
 
     def _rejection(self, function: str, name: str, args: Arguments, after: Arguments) -> Rejection:
         at = self.names[function].index(name)
@@ -142,13 +172,20 @@ class Failure:
     fault: StudentFault | None
 
 
+def foreseen_of(check: Check, bench: Bench) -> Sequence[Foreseen]:
+    """What was drawn for a check before it ran, or is drawn now."""
+    return bench.foreseen or check.foreseen(bench)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Cases(Check):
     """Compare one function with its reference on every case; show the simplest failing one, shrunk (but to re-enact).
 
     `cases` yields tuples of arguments, simplest first; `expected` computes the right answer from these;
     `shrinkers`, one for each argument, simplify a failing case as long as `valid` holds of it;
-    `figure(args, expected, got)` makes the data of a drawing (`got` is None unless it has the expected shape).
+    `figure(args, expected, got)` makes the data of a drawing (`got` is None unless it has the expected shape). With
+    `rows`, `expected` takes arrays of arguments too, one case a row, and right answers are seen at once where `compare`
+    has a method `surely`: what else `_judged` might hold against one is not asked.
     """
 
     names: tuple[str, ...]
@@ -158,14 +195,28 @@ class Cases(Check):
     shrinkers: Sequence[Shrinker] = ()
     valid: Callable[[Arguments], bool] = field(default=lambda args: True)
     figure: Callable[[Arguments, Value, Floats | None], FigureData] | None = None
+    rows: bool = False
 
     @property
     def function(self) -> str:
         return self.functions[0]
 
+    @property
+    def asks_on(self) -> bool:
+        return False
+
+    def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
+        return [Foreseen(self.function, tuple(self.cases(bench.rng)), faults=MAX_FAULTS)]
+
     def run(self, bench: Bench) -> None:
         first: Failure | None = None
-        for args, answer in bench.call_many(self.function, self.cases(bench.rng), faults=MAX_FAULTS):
+        asked = foreseen_of(self, bench)[-1]
+        answers = bench.answers(asked)
+        plain = plain_answers(answers) if self.rows else []
+        if all_right(asked, plain, self.expected, self.compare):
+            bench.observe_right(self.function, [value_of(answer) for _, answer in plain])
+            return
+        for args, answer in itertools.chain(plain, answers):
             failure = self._judged(args, answer)
             if isinstance(answer, StudentFault):
                 bench.observe(self.function, None, ok=False, fault=answer)

@@ -12,9 +12,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from graders.core.code.bench import Observation
 from graders.core.code.folder import Misconception
 from graders.core.code.reenacting import Reenactment
+from graders.core.code.runner import Observation
 from graders.core.compare.slips import SLIPS, Slip
 from graders.core.contract.values import same_value
 from graders.core.contract.verdict import AND_ALSO, Diagnosis

@@ -10,12 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from graders.core.code.bench import DEFAULT_BUDGET, Bench, Observation, Runner
+from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, fault_rejection
 from graders.core.code.diagnosis import combined, diagnose, slip_diagnosis
 from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.prober import Prober
 from graders.core.code.reenacting import Reenactor
+from graders.core.code.runner import DEFAULT_BUDGET, Observation, Runner
 from graders.core.compare.shrinking import Budget
 from graders.core.compare.slips import SLIPS
 from graders.core.compare.words import tidy, to_jsonable, whole_jsonable
@@ -23,7 +24,7 @@ from graders.core.contract.films import plain
 from graders.core.contract.findings import Finding, Judgement, verdict_of
 from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import KitSettings, Programs, StudentFault
+from graders.core.contract.program import Foreseen, KitSettings, Programs, StudentFault
 from graders.core.contract.protocol import Known
 from graders.core.contract.streams import stream
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis
@@ -186,16 +187,37 @@ def _always(source: bytes) -> Callable[[int], bytes]:
 
 def run_checks(checks: Sequence[Check], runner: Runner, kit: KitSettings, seed: int) -> list[Finding]:
     """What each of the checks finds of the runner's program, with the same draws for the same seed."""
-    try:
-        _ = runner.program
-    except StudentFault as fault:
-        return [_finding(check, fault_rejection(fault, inputs=None)) for check in checks]
-    findings = []
-    for check in checks:
-        findings.append(run_check(check, Bench(check.id, runner, stream(seed, check.id), kit)))
-        if not findings[-1].passed:
-            runner.failed.add(check.id)
+    benches = [Bench(check.id, runner, stream(seed, check.id), kit) for check in checks]
+    findings: list[Finding] = []
+    for begins, ends in _spans(checks):
+        plan = _foreseen(checks[begins:ends], benches[begins:ends])
+        if begins:
+            runner.foresee(plan)
+        else:
+            try:
+                runner.start(plan)
+            except StudentFault as fault:
+                return [_finding(check, fault_rejection(fault, inputs=None)) for check in checks]
+        for check, bench in zip(checks[begins:ends], benches[begins:ends], strict=True):
+            findings.append(run_check(check, bench))
+            if not findings[-1].passed:
+                runner.failed.add(check.id)
     return [_unless_alone(check, finding, checks, findings) for check, finding in zip(checks, findings, strict=True)]
+
+
+def _spans(checks: Sequence[Check]) -> Iterator[tuple[int, int]]:
+    """Checks in a row whose questions can go together: none but the last asks more than what is foreseen of it."""
+    begins = 0
+    for ends, check in enumerate(checks, 1):
+        if check.asks_on or ends == len(checks):
+            yield begins, ends
+            begins = ends
+
+
+def _foreseen(checks: Sequence[Check], benches: Sequence[Bench]) -> Sequence[Foreseen]:
+    for check, bench in zip(checks, benches, strict=True):
+        bench.foreseen = check.foreseen(bench)
+    return [asked for bench in benches for asked in bench.foreseen]
 
 
 def _unless_alone(check: Check, finding: Finding, checks: Sequence[Check], findings: Sequence[Finding]) -> Finding:

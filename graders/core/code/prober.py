@@ -22,9 +22,9 @@ from typing import Any
 
 import numpy as np
 
-from graders.core.code.bench import Runner
 from graders.core.code.mutations import Edit, Model, Mutant
 from graders.core.code.probes import Facet, Fault, Probes, Rule, Seen, Shown, same_seen, seen
+from graders.core.code.runner import Runner
 from graders.core.compare.slips import SLIPS
 from graders.core.contract.local import called, kit_names
 from graders.core.contract.program import KitSettings, Program, StudentFault

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from graders.core.code.bench import Runner
 from graders.core.code.plain import Plain, plain
 from graders.core.code.probes import Fault, Read, Seen, seen
+from graders.core.code.runner import Runner
 from graders.core.contract.program import Answer, KitSettings, Reply, StudentFault
 from graders.core.contract.values import Arguments, same_value
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 from graders.core.contract.local import LOCAL, LocalProgram
-from graders.core.contract.program import Answer, KitSettings, Program, Reply
+from graders.core.contract.program import Answer, Foreseen, KitSettings, Program, Reply, in_turn
 from graders.core.contract.values import Arguments, Value
 
 #: How many calls of one function are written down.
@@ -20,7 +20,7 @@ class Recorder:
         self._functions = frozenset(functions)
         self._calls: dict[tuple[int, str], tuple[KitSettings, list[Arguments]]] = {}
 
-    def open(self, source: bytes, kit: KitSettings) -> Program:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
         return _Recording(LOCAL.open(source, kit), kit, self)
 
     def note(self, kit: KitSettings, function: str, args: Arguments) -> None:
@@ -50,6 +50,9 @@ class _Recording:
         for args in noted:
             self._recorder.note(self._kit, function, args)
         return self._program.call_many(function, noted, faults=faults)
+
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+        return in_turn(self, asked)
 
     def stdout(self) -> str:
         return self._program.stdout()

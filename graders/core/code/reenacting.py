@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 
-from graders.core.code.bench import Bench, Observation, Runner
+from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection
 from graders.core.code.folder import Misconception
+from graders.core.code.runner import Observation, Runner
 from graders.core.contract.local import LOCAL
 from graders.core.contract.program import KitSettings, StudentFault
 from graders.core.contract.streams import stream

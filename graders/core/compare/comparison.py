@@ -31,6 +31,12 @@ class Mismatch:
 Comparator = Callable[[Value, Value], Mismatch | None]
 
 
+#: Comparators of numbers have a method `surely` beside: of two arrays of one shape, a case a row, whether all surely
+#: agree. They then do one by one: this is how far within its tolerance what is seen at once must be, and rounding makes
+#: far less.
+WELL_WITHIN = 0.5
+
+
 def unreadable(error: UnreadableError) -> Mismatch:
     """A value that is not what a function must return is an invalid output."""
     reason = str(error)
@@ -61,6 +67,9 @@ class CloseTo:
             return None
         return Mismatch(worst_difference(wanted, array), value_slip(wanted, array))
 
+    def surely(self, expected: Floats, got: Floats) -> bool:
+        return close(expected, got, WELL_WITHIN * self.tolerance)
+
 
 @dataclass(frozen=True)
 class ScalarCloseTo:
@@ -74,6 +83,9 @@ class ScalarCloseTo:
         except UnreadableError as error:
             return unreadable(error)
         return CloseTo(self.tolerance)(float(expected), value)
+
+    def surely(self, expected: Floats, got: Floats) -> bool:
+        return got.ndim == 1 and close(expected, got, WELL_WITHIN * self.tolerance)
 
 
 @dataclass(frozen=True)

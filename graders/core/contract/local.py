@@ -18,7 +18,7 @@ import graders
 from graders.core.contract.earlier import NAME, Earlier
 from graders.core.contract.kits import PLAIN, kits_of, module_name
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, KitSettings, Reply, StudentFault, one_by_one
+from graders.core.contract.program import Answer, Foreseen, KitSettings, Reply, StudentFault, in_turn, one_by_one
 from graders.core.contract.values import Arguments, Value
 
 #: Among the names that a kit gives, its drivers: how a call of some names of the file is made, by these names.
@@ -137,6 +137,9 @@ class LocalProgram:
     def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
         return one_by_one(self, function, calls, faults)
 
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+        return in_turn(self, asked)
+
     def stdout(self) -> str:
         return ""
 
@@ -158,7 +161,7 @@ def _sparse(value: Value) -> bool:
 class LocalPrograms:
     """Starts trusted files. See `graders.core.contract.program.Programs`."""
 
-    def open(self, source: bytes, kit: KitSettings) -> LocalProgram:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> LocalProgram:
         return LocalProgram(source, kit)
 
 

@@ -5,9 +5,9 @@ The sandbox provides one implementation, `graders.core.contract.local` another, 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Arguments, Value
@@ -61,6 +61,21 @@ class StudentFault(Exception):
 Answer = Reply | StudentFault
 
 
+@dataclass(frozen=True, eq=False)
+class Foreseen:
+    """Calls of one function that are made whatever is answered, so that they may be asked before their turn comes.
+
+    None is made after `faults` faults (None: all are). With `keeping`, the arguments come back with each answer.
+    `about` is what who asks wants to know of each call when its answer comes.
+    """
+
+    function: str
+    calls: Sequence[Arguments]
+    faults: int | None = None
+    keeping: bool = False
+    about: Sequence[Any] = ()
+
+
 class Program(Protocol):
     """A loaded program; calls are by position."""
 
@@ -77,19 +92,35 @@ class Program(Protocol):
         """
         ...
 
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+        """The answers to several of these in order, each with the number of what has asked for it.
+
+        Of each, those that `call_many` would give; none after a fatal fault.
+        """
+        ...
+
     def stdout(self) -> str: ...
 
     def close(self) -> None: ...
 
 
+def in_turn(program: Program, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+    """`Program.together` where nothing is won by it: each call is made when its answer is taken."""
+    for number, one in enumerate(asked):
+        for answer in one_by_one(program, one.function, one.calls, one.faults, keeping=one.keeping):
+            yield number, answer
+            if isinstance(answer, StudentFault) and answer.fatal:
+                return
+
+
 def one_by_one(
-    program: Program, function: str, calls: Iterable[Arguments], faults: int | None = None
+    program: Program, function: str, calls: Iterable[Arguments], faults: int | None = None, *, keeping: bool = False
 ) -> Iterator[Answer]:
     """`Program.call_many` where nothing is won by calling ahead: each call is made when its answer is taken."""
     left = faults
     for args in calls:
         try:
-            yield program.call(function, *args)
+            yield program.call(function, *args, return_arguments=keeping)
         except StudentFault as fault:
             yield fault
             left = None if left is None else left - 1
@@ -100,6 +131,9 @@ def one_by_one(
 class Programs(Protocol):
     """Where the programs of files are started."""
 
-    def open(self, source: bytes, kit: KitSettings) -> Program:
-        """The program of a file, loaded with this kit. Raises StudentFault when the file does not load."""
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+        """The program of a file, loaded with this kit. Raises StudentFault when the file does not load.
+
+        What is asked `ahead`, which may be on its way with the file, is what `together` must be called with first.
+        """
         ...

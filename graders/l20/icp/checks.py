@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection
+from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection, foreseen_of
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Mismatch
 from graders.core.compare.shrinking import shrink_failure
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Reply, StudentFault
+from graders.core.contract.program import Answer, Foreseen, Reply, StudentFault
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20.icp.cases import NOWHERE, STILL, Draw
 from graders.l20.icp.descent import Registration, descend, fair, staircase
@@ -57,11 +57,18 @@ class Registrations(Check):
     cases: Draw
     judge: Judge = misplaced
 
-    def run(self, bench: Bench) -> None:
+    @property
+    def asks_on(self) -> bool:
+        return False
+
+    def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
         cases = list(self.cases(bench.rng))
+        return [Foreseen(FUNCTION, [case.arguments for case in cases], faults=MAX_FAULTS, about=cases)]
+
+    def run(self, bench: Bench) -> None:
         first: Failure | None = None
-        answers = bench.call_many(FUNCTION, (case.arguments for case in cases), faults=MAX_FAULTS)
-        for case, (_, answer) in zip(cases, answers, strict=False):
+        (asked,) = foreseen_of(self, bench)
+        for case, (_, answer) in zip(asked.about, bench.answers(asked), strict=False):
             failure = judged(case, answer, self.judge)
             fault = answer if isinstance(answer, StudentFault) else None
             value = None if isinstance(answer, StudentFault) else answer.value
@@ -76,13 +83,13 @@ class Registrations(Check):
             too_short = case.iterations > 1 and len(descend(*case[:4], case.iterations)) < 2
             if last.stops or too_short or not fair(case):
                 return None
-            simpler = judged(case, asked(bench, case), self.judge)
+            simpler = judged(case, answer_to(bench, case), self.judge)
             return simpler if simpler is not None and simpler.kind == failure.kind else None
 
         return shrink_failure(failure, (failure.case,), (simpler_cases,), again, bench.runner.budget)
 
 
-def asked(bench: Bench, case: Registration) -> Answer:
+def answer_to(bench: Bench, case: Registration) -> Answer:
     """What the program answers to one registration."""
     try:
         return Reply(bench.call(FUNCTION, *case.arguments))

@@ -12,7 +12,7 @@ from graders.core.contract.local import kit_names
 from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Floats
 from graders.l20 import world
-from graders.l20.icp.checks import FUNCTION, Failure, asked, judged, rejection
+from graders.l20.icp.checks import FUNCTION, Failure, answer_to, judged, rejection
 from graders.l20.icp.descent import DEFAULT, Registration, Step, descend
 from graders.l20.icp.judge import misplaced, read, unread
 
@@ -52,7 +52,7 @@ def watch(bench: Bench) -> None:
     first: tuple[int, Failure] | None = None
     for n_iter in range(1, WATCHED + 1):
         case = Registration(P, Q, np.eye(2), np.zeros(2), n_iter)
-        answer = asked(bench, case)
+        answer = answer_to(bench, case)
         failure = judged(case, answer, misplaced)
         value = None if isinstance(answer, StudentFault) else answer.value
         bench.observe(FUNCTION, value, ok=failure is None, fault=failure.fault if failure else None)

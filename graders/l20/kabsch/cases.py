@@ -13,8 +13,8 @@ from functools import lru_cache
 import numpy as np
 
 from graders.core.contract.values import Floats
+from graders.l20.kabsch.best import best_of
 from graders.l20.kabsch.checks import Pairing
-from reference.registration import kabsch
 from reference.se2 import rotation
 
 QUARTER = np.array([[0.0, -1.0], [1.0, 0.0]])
@@ -40,7 +40,7 @@ def moved(P: Floats, R: Floats, t: Sequence[float] | Floats) -> Pairing:
 
 def well_separated(pairing: Pairing) -> bool:
     """Do the singular values of H differ from one another, and from zero, by a fair part of the largest?"""
-    values = np.append(kabsch(pairing.P, pairing.Q).singular_values, 0.0)
+    values = np.append(best_of(pairing.P, pairing.Q).singular_values, 0.0)
     return bool(np.min(-np.diff(values)) > GAP * values[0] / len(values))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
@@ -10,14 +10,15 @@ from typing import NamedTuple
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Check, Rejection, fault_rejection
+from graders.core.code.checks import Check, Rejection, fault_rejection, foreseen_of
 from graders.core.compare.shrinking import shrink_failure, shrink_number
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import StudentFault
+from graders.core.contract.program import Foreseen, StudentFault
 from graders.core.contract.values import Arguments, Floats, Value
+from graders.l20.kabsch.best import best_of
 from graders.l20.kabsch.judge import Assessment, judge
-from reference.registration import RigidAlignment, kabsch
+from reference.registration import RigidAlignment
 
 ANY_BEST = "plusieurs rotations conviennent : toute paire (R, t) avec det R = +1 dont la somme des carrés est minimale"
 FEWEST_POINTS = 3
@@ -48,7 +49,7 @@ class Question(NamedTuple):
 
     @classmethod
     def about(cls, pairing: Pairing) -> Question:
-        return cls(pairing, kabsch(pairing.P, pairing.Q))
+        return cls(pairing, best_of(pairing.P, pairing.Q))
 
 
 @dataclass(frozen=True)
@@ -80,9 +81,18 @@ class Alignments(Check):
 
     pairings: Drawing
 
+    @property
+    def asks_on(self) -> bool:
+        return False
+
+    def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
+        questions = drawn(self.pairings, int(bench.rng.integers(2**62)))
+        return [Foreseen("kabsch", [(one.pairing.P, one.pairing.Q) for one in questions], about=questions)]
+
     def run(self, bench: Bench) -> None:
         first: Failure | None = None
-        for question in drawn(self.pairings, int(bench.rng.integers(2**62))):
+        (asked,) = foreseen_of(self, bench)
+        for question in asked.about:
             observed = question.pairing.observed
             if bench.runner.reenacting and not observed:
                 continue

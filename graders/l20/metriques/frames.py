@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.compare import words as render
 from graders.core.compare.comparison import ScalarCloseTo
+from graders.core.contract.program import Foreseen
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20.metriques import cases
 from graders.l20.metriques.cases import QUARTER
@@ -24,14 +26,22 @@ FRAMES = ((-7.0, 4.0, -QUARTER), (3.0, -8.0, math.pi), (5.0, 9.0, QUARTER))
 HOME = (0.0, 0.0, 0.0)
 
 
-def told_elsewhere(bench: Bench) -> None:
-    """One estimate and one truth, each told in several frames: first by hand, then drawn."""
+def tellings(bench: Bench) -> Sequence[Foreseen]:
+    """One estimate and one truth, each told in several frames, by hand then drawn; about each call, the right error."""
+    asked = []
     for estimate, truth in ((cases.BENT, cases.CORNER), cases.walk(bench.rng, 6)):
+        ate, rpe = cases.right_ate(estimate, truth), cases.right_rpe(estimate, truth, 2)
         first, second, third = (FRAMES[k] for k in bench.rng.permutation(len(FRAMES)))
         for here, there in ((HOME, HOME), (first, HOME), (HOME, second), (third, first)):
             told = cases.seen_from(here, estimate), cases.seen_from(there, truth)
-            _hold(bench, "ate", told, cases.right_ate(estimate, truth))
-            _hold(bench, "rpe", (*told, 2), cases.right_rpe(estimate, truth, 2))
+            asked += [Foreseen("ate", [told], about=[ate]), Foreseen("rpe", [(*told, 2)], about=[rpe])]
+    return asked
+
+
+def told_elsewhere(bench: Bench) -> None:
+    """Each of the errors is the same in all frames."""
+    for asked in bench.foreseen or tellings(bench):
+        _hold(bench, asked.function, asked.calls[0], asked.about[0])
 
 
 def _hold(bench: Bench, function: str, args: Arguments, expected: float) -> None:

@@ -13,7 +13,7 @@ from graders.core.compare.shrinking import keep
 from graders.core.contract.values import Arguments
 from graders.l20 import world
 from graders.l20.metriques import cases
-from graders.l20.metriques.frames import NAMES, told_elsewhere
+from graders.l20.metriques.frames import NAMES, tellings, told_elsewhere
 from graders.l20.metriques.pictures import absolute_figure, relative_figure
 from graders.l20.metriques.probes import PROBES
 
@@ -95,6 +95,8 @@ CHECKS = (
         points=2,
         functions=(*ATE, *RPE),
         protocol=told_elsewhere,
+        asks=tellings,
+        no_more=True,
         hint="Si l'on tourne et décale toute la trajectoire estimée, le robot s'est-il trompé davantage ?",
     ),
     Untouched(

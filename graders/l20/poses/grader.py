@@ -8,12 +8,13 @@ from functools import partial
 
 import numpy as np
 
+from graders.core.code.at_once import value_of
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Cases, Rejection, Trial, Untouched
 from graders.core.code.exercise import code
 from graders.core.compare import words as render
 from graders.core.contract.findings import FigureData
-from graders.core.contract.program import Answer, Reply
+from graders.core.contract.program import Answer, Foreseen
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20 import world
 from graders.l20.poses.probes import PROBES
@@ -22,6 +23,7 @@ from reference.se2 import compose, inverse, relative
 
 QUARTER = math.pi / 2
 IS_POSE = SamePose(tolerance=math.inf)
+ON_BOTH_SIDES = SamePose(tolerance=1e-8)
 
 
 def pose(x: float, y: float, theta: float) -> Floats:
@@ -113,8 +115,8 @@ def seen_from_a(args: Arguments, expected: Value, got: Floats | None) -> FigureD
     return {"kind": "frames", "title": "Dans le repère de a", "frames": frames, "expected": expected, "got": got}
 
 
-def identities(bench: Bench) -> None:
-    """The three identities of the statement, on the student's own functions: first by hand, far round, then drawn."""
+def identity_calls(bench: Bench) -> Sequence[Foreseen]:
+    """What the identities ask of what is drawn: poses far round, by hand, then any."""
     triples: list[tuple[Floats, ...]] = [
         (pose(1, 2, 3.0), pose(-2, 1, 2.5), pose(2, 0, -2.8)),
         (pose(-3, 1, -2.7), pose(1, 4, -1.9), pose(0, 2, 3.1)),
@@ -122,7 +124,23 @@ def identities(bench: Bench) -> None:
         (pose(0, -2, 2.8), pose(3, 1, -2.5), pose(1, -1, -0.5)),
     ]
     triples += [tuple(np.round(random_pose(bench.rng, 5.0), 0 if k < 2 else 6) for _ in range(3)) for k in range(5)]
-    _ask_ahead(bench, triples)
+    return [
+        Foreseen("inverse", [(a,) for a, _, _ in triples], faults=1),
+        Foreseen("relatif", [(a, b) for a, b, _ in triples], faults=1),
+        Foreseen("composer", [(a, b) for a, b, _ in triples], faults=1),
+        Foreseen("composer", [(b, c) for _, b, c in triples], faults=1),
+    ]
+
+
+def identities(bench: Bench) -> None:
+    """The three identities of the statement, on the student's own functions."""
+    asked = bench.foreseen or identity_calls(bench)
+    triples = [(a, b, c) for (a, b), (_, c) in zip(asked[2].calls, asked[3].calls, strict=True)]
+    sides = _sides(bench, asked, triples)
+    if sides is not None and all(ON_BOTH_SIDES.surely(right, left) for left, right in sides):
+        for shown in zip(*(left for left, _ in sides), strict=True):
+            bench.observe_right("composer", shown)
+        return
     call = partial(_pose_or_reject, bench)
     for a, b, c in triples:
         law = "composer(a, inverse(a)) = (0, 0, 0)"
@@ -135,19 +153,25 @@ def identities(bench: Bench) -> None:
         _hold(bench, law, {"a": a, "b": b, "c": c}, left, right)
 
 
-def _ask_ahead(bench: Bench, triples: Sequence[tuple[Floats, ...]]) -> None:
-    """The calls of the identities, together: those on what was drawn, then those on the poses that came back."""
-    inverses = bench.ahead("inverse", [(a,) for a, _, _ in triples])
-    relatives = bench.ahead("relatif", [(a, b) for a, b, _ in triples])
-    left = bench.ahead("composer", [(a, b) for a, b, _ in triples])
-    right = bench.ahead("composer", [(b, c) for _, b, c in triples])
+def _sides(
+    bench: Bench, asked: Sequence[Foreseen], triples: Sequence[tuple[Floats, ...]]
+) -> Sequence[tuple[Floats, Floats]] | None:
+    """Both sides (n, 3) of the three identities, for all triples; None where an answer is not a pose.
+
+    All calls are made together: those on what was drawn, then those on the poses that came back.
+    """
+    inverses, relatives, left, right = (bench.ahead(one) for one in asked)
     outer = [
         *((a, got) for (a, _, _), got in _poses(triples, inverses)),
         *((a, got) for (a, _, _), got in _poses(triples, relatives)),
         *((got, c) for (_, _, c), got in _poses(triples, left)),
         *((a, got) for (a, _, _), got in _poses(triples, right)),
     ]
-    bench.ahead("composer", outer)
+    found = list(map(_pose_of, bench.ahead(Foreseen("composer", outer, faults=1))))
+    if len(found) < 4 * len(triples) or any(one is None for one in found):
+        return None
+    back, there, one_way, other_way = np.array(found).reshape(4, len(triples), 3)
+    return [(back, np.zeros_like(back)), (there, np.array([b for _, b, _ in triples])), (one_way, other_way)]
 
 
 def _poses(
@@ -155,8 +179,20 @@ def _poses(
 ) -> Iterator[tuple[tuple[Floats, ...], Floats]]:
     """The triples whose answer is a pose, with it."""
     for triple, answer in zip(triples, answers, strict=False):
-        if isinstance(answer, Reply) and IS_POSE(pose(0, 0, 0), answer.value) is None:
-            yield triple, np.asarray(answer.value, dtype=np.float64)
+        found = _pose_of(answer)
+        if found is not None:
+            yield triple, found
+
+
+def _pose_of(answer: Answer) -> Floats | None:
+    value = value_of(answer)
+    if type(value) is np.ndarray and value.dtype == np.float64 and value.shape == (3,):
+        x, y, theta = value.tolist()
+        if math.isfinite(x) and math.isfinite(y) and abs(theta) <= math.pi:
+            return value
+    if value is None or IS_POSE(pose(0, 0, 0), value) is not None:
+        return None
+    return np.asarray(value, dtype=np.float64)
 
 
 def _pose_or_reject(bench: Bench, function: str, *args: Value) -> Floats:
@@ -173,7 +209,7 @@ def _pose_or_reject(bench: Bench, function: str, *args: Value) -> Floats:
 
 
 def _hold(bench: Bench, law: str, inputs: dict[str, Value], left: Floats, right: Floats) -> None:
-    mismatch = SamePose(tolerance=1e-8)(right, left)
+    mismatch = ON_BOTH_SIDES(right, left)
     bench.observe("composer", left, ok=mismatch is None)
     if mismatch is not None:
         raise Rejection(
@@ -202,6 +238,7 @@ CHECKS = (
         names=PAIR,
         cases=simple_pairs,
         expected=compose,
+        rows=True,
         compare=SamePose(any_turn=True),
         shrinkers=ON_POSES,
         valid=stays,
@@ -216,6 +253,7 @@ CHECKS = (
         names=PAIR,
         cases=random_pairs,
         expected=compose,
+        rows=True,
         compare=SamePose(any_turn=True),
         shrinkers=ON_POSES,
         valid=stays,
@@ -230,6 +268,7 @@ CHECKS = (
         names=PAIR,
         cases=wrapping_pairs,
         expected=compose,
+        rows=True,
         compare=SamePose(),
         shrinkers=ON_POSES,
         valid=wraps,
@@ -244,6 +283,7 @@ CHECKS = (
         names=("a",),
         cases=single_poses,
         expected=inverse,
+        rows=True,
         compare=SamePose(),
         shrinkers=(shrink_pose,),
         figure=seen_from_a,
@@ -257,6 +297,7 @@ CHECKS = (
         names=PAIR,
         cases=relative_pairs,
         expected=relative,
+        rows=True,
         compare=SamePose(),
         shrinkers=ON_POSES,
         figure=seen_from_a,
@@ -268,6 +309,7 @@ CHECKS = (
         points=3,
         functions=("composer", "inverse", "relatif"),
         protocol=identities,
+        asks=identity_calls,
         hint="Calculez composer(a, inverse(a)) à la main pour a = (1, 0, π/2) : que trouvez-vous ?",
     ),
     Untouched(

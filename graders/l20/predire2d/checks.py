@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar
@@ -14,7 +14,7 @@ from graders.core.code.checks import Cases, Check, Failure, Rejection, drawable
 from graders.core.compare import words as render
 from graders.core.compare.shrinking import keep
 from graders.core.contract.findings import FigureData
-from graders.core.contract.program import StudentFault
+from graders.core.contract.program import Foreseen, StudentFault
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20 import world
 from graders.l20.predire2d.beliefs import SameBelief, at, in_words, shrink_belief, shrink_scan, support
@@ -101,13 +101,22 @@ class OnGrid(Check):
     draw: Callable[[np.random.Generator], GridWorld] | None = None
     judge: type[SameBelief] = SameBelief
 
+    @property
+    def asks_on(self) -> bool:
+        return False
+
+    def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
+        return self._on(module_world()).foreseen(bench) if self.draw is None else ()
+
     def run(self, bench: Bench) -> None:
         if self.draw is None:
             return self._on(module_world()).run(bench)
         grid = self.draw(bench.rng)
+        kit = world.kit(bench.rng, grid.free)
+        cases = self._on(grid)
         try:
-            with bench.on(world.kit(bench.rng, grid.free)) as other:
-                return self._on(grid).run(other)
+            with bench.on(kit, *cases.foreseen(bench)) as other:
+                return cases.run(other)
         except StudentFault as fault:
             raise _not_loaded(grid, fault) from fault
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 
 import numpy as np
 
@@ -52,7 +52,7 @@ class Graph:
     n_iter: int | None = 10
     judged: bool = True
 
-    @property
+    @cached_property
     def inputs(self) -> dict[str, Value]:
         named = {"poses": self.poses, "aretes": list(self.edges)}
         return named if self.n_iter is None else {**named, "n_iter": self.n_iter}
@@ -208,20 +208,30 @@ def various(rng: np.random.Generator) -> Weights:
 @cached
 def chains(rng: np.random.Generator) -> Iterable[Graph]:
     """No loop: every measurement can be satisfied. One is so at the start. Then single steps, not judged."""
+    yield from always(chains_by_hand)
+    yield perturbed_chain(rng)
+    yield from steps(rng)
+
+
+def chains_by_hand() -> Iterable[Graph]:
     yield Graph(rows((0, 0, 0), (1, 0, 0)), (edge(0, 1, (2, 0, 0)),))
     yield Graph(rows((0, 0, 0), (2, 0, 0), (4, 0, 0)), (edge(0, 1, (2, 0, 0)), edge(1, 2, (2, 0, 0))))
     yield Graph(rows((1, 2, 0), (1, 3, 0)), (edge(0, 1, (2, 1, QUARTER)),))
     yield Graph(rows((0, 0, QUARTER), (0, 1, 1), (1, 2, 0)), (edge(0, 1, (2, 0, 0)), edge(1, 2, (1, 0, -QUARTER))))
     yield all_too_far()
     yield perturbed_chain(telling("chains"))
-    yield perturbed_chain(rng)
-    yield from steps(rng)
 
 
 def all_too_far() -> Graph:
     """Every coordinate decreases, more than once: who looks at the greatest step, and not at its size, stops."""
     straight = (edge(0, 1, (2, 0, 0)), edge(1, 2, (2, 0, 0)))
     return Graph(rows((0, 0, 0), (2.5, 0.5, 0.5), (5, 2, 1)), straight)
+
+
+@cache
+def always(make: Callable[[], Iterable[Graph]]) -> tuple[Graph, ...]:
+    """Graphs that never change, made once: their optima are then found once."""
+    return tuple(make())
 
 
 def telling(graphs: str) -> np.random.Generator:
@@ -243,11 +253,15 @@ def perturbed_chain(rng: np.random.Generator) -> Graph:
 
 def steps(rng: np.random.Generator) -> Iterable[Graph]:
     """Graphs asked for one iteration only: a first step tells mistakes apart that all end nowhere."""
-    line = next(iter(loops_by_hand()))
-    yield Graph(line.poses, line.edges, 1, judged=False)
+    yield always(first_step)[0]
     for _ in range(3):
         graph = noisy(rng, facing_one_way(rng, 4), [(3, 0)], weights=various(rng))
         yield Graph(graph.poses, graph.edges, 1, judged=False)
+
+
+def first_step() -> Iterable[Graph]:
+    line = next(iter(loops_by_hand()))
+    yield Graph(line.poses, line.edges, 1, judged=False)
 
 
 def loops_by_hand() -> Iterable[Graph]:
@@ -258,48 +272,76 @@ def loops_by_hand() -> Iterable[Graph]:
     yield Graph(rows((0, 0, 0), (0, 0, 0.5), (0, 0, 1)), turns)
 
 
-def measured_twice() -> Graph:
+def measured_twice() -> Iterable[Graph]:
     """One pair measured twice, and once more the other way: 2, 5 and 5 agree on 4."""
     again = (edge(0, 1, (2, 0, 0)), edge(0, 1, (5, 0, 0)), edge(1, 0, (-5, 0, 0)))
-    return Graph(rows((0, 0, 0), (2, 0, 0)), again)
+    yield Graph(rows((0, 0, 0), (2, 0, 0)), again)
 
 
 @cached
 def loops(rng: np.random.Generator) -> Iterable[Graph]:
     """Every edge has the same weight, the same in length and in angle."""
-    yield from loops_by_hand()
-    yield measured_twice()
+    yield from always(loops_by_hand)
+    yield from always(measured_twice)
     yield noisy(rng, facing_one_way(rng, 4), [(3, 0)])
-    for source in (telling("loops"), rng):
-        yield noisy(source, facing_one_way(source, 6), [(0, 5), (4, 1)], weights=lambda k: (25.0, 25.0))
+    yield from always(telling_loop)
+    yield crossed_loop(rng)
+
+
+def telling_loop() -> Iterable[Graph]:
+    yield crossed_loop(telling("loops"))
+
+
+def crossed_loop(rng: np.random.Generator) -> Graph:
+    return noisy(rng, facing_one_way(rng, 6), [(0, 5), (4, 1)], weights=lambda k: (25.0, 25.0))
 
 
 @cached
 def weighted(rng: np.random.Generator) -> Iterable[Graph]:
     """A discrepancy of 5 shared 2 + 2 + 1, then any weights, then three edges that meet in one pose."""
+    yield from always(weighted_by_hand)
+    yield noisy(rng, facing_one_way(rng, 4), [(0, 3), (1, 3)], weights=various(rng))
+
+
+def weighted_by_hand() -> Iterable[Graph]:
     line = (edge(0, 1, (1, 0, 0)), edge(1, 2, (1, 0, 0)), edge(0, 2, (7, 0, 0), 2.0))
     yield Graph(rows((0, 0, 0), (1, 0, 0), (2, 0, 0)), line)
     source = telling("weighted")
     yield noisy(source, facing_one_way(source, 6), [(5, 0), (4, 1), (2, 3), (1, 0)], weights=various(source))
-    yield noisy(rng, facing_one_way(rng, 4), [(0, 3), (1, 3)], weights=various(rng))
 
 
 @cached
 def turning(rng: np.random.Generator) -> Iterable[Graph]:
     """Headings that pass the half turn: in the result, in the error, on both ways."""
+    yield from always(turning_by_hand)
+    yield from rounds(rng)
+
+
+def turning_by_hand() -> Iterable[Graph]:
     yield Graph(rows((0, 0, 3 * EIGHTH), (-1, 1, math.pi)), (edge(0, 1, (1, 0, QUARTER)),))
     yield Graph(rows((0, 0, -3 * EIGHTH), (-1, -1, 3 * EIGHTH)), (edge(0, 1, (1, 0, -QUARTER)),))
-    for source in (telling("turning"), rng):
-        yield noisy(source, going_round(source, 4), [(3, 0)])
-        yield noisy(source, going_round(source, 6), [(5, 0), (1, 4)], weights=various(source))
+    yield from rounds(telling("turning"))
+
+
+def rounds(rng: np.random.Generator) -> Iterable[Graph]:
+    yield noisy(rng, going_round(rng, 4), [(3, 0)])
+    yield noisy(rng, going_round(rng, 6), [(5, 0), (1, 4)], weights=various(rng))
 
 
 @cached
 def large(rng: np.random.Generator) -> Iterable[Graph]:
     """A loop of 8 poses that takes more than a few iterations, and one of 20 left to the default number of them."""
-    for source in (telling("large"), rng):
-        rough, weights = going_round(source, 8), various(source)
-        yield noisy(source, rough, [(7, 0), (2, 6)], noise=(0.2, 0.25), weights=weights, n_iter=15, choose=draw_slow)
+    yield from always(telling_slow)
+    yield slow(rng)
     strong: Weights = lambda k: (100.0, 400.0) if k >= 19 else (25.0, 100.0)  # noqa: E731
     closures = [(19, 0), (0, 10), (15, 5), (18, 1)]
     yield noisy(rng, going_round(rng, 20), closures, noise=(0.15, 0.06), weights=strong, n_iter=None)
+
+
+def telling_slow() -> Iterable[Graph]:
+    yield slow(telling("large"))
+
+
+def slow(rng: np.random.Generator) -> Graph:
+    rough, weights = going_round(rng, 8), various(rng)
+    return noisy(rng, rough, [(7, 0), (2, 6)], noise=(0.2, 0.25), weights=weights, n_iter=15, choose=draw_slow)

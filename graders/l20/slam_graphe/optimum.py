@@ -12,13 +12,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Check, Rejection, drawable, fault_rejection, same_kind
+from graders.core.code.checks import Check, Rejection, drawable, fault_rejection, foreseen_of, same_kind
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
 from graders.core.compare.shrinking import shrink_failure
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import StudentFault
+from graders.core.contract.program import Foreseen, StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20.slam_graphe.filming import STEPS, film
 from graders.l20.slam_graphe.graphs import EIGHTH, QUARTER, Graph, settles
@@ -135,10 +135,18 @@ class Optimum(Check):
 
     graphs: Callable[[np.random.Generator], Sequence[Graph]]
 
+    @property
+    def asks_on(self) -> bool:
+        return False
+
+    def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
+        graphs = self.graphs(bench.rng)
+        return [Foreseen(FUNCTION, [tuple(graph.inputs.values()) for graph in graphs], about=graphs)]
+
     def run(self, bench: Bench) -> None:
         right: list[Answered] = []
         first: Answered | None = None
-        graphs = self.graphs(bench.rng)
+        graphs = foreseen_of(self, bench)[0].about
         for graph in _brief(graphs) if bench.runner.reenacting else graphs:
             answer = answered(bench, graph, record=True)
             if answer.failed and graph.judged:

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Cases, Trial
+from graders.core.code.checks import MAX_FAULTS, Cases, Trial
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, close, unreadable, wrong_shape
 from graders.core.contract.findings import FigureData
-from graders.core.contract.program import StudentFault
+from graders.core.contract.program import Foreseen, StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.robotics.poses import shrink_pose
 from reference.pose_graph import group_residuals, residuals
@@ -166,7 +166,12 @@ def errors(
             figure=edge_figure,
         ).run(bench)  # fmt: skip
 
-    return Trial(id=id, title=title, points=points, functions=(FUNCTION,), hint=hint, protocol=protocol)
+    def asks(bench: Bench) -> Sequence[Foreseen]:
+        return [Foreseen(FUNCTION, [PROBE]), Foreseen(FUNCTION, tuple(cases(bench.rng)), faults=MAX_FAULTS)]
+
+    return Trial(
+        id=id, title=title, points=points, functions=(FUNCTION,), hint=hint, protocol=protocol, asks=asks, no_more=True
+    )
 
 
 def untouched_edge(rng: np.random.Generator) -> Arguments:

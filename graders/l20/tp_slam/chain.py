@@ -14,7 +14,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from graders.core.code.bench import Bench, Runner
+from graders.core.code.bench import Bench
+from graders.core.code.runner import Runner
 from graders.core.contract.local import LocalProgram
 from graders.core.contract.values import Floats
 from graders.l20 import parcours, world

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,7 +11,7 @@ from graders.core.code.grading import CodeGrader
 from graders.core.compare import words
 from graders.core.contract.findings import FigureData
 from graders.core.contract.local import LOCAL, LocalProgram
-from graders.core.contract.program import Answer, KitSettings, Program, Reply
+from graders.core.contract.program import Answer, Foreseen, KitSettings, Program, Reply, in_turn
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, Value
 
@@ -82,7 +82,7 @@ class _Seeing:
     def __init__(self, seen: Asked) -> None:
         self._seen = seen
 
-    def open(self, source: bytes, kit: KitSettings) -> Program:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
         return _Seen(LOCAL.open(source, kit), self._seen)
 
 
@@ -103,6 +103,9 @@ class _Seen:
         for args, answer in zip(given, self._program.call_many(function, given, faults=faults), strict=False):
             self._seen.note(function, args, answer)
             yield answer
+
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+        return in_turn(self, asked)
 
     def stdout(self) -> str:
         return self._program.stdout()

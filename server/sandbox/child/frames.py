@@ -1,9 +1,14 @@
 """The framing of the wire, the same on both sides: ``length, token, kind``, then the payload.
 
 A question carries a fresh random token and its answer must carry it back, so that an answer written before its
-question, or twice, cannot pass for one. The payload is a value of `codec`, but for CALLS, which is a batch: a frame
-that tells what holds of all its calls, then a frame for each, with a token of its own and the arguments. Its answers
-come in that order, each as soon as it is known, then DONE with the token of the batch.
+question, or twice, cannot pass for one. The payload is a value of `codec`, but for two kinds that hold frames:
+
+CALLS is a batch: a frame that tells what holds of all its calls, their TOKENS, then either their arguments in COLUMNS,
+one array for each argument, or a frame of ARGUMENTS for each call. Its answers come in that order, each as
+soon as it is known, then DONE with the token of the batch.
+
+TOGETHER is several questions, taken in whole before the first is answered. Once a file has not loaded, the others are
+dropped; so is a batch that calls what the file does not define.
 """
 
 from __future__ import annotations
@@ -15,8 +20,8 @@ from .plain import Limits
 
 HEADER = struct.Struct("<IQB")
 
-#: From the trusted side. CALLS is a batch, ARGUMENTS one of its calls.
-CONFIGURE, LOAD, CALLS, ARGUMENTS = 1, 2, 3, 4
+#: From the trusted side. TOKENS, ARGUMENTS and COLUMNS are parts of a batch of CALLS.
+CONFIGURE, LOAD, CALLS, TOKENS, ARGUMENTS, COLUMNS, TOGETHER = 1, 2, 3, 4, 5, 6, 7
 #: From the child. READY, CONFIGURED and ANOMALY come before any line of the student runs, and are refused afterwards.
 READY, CONFIGURED, ANOMALY, VALUE, FAULT, DONE = 16, 17, 18, 19, 20, 21
 
@@ -29,10 +34,15 @@ def framed(token: int, kind: int, payload: bytes) -> bytes:
     return HEADER.pack(len(payload), token, kind) + payload
 
 
-def unbatched(batch: bytes) -> Iterator[tuple[int, bytes]]:
-    """Token and payload of each frame of a batch, which the trusted side has made."""
+def tokens(part: bytes) -> tuple[int, ...]:
+    """Those of TOKENS."""
+    return struct.unpack(f"<{len(part) // 8}Q", part)
+
+
+def parted(frames: bytes) -> Iterator[tuple[int, int, bytes]]:
+    """Token, kind and payload of each of these frames, which the trusted side has made."""
     at = 0
-    while at < len(batch):
-        length, token, _ = HEADER.unpack_from(batch, at)
+    while at < len(frames):
+        length, token, kind = HEADER.unpack_from(frames, at)
         at += HEADER.size + length
-        yield token, batch[at - length : at]
+        yield token, kind, frames[at - length : at]

@@ -46,6 +46,7 @@ class Program:
         self._injected: dict[str, object] = {}
         self._drivers: Mapping[str, Callable[..., Any]] = {}
         self._globals: dict[str, Any] = {}
+        self._functions: frozenset[str] = frozenset()
 
     def load(
         self, source: bytes, filename: str, *, shows_last: bool = False, shelved: Sequence[library.Shelf] = ()
@@ -66,7 +67,13 @@ class Program:
             self._guarded(partial(exec, code, self._globals))
         if drawing.offered():
             self._globals[drawing.FIGURES] = drawing.figures
-        return encode(self._defined(), self._limits)
+        names = self._defined()
+        self._functions = frozenset(names)
+        return encode(names, self._limits)
+
+    def defines(self, function: str) -> bool:
+        """Whether this is among the names that `load` has returned."""
+        return function in self._functions
 
     def call(self, function: str, arguments: tuple[Value, ...], *, return_arguments: bool) -> bytes:
         """Calls a name of the file; returns (value, arguments after the call or null), encoded."""

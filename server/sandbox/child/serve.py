@@ -9,7 +9,7 @@ import random
 import signal
 import sys
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from functools import partial
 from types import FrameType
@@ -18,6 +18,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from . import codec, drawing, frames, inner, library
+from .codec import Value
 from .frames import FAULT_LIMITS, QUESTION_LIMITS
 from .frames import framed as _framed
 from .kits import Kit
@@ -70,6 +71,7 @@ class Child:
         self._program, self._cpu_seconds = program, cpu_seconds
         self._token = 0
         self._busy = False
+        self._wall = 0.0
         self._exhausted = codec.encode(_fault("memory_limit"), FAULT_LIMITS)
         signal.signal(signal.SIGALRM, self._late)
         signal.signal(signal.SIGPROF, self._late)
@@ -79,12 +81,20 @@ class Child:
         while header := self._read(frames.HEADER.size):
             length, self._token, kind = frames.HEADER.unpack(header)
             payload = self._read(length)
-            if kind == frames.CALLS:
-                self._calls(payload)
-            elif kind == frames.LOAD:
-                self._load(codec.decode(payload, QUESTION_LIMITS))
-            else:
-                self._configure(codec.decode(payload, QUESTION_LIMITS))
+            questions = frames.parted(payload) if kind == frames.TOGETHER else [(self._token, kind, payload)]
+            for self._token, kind, question in questions:
+                if not self._obey(kind, question):
+                    break
+
+    def _obey(self, kind: int, payload: bytes) -> bool:
+        """Answers a question; False when those that came together with it are to be dropped."""
+        if kind == frames.CALLS:
+            self._calls(payload)
+        elif kind == frames.LOAD:
+            return self._load(codec.decode(payload, QUESTION_LIMITS))
+        else:
+            self._configure(codec.decode(payload, QUESTION_LIMITS))
+        return True
 
     def _configure(self, question: Any) -> None:
         try:
@@ -94,9 +104,9 @@ class Child:
             os._exit(70)
         self.send(self._token, frames.CONFIGURED, b"")
 
-    def _load(self, question: Any) -> None:
+    def _load(self, question: Any) -> bool:
         signal.setitimer(signal.ITIMER_PROF, self._cpu_seconds)
-        outcome, names, _ = self._timed(
+        outcome, names, self._wall = self._timed(
             question["wall"],
             lambda: self._program.load(
                 question["source"].tobytes(),
@@ -106,25 +116,30 @@ class Child:
             ),
         )
         self.send(self._token, outcome, names)
+        return outcome == frames.VALUE
 
     def _calls(self, batch: bytes) -> None:
         """Answers the calls of a batch in order, each answer on its way before the next call begins."""
         end = self._token
-        questions = frames.unbatched(batch)
-        shared: Any = codec.decode(next(questions)[1], QUESTION_LIMITS)
-        left, faults, wall = shared["calls"], shared["faults"], shared["wall"]
-        for self._token, arguments in questions:
-            outcome, answer, wall = self._timed(wall, partial(self._call, shared, arguments))
-            left -= 1
+        parts = frames.parted(batch)
+        shared: Any = codec.decode(next(parts)[2], QUESTION_LIMITS)
+        keeping, faults, wall, function = shared
+        if not self._program.defines(function):
+            return
+        tokens, wall = frames.tokens(next(parts)[2]), self._wall if wall is None else wall
+        arguments = _Arguments(parts)
+        last = len(tokens) - 1
+        for number, self._token in enumerate(tokens):
+            outcome, answer, wall = self._timed(wall, partial(self._call, function, arguments, number, keeping))
             faults -= outcome == frames.FAULT
-            over = not left or not faults
+            over = number == last or not faults
             self.send(self._token, outcome, answer, _framed(end, frames.DONE, b"") if over else b"")
             if over:
-                return
+                break
+        self._wall = wall
 
-    def _call(self, shared: Any, arguments: bytes) -> bytes:
-        given: Any = codec.decode(arguments, QUESTION_LIMITS)
-        return self._program.call(shared["function"], given, return_arguments=shared["return_arguments"])
+    def _call(self, function: str, arguments: _Arguments, number: int, keeping: bool) -> bytes:
+        return self._program.call(function, arguments.of(number), return_arguments=keeping)
 
     def _timed(self, wall: float, action: Callable[[], bytes]) -> tuple[int, bytes, float]:
         """What an action comes to, and the seconds left of `wall`: those between two actions do not count."""
@@ -172,6 +187,24 @@ class Child:
                 os._exit(0)
             pieces += piece
         return bytes(pieces)
+
+
+class _Arguments:
+    """The arguments of each call of a batch, made when its turn comes: what is then lacking is told of that call."""
+
+    def __init__(self, parts: Iterator[tuple[int, int, bytes]]) -> None:
+        self._parts = [(kind, part) for _, kind, part in parts]
+        self._columns: Any = None
+
+    def of(self, number: int) -> tuple[Value, ...]:
+        if self._parts[0][0] == frames.ARGUMENTS:
+            row: Any = codec.decode(self._parts[number][1], QUESTION_LIMITS)
+            return tuple(row)
+        if self._columns is None:
+            columns: Any = codec.decode(self._parts[0][1], QUESTION_LIMITS)
+            self._columns = [column.tolist() if column.ndim == 1 else column for column in columns]
+        row = [column[number] for column in self._columns]
+        return tuple([one.copy() if type(one) is np.ndarray else one for one in row])
 
 
 def _fault(kind: str, text: str = "") -> Fault:

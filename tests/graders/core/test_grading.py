@@ -1,7 +1,7 @@
 """Grading and diagnosis as a whole, on a toy exercise whose every failure is known."""
 
 import json
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,17 +9,27 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.code.bench import Bench, Runner
+from graders.core.code.bench import Bench
 from graders.core.code.checks import Cases, Rejection, Trial, Untouched
 from graders.core.code.exercise import CodeDefinition, code
 from graders.core.code.folder import Misconception
 from graders.core.code.grading import CodeGrader
+from graders.core.code.runner import Runner
 from graders.core.compare.comparison import CloseTo
 from graders.core.compare.shrinking import shrink_array
 from graders.core.contract.local import LOCAL
 from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, KitSettings, Program, Reply, StudentFault, one_by_one
+from graders.core.contract.program import (
+    Answer,
+    Foreseen,
+    KitSettings,
+    Program,
+    Reply,
+    StudentFault,
+    in_turn,
+    one_by_one,
+)
 from graders.core.contract.verdict import internal_error_verdict
 from graders.l20 import world
 from tests.graders.reenactments import CALLS_ONLY
@@ -181,6 +191,9 @@ class Dying:
     def call_many(self, function: str, calls: Iterable[Any], *, faults: int | None = None) -> Iterator[Answer]:
         return one_by_one(self, function, calls, faults)
 
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+        return in_turn(self, asked)
+
     def stdout(self) -> str:
         return "imprimé"
 
@@ -194,7 +207,7 @@ class Programs:
     def __init__(self, start: Callable[[], Program]) -> None:
         self.start = start
 
-    def open(self, source: bytes, kit: KitSettings) -> Program:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
         return self.start()
 
 
@@ -241,13 +254,15 @@ def test_calls_made_ahead_are_found_once_each_and_the_others_are_made() -> None:
     source = "n = 0\ndef f(x):\n    global n\n    n += 1\n    return n / x[0]\n"
     bench = bench_of(source)
     ones, zeros = np.ones(1), np.zeros(1, dtype=int).tolist()
-    assert [a.value for a in bench.ahead("f", [(ones,), (ones.copy(),)]) if isinstance(a, Reply)] == [1.0, 2.0]
+    assert [
+        a.value for a in bench.ahead(Foreseen("f", [(ones,), (ones.copy(),)], faults=1)) if isinstance(a, Reply)
+    ] == [1.0, 2.0]
     assert [bench.call("f", ones) for _ in range(3)] == [1.0, 2.0, 3.0]
-    assert len(bench.ahead("f", [(zeros,), (ones,)])) == 1
+    assert len(bench.ahead(Foreseen("f", [(zeros,), (ones,)], faults=1))) == 1
     with pytest.raises(StudentFault):
         bench.call("f", zeros)
     assert bench.call("f", ones) == 5.0
-    assert bench_of(source, reenacting=True).ahead("f", [(ones,)]) == []
+    assert bench_of(source, reenacting=True).ahead(Foreseen("f", [(ones,)], faults=1)) == []
 
 
 def test_a_file_that_does_not_load_fails_every_check() -> None:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from graders.core.code.bench import Bench, Runner
+from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.code.loops import ClosedLoop, Run
+from graders.core.code.runner import Runner
 from graders.core.contract.local import LocalProgram
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import KitSettings, Program, StudentFault
+from graders.core.contract.program import Foreseen, KitSettings, Program, StudentFault
 
 KIT = KitSettings("l20", {"libres": None, "portee_max": 12.0, "seed": 0})
 
@@ -25,7 +27,7 @@ class Programs:
     def __init__(self) -> None:
         self.opened: list[KitSettings] = []
 
-    def open(self, source: bytes, kit: KitSettings) -> Program:
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
         self.opened.append(kit)
         return LocalProgram(source, kit)
 
@@ -99,7 +101,7 @@ def test_a_program_that_exhausts_a_limit_is_not_run_again() -> None:
             raise StudentFault(Outcome.TIMEOUT, "temps dépassé", fatal=True)
 
     class SlowPrograms(Programs):
-        def open(self, source: bytes, kit: KitSettings) -> Program:
+        def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
             self.opened.append(kit)
             return Slow(source, kit)
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.code.bench import Runner
 from graders.core.code.mutations import Edit, Model
 from graders.core.code.prober import Prober
 from graders.core.code.probes import LARGEST, TOO_LARGE, Probes, Shown, same_seen, seen
+from graders.core.code.runner import Runner
 from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Reply

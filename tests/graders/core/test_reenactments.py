@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from graders.core.code.bench import Observation
 from graders.core.code.diagnosis import agree
 from graders.core.code.grading import FRESH, CodeGrader
 from graders.core.code.reenacting import Reenactor
+from graders.core.code.runner import Observation
 from graders.core.contract.local import LOCAL
 from graders.core.contract.streams import stream
 from tests.graders.reenactments import Remembering

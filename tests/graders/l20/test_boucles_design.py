@@ -8,7 +8,8 @@ from functools import partial
 import numpy as np
 import pytest
 
-from graders.core.code.bench import Bench, Runner
+from graders.core.code.bench import Bench
+from graders.core.code.runner import Runner
 from graders.core.contract.local import LOCAL
 from graders.core.contract.program import KitSettings
 from graders.core.contract.values import Floats

@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from graders.core.code.bench import Bench, Runner
+from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.code.grading import run_checks
 from graders.core.code.loops import ClosedLoop, Run
+from graders.core.code.runner import Runner
 from graders.core.contract.local import LOCAL
 from graders.core.contract.streams import stream
 from graders.l20 import journeys, world

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from graders.core.code.bench import Runner
 from graders.core.code.checks import Check
 from graders.core.code.grading import CodeGrader, run_checks
+from graders.core.code.runner import Runner
 from graders.core.compare.shrinking import Budget
 from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from graders.core.code.bench import Bench, Runner
+from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.code.grading import run_checks
 from graders.core.code.loops import ClosedLoop, Run
+from graders.core.code.runner import Runner
 from graders.core.contract.local import LOCAL, kit_names
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault

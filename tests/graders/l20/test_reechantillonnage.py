@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from graders.core.code.bench import Bench, Runner
+from graders.core.code.bench import Bench
 from graders.core.code.grading import FRESH
+from graders.core.code.runner import Runner
 from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.streams import stream

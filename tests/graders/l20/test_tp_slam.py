@@ -8,7 +8,7 @@ from functools import cache, partial
 import numpy as np
 import pytest
 
-from graders.core.code.bench import Runner
+from graders.core.code.runner import Runner
 from graders.core.contract.local import LOCAL
 from graders.core.contract.streams import stream
 from graders.core.contract.verdict import Verdict

@@ -1,0 +1,221 @@
+"""The runner: keeps a program alive over the checks of one grading, and what was seen of it."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from graders.core.code.ahead import Ahead
+from graders.core.compare.shrinking import Budget
+from graders.core.contract.findings import FigureData
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import Answer, Foreseen, KitSettings, Program, Programs, Reply, StudentFault
+from graders.core.contract.values import Arguments, Value
+
+#: How often the main program may be started anew, and how many others, one for each map or each run of a closed loop.
+MAX_LAUNCHES = 12
+MAX_OTHERS = 64
+DEFAULT_BUDGET = Budget()
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What a function gave on one graded input (a value, or the name of the fault), and whether that was right."""
+
+    check: str
+    index: int
+    function: str
+    value: Value
+    fault: str | None
+    ok: bool
+
+
+class Runner:
+    """Keeps a program alive over the checks of one grading; a program that died is started anew.
+
+    A function that exhausted a limit or killed its process is not called again. `reenacting` says that only the
+    observations are wanted: no counterexample is shrunk. `budget` is for each of those that are. `failed` are the ids
+    of the checks that have failed so far, for those that depend on them.
+    """
+
+    def __init__(
+        self,
+        programs: Programs,
+        source: bytes,
+        kit: KitSettings,
+        *,
+        reenacting: bool = False,
+        budget: Budget = DEFAULT_BUDGET,
+    ) -> None:
+        self.reenacting = reenacting
+        self._budget = budget
+        self._programs = programs
+        self._source = source
+        self._kit = kit
+        self._launches = 0
+        self._others = 0
+        self._program: Program | None = None
+        self._dead: dict[str, StudentFault] = {}
+        self._ahead = Ahead()
+        self.observations: list[Observation] = []
+        self.films: dict[str, FigureData] = {}
+        self.failed: set[str] = set()
+        self.stdout = ""
+
+    @property
+    def program(self) -> Program:
+        """The program on the main map. Raises StudentFault when its file does not load."""
+        return self._program or self._launched()
+
+    def _launched(self, ahead: Sequence[Foreseen] = ()) -> Program:
+        self._launches += 1
+        self._program = self._start(self._kit, self._launches, MAX_LAUNCHES, ahead)
+        return self._program
+
+    def _start(self, kit: KitSettings, launches: int, most: int, ahead: Sequence[Foreseen] = ()) -> Program:
+        if launches > most:
+            raise StudentFault(Outcome.RUNTIME_ERROR, "Votre programme s'est arrêté trop souvent.", fatal=True)
+        return self._programs.open(self._source, kit, ahead)
+
+    @property
+    def budget(self) -> Budget:
+        """What simplifying one counterexample may cost. What was asked ahead is answered first: it takes no part."""
+        self._settle()
+        return self._budget
+
+    def foresee(self, plan: Sequence[Foreseen]) -> None:
+        """What the next checks will ask of the main program, in this order and nothing else in between."""
+        self._settle()
+        self._ahead.foresee(plan)
+
+    def start(self, plan: Sequence[Foreseen]) -> None:
+        """Start the main program, with what is asked of it first. Raises StudentFault when its file does not load."""
+        self._ahead.foresee(plan)
+        self._ahead.begin(self._launched(plan), plan)
+
+    def answers(self, asked: Foreseen) -> Iterator[Answer]:
+        """The answers of the main program to what may have been foreseen, as the calls made now would give them."""
+        if self._refused(asked.function) or not self._ahead.foresees(asked):
+            yield from self._asked_now(asked)
+            return
+        try:
+            ready = self._ahead.ready(asked)
+            ready = self._asked_with_the_rest(asked) if ready is None else ready
+        except StudentFault as fault:
+            self._mourn(None, asked.function, fault)
+            yield fault
+            return
+        while ready or self._ahead.awaits(asked):
+            if not ready:
+                self._take_in()
+                continue
+            answer = ready.popleft()
+            if isinstance(answer, StudentFault) and answer.fatal:
+                self._dead[asked.function] = answer
+            yield answer
+
+    def _asked_now(self, asked: Foreseen) -> Iterator[Answer]:
+        if not asked.keeping:
+            yield from self.call_many(None, asked.function, asked.calls, faults=asked.faults)
+            return
+        for args in asked.calls:
+            try:
+                yield self.call(None, asked.function, args, keep=True)
+            except StudentFault as fault:
+                yield fault
+
+    def _asked_with_the_rest(self, asked: Foreseen) -> deque[Answer]:
+        self._settle()
+        together = self._ahead.from_here(asked, self._dead)
+        self._ahead.begin(self._program or self._launched(together), together)
+        ready = self._ahead.ready(asked)
+        assert ready is not None, "it was asked"
+        return ready
+
+    def _settle(self) -> None:
+        """Have all answers in that are on their way: nothing else can be asked before."""
+        while self._ahead.on_the_way:
+            self._take_in()
+
+    def _take_in(self) -> None:
+        if self._ahead.take_in():
+            self.close()
+
+    def call(self, program: Program | None, function: str, args: Arguments, *, keep: bool) -> Reply:
+        """Call a function of a program (None: of the main one)."""
+        refused = self._refused(function)
+        if refused is not None:
+            raise refused
+        if program is None:
+            self._settle()
+        try:
+            return (program or self.program).call(function, *args, return_arguments=keep)
+        except StudentFault as fault:
+            self._mourn(program, function, fault)
+            raise
+
+    def call_many(
+        self, program: Program | None, function: str, calls: Iterable[Arguments], *, faults: int | None
+    ) -> Iterator[Answer]:
+        """As `Program.call_many`, of a program (None: of the main one)."""
+        return self.told(program, function, self._answers(program, function, calls, faults))
+
+    def told(self, program: Program | None, function: str, answers: Iterator[Answer]) -> Iterator[Answer]:
+        """The same answers; what they say of the program's end is noted."""
+        for answer in answers:
+            if isinstance(answer, StudentFault):
+                self._mourn(program, function, answer)
+            yield answer
+
+    def calls(self, function: str) -> bool:
+        """Whether a function is still called."""
+        return function not in self._dead
+
+    def _answers(
+        self, program: Program | None, function: str, calls: Iterable[Arguments], faults: int | None
+    ) -> Iterator[Answer]:
+        refused = self._refused(function)
+        if refused is not None:
+            return iter((refused,))
+        if program is None:
+            self._settle()
+        try:
+            return (program or self.program).call_many(function, calls, faults=faults)
+        except StudentFault as fault:
+            return iter((fault,))
+
+    def _refused(self, function: str) -> StudentFault | None:
+        """The fault that answers for a function that is not called again."""
+        before = self._dead.get(function)
+        if before is None:
+            return None
+        return StudentFault(before.outcome, f"{function} n'est pas rappelée : {before.message}", fatal=True)
+
+    def _mourn(self, program: Program | None, function: str, fault: StudentFault) -> None:
+        if fault.fatal:
+            self._dead[function] = fault
+            self._drop(program)
+
+    def _drop(self, program: Program | None) -> None:
+        if self._program is not None and program in (None, self._program):
+            self.close()
+
+    @contextmanager
+    def other(self, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Iterator[Program]:
+        """The same file started on another map, for as long as the block lasts; what is asked `ahead` goes with it."""
+        self._others += 1
+        program = self._start(kit, self._others, MAX_OTHERS, ahead)
+        try:
+            yield program
+        finally:
+            program.close()
+
+    def close(self) -> None:
+        """Keep what was printed and give the main program back."""
+        if self._program is not None:
+            self._ahead.lose()
+            self.stdout = self.stdout or self._program.stdout()
+            self._program.close()
+            self._program = None

@@ -1,0 +1,193 @@
+"""What a verdict costs beside the limit: a fork behind its walls, and one empty call. In one run, side by side.
+
+    PYTHONPATH=. python tests/benchmarks/bench_exchange.py [--rounds 60] [--exercises l20/poses l20/kabsch] [--strace]
+
+Of each exercise, the solution and a catalogued mistake, which is named. Times are milliseconds, and are also told
+normalised: divided by a loop of ten million additions in plain Python, measured in the same seconds (by its own clock:
+of the wall, or of the processor), and multiplied by 500 ms. With `--strace`, the system calls of the trusted side too.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+from measure import figure, median, p95, table
+
+from graders.core.code.grading import CodeGrader
+from server.course import load
+from server.course.models import Course
+from server.grading.joint import Grader
+from server.sandbox import Sandbox
+from server.sandbox.process import Child
+from server.sandbox.session import Session
+from server.sandbox.wire import Wire
+
+EXERCISES = ("l20/poses", "l20/predire2d", "l20/kabsch", "l20/slam_graphe")
+#: The spare child that the one before has ordered is ready by then.
+REST = 0.03
+#: What the loop of ten million additions takes on the machine that normalised figures are of.
+LOOP = 500.0
+ADDITIONS, TIMES = 1_000_000, 10
+SYSTEM_CALLS = 20
+EMPTY = b"def f():\n    return None\n"
+
+
+@dataclass
+class Counted:
+    """One kind of submission: what each round took, and of the last one what was exchanged."""
+
+    name: str
+    submit: Callable[[int], object]
+    wall: list[float] = field(default_factory=list)
+    trusted: list[float] = field(default_factory=list)
+    child: list[float] = field(default_factory=list)
+    exchanges: int = 0
+    processes: int = 0
+
+    def run(self, seed: int, watch: Watch) -> None:
+        time.sleep(REST)
+        with watch.counting():
+            wall, processor = time.perf_counter(), time.thread_time()
+            self.submit(seed)
+            self.trusted.append(1000 * (time.thread_time() - processor))
+            self.wall.append(1000 * (time.perf_counter() - wall))
+        self.exchanges, self.processes = watch.asked, len(watch.children)
+        self.child.append(1000 * sum(child.ending(5.0).cpu_seconds for child in watch.children))
+
+
+class Watch:
+    """Counts the questions that wires carry, and the children whose sessions are closed."""
+
+    def __init__(self) -> None:
+        self.asked = 0
+        self.children: list[Child] = []
+
+    @contextmanager
+    def counting(self) -> Iterator[None]:
+        self.asked, self.children = 0, []
+        ask, close = Wire.ask, Session.close
+
+        def counted(wire: Wire, token: int, kind: int, payload: bytes, deadline: float) -> None:
+            self.asked += 1
+            ask(wire, token, kind, payload, deadline)
+
+        def closed(session: Session) -> None:
+            if session._child not in self.children:
+                self.children.append(session._child)
+            close(session)
+
+        Wire.ask, Session.close = counted, closed  # type: ignore[method-assign]
+        try:
+            yield
+        finally:
+            Wire.ask, Session.close = ask, close  # type: ignore[method-assign]
+
+
+def additions() -> tuple[float, float]:
+    """Milliseconds of ten million additions: of the wall and of the processor."""
+    wall, processor, total = time.perf_counter(), time.thread_time(), 0
+    for number in range(ADDITIONS):
+        total += number
+    return 1000 * TIMES * (time.perf_counter() - wall), 1000 * TIMES * (time.thread_time() - processor)
+
+
+def contenders(course: Course, sandbox: Sandbox, exercises: list[str]) -> list[Counted]:
+    grader = Grader(course, sandbox)
+
+    def limit(seed: int) -> None:
+        with sandbox.open(EMPTY) as session:
+            session.call("f")
+
+    def graded(exercise: str, source: bytes, *, right: bool) -> Callable[[int], object]:
+        def submit(seed: int) -> None:
+            verdict = grader.grade(exercise, source, seed).verdict
+            if (verdict.score == 1) != right or (not right and verdict.diagnosis is None):
+                raise RuntimeError(f"{exercise}: {verdict.score}, {verdict.diagnosis}")
+
+        return submit
+
+    made = [Counted("the limit: a fork, its walls, an empty call", limit)]
+    for name in exercises:
+        of = course.exercises[name].grader
+        assert isinstance(of, CodeGrader)
+        made.append(Counted(f"`{name}`, right", graded(name, of.solution.encode(), right=True)))
+        wrong = of.misconceptions[0].source.encode()
+        made.append(Counted(f"`{name}`, wrong and named", graded(name, wrong, right=False)))
+    return made
+
+
+def system_calls(one: Counted) -> str:
+    """System calls of this process for one submission, its other threads included."""
+    command = ["strace", "-f", "-c", "-p", str(os.getpid())]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as tracer:
+        assert tracer.stderr
+        tracer.stderr.readline()
+        for seed in range(SYSTEM_CALLS):
+            one.submit(seed)
+        tracer.send_signal(2)
+        told = tracer.stderr.read()
+    total = re.search(r"^\s*100\.00\s+\S+\s+(?:\d+\s+)?(\d+)\s+(?:\d+\s+)?total", told, re.MULTILINE)
+    return str(round(int(total[1]) / SYSTEM_CALLS)) if total else "?"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--rounds", type=int, default=60)
+    parser.add_argument("--exercises", nargs="*", default=EXERCISES)
+    parser.add_argument("--strace", action="store_true")
+    options = parser.parse_args()
+    traced = options.strace and shutil.which("strace")
+    course, watch, loops = load(render=False), Watch(), []
+    with Sandbox(course.kits) as sandbox:
+        field_of = contenders(course, sandbox, options.exercises)
+        for one in field_of:
+            for seed in range(3):
+                one.submit(seed)
+        for seed in range(options.rounds):
+            loops.append(additions())
+            for one in field_of:
+                one.run(1000 + seed, watch)
+        calls = [system_calls(one) if traced else "" for one in field_of]
+    report(field_of, calls, *map(list, zip(*loops, strict=True)))
+
+
+def report(field_of: list[Counted], calls: list[str], wall: list[float], processor: list[float]) -> None:
+    by_wall, by_processor = LOOP / median(wall), LOOP / median(processor)
+    limit, rows = median(field_of[0].wall), []
+    before = limit
+    for one, count in zip(field_of, calls, strict=True):
+        spent = median(one.wall)
+        rows.append(
+            [
+                one.name,
+                str(one.exchanges),
+                str(one.processes),
+                count,
+                figure(spent),
+                figure(p95(one.wall)),
+                figure(spent * by_wall),
+                f"{spent / limit:.1f}",
+                f"{spent / before:.2f}" if "wrong" in one.name else "",
+                figure(median(one.trusted)),
+                figure(median(one.trusted) * by_processor),
+                figure(median(one.child)),
+                figure(median(one.child) * by_processor),
+            ]
+        )
+        before = spent
+    head = ["", "exchanges", "processes", "system calls", "wall", "p95", "wall, normalised", "× limit", "× right"]
+    head += ["trusted CPU", "normalised", "child CPU, its fork included", "normalised"]
+    print(f"The loop: {median(wall):.0f} ms of the wall, {median(processor):.0f} ms of processor\n")
+    print(table(head, rows))
+
+
+if __name__ == "__main__":
+    main()

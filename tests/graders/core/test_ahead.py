@@ -1,0 +1,179 @@
+"""What checks ask ahead changes nothing but the number of exchanges: the same calls in the same order, the same end."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+
+from graders.core.code.bench import Bench
+from graders.core.code.checks import Cases, Check, Untouched
+from graders.core.code.grading import run_check, run_checks
+from graders.core.code.runner import Runner
+from graders.core.compare.comparison import CloseTo, Comparator, ScalarCloseTo
+from graders.core.compare.shrinking import Budget, shrink_array
+from graders.core.contract.findings import Finding
+from graders.core.contract.local import LocalProgram
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import (
+    Answer,
+    Foreseen,
+    KitSettings,
+    Program,
+    Reply,
+    StudentFault,
+    in_turn,
+    one_by_one,
+)
+from graders.core.contract.streams import stream
+from graders.robotics.poses import SamePose
+from tests.graders.shipped import CODE
+
+slow = partial(pytest.param, marks=pytest.mark.slow)
+KIT = KitSettings("l20", {"libres": None, "portee_max": 12.0, "seed": 0})
+Call = tuple[str, str]
+
+
+class Watched:
+    """Starts programs of this process and notes their calls; `deadly` is the call, by its number, that ends its own."""
+
+    def __init__(self, deadly: int = -1) -> None:
+        self.calls: list[Call] = []
+        self.launches = 0
+        self.deadly = deadly
+
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+        self.launches += 1
+        return _Watched(LocalProgram(source, kit), self)
+
+
+class _Watched:
+    def __init__(self, program: LocalProgram, watched: Watched) -> None:
+        self._program, self._watched = program, watched
+        self.functions = program.functions
+
+    def call(self, function: str, *args: Any, return_arguments: bool = False) -> Reply:
+        self._watched.calls.append((function, str(args)))
+        if len(self._watched.calls) == self._watched.deadly:
+            raise StudentFault(Outcome.TIMEOUT, "trop long", fatal=True)
+        return self._program.call(function, *args, return_arguments=return_arguments)
+
+    def call_many(self, function: str, calls: Iterable[Any], *, faults: int | None = None) -> Iterator[Answer]:
+        return one_by_one(self, function, calls, faults)
+
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+        return in_turn(self, asked)
+
+    def stdout(self) -> str:
+        return ""
+
+    def close(self) -> None:
+        """Nothing to give back."""
+
+
+@pytest.mark.parametrize("exercise", ["l20/poses", "l20/kabsch", *map(slow, ("l20/predire2d", "l20/slam_graphe"))])
+def test_a_right_program_is_asked_the_same_in_the_same_order(exercise: str) -> None:
+    grader, ahead, in_its_turn = CODE[exercise], Watched(), Watched()
+    assert grader.grade(grader.solution.encode(), ahead, seed=3, version="v").verdict.score == 1
+    assert grader.first_failed(grader.solution.encode(), in_its_turn, seed=3) is None
+    assert ahead.calls == in_its_turn.calls
+
+
+def vectors(rng: np.random.Generator) -> Iterator[tuple[np.ndarray[Any, Any]]]:
+    yield (np.array([1.0, 2.0]),)
+    for _ in range(5):
+        yield (rng.normal(size=2),)
+
+
+def cases(name: str, function: str, expected: Any) -> Cases:
+    return Cases(
+        id=name, title=name, points=4, functions=(function,), hint="?", names=("x",), cases=vectors,
+        expected=expected, compare=CloseTo(), shrinkers=(shrink_array,), rows=True,
+    )  # fmt: skip
+
+
+CHECKS: tuple[Check, ...] = (
+    cases("double", "double", lambda x: 2 * x),
+    cases("carre", "carre", lambda x: x * x),
+    cases("double_encore", "double", lambda x: 2 * x),
+    cases("carre_encore", "carre", lambda x: x * x),
+    Untouched(
+        id="arguments", title="arguments", points=4, functions=("double", "carre"), hint="?",
+        names={"double": ("x",), "carre": ("x",)},
+        inputs=lambda rng: {"double": (rng.normal(size=2),), "carre": (rng.normal(size=2),)}, chance=("carre",),
+    ),
+)  # fmt: skip
+RIGHT = "def double(x):\n    return 2 * x\ndef carre(x):\n    return x * x\n"
+
+
+def asked_in_turn(checks: Sequence[Check], runner: Runner) -> list[Finding]:
+    """What checks find where nothing is known of them before they begin."""
+    _ = runner.program
+    return [run_check(check, Bench(check.id, runner, stream(1, check.id), KIT)) for check in checks]
+
+
+@pytest.mark.parametrize(
+    ("source", "deadly"),
+    [
+        (RIGHT, -1),
+        (RIGHT, 3),
+        (RIGHT, 8),
+        (RIGHT, 14),
+        (RIGHT, 25),
+        (RIGHT, 39),
+        (RIGHT.replace("2 * x", "3 * x"), -1),
+        (RIGHT.replace("2 * x", "3 * x").replace("x * x", "[].pop()"), -1),
+        (RIGHT.replace("x * x", "None"), -1),
+        (RIGHT.replace("def double(x):\n", "def double(x):\n    x += 1\n"), -1),
+        ("def carre(x):\n    return tuple((x * x).tolist())\n", -1),
+    ],
+)
+def test_checks_find_the_same_whether_they_are_asked_ahead_or_in_their_turn(source: str, deadly: int) -> None:
+    found, watched = [], []
+    for ask in (lambda checks, runner: run_checks(checks, runner, KIT, 1), asked_in_turn):
+        watched.append(Watched(deadly))
+        runner = Runner(watched[-1], source.encode(), KIT, budget=Budget(calls=20, seconds=math.inf))
+        found.append((ask(CHECKS, runner), runner.observations))
+    assert str(found[0]) == str(found[1])
+    assert watched[0].launches == watched[1].launches
+
+
+def test_what_a_death_met_while_a_counterexample_is_simplified_is_told_of_its_own_check() -> None:
+    """The first check fails, and what is asked of the program meanwhile ends it in the second one."""
+    watched = Watched(deadly=9)
+    source = RIGHT.replace("2 * x", "3 * x").encode()
+    runner = Runner(watched, source, KIT, budget=Budget(calls=20, seconds=math.inf))
+    found = run_checks(CHECKS, runner, KIT, 1)
+    assert [finding.cause for finding in found] == [
+        *(Outcome.WRONG_ANSWER, Outcome.TIMEOUT, Outcome.WRONG_ANSWER, Outcome.TIMEOUT, Outcome.TIMEOUT),
+    ]  # fmt: skip
+    assert found[0].result.counterexample is not None
+    assert found[0].result.counterexample.inputs["x"] == [0.0, 1.0]
+    assert watched.launches == 2
+
+
+@pytest.mark.parametrize(
+    ("compare", "shape"),
+    [(SamePose(), (3,)), (SamePose(any_turn=True), (3,)), (SamePose(tolerance=1e-7), (3,)), (CloseTo(), (2, 2)),
+     (ScalarCloseTo(), ())],
+)  # fmt: skip
+def test_what_is_seen_to_be_right_at_once_is_right_one_by_one(compare: Comparator, shape: tuple[int, ...]) -> None:
+    """Answers off by about the tolerance, by whole turns, by what is no number; both verdicts come up."""
+    rng, seen = np.random.default_rng(7), set()
+    for _ in range(600):
+        expected = rng.uniform(-3.2, 3.2, (3, *shape)) * rng.choice([1.0, 1e3, 1e-3])
+        got = expected + compare.tolerance * rng.choice([0.1, 0.6, 1.5]) * rng.normal(size=expected.shape)  # type: ignore[attr-defined]
+        if shape == (3,):
+            got[:, 2] += rng.choice([0.0, 0.0, math.tau, -math.tau, 40 * math.tau])
+        if rng.random() < 0.05:
+            got.flat[0] = rng.choice([np.nan, np.inf, -np.inf])
+        surely = compare.surely(expected, got)  # type: ignore[attr-defined]
+        seen.add(surely)
+        if surely:
+            each = zip(expected.tolist(), got.tolist(), strict=True)
+            assert all(compare(np.array(one), np.array(other)) is None for one, other in each)
+    assert seen == {True, False}
