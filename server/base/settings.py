@@ -131,6 +131,9 @@ class Settings(BaseSettings):
     cell_refill_seconds: Seconds = Field(default=2.0, ge=0, description="then one more after so long")
     cells_at_once: int = Field(default=2, ge=1, le=64, description="cells that run at the same time")
     cells_waiting: int = Field(default=16, ge=0, le=1024, description="cells that wait; more are refused")
+    warm_up: bool = Field(
+        default=True, description="read the texts and rehearse the graders before somebody asks for them"
+    )
     warm_figures: bool = Field(default=True, description="start what draws figures before somebody looks at one")
     session_days: Count = Field(default=180, description="how long a browser stays logged in")
     api_tokens: Count = Field(default=10, description="API tokens that an account may have")

@@ -74,7 +74,8 @@ def serve(settings: Settings, host: str, port: int, announce: Announce, prepare:
 
         def ready() -> None:
             announce(app, _address(listener))
-            Thread(target=_prepare, args=(course,), name="read-ahead", daemon=True).start()
+            if settings.warm_up:
+                Thread(target=_prepare, args=(course,), name="read-ahead", daemon=True).start()
             if settings.warm_figures:
                 provided_to(app, Figures).pictures.warm()
 

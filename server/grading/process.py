@@ -87,7 +87,8 @@ def _run(
     database = Database(settings.url)
     with closing(database), Sandbox(course.kits, renewed=renewed) as sandbox:
         grader = Grader(course, sandbox)
-        threading.Thread(target=_warm, args=(sandbox, course), name="warm-up", daemon=True).start()
+        if settings.warm_up:
+            threading.Thread(target=_warm, args=(sandbox, course), name="warm-up", daemon=True).start()
 
         def grade(work: SentFile) -> Judgement:
             return grader.grade(work.exercise, work.source, work.seed, submission=work.submission_id, own=work.own)

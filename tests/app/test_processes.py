@@ -48,7 +48,7 @@ def test_a_service_in_real_processes(
     sent = send_slow_ones(live, headers, exercise)
     kill_a_worker(live, data)
     kill_the_server(live, data)
-    live = Live(data, BALISE_WORKERS="1")
+    live = Live(data, BALISE_WORKERS="1", BALISE_WARM_UP="1")
     assert "/bienvenue/" not in live.output
     until(lambda: count(data, WAITING) == 0, "everything is graded")
     graded = Counter(one for (one,) in rows(data, "SELECT id FROM audit"))
@@ -154,4 +154,5 @@ def stop_while_someone_watches(live: Live, headers: dict[str, str]) -> None:
     until(lambda: not any(map(alive, below)), "nothing is left running")
     told = live.errors.read_text()
     assert "Traceback" not in told
+    assert "does not work" not in told, "no grader failed at what is rehearsed as a worker starts"
     assert "ERROR" not in told.removeprefix(before)

@@ -27,7 +27,8 @@ BEGIN INSERT INTO audit VALUES (NEW.submission_id); END;
 
 def environment(**values: str) -> dict[str, str]:
     clean = {name: value for name, value in os.environ.items() if not name.startswith("BALISE_")}
-    return {**clean, "PYTHONPATH": str(PROJECT), "BALISE_WARM_FIGURES": "0", **values}
+    cold = {"BALISE_WARM_UP": "0", "BALISE_WARM_FIGURES": "0"}
+    return {**clean, "PYTHONPATH": str(PROJECT), **cold, **values}
 
 
 def balise(*arguments: str, **values: str) -> subprocess.CompletedProcess[str]:
