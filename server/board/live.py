@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from uuid import UUID
 
 from starlette.concurrency import run_in_threadpool
@@ -142,7 +143,8 @@ class Boards:
     async def _keep_reading(self, class_id: UUID, channel: Channel) -> None:
         """Until nobody watches any more, or the server stops. Whatever goes wrong ends the streams: browsers return."""
         try:
-            async for reading in self._events.follow(f"class:{class_id}", lambda: self._read(class_id, channel)):
+            read = partial(self._read, class_id, channel)
+            async for reading in self._events.follow(f"class:{class_id}", read, onlooking=True):
                 channel.reading = reading
                 channel.wake()
                 await asyncio.sleep(max(LEAST_REST, SHARE * reading.took))

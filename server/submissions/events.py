@@ -20,6 +20,8 @@ STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 LINE_END = re.compile("\r\n|\r|\n")
 QUEUE_MOVES_EVERY = 0.3  # seconds: places in the queue are refreshed no more often than this
 SAFETY_POLL = 2.0  # seconds: longest time without looking, should a signal be lost
+AT_A_TIME = 30  # watchers whose place is refreshed then; of more, the next ones follow
+LOOKS_A_SECOND = 100  # of all watchers together, where no signal comes: many look more rarely each
 
 
 class Snapshot(Protocol):
@@ -37,13 +39,16 @@ class Events:
 
     def __init__(self) -> None:
         self._watchers: dict[str, set[asyncio.Event]] = defaultdict(set)
-        self._moving = False
+        self._onlookers: set[asyncio.Event] = set()
+        self._behind: list[asyncio.Event] = []
+        self._moving = self._moved_again = False
         self._closed = False
 
     def close(self) -> None:
         """Ends every watch, as the server stops: browsers come back by themselves."""
         self._closed = True
-        self._moved()
+        for event in self._every():
+            event.set()
 
     def following(self) -> int:
         """How many pages and programs follow something at this moment."""
@@ -51,35 +56,51 @@ class Events:
 
     def changed(self, key: str) -> None:
         """The job of this key has changed state: its watchers look at once, the others soon (their place has moved)."""
-        self._wake(key)
-        if not self._moving and self._watchers:
-            self._moving = True
-            asyncio.get_running_loop().call_later(QUEUE_MOVES_EVERY, self._moved)
-
-    def _moved(self) -> None:
-        self._moving = False
-        for key in list(self._watchers):
-            self._wake(key)
-
-    def _wake(self, key: str) -> None:
         for event in self._watchers.get(key, ()):
             event.set()
+        self._moved_again = True
+        if not self._moving and self._watchers:
+            self._moving = True
+            self._move_later()
+
+    def _move_later(self) -> None:
+        asyncio.get_running_loop().call_later(QUEUE_MOVES_EVERY, self._move)
+
+    def _move(self) -> None:
+        """Each look is a few questions to the database: hundreds who wait do not ask them all at the same moment, so
+        that whoever reads a page meanwhile gets it."""
+        if not self._behind and self._moved_again:
+            self._moved_again = False
+            self._behind = self._every()
+        for event in (*self._onlookers, *self._behind[:AT_A_TIME]):
+            event.set()
+        del self._behind[:AT_A_TIME]
+        if self._behind or self._moved_again:
+            self._move_later()
+        else:
+            self._moving = False
+
+    def _every(self) -> list[asyncio.Event]:
+        return [event for events in self._watchers.values() for event in events]
 
     @contextmanager
-    def _watch(self, key: str) -> Iterator[asyncio.Event]:
+    def _watch(self, key: str, *, onlooking: bool) -> Iterator[asyncio.Event]:
         event = asyncio.Event()
         self._watchers[key].add(event)
+        if onlooking:
+            self._onlookers.add(event)
         try:
             yield event
         finally:
+            self._onlookers.discard(event)
             self._watchers[key].discard(event)
             if not self._watchers[key]:
                 del self._watchers[key]
 
-    async def follow(self, key: str, read: Callable[[], S]) -> AsyncIterator[S]:
+    async def follow(self, key: str, read: Callable[[], S], *, onlooking: bool = False) -> AsyncIterator[S]:
         """Yields what `read` gives (called in a thread) at first, then each time that it differs, until it is done
-        (or the server stops)."""
-        with self._watch(key) as event:
+        (or the server stops). `onlooking`: it is of many jobs, and any of them may change it."""
+        with self._watch(key, onlooking=onlooking) as event:
             latest: S | None = None
             while True:
                 woken = time.time_ns()
@@ -92,7 +113,7 @@ class Events:
                     traces.news(key, woken)
                 if snapshot.done or self._closed:
                     return
-                await _wait(event, SAFETY_POLL)
+                await _wait(event, max(SAFETY_POLL, self.following() / LOOKS_A_SECOND))
 
     async def until_done(self, key: str, read: Callable[[], S], seconds: float) -> S:
         """The snapshot once it is done, or as it is after `seconds`."""

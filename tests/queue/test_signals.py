@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import socket
 from collections.abc import AsyncIterator, Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
 
@@ -164,6 +165,66 @@ def test_those_who_wait_learn_that_the_queue_has_moved(monkeypatch: pytest.Monke
         return await asyncio.wait_for(watching, 20)
 
     assert in_a_loop(main()) == [2, 3]
+
+
+def test_many_who_wait_do_not_all_look_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A change elsewhere is for all in the end, a few at a time; who looks at many jobs is told first each time."""
+    monkeypatch.setattr(events_module, "AT_A_TIME", 10)
+    monkeypatch.setattr(events_module, "QUEUE_MOVES_EVERY", 3600.0)
+
+    async def main() -> list[tuple[int, bool]]:
+        events = Events()
+        with ExitStack() as stack:
+            waiting = [stack.enter_context(events._watch(str(key), onlooking=False)) for key in range(25)]
+            board = stack.enter_context(events._watch("class", onlooking=True))
+            events.changed("another")
+            told = []
+            for _ in range(4):
+                events._move()
+                told.append((sum(one.is_set() for one in waiting), board.is_set()))
+                board.clear()
+        return told
+
+    assert in_a_loop(main()) == [(10, True), (20, True), (25, True), (25, True)]
+
+
+def test_what_changes_while_they_are_told_is_told_to_all_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(events_module, "AT_A_TIME", 2)
+    monkeypatch.setattr(events_module, "QUEUE_MOVES_EVERY", 0.001)
+
+    async def main() -> None:
+        events = Events()
+        with ExitStack() as stack:
+            waiting = [stack.enter_context(events._watch(str(key), onlooking=False)) for key in range(7)]
+            events.changed("another")
+            await waiting[0].wait()
+            waiting[0].clear()
+            events.changed("another")
+            await asyncio.wait_for(waiting[0].wait(), 20)
+
+    in_a_loop(main())
+
+
+def test_the_more_wait_the_more_rarely_each_looks_for_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    waits: list[float] = []
+
+    async def note(_event: asyncio.Event, seconds: float) -> None:
+        waits.append(seconds)
+
+    monkeypatch.setattr(events_module, "_wait", note)
+
+    async def main() -> None:
+        events = Events()
+        with ExitStack() as stack:
+            for count in (1, 799):
+                for key in range(count):
+                    stack.enter_context(events._watch(str(key), onlooking=False))
+                seen = iter([Count(0), Count(3)])
+                await collect(events.follow("a", lambda seen=seen: next(seen)))  # type: ignore[misc]
+
+    in_a_loop(main())
+    alone, crowded = waits
+    assert (alone, crowded) == (events_module.SAFETY_POLL, 801 / events_module.LOOKS_A_SECOND)
 
 
 async def watched(events: Events) -> None:

@@ -131,7 +131,7 @@ async def events(
         return _advance(database, account, class_id, regrade_id)
 
     await run_in_threadpool(read)  # a refusal must come before the stream begins
-    snapshots = hub.follow(str(UUID(regrade_id)), read)
+    snapshots = hub.follow(str(UUID(regrade_id)), read, onlooking=True)
     lines: AsyncIterator[str] = as_sse(snapshots, _told, name="progress")
     return StreamingResponse(lines, media_type="text/event-stream", headers=STREAM_HEADERS)
 
