@@ -114,14 +114,15 @@ class Settings(BaseSettings):
     )
     waiting_each: Count = Field(default=20, description="submissions of an account that wait; more are refused")
     waiting_from_address: Count = Field(
-        default=300,
+        default=1000,
         description="submissions from one address that wait, of guests and of accounts each; more are refused",
     )
     guest_burst: Count = Field(
-        default=300, description="guests from one address at once; also the log-ins that it tries, to any account"
+        default=1000,
+        description="guests from one address at once; also the log-ins that it tries in vain, to any account",
     )
     guest_refill_seconds: Seconds = Field(default=1.0, ge=0, description="then one more after so long")
-    sign_up_burst: Count = Field(default=100, description="accounts that one address opens, or tries to, at once")
+    sign_up_burst: Count = Field(default=1000, description="accounts that one address opens, or tries to, at once")
     sign_up_refill_seconds: Seconds = Field(default=10.0, ge=0, description="then one more after so long")
     login_burst: Count = Field(default=10, description="log-ins tried to one account from one address, at once")
     login_refill_seconds: Seconds = Field(default=30.0, ge=0, description="then one more after so long")
@@ -130,7 +131,7 @@ class Settings(BaseSettings):
     cell_burst: Count = Field(default=30, description="runs of a page's cells by an account at once")
     cell_refill_seconds: Seconds = Field(default=2.0, ge=0, description="then one more after so long")
     cells_at_once: int = Field(default=2, ge=1, le=64, description="cells that run at the same time")
-    cells_waiting: int = Field(default=16, ge=0, le=1024, description="cells that wait; more are refused")
+    cells_waiting: int = Field(default=100, ge=0, le=1024, description="cells that wait; more are refused")
     warm_up: bool = Field(
         default=True, description="read the texts and rehearse the graders before somebody asks for them"
     )

@@ -2,6 +2,7 @@
 
 import errno
 import gc
+import resource
 import signal
 import socket
 from argparse import Namespace
@@ -37,6 +38,7 @@ from server.submissions.events import Events
 
 GRACE = 2  # seconds left to open connections when the server stops
 BACKLOG = 2048
+CONNECTIONS = 65_536  # open at once, where the machine lets it: each who waits for a verdict holds one or two
 
 
 Prepare = Callable[[Settings, Course, Probing], None]
@@ -57,6 +59,7 @@ def serve(settings: Settings, host: str, port: int, announce: Announce, prepare:
     answers, with its address."""
     logs.start("", settings.log_format)
     start_traces("web")
+    _allow_many_connections()
     with _listening(host, port) as listener, alone(settings):
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, _leave)
@@ -84,6 +87,14 @@ def serve(settings: Settings, host: str, port: int, announce: Announce, prepare:
         finally:
             traces.stop()
     return 0
+
+
+def _allow_many_connections() -> None:
+    """Most machines let a process open 1,024 files unless it asks for more, which a lecture hall goes beyond."""
+    few, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = min(CONNECTIONS, most)
+    if few < wanted:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, most))
 
 
 def _prepare(course: Course) -> None:

@@ -8,6 +8,7 @@ import pytest
 
 from server.base.gate import Gate
 from server.base.provided import provided_to
+from server.cli import serve
 from server.cli.serve import open_once_tried
 from server.health.metrics import Metrics
 from server.sandbox import WallReport, WallStatus
@@ -48,3 +49,22 @@ def test_nothing_is_ready_before_the_walls_are_tried(site: Site) -> None:
     readiness = provided_to(site.app, Readiness)
     assert readiness.checks()["walls"] == "ok", "of an application that was told that they stand"
     assert Readiness(readiness.database, readiness.supervisor, Gate()).checks()["walls"] == "being tried"
+
+
+@pytest.mark.parametrize(
+    ("given", "then"),
+    [
+        ((1024, 524_288), (65_536, 524_288)),
+        ((1024, 4096), (4096, 4096)),
+        ((4096, 4096), None),
+        ((100_000, 524_288), None),
+    ],
+)
+def test_as_many_connections_as_the_machine_allows(
+    given: tuple[int, int], then: tuple[int, int] | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[tuple[int, int]] = []
+    monkeypatch.setattr(serve.resource, "getrlimit", lambda _: given)
+    monkeypatch.setattr(serve.resource, "setrlimit", lambda _, limits: asked.append(limits))
+    serve._allow_many_connections()
+    assert asked == ([] if then is None else [then])

@@ -111,6 +111,20 @@ def test_wrong_passwords_are_refused_then_throttled(site: Site) -> None:
     assert int(answer.headers["retry-after"]) >= 1
 
 
+def test_a_school_s_pupils_enter_from_one_address_and_guesses_are_counted(site: Site) -> None:
+    site.client.post("/inscription", data=FORM)
+    site.tighten(guest_burst=2, guest_refill_seconds=1000.0, login_burst=100)
+    right = {"login": FORM["login"], "password": FORM["password"]}
+
+    def tried(**form: str) -> int:
+        site.client.cookies.clear()
+        return site.client.post("/connexion", data=form).status_code
+
+    assert [tried(**right) for _ in range(4)] == [303] * 4
+    assert [tried(login=f"a{number}", password="au hasard") for number in range(3)] == [422, 422, 429]
+    assert tried(**right) == 429
+
+
 def test_an_unknown_login_reads_like_a_wrong_password(site: Site) -> None:
     site.client.post("/inscription", data=FORM)
     site.client.post("/deconnexion")
