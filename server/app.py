@@ -95,8 +95,12 @@ DAY = 86400
 GZIP_LEVEL = 4  # mathematics in HTML shrink twelvefold; higher levels gain little and cost time
 RECOVER_EVERY = 3.0  # seconds
 TIDY_EVERY = 3600.0
+#: Each is asked in turn whether an address is one of its own: what is asked for most comes first.
 ROUTERS = (
     health_router,
+    pages_router,
+    reading_router,
+    drawn_router,
     api_router,
     guide_router,
     accounts_router,
@@ -117,9 +121,6 @@ ROUTERS = (
     assignments_router,
     exemptions_router,
     own_router,
-    pages_router,
-    drawn_router,
-    reading_router,
     offline_router,
     cells_router,
     replays_router,
