@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import json
 import multiprocessing
+import signal
 import sys
 import tempfile
 import time
@@ -90,6 +91,7 @@ def measured(service: Service, asked: argparse.Namespace) -> Report:
 def main(words: list[str] | None = None) -> Report:
     asked = parse(words)
     raise_limit()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))  # with all that it has started
     with (
         tempfile.TemporaryDirectory(prefix="balise-crowd-") as folder,
         started(asked.engine, asked.web, asked.workers, Path(folder)) as service,
