@@ -27,8 +27,10 @@ from tests.benchmarks.measure import figure, table
 
 HOUR = 3600.0
 CALIBRATION = Path(__file__).with_suffix(".toml")
-#: A station's place in the tables, and what a figure's capacity is counted in.
-WEB, PUT, GRADERS, FIGURES, NATS = "pages (web)", "mise en file", "correcteurs", "figures", "NATS"
+#: The stations, as the tables name them.
+WEB, LOGIN, PUT, GRADERS, FIGURES = "pages", "connexions", "mise en file", "correcteurs", "figures"
+NATS = "NATS"
+STATIONS = (WEB, LOGIN, PUT, GRADERS, FIGURES)
 
 Times = NDArray[np.float64]
 #: Which station, and for how many seconds.
@@ -40,6 +42,7 @@ class Costs:
     """Seconds of a processor unless said otherwise; `lesson` and `deadline`: of a grading in each."""
 
     request: float
+    login: float
     put: float
     lesson: float
     deadline: float
@@ -82,13 +85,13 @@ class Fleet:
 
     @property
     def servers(self) -> dict[str, int]:
-        return {WEB: self.web, PUT: 1, GRADERS: self.graders, FIGURES: self.figures}
+        return {WEB: self.web, LOGIN: self.web, PUT: 1, GRADERS: self.graders, FIGURES: self.figures}
 
 
 @dataclass(frozen=True)
 class Moment:
-    """What students do in it. `arriving`: how many come with four pages each, in its first `within` seconds; then each
-    of those who work (`working`) sends `each_minute` submissions a minute, and asks for as many pages again; at a
+    """What students do in it. `arriving`: how many log in, then open three pages, in its first `within` seconds. Each
+    of those who work (`working`) sends `each_minute` submissions a minute, and asks for twice as many pages; at a
     deadline these rise to the end, `rising` times."""
 
     name: str
@@ -101,13 +104,12 @@ class Moment:
     grading: str = "lesson"
 
 
-def moments(students: int) -> tuple[Moment, Moment]:
-    """The fullest hour has a fifth of all in a lesson, who log in within five minutes and send something every five.
-    In the last half-hour, two fifths still work, every three minutes at first, three times as often in the end."""
-    lesson = Moment("cours de 10 h, les vingt premières minutes", 1200.0, students // 5, 300.0, students // 5, 0.2)
-    last = Moment(
-        "dernière demi-heure avant 23 h 59", 1800.0, 0, 1.0, 2 * students // 5, 1 / 3, rising=3.0, grading="deadline"
-    )
+def moments(students: int, share: float = 0.2) -> tuple[Moment, Moment]:
+    """The fullest hour has this share of all in a lesson, who log in within five minutes and send something every five.
+    In the last half-hour as many work, who send something every three minutes, twice as often in the end."""
+    busy = round(students * share)
+    lesson = Moment("les vingt premières minutes d’un cours", 1200.0, busy, 300.0, busy, 0.2)
+    last = Moment("la dernière demi-heure avant 23 h 59", 1800.0, 0, 1.0, busy, 1 / 3, rising=2.0, grading="deadline")
     return lesson, last
 
 
@@ -134,7 +136,8 @@ def load(moment: Moment, costs: Costs, draw: np.random.Generator) -> tuple[list[
     times = [
         arrivals(draw, sent, moment.seconds, moment.rising),
         arrivals(draw, looked, moment.seconds, moment.rising),
-        draw.random(4 * moment.arriving) * moment.within,
+        draw.random(moment.arriving) * moment.within,
+        draw.random(3 * moment.arriving) * moment.within,
     ]
     grading = costs.deadline if moment.grading == "deadline" else costs.lesson
     sigma = np.sqrt(np.log1p(costs.spread**2))
@@ -151,7 +154,9 @@ def load(moment: Moment, costs: Costs, draw: np.random.Generator) -> tuple[list[
         )
         for web, seconds, bad in zip(requests.tolist(), gradings.tolist(), wrong.tolist(), strict=True)
     ]
-    routes += [((WEB, seconds),) for seconds in draw.exponential(costs.request, looked + 4 * moment.arriving).tolist()]
+    routes += [((WEB, seconds),) for seconds in draw.exponential(costs.request, looked).tolist()]
+    routes += [((LOGIN, costs.login),)] * moment.arriving
+    routes += [((WEB, seconds),) for seconds in draw.exponential(costs.request, 3 * moment.arriving).tolist()]
     when = np.concatenate(times)
     order = np.argsort(when, kind="stable")
     return when[order].tolist(), [routes[one] for one in order.tolist()]
@@ -197,25 +202,25 @@ def simulate(when: Sequence[float], routes: Sequence[Route], servers: Mapping[st
 
 @dataclass(frozen=True)
 class Found:
-    """Of a moment: seconds from sending to the verdict's page, of each submission; the share of each station that is
+    """Of a moment: seconds from sending to the verdict's page, of pages, of log-ins; the share of each station that is
     used in its fullest minute, of what it can do."""
 
     verdicts: Times
     pages: Times
+    logins: Times
     fullest: Mapping[str, float]
 
 
 def lived(moment: Moment, costs: Costs, fleet: Fleet, seed: int = 1) -> Found:
     when, routes = load(moment, costs, np.random.default_rng(seed))
     waited = simulate(when, routes, fleet.servers)
-    verdicts, pages = [], []
+    took: dict[str, list[float]] = {WEB: [], LOGIN: [], GRADERS: []}
     for route, waits in zip(routes, waited, strict=True):
-        if len(route) == 1:
-            pages.append(waits[WEB] + route[0][1])
-        else:
-            shown = [seconds for station, seconds in route if station != FIGURES]
-            verdicts.append(sum(shown) + sum(wait for station, wait in waits.items() if station != FIGURES))
-    return Found(np.array(verdicts), np.array(pages), _fullest(when, routes, fleet.servers))
+        kind = GRADERS if len(route) > 1 else route[0][0]
+        shown = sum(seconds for station, seconds in route if station != FIGURES)
+        took[kind].append(shown + sum(wait for station, wait in waits.items() if station != FIGURES))
+    verdicts, pages, logins = (np.array(took[kind]) for kind in (GRADERS, WEB, LOGIN))
+    return Found(verdicts, pages, logins, _fullest(when, routes, fleet.servers))
 
 
 def _fullest(when: Sequence[float], routes: Sequence[Route], servers: Mapping[str, int]) -> dict[str, float]:
@@ -244,13 +249,14 @@ def processor_hours(students: int, costs: Costs) -> dict[str, float]:
 def row(name: str, found: Found) -> list[str]:
     shown = [1000.0 * float(one) for one in np.percentile(found.verdicts, [50, 95, 99])]
     first = max(found.fullest, key=lambda station: found.fullest[station])
-    used = [f"{100 * found.fullest[station]:.0f} %" for station in (WEB, PUT, GRADERS, FIGURES)]
+    used = [f"{100 * found.fullest[station]:.0f} %" for station in STATIONS]
     return [name, *map(figure, shown), figure(1000.0 * float(np.percentile(found.pages, 95))), *used, first]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--students", type=int, default=50_000)
+    parser.add_argument("--share", type=float, default=0.2, help="of students who are at work in these moments")
     parser.add_argument("--graders", type=int, nargs="+", default=[25, 50, 100, 200])
     parser.add_argument("--web", type=int, default=12)
     parser.add_argument("--figures", type=int, default=12, help="one a web process")
@@ -260,8 +266,8 @@ def main() -> None:
     asked = parser.parse_args()
     costs = Costs.read(crowd=asked.crowd)
     costs = costs if asked.deadline is None else replace(costs, deadline=asked.deadline)
-    head = ["ms", "p50", "p95", "p99", "page p95", WEB, PUT, GRADERS, FIGURES, "cède d’abord"]
-    for moment in moments(asked.students):
+    head = ["ms", "p50", "p95", "p99", "page p95", *STATIONS, "cède d’abord"]
+    for moment in moments(asked.students, asked.share):
         rows = [
             row(f"{graders} correcteurs", lived(moment, costs, Fleet(asked.web, graders, asked.figures)))
             for graders in asked.graders

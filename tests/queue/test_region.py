@@ -94,7 +94,8 @@ def test_more_graders_shorten_waits_and_what_breaks_first_is_told() -> None:
 
 def test_a_day_costs_in_proportion() -> None:
     assert {part: 2 * one for part, one in processor_hours(100, COSTS).items()} == processor_hours(200, COSTS)
-    assert [one.working for one in moments(50_000)] == [10_000, 20_000]
+    assert [one.working for one in moments(50_000)] == [10_000, 10_000]
+    assert [one.arriving for one in moments(800, 1.0)] == [800, 0]
 
 
 def test_a_run_of_the_crowd_calibrates_it(tmp_path: Path) -> None:

@@ -47,6 +47,7 @@ def parse(words: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--ramp", type=float, default=20.0, help="seconds in which all arrive")
     parser.add_argument("--seconds", type=float, default=60.0, help="then so long")
     parser.add_argument("--enter", choices=("session", "guest", "login"), default="session")
+    parser.add_argument("--exercises", nargs="+", default=EXERCISES, metavar="SLUG")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--json", type=Path)
     return parser.parse_args(words)
@@ -60,7 +61,7 @@ def planned(service: Service, asked: argparse.Namespace) -> Plan:
     return Plan(
         addresses=service.addresses,
         people=guests if asked.enter == "guest" else known,
-        programs=people.programs(course, EXERCISES),
+        programs=people.programs(course, asked.exercises),
         lessons=people.lessons(course),
         think=asked.think,
         ramp=asked.ramp,
@@ -91,7 +92,6 @@ def measured(service: Service, asked: argparse.Namespace) -> Report:
 def main(words: list[str] | None = None) -> Report:
     asked = parse(words)
     raise_limit()
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))  # with all that it has started
     with (
         tempfile.TemporaryDirectory(prefix="balise-crowd-") as folder,
         started(asked.engine, asked.web, asked.workers, Path(folder)) as service,
@@ -106,4 +106,5 @@ def main(words: list[str] | None = None) -> Report:
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))  # with all that it has started
     sys.exit(1 if main().seen.failures else 0)
