@@ -1,6 +1,16 @@
 """Engine, transactions, base of the tables, and migrations, for SQLite and PostgreSQL alike."""
 
 from server.database.base import Base, UtcDateTime, table_of, utc_now
-from server.database.engine import Database, after_commit, is_locked, upserting
+from server.database.engine import MOST_CONNECTIONS, Database, after_commit, is_locked, upserting
 
-__all__ = ["Base", "Database", "UtcDateTime", "after_commit", "is_locked", "table_of", "upserting", "utc_now"]
+__all__ = [
+    "MOST_CONNECTIONS",
+    "Base",
+    "Database",
+    "UtcDateTime",
+    "after_commit",
+    "is_locked",
+    "table_of",
+    "upserting",
+    "utc_now",
+]

@@ -22,13 +22,22 @@ from server.database.base import Base, table_of
 #: How long to wait comes first: the mode of a new file is changed by one process at a time.
 PRAGMAS = ("busy_timeout=15000", "journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON")
 AFTER_COMMIT = "after_commit"
+KEPT_CONNECTIONS = 10
+#: That one process may open to the database: one or two for each thread that answers somebody.
+MOST_CONNECTIONS = 50
 
 
 def make_engine(url: str) -> Engine:
     """An engine for `url`; a SQLite file's folder is created."""
     checked = not url.startswith("sqlite")
     # What a statement carries is no business of the logs: it may be a student's code.
-    engine = create_engine(url, pool_size=10, max_overflow=40, pool_pre_ping=checked, hide_parameters=True)
+    engine = create_engine(
+        url,
+        pool_size=KEPT_CONNECTIONS,
+        max_overflow=MOST_CONNECTIONS - KEPT_CONNECTIONS,
+        pool_pre_ping=checked,
+        hide_parameters=True,
+    )
     if engine.dialect.name == "sqlite":
         Path(make_url(url).database or "").parent.mkdir(parents=True, exist_ok=True)
         event.listen(engine, "connect", _prepare_sqlite)

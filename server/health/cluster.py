@@ -13,7 +13,7 @@ from enum import Enum
 from sqlalchemy.exc import SQLAlchemyError
 
 from server.base.settings import Settings
-from server.database import Database, utc_now
+from server.database import MOST_CONNECTIONS, Database, utc_now
 from server.database.migrate import WrongSchema, require_current
 from server.health import repository
 from server.queue import repository as jobs
@@ -26,6 +26,8 @@ ROUNDS = 20
 SLOW_DATABASE, SLOW_NATS = 10.0, 5.0
 #: Seconds between two clocks.
 ODD_CLOCK, WRONG_CLOCK = 1.0, 5.0
+#: Connections to PostgreSQL that must be left.
+FEW_CONNECTIONS = 20
 CONNECT_SECONDS, ANSWER_SECONDS = 8.0, 5.0
 
 
@@ -74,6 +76,7 @@ def _database(settings: Settings) -> Iterator[Finding]:
         try:
             yield _speed(about, "joignable", _database_rounds(database), SLOW_DATABASE)
             yield _secrecy(database)
+            yield _room(database)
             yield _clock(database)
         except SQLAlchemyError as error:
             why = str(getattr(error, "orig", None) or error).splitlines()[0]
@@ -112,6 +115,20 @@ def _secrecy(database: Database) -> Finding:
     told = "chiffrée (TLS)" if coded else "en clair"
     mend = "" if coded else "sur un réseau partagé, ajoutez ?sslmode=verify-full à BALISE_DATABASE_URL"
     return Finding(Level.good, "connexion à la base", told, mend)
+
+
+def _room(database: Database) -> Finding:
+    """PostgreSQL refuses who comes when it is full, in the middle of an exam rather than before it."""
+    with database.read() as db:
+        opened, most = repository.connections(db)
+    told = f"{plural(opened, 'ouverte', 'ouvertes')}, {most} au plus"
+    if opened + FEW_CONNECTIONS <= most:
+        return Finding(Level.good, "connexions à la base", told)
+    mend = (
+        f"augmentez max_connections : {MOST_CONNECTIONS} pour chaque serveur web, 3 pour chaque correcteur (ou placez "
+        "PgBouncer devant PostgreSQL)"
+    )
+    return Finding(Level.doubtful, "connexions à la base", told, mend)
 
 
 def _clock(database: Database) -> Finding:

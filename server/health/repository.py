@@ -24,6 +24,14 @@ def is_encrypted(db: Session) -> bool:
     return bool(db.execute(text("SELECT ssl FROM pg_stat_ssl WHERE pid = pg_backend_pid()")).scalar_one())
 
 
+def connections(db: Session) -> tuple[int, int]:
+    """To PostgreSQL: how many are open, whoever's, and how many it takes from who is no superuser."""
+    kept = "current_setting('superuser_reserved_connections')::int"
+    said = f"SELECT count(*), current_setting('max_connections')::int - {kept} FROM pg_stat_activity"
+    opened, most = db.execute(text(f"{said} WHERE backend_type = 'client backend'")).one()
+    return opened, most
+
+
 def queue(db: Session) -> Sequence[Row[str, bool, int, datetime]]:
     """By kind, and by whether it has begun: how many jobs there are, and since when the oldest is there."""
     begun = Job.lease_token.is_not(None)

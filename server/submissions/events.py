@@ -20,8 +20,8 @@ STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
 LINE_END = re.compile("\r\n|\r|\n")
 QUEUE_MOVES_EVERY = 0.3  # seconds: places in the queue are refreshed no more often than this
 SAFETY_POLL = 2.0  # seconds: longest time without looking, should a signal be lost
-AT_A_TIME = 30  # watchers whose place is refreshed then; of more, the next ones follow
-LOOKS_A_SECOND = 100  # of all watchers together, where no signal comes: many look more rarely each
+AT_A_TIME = 15  # watchers whose place is refreshed then; of more, the next ones follow
+LOOKS_A_SECOND = 50  # of all watchers together, where no signal comes: many look more rarely each
 
 
 class Snapshot(Protocol):

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from typing import Any
 
 import pytest
+from sqlalchemy import select
 
 from server.base.settings import Settings
 from server.cli import main
-from server.health import cluster
+from server.database import Database
+from server.health import cluster, repository
 from server.queue.port import Able
 from server.submissions.service import GRADE
 from tests.support.cluster import Hand, Machine, until
@@ -55,6 +58,25 @@ def test_what_waits_for_another_version_is_told(environment: Settings, machines:
     status, text = told(capsys)
     assert status == 0
     assert "! versions : 1 travail attend un correcteur de l20/poses, version abc" in text
+
+
+def test_a_database_that_is_nearly_full_is_told(
+    environment: Settings, machines: list[Machine], monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    machines.append(Machine(environment).start().up())
+    with closing(Database(environment.url)) as database, database.read() as db:
+        opened, most = repository.connections(db)
+        with database.read() as other:
+            other.execute(select(1))
+            assert repository.connections(db) == (opened, most), "in one transaction, PostgreSQL says the same"
+            assert opened >= 1
+    monkeypatch.setattr(repository, "connections", lambda _: (80, 97))
+    status, text = told(capsys)
+    assert status == 0
+    assert "! connexions à la base : 80 ouvertes, 97 au plus" in text
+    assert "max_connections : 50 pour chaque serveur web" in text
+    monkeypatch.setattr(repository, "connections", lambda _: (77, 97))
+    assert "✓ connexions à la base" in told(capsys)[1]
 
 
 @pytest.mark.parametrize(
