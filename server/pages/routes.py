@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import AsyncIterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response
@@ -31,10 +31,11 @@ from server.identity.models import Account
 from server.pages import answers, kits, service, talk
 from server.pages.schemas import ExerciseFrame
 from server.pages.talk import Aim
+from server.pages.waiting import Watched
 from server.submissions import deals
 from server.submissions.dependencies import EventsOf, SubmissionsOf
 from server.submissions.events import STREAM_HEADERS, as_sse
-from server.submissions.models import State, Submission
+from server.submissions.models import Submission
 from server.submissions.service import Submissions, key_of, parse_id
 from server.web import assets
 from server.web.dependencies import Reading
@@ -264,32 +265,14 @@ def verdict(submission_id: str, reader: Reading, deja: bool = False) -> HTMLResp
     return fragment("fragment.html", reader.account, back=exercise_href(exercise), results=results)
 
 
-@dataclass(frozen=True)
-class Waiting:
-    """What the page of a waiting submission is told."""
-
-    status: str
-    text: str
-
-    @property
-    def done(self) -> bool:
-        return self.status == State.done
-
-
 @router.get("/soumissions/{submission_id}/evenements")
 async def events(
     submission_id: str, account: OptionalAccount, store: SubmissionsOf, database: DatabaseOf, hub: EventsOf
 ) -> StreamingResponse:
-    def read() -> Waiting:
-        with database.read() as db:
-            attempt = gradebook.find(db, account, submission_id)
-            if attempt.held:
-                return Waiting(State.done, "")
-            place = store.place(db, attempt.submission)
-            return Waiting(place.state, service.waiting_text(place))
-
-    await run_in_threadpool(read)  # a 404 must come before the stream begins
-    snapshots = hub.follow(key_of(parse_id(submission_id)), read)
+    identity = parse_id(submission_id)
+    watch = Watched(account, store, database, identity)
+    await run_in_threadpool(watch.look)  # a 404 must come before the stream begins
+    snapshots = hub.follow(key_of(identity), watch.look)
     lines: AsyncIterator[str] = as_sse(
         snapshots, lambda snapshot: json.dumps({"status": snapshot.status, "text": snapshot.text})
     )

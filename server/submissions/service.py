@@ -166,11 +166,16 @@ class Submissions:
     def place(self, db: Session, submission: Submission) -> Place:
         if submission.grading_id is not None:
             return Place(State.done)
-        found = self._queue.whereabouts(db, GRADE, key_of(submission.id))
-        if found is not None and found.position == 0:
+        return self.place_of_job(db, submission.id) or Place(State.queued, None, self._unattended())
+
+    def place_of_job(self, db: Session, submission_id: UUID) -> Place | None:
+        """By one question, of a submission that is known not to be graded yet; None where its job is there no more."""
+        found = self._queue.whereabouts(db, GRADE, key_of(submission_id))
+        if found is None:
+            return None
+        if found.position == 0:
             return Place(State.running)
-        position, refused = (None, False) if found is None else (found.position, found.refused)
-        return Place(State.queued, position, self._unattended(), refused)
+        return Place(State.queued, found.position, self._unattended(), found.refused)
 
 
 def _full(error: HeapError, account: Account, most: Most) -> str:

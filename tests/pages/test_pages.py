@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import re
 from typing import Any
-from uuid import uuid4
+from uuid import UUID, uuid4
 
 import pytest
 
 from graders.core.contract.outcomes import Outcome
+from server.base.errors import NotFound
 from server.base.provided import provided_to
 from server.database import Database
 from server.gradebook.schemas import HINT_OPENS_AFTER
+from server.identity.models import Account
+from server.pages.waiting import Watched
 from server.queue.port import Able
+from server.submissions.models import Submission
 from server.submissions.service import GRADE, Submissions
+from tests.support.counting import Counted
+from tests.support.service import new_account
 from tests.support.small_site import CHECK, PAGE, SmallSite, verdict
 
 
@@ -117,6 +123,26 @@ def test_events_end_with_the_verdict(small_site: SmallSite) -> None:
 def test_events_of_nothing_are_a_404_before_any_stream(small_site: SmallSite) -> None:
     assert small_site.client.get(f"/soumissions/{uuid4()}/evenements").status_code == 404
     assert small_site.client.get("/soumissions/rien/evenements").status_code == 404
+
+
+def test_who_waits_asks_for_the_place_alone_until_the_verdict_is_there(small_site: SmallSite) -> None:
+    app: Any = small_site.client.app
+    database = small_site.database
+    small_site.submit("a")
+    identity = UUID(small_site.submit("b").rpartition("/")[2])
+    with database.read() as db:
+        author = db.get_one(Account, db.get_one(Submission, identity).account_id)
+    watch = Watched(author, provided_to(app, Submissions), database, identity)
+    assert watch.look().text == "En attente : 1 envoi passe avant le vôtre."
+    with Counted(database) as counted:
+        assert not watch.look().done
+    assert len(counted.statements) == 1
+    small_site.grade(verdict())
+    small_site.grade(verdict())
+    assert watch.look().done
+    stranger = Watched(new_account(database), watch.store, database, identity)
+    with pytest.raises(NotFound):
+        stranger.look()
 
 
 def test_without_script_a_form_leads_to_the_attempt(small_site: SmallSite) -> None:

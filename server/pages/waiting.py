@@ -1,0 +1,49 @@
+"""What the page of a waiting submission is told, each time that something may have changed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from uuid import UUID
+
+from server.database import Database
+from server.gradebook import service as gradebook
+from server.identity.models import Account
+from server.pages import service
+from server.submissions.models import State
+from server.submissions.service import Submissions
+
+
+@dataclass(frozen=True)
+class Waiting:
+    """What the page of a waiting submission is told."""
+
+    status: str
+    text: str
+
+    @property
+    def done(self) -> bool:
+        return self.status == State.done
+
+
+@dataclass
+class Watched:
+    """A submission, for whoever may see it: once it has been seen to wait, its place alone is asked for until its job
+    is over. Hundreds may look at the same time."""
+
+    account: Account | None
+    store: Submissions
+    database: Database
+    submission: UUID
+    waits: bool = False
+
+    def look(self) -> Waiting:
+        """Raises NotFound."""
+        with self.database.read() as db:
+            place = self.store.place_of_job(db, self.submission) if self.waits else None
+            if place is None:
+                attempt = gradebook.find(db, self.account, self.submission)
+                if attempt.held:
+                    return Waiting(State.done, "")
+                place = self.store.place(db, attempt.submission)
+            self.waits = place.state is not State.done
+            return Waiting(place.state, service.waiting_text(place))
