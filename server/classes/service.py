@@ -262,6 +262,8 @@ class Classes:
             found = None if read is None else repository.by_code(db, read, utc_now())
         if found is None:
             raise NotFound(NO_SUCH_CODE)
+        with self.database.write() as db:  # it was no guess: a thousand pupils join from one address
+            limits.give_back(db, f"join-from:{address}")
         return found
 
     def join(self, code: str, account: Account, *, address: str, named: OwnName | None = None) -> Joined:

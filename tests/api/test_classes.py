@@ -87,6 +87,15 @@ def test_codes_are_not_tried_in_turn(site: Site, martin: Person) -> None:
     call(site, ada, "POST", f"{API}/join", 429, json={"code": made["join_code"]})
 
 
+def test_a_lecture_hall_joins_from_one_address_and_wrong_codes_are_counted(site: Site, martin: Person) -> None:
+    made = create(site, martin)
+    site.tighten(guest_burst=2, guest_refill_seconds=1000.0)
+    for _ in range(4):
+        call(site, person(site), "POST", f"{API}/join", 200, json={"code": made["join_code"]})
+    for status in (404, 404, 429):
+        call(site, person(site), "POST", f"{API}/join", status, json={"code": "BCDFGHJK"})
+
+
 def test_what_is_refused_names_the_missing_right(site: Site, martin: Person) -> None:
     made = create(site, martin)
     ada, helper, stranger = person(site), person(site), person(site, Role.teacher)
