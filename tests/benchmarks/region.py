@@ -29,8 +29,11 @@ HOUR = 3600.0
 CALIBRATION = Path(__file__).with_suffix(".toml")
 #: The stations, as the tables name them.
 WEB, LOGIN, PUT, GRADERS, FIGURES = "pages", "connexions", "mise en file", "correcteurs", "figures"
-NATS = "NATS"
+DATABASE, NATS = "PostgreSQL", "NATS"
 STATIONS = (WEB, LOGIN, PUT, GRADERS, FIGURES)
+
+#: Of a run: what is no request, and what a browser asks for once in its life.
+UNCOUNTED = {"verdict shown", "static file"}
 
 Times = NDArray[np.float64]
 #: Which station, and for how many seconds.
@@ -61,7 +64,7 @@ class Costs:
 def measured(run: Mapping[str, Mapping[str, float]]) -> dict[str, float]:
     """From the figures of a run on PostgreSQL and NATS: normalised seconds of each part, a request or a verdict."""
     kinds = run["milliseconds"]
-    requests = sum(seen[0] for kind, seen in kinds.items() if kind != "verdict shown")  # type: ignore[index]
+    requests = sum(seen[0] for kind, seen in kinds.items() if kind not in UNCOUNTED)  # type: ignore[index]
     verdicts = kinds["verdict told"][0]  # type: ignore[index]
     pictures = kinds["figure"][0]  # type: ignore[index]
     taken = run["normalised_processor_seconds"]
@@ -76,12 +79,12 @@ def measured(run: Mapping[str, Mapping[str, float]]) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Fleet:
-    """How many of each; `price`: euros of a processor for an hour."""
+    """How many of each; `database`: the processors of PostgreSQL's machine."""
 
     web: int
     graders: int
     figures: int
-    price: float = 0.03
+    database: int = 6
 
     @property
     def servers(self) -> dict[str, int]:
@@ -220,14 +223,16 @@ def lived(moment: Moment, costs: Costs, fleet: Fleet, seed: int = 1) -> Found:
         shown = sum(seconds for station, seconds in route if station != FIGURES)
         took[kind].append(shown + sum(wait for station, wait in waits.items() if station != FIGURES))
     verdicts, pages, logins = (np.array(took[kind]) for kind in (GRADERS, WEB, LOGIN))
-    return Found(verdicts, pages, logins, _fullest(when, routes, fleet.servers))
+    return Found(verdicts, pages, logins, _fullest(when, routes, costs, fleet))
 
 
-def _fullest(when: Sequence[float], routes: Sequence[Route], servers: Mapping[str, int]) -> dict[str, float]:
-    minutes = int(when[-1] // 60) + 1
-    asked = {station: np.zeros(minutes) for station in servers}
+def _fullest(when: Sequence[float], routes: Sequence[Route], costs: Costs, fleet: Fleet) -> dict[str, float]:
+    """Besides the stations, what they all lean on: nobody queues for it here, and it is to have room."""
+    servers = {**fleet.servers, DATABASE: fleet.database, NATS: 1}
+    behind = ((DATABASE, costs.database), (NATS, costs.nats))
+    asked = {station: np.zeros(int(when[-1] // 60) + 1) for station in servers}
     for moment, route in zip(when, routes, strict=True):
-        for station, seconds in route:
+        for station, seconds in (*route, *(behind if len(route) > 1 else ())):
             asked[station][int(moment // 60)] += seconds
     return {station: float(sums.max()) / 60.0 / servers[station] for station, sums in asked.items()}
 
@@ -240,7 +245,7 @@ def processor_hours(students: int, costs: Costs) -> dict[str, float]:
         WEB: all_sent * PAGES_A_SUBMISSION * costs.request,
         GRADERS: sent["lesson"] * costs.lesson + sent["deadline"] * costs.deadline,
         FIGURES: all_sent * WRONG * costs.figure,
-        "PostgreSQL": all_sent * costs.database,
+        DATABASE: all_sent * costs.database,
         NATS: all_sent * costs.nats,
     }
     return {part: taken / HOUR for part, taken in seconds.items()}
@@ -249,7 +254,7 @@ def processor_hours(students: int, costs: Costs) -> dict[str, float]:
 def row(name: str, found: Found) -> list[str]:
     shown = [1000.0 * float(one) for one in np.percentile(found.verdicts, [50, 95, 99])]
     first = max(found.fullest, key=lambda station: found.fullest[station])
-    used = [f"{100 * found.fullest[station]:.0f} %" for station in STATIONS]
+    used = [f"{100 * found.fullest[station]:.0f} %" for station in (*STATIONS, DATABASE, NATS)]
     return [name, *map(figure, shown), figure(1000.0 * float(np.percentile(found.pages, 95))), *used, first]
 
 
@@ -266,7 +271,7 @@ def main() -> None:
     asked = parser.parse_args()
     costs = Costs.read(crowd=asked.crowd)
     costs = costs if asked.deadline is None else replace(costs, deadline=asked.deadline)
-    head = ["ms", "p50", "p95", "p99", "page p95", *STATIONS, "cède d’abord"]
+    head = ["ms", "p50", "p95", "p99", "page p95", *STATIONS, DATABASE, NATS, "cède d’abord"]
     for moment in moments(asked.students, asked.share):
         rows = [
             row(f"{graders} correcteurs", lived(moment, costs, Fleet(asked.web, graders, asked.figures)))
