@@ -16,6 +16,7 @@ from tests.support.live import PATIENCE, Live, environment
 
 ENGINES = ("sqlite", "postgresql", "nats")
 READY = "Balise corrige"
+WARM = {"BALISE_WARM_UP": "1", "BALISE_WARM_FIGURES": "1"}  # as it serves; tests start it cold
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ def started(engine: str, web: int, workers: int, folder: Path) -> Iterator[Servi
 @contextmanager
 def _web(folder: Path, settings: Mapping[str, str], workers: int) -> Iterator[Live]:
     folder.mkdir()
-    live = Live(folder / "data", **settings, BALISE_WORKERS=str(workers), BALISE_WARM_FIGURES="1")
+    live = Live(folder / "data", **settings, BALISE_WORKERS=str(workers), **WARM)
     try:
         yield live
     finally:
@@ -72,7 +73,7 @@ def _web(folder: Path, settings: Mapping[str, str], workers: int) -> Iterator[Li
 @contextmanager
 def _worker(folder: Path, settings: Mapping[str, str]) -> Iterator[int]:
     folder.mkdir()
-    values = environment(**settings, BALISE_DATA_DIR=str(folder))
+    values = environment(**settings, **WARM, BALISE_DATA_DIR=str(folder))
     command = [sys.executable, "-m", "server", "worker"]
     with (folder / "errors.log").open("w") as log:
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=log, text=True, env=values)
