@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import pytest
+from _pytest.runner import runtestprotocol
 from hypothesis import HealthCheck, settings
 
 if TYPE_CHECKING:
@@ -62,6 +63,26 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     do.
     """
     items.sort(key=lambda item: (not item.nodeid.startswith(GRADING), item.get_closest_marker("long") is None))
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
+    """A process of xdist tells the other one message a test, not five: how it ended, and what failed around it.
+
+    What is set up and taken down in good order is told when somebody asks how long it takes.
+    """
+    options = item.config.option
+    if (
+        not hasattr(item.config, "workerinput")
+        or options.durations is not None
+        or options.xmlpath
+        or options.verbose > 0
+    ):
+        return None
+    for report in runtestprotocol(item, log=False, nextitem=nextitem):
+        if report.when == "call" or not report.passed:
+            item.ihook.pytest_runtest_logreport(report=report)
+    return True
 
 
 @pytest.fixture(scope="session")

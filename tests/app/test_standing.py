@@ -6,14 +6,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from starlette.testclient import TestClient
-
 from server.base.provided import provide, provided, provided_to
 from server.base.settings import Settings
 from server.cells.supervisor import Cells
 from server.course import Course
 from server.database import Database
 from server.identity.models import Account
+from tests.support.client import TestClient
 from tests.support.quick import migrated, standing_app
 from tests.support.service import new_account
 

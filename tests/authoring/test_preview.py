@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from starlette.testclient import TestClient
 
 from server.app import create_app
 from server.authoring.preview.pages import Previewed, Version, router
@@ -21,6 +20,7 @@ from server.authoring.preview.supervising import Session, Supervisor, _end
 from server.course import Course, Problem
 from server.database import Database
 from server.submissions.models import Submission
+from tests.support.client import TestClient
 from tests.support.quick import migrated
 
 

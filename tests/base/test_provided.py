@@ -6,10 +6,10 @@ from typing import Annotated
 
 import pytest
 from fastapi import Depends, FastAPI
-from starlette.testclient import TestClient
 
 from server.base import provided as room
 from server.base.provided import check_provided, provide, provided, provided_to
+from tests.support.client import TestClient
 
 
 class Bell:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 from fastapi import FastAPI, Request
-from starlette.testclient import TestClient
 
 from server.base.request import client_address, visitor_of
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
 from server.cli.serve import configuration
+from tests.support.client import TestClient
 
 PROXY, VISITOR, FORGED = "10.0.0.1", "203.0.113.7", "198.51.100.99"
 

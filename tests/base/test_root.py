@@ -11,7 +11,6 @@ from typing import Any
 
 import pytest
 from pydantic import ValidationError
-from starlette.testclient import TestClient
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
@@ -28,6 +27,7 @@ from server.grading.task import SentFile
 from server.identity.models import Role
 from tests.rights.test_routes import FORMS, Drawer, Stage, expected
 from tests.support.classes import assign, new_class, person, seat
+from tests.support.client import TestClient
 from tests.support.service import EXERCISE, Site
 
 ROOT = "/balise"

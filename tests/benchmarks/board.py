@@ -19,7 +19,6 @@ from functools import partial
 from pathlib import Path
 
 from measure import figure, median, p95, table
-from starlette.testclient import TestClient
 
 from server.app import create_app
 from server.base.provided import provided_to
@@ -32,6 +31,7 @@ from server.database.migrate import upgrade
 from server.identity.models import Account, BrowserSession, Role
 from server.identity.secrets import digest, new_token
 from tests.support.classes import new_class
+from tests.support.client import TestClient
 from tests.support.crowd import lessons, seated, store
 
 MODULE = "l20"

@@ -10,7 +10,6 @@ from typing import Any
 
 import httpx
 import pytest
-from starlette.testclient import TestClient
 from starlette.types import Message
 
 from server.base.errors import Crowded, Failed
@@ -18,6 +17,7 @@ from server.base.provided import provided, provided_to
 from server.base.request import COOKIE
 from server.base.settings import Settings
 from server.cells.supervisor import Cells
+from tests.support.client import TestClient
 from tests.support.quick import in_a_loop
 from tests.support.service import Site
 

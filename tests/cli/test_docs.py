@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from starlette.testclient import TestClient
 
 from server.base.paths import ROOT
 from server.base.settings import PREFIX, SECRETS_DIR, Settings
@@ -19,6 +18,7 @@ from server.cli.admin import ACTIONS
 from server.health.metrics import COUNTED
 from server.identity.models import Role
 from server.sandbox import WallReport, WallStatus
+from tests.support.client import TestClient
 from tests.support.cluster import Machine, nats_server
 from tests.support.service import Site
 

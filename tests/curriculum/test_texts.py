@@ -10,13 +10,13 @@ from pathlib import Path
 from urllib.parse import urldefrag
 
 import pytest
-from starlette.testclient import TestClient
 
 from server.app import create_app
 from server.base.settings import Settings
 from server.cells.run import run
 from server.course.models import Cell
 from server.sandbox import Sandbox
+from tests.support.client import TestClient
 from tests.support.quick import migrated, the_course
 
 COURSE = the_course()

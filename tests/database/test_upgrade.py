@@ -11,7 +11,6 @@ from uuid import UUID
 
 import pytest
 from sqlalchemy import create_engine, func, make_url, select, text
-from starlette.testclient import TestClient
 
 from graders.core.contract.verdict import Outcome
 from server.base.request import COOKIE
@@ -29,6 +28,7 @@ from server.queue.models import Job
 from server.queue.port import Lease
 from server.submissions.models import Deal, Submission
 from server.submissions.service import GRADE
+from tests.support.client import TestClient
 from tests.support.quick import standing_app
 from tests.support.service import QUIET
 

@@ -15,7 +15,6 @@ from uuid import UUID, uuid4
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from starlette.testclient import TestClient
 
 from server.assignments.counting import Mark
 from server.assignments.models import Assignment, Exemption, Late
@@ -33,6 +32,7 @@ from server.submissions.models import Submission
 from server.web.school_time import field
 from server.web.words import moment_words
 from tests.support.classes import Person, new_class, person, seat
+from tests.support.client import TestClient
 from tests.support.counting import Counted
 from tests.support.service import EXERCISE, Site, worker_of
 

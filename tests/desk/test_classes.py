@@ -7,12 +7,12 @@ from typing import Any
 from uuid import UUID
 
 import pytest
-from starlette.testclient import TestClient
 
 from server.classes.models import Membership, SchoolClass, Seat
 from server.identity.models import Account, Role
 from server.rights.models import Right
 from tests.support.classes import person
+from tests.support.client import TestClient
 from tests.support.counting import Counted
 from tests.support.service import Site
 

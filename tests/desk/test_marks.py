@@ -10,13 +10,13 @@ import zipfile
 from html import unescape
 
 import pytest
-from starlette.testclient import TestClient
 
 from server.audit import service as audit
 from server.audit.models import AuditEvent, What
 from server.marks.models import Override
 from server.rights.models import Right
 from tests.support.classes import person, seat
+from tests.support.client import TestClient
 from tests.support.counting import Counted
 from tests.support.marks import AFTER, DUE, ODOMETRY, POSES, Term
 from tests.support.service import Site

@@ -7,7 +7,6 @@ from html import unescape
 from uuid import UUID, uuid4
 
 import pytest
-from starlette.testclient import TestClient
 
 from server.base.provided import provided_to
 from server.classes import service as classes
@@ -18,6 +17,7 @@ from server.marks.models import Override
 from server.regrades import applying
 from server.regrades.service import Regrades
 from tests.support.classes import Person, person
+from tests.support.client import TestClient
 from tests.support.regrades import Lesson
 from tests.support.service import EXERCISE, Site
 

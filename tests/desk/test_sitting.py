@@ -12,7 +12,6 @@ from typing import Any
 
 import pytest
 from sqlalchemy import select, update
-from starlette.testclient import TestClient
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Diagnosis
@@ -31,6 +30,7 @@ from server.submissions.collecting import Collecting
 from server.submissions.models import Submission
 from server.web import school_time
 from tests.support.classes import Person, assign, new_class, person, seat
+from tests.support.client import TestClient
 from tests.support.service import EXERCISE, Site, fake_verdict
 
 SEND = "/api/v1/submissions"

@@ -8,7 +8,6 @@ from datetime import timedelta
 from uuid import UUID, uuid4
 
 import pytest
-from starlette.testclient import TestClient
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Diagnosis
@@ -21,6 +20,7 @@ from server.identity.models import Role
 from server.submissions.models import Submission
 from server.submissions.service import digest
 from tests.support.classes import Person, new_class, person, seat
+from tests.support.client import TestClient
 from tests.support.counting import Counted
 from tests.support.service import EXERCISE, Site, fake_verdict
 

@@ -15,7 +15,6 @@ from prometheus_client.parser import text_string_to_metric_families
 from sqlalchemy import select, text
 from sqlalchemy.exc import OperationalError
 from sqlalchemy.orm import Session
-from starlette.testclient import TestClient
 
 from server.base import logs
 from server.base.logs import JsonLines
@@ -29,6 +28,7 @@ from server.health.metrics import Metrics
 from server.health.readiness import Readiness
 from server.queue.models import Job
 from server.queue.switchboard import Switchboard
+from tests.support.client import TestClient
 from tests.support.service import EXERCISE, Site
 
 TOKEN = "un secret de Prometheus"

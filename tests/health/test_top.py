@@ -7,7 +7,6 @@ import logging
 from typing import Any
 
 import pytest
-from starlette.testclient import TestClient
 
 from server.base.logs import RECENT
 from server.base.provided import provided_to
@@ -17,6 +16,7 @@ from server.grading.kinds import LANES
 from server.health.metrics import Metrics
 from server.identity.models import Role
 from server.queue.owner import owner_of
+from tests.support.client import TestClient
 from tests.support.service import EXERCISE, QUIET, Site
 
 SECRET = "x = 'le code de Bob'\n"

@@ -8,7 +8,6 @@ from http.cookies import SimpleCookie
 
 import pytest
 from sqlalchemy import select, update
-from starlette.testclient import TestClient
 
 from server.base.errors import NotFound
 from server.database import utc_now
@@ -16,6 +15,7 @@ from server.identity import links, secrets, service
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
 from server.identity.schemas import RefusedForm, new_account
 from server.submissions.models import Submission
+from tests.support.client import TestClient
 from tests.support.quick import in_a_loop
 from tests.support.service import Site
 

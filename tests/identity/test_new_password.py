@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 from sqlalchemy import func, select, update
-from starlette.testclient import TestClient
 
 from server.base.errors import Conflict
 from server.cli import main
@@ -17,6 +16,7 @@ from server.identity import links, service
 from server.identity.models import Account, ApiToken, PasswordLink
 from server.identity.repository import by_id
 from server.submissions.models import Submission
+from tests.support.client import TestClient
 from tests.support.service import Site
 
 FORM = {"name": "Ada L.", "login": "ada", "password": "notes sur la machine"}

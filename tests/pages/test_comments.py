@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from uuid import uuid4
 
 import pytest
-from starlette.testclient import TestClient
 
 from server.classes.models import SchoolClass, Seat
 from server.comments import words
 from server.identity.models import Role
 from tests.support.classes import Person, new_class, person, seat
+from tests.support.client import TestClient
 from tests.support.counting import Counted
 from tests.support.service import EXERCISE, Site
 

@@ -14,7 +14,6 @@ from uuid import UUID
 
 import pytest
 from sqlalchemy import func, select, text, update
-from starlette.testclient import TestClient
 
 from server.app import Services
 from server.audit import service as audit
@@ -42,6 +41,7 @@ from server.queue.models import Job
 from server.submissions.models import Deal, Submission
 from server.submissions.service import Submissions
 from tests.support.classes import new_class, seat
+from tests.support.client import TestClient
 from tests.support.service import EXERCISE, QUIET, Site, new_account, worker_of
 
 FORM = {"name": "Ada L.", "login": "ada", "password": "notes sur la machine"}

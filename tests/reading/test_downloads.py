@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from starlette.testclient import TestClient
 
 from reference.formats.map_server import read_map
 from reference.formats.trajectory_files import read_tum
@@ -19,6 +18,7 @@ from server.base.archive import archive_of
 from server.base.errors import NotFound
 from server.base.settings import Settings
 from server.reading.downloads import Downloads
+from tests.support.client import TestClient
 from tests.support.quick import migrated, standing_app, the_course
 
 

@@ -8,13 +8,13 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from starlette.testclient import TestClient
 
 from server.app import create_app
 from server.base.provided import provided
 from server.base.settings import Settings
 from server.figures.service import Figures
 from server.reading.service import duration, plain
+from tests.support.client import TestClient
 from tests.support.quick import migrated, standing_app, weak_hasher
 from tests.support.small_course import CourseFolder
 from tests.support.small_site import PAGE, SmallSite, verdict

@@ -14,7 +14,6 @@ from urllib.parse import quote
 
 import pytest
 from starlette.requests import Request
-from starlette.testclient import TestClient
 
 from graders.scene.parameters import Values
 from server.app import create_app
@@ -22,6 +21,7 @@ from server.base.errors import Invalid, NotFound, TooMany
 from server.base.settings import Settings
 from server.replays.routes import MOST_WAITING, Desk
 from server.replays.service import Answer, Replays, Script
+from tests.support.client import TestClient
 from tests.support.quick import migrated, the_course
 
 SCRIPT = """

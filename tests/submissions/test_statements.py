@@ -7,11 +7,11 @@ from collections.abc import Callable
 from typing import Any
 
 from sqlalchemy import event
-from starlette.testclient import TestClient
 
 from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
+from tests.support.client import TestClient
 from tests.support.counting import Counted
 from tests.support.quick import standing_app
 from tests.support.service import Site

@@ -7,8 +7,6 @@ from datetime import timedelta
 from typing import Any
 from uuid import UUID
 
-from starlette.testclient import TestClient
-
 from server.assignments.models import AssignedExercise, Assignment
 from server.base.request import COOKIE
 from server.classes import service
@@ -17,6 +15,7 @@ from server.database import Database, utc_now
 from server.identity import tokens
 from server.identity.models import Account, BrowserSession, Role
 from server.identity.secrets import digest, new_token
+from tests.support.client import TestClient
 from tests.support.service import Site, new_account
 
 

@@ -16,7 +16,6 @@ from typing import Any
 import pytest
 from fastapi import FastAPI
 from sqlalchemy import Engine, create_engine, text
-from starlette.testclient import TestClient
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
@@ -36,6 +35,7 @@ from server.queue.service import TableQueue
 from server.queue.worker import Worker
 from server.submissions.service import GRADE, Submissions
 from server.tables import metadata
+from tests.support.client import TestClient
 from tests.support.quick import migrated, standing_app, the_course, weak_hasher
 from tests.support.shared import shared
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from starlette.testclient import TestClient
 
 from graders.core.code.checks import Trial
 from graders.core.code.exercise import CodeDefinition
@@ -15,6 +14,7 @@ from graders.core.contract.program import KitSettings
 from graders.discovery import Discovery
 from server.base.settings import Settings
 from server.course import Course, load
+from tests.support.client import TestClient
 from tests.support.quick import migrated, standing_app, weak_hasher
 from tests.support.small_site import SmallSite
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from starlette.testclient import TestClient
-
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
@@ -20,6 +18,7 @@ from server.queue.port import NoSignals
 from server.queue.service import TableQueue
 from server.queue.worker import Worker
 from server.submissions.service import GRADE
+from tests.support.client import TestClient
 
 PAGE = "/m9/exercices/a"
 CHECK = {

@@ -11,12 +11,12 @@ from types import ModuleType
 
 import pytest
 from starlette.responses import FileResponse, Response
-from starlette.testclient import TestClient
 
 from server.app import create_app
 from server.base.paths import ROOT
 from server.base.settings import Settings
 from server.web import assets
+from tests.support.client import TestClient
 from tests.support.quick import in_a_loop
 from tests.support.small_course import CourseFolder
 
