@@ -131,6 +131,8 @@ def only(which: int, name: str, places: Sequence[int] | None = None) -> Rule:
         beside, its = part(shown.got, 1 - which), part(shown.right, 1 - which)
         if got is None or right is None or beside is None or its is None or not all(agree(beside, its)):
             return None
+        if [one.shape for one in got] != [one.shape for one in right]:
+            return None
         same = agree(got, right)
         return name if not any(same[k] for k in (range(len(same)) if places is None else places)) else None
 
