@@ -29,7 +29,7 @@ def draw_belief(
     centre, shape = (np.asarray(one, dtype=float) for one in belief)
     contour = ellipse(shape)
     if contour is None:
-        axes.plot(*centre, "X", color=colour, ms=9, label=f"{name} (ce n'est pas une covariance)")
+        axes.plot(*centre, "X", color=colour, ms=9, label=f"{name} (pas une covariance)")
         return
     axes.plot(*centre, "o", color=colour, ms=5)
     axes.plot(*(centre + contour).T, style, color=colour, lw=width, label=name)

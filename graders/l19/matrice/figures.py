@@ -48,7 +48,7 @@ def _draw_band(axes: Axes, line: Sequence[float]) -> None:
 
 def _finish(figure: Figure, axes: Axes, title: str) -> None:
     axes.set(xlabel="première composante", ylabel="seconde composante", title=title)
-    figure.legend(loc="outside lower center", ncols=4)
+    figure.legend(loc="outside lower center", ncols=3)
 
 
 FIGURES = {MOVED: draw_move, MEASURED: draw_reading}
