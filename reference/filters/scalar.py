@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import chi2
+from scipy.special import gammaincinv
 
 from reference.errors import InvalidArgumentError
 
@@ -76,11 +76,11 @@ def settled_variance(motion_noise: float, noise: float) -> float:
 def mean_nees_band(runs: int, dimension: int = 1, level: float = 0.95) -> tuple[float, float]:
     """Where the mean NEES of independent runs of a consistent filter lies, with probability `level`.
 
-    runs x mean is a chi-square of runs x dimension degrees of freedom; each side leaves out half of the rest. Source:
-    Bar-Shalom, Li, Kirubarajan (2001), section 5.4.2. Raises InvalidArgumentError.
+    runs x mean is a chi-square of runs x dimension degrees of freedom, twice a gamma of half of them; each side leaves
+    out half of the rest. Source: Bar-Shalom, Li, Kirubarajan (2001), section 5.4.2. Raises InvalidArgumentError.
     """
     if runs < 1 or dimension < 1 or not 0.0 < level < 1.0:
         raise InvalidArgumentError("runs", f"{runs}, dimension {dimension} or level {level} is out of range")
     ends = (1.0 - level) / 2.0, (1.0 + level) / 2.0
-    low, high = (float(chi2.ppf(end, runs * dimension)) / runs for end in ends)
+    low, high = (2.0 * float(gammaincinv(0.5 * runs * dimension, end)) / runs for end in ends)
     return low, high
