@@ -108,9 +108,9 @@ def test_the_first_hour_of_an_author(place: Path, address: str, browser: Any) ->
 def test_axe_finds_nothing_on_what_the_preview_adds(place: Path, address: str, browser: Any) -> None:
     page = browser.new_page(viewport={"width": 390, "height": 800})
     page.set_default_timeout(30_000)
-    lesson = place / "curriculum" / "l19" / "seances" / "premiers-pas.md"
+    lesson = place / "curriculum" / "l21" / "seances" / "premiers-pas.md"
     replace(lesson, "## Une idée", "## Une idée\n\nVoyez [](page:nulle-part).")
-    for path in ("/l19/lire/premiers-pas", "/apercu/l19/gain", "/apercu/l19/quiz"):
+    for path in ("/l21/lire/premiers-pas", "/apercu/l21/gain", "/apercu/l21/quiz"):
         page.goto(f"{address}{path}")
         expect(page.locator("#apercu")).to_contain_text("nulle-part")
         page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
