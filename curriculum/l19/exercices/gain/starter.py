@@ -5,10 +5,10 @@ def gain(v, r):
 
 
 def fusionner(mesures, variances):
-    """La moyenne et la variance de toutes les mesures ensemble."""
+    """Moyenne et variance de toutes les mesures ensemble."""
     return 0.0, 0.0
 
 
 def enchainer(m, v, mesures, variances):
-    """Les croyances successives : une ligne (moyenne, variance) par mesure."""
+    """Une ligne (moyenne, variance) par mesure."""
     return np.zeros((len(mesures), 2))
