@@ -2,6 +2,7 @@
 
     belief               module        prediction                   correction
     Gaussian, linear     kalman        mu <- F mu + B u             gain
+                         scalar        one number, many runs        gain
     Gaussian, nonlinear  extended      Jacobians                    gain, by Jacobians
                          unscented     sigma points                 gain, by sigma points
     histogram            histogram     sum over the cells           product, cell by cell

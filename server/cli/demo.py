@@ -18,7 +18,7 @@ from server.cli.serve import serve
 from server.course import Course
 from server.database import Database
 from server.demo.living import Lesson
-from server.demo.loading import Loaded, load
+from server.demo.loading import Loaded, load, shown
 from server.identity import repository as identity
 from server.submissions.service import Submissions
 
@@ -67,9 +67,10 @@ def _loaded(settings: Settings, course: Course, probing: Probing, seed: int, stu
                     "cette base de données sert déjà : la démonstration ne s’ajoute pas à de vrais comptes."
                 )
         print("Une classe fictive s’écrit (quelques dizaines de secondes)…", file=sys.stderr, flush=True)
-        module = next(iter(course.modules.values()))
         with local_grader(course, probing) as grader:
-            return load(database, course, module, grader.grade, settings, seed=seed, students=students, told=_tell)
+            return load(
+                database, course, shown(course), grader.grade, settings, seed=seed, students=students, told=_tell
+            )
     finally:
         database.close()
 

@@ -51,6 +51,11 @@ class Loaded:
     seeds: Mapping[str, int]
 
 
+def shown(course: Course) -> Module:
+    """The module that a demonstration is of: the one with the most exercises."""
+    return max(course.modules.values(), key=lambda module: len(module.exercises))
+
+
 def load(
     database: Database,
     course: Course,

@@ -12,20 +12,20 @@ from server.course import Course, load
 from tests.support.outside import taken_in
 
 WRITTEN = (
-    ("module", "l19"),
-    ("page", "l19/premiers-pas"),
-    ("page", "l19/fiches/gain"),
-    ("exercise", "l19/gain"),
-    ("choice", "l19/verification"),
-    ("numbers", "l19/calcul"),
-    ("order", "l19/demo"),
-    ("replay", "l19/derive-lente"),
+    ("module", "l21"),
+    ("page", "l21/premiers-pas"),
+    ("page", "l21/fiches/gain"),
+    ("exercise", "l21/gain"),
+    ("choice", "l21/verification"),
+    ("numbers", "l21/calcul"),
+    ("order", "l21/demo"),
+    ("replay", "l21/derive-lente"),
 )
 
 
 @pytest.fixture(scope="session")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("kalman")
+    folder = tmp_path_factory.mktemp("commande")
     for kind, name in WRITTEN:
         assert new.write(kind, name, folder)
     return folder

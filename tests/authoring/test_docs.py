@@ -63,12 +63,12 @@ def test_the_commands_of_the_first_hour_work(tmp_path: Path, monkeypatch: pytest
         else:
             _parser().parse_args(arguments)
     assert {line.split()[1] for line in lines if line.startswith("balise")} >= {"new", "preview", "check", "study"}
-    assert (tmp_path / "kalman" / "graders" / "l19" / "gain" / "solution.py").is_file(), "the paths that are written"
-    rules = tomllib.loads((tmp_path / "kalman" / schema.TAPLO).read_text(encoding="utf-8"))["rule"]
-    assert all((tmp_path / "kalman" / rule["schema"]["path"]).is_file() for rule in rules)
+    assert (tmp_path / "commande" / "graders" / "l21" / "gain" / "solution.py").is_file(), "the paths that are written"
+    rules = tomllib.loads((tmp_path / "commande" / schema.TAPLO).read_text(encoding="utf-8"))["rule"]
+    assert all((tmp_path / "commande" / rule["schema"]["path"]).is_file() for rule in rules)
     for rule in rules:
         for pattern in rule["include"]:
-            found = [*(tmp_path / "kalman").glob(pattern.removeprefix("**/"))]
+            found = [*(tmp_path / "commande").glob(pattern.removeprefix("**/"))]
             assert found or "glossaire" in pattern or "equivalents" in pattern
 
 
@@ -100,7 +100,7 @@ def test_what_is_written_has_these_shapes(course: Course, place: Path) -> None:
 
 
 def test_a_key_that_nothing_reads_is_told_with_its_line(course: Course, place: Path) -> None:
-    path = place / "graders" / "l19" / "gain" / "misconceptions.toml"
+    path = place / "graders" / "l21" / "gain" / "misconceptions.toml"
     good = path.read_text(encoding="utf-8")
     path.write_text(good + 'edit = [["a", "b"]]\n', encoding="utf-8")
     try:

@@ -19,38 +19,38 @@ from tests.support.outside import taken_in
 
 
 def test_names_tell_the_edition() -> None:
-    assert edition_of("l19") == ("l19", 1)
-    assert edition_of("l19e12") == ("l19", 12)
-    assert [following(slug) for slug in ("l19", "l19e2", "l19e9")] == ["l19e2", "l19e3", "l19e10"]
-    assert latest(["l19", "l19e10", "l19e9", "m2"]) == {"l19e10", "m2"}
+    assert edition_of("l21") == ("l21", 1)
+    assert edition_of("l21e12") == ("l21", 12)
+    assert [following(slug) for slug in ("l21", "l21e2", "l21e9")] == ["l21e2", "l21e3", "l21e10"]
+    assert latest(["l21", "l21e10", "l21e9", "m2"]) == {"l21e10", "m2"}
 
 
 def test_a_copied_module_holds_together_and_grades(place: Path, tmp_path: Path) -> None:
     course = tmp_path / "kalman"
     shutil.copytree(place, course, ignore=shutil.ignore_patterns("__pycache__"))
     with taken_in(course):
-        files = editions.write("l19", course)
-        assert all("l19" not in path.parts for path in (one.relative_to(course) for one in files))
-        assert editions.write("l19", course)[0].relative_to(course).parts[1] == "l19e3"
+        files = editions.write("l21", course)
+        assert all("l21" not in path.parts for path in (one.relative_to(course) for one in files))
+        assert editions.write("l21", course)[0].relative_to(course).parts[1] == "l21e3"
         read = load(course / "curriculum", code=course, render=False)
         assert [one.message for one in read.problems if "n’a pas d’exercice" not in one.message] == []
-        assert [module.slug for module in read.latest] == ["l19e3"]
-        assert [one.slug for one in to_move_to(read, "l19e2")] == ["l19e2", "l19e3"]
-        exercise = read.exercises["l19e2/gain"]
+        assert [module.slug for module in read.latest] == ["l21e3"]
+        assert [one.slug for one in to_move_to(read, "l21e2")] == ["l21e2", "l21e3"]
+        exercise = read.exercises["l21e2/gain"]
         judgement = exercise.grader.grade(exercise.grader.solution.encode(), LOCAL, seed=3, version="x")
-        assert (judgement.verdict.exercise, judgement.verdict.score) == ("l19e2/gain", 1.0)
+        assert (judgement.verdict.exercise, judgement.verdict.score) == ("l21e2/gain", 1.0)
     with pytest.raises(Refused):
         editions.write("l18", course)
 
 
 def test_exercises_are_found_by_name_in_another_edition(course: Course) -> None:
-    module = course.modules["l19"]
-    kept = tuple(replace(one, module="l19e2") for one in module.exercises if one.slug != "gain")
-    newer = replace(module, slug="l19e2", exercises=kept)
-    both = Course(MappingProxyType({"l19": module, "l19e2": newer}), ())
-    assert there(both, "l19/calcul", "l19e2") == "l19e2/calcul"
-    assert there(both, "l19/gain", "l19e2") is None
-    assert there(both, "l19/gone", "l19") == "l19/gone"
-    assert both.newer("l19") is newer
-    assert both.newer("l19e2") is None
-    assert newer.label == "L19, 2ᵉ édition"
+    module = course.modules["l21"]
+    kept = tuple(replace(one, module="l21e2") for one in module.exercises if one.slug != "gain")
+    newer = replace(module, slug="l21e2", exercises=kept)
+    both = Course(MappingProxyType({"l21": module, "l21e2": newer}), ())
+    assert there(both, "l21/calcul", "l21e2") == "l21e2/calcul"
+    assert there(both, "l21/gain", "l21e2") is None
+    assert there(both, "l21/gone", "l21") == "l21/gone"
+    assert both.newer("l21") is newer
+    assert both.newer("l21e2") is None
+    assert newer.label == "L21, 2ᵉ édition"

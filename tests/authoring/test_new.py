@@ -25,7 +25,7 @@ def test_there_is_a_skeleton_of_each_kind_that_the_command_line_names() -> None:
 def test_all_that_is_written_holds_together(course: Course) -> None:
     outside = [problem for problem in course.problems if "n’a pas d’exercice" not in problem.message]
     assert outside == []
-    module = course.modules["l19"]
+    module = course.modules["l21"]
     assert [lesson.slug for lesson in module.lessons] == ["gain", "premiers-pas"]
     assert [exercise.slug for exercise in module.exercises] == ["gain", "verification", "calcul", "demo"], "in order"
 
@@ -41,17 +41,17 @@ def test_what_is_known_of_each_exercise_gets_what_it_must(course: Course) -> Non
 
 
 def test_a_wrong_program_has_its_name_and_its_figure(course: Course) -> None:
-    exercise = course.exercises["l19/gain"]
+    exercise = course.exercises["l21/gain"]
     wrong = b"def gain(a, b, t):\n    return b + t * (a - b)\n"
     judgement = exercise.grader.grade(wrong, LOCAL, seed=3, version=exercise.version)
     assert judgement.verdict.diagnosis
     assert judgement.verdict.diagnosis.title == "Le départ et l'arrivée sont échangés"
     (data, *_) = judgement.figures.values()
-    assert b"<svg" in counterexample("l19/gain", data)
+    assert b"<svg" in counterexample("l21/gain", data)
 
 
 def test_a_replay_plays(place: Path, course: Course) -> None:
-    script = load_replay(place / "curriculum" / "l19", "derive-lente")
+    script = load_replay(place / "curriculum" / "l21", "derive-lente")
     assert len(script.run(script.read([("pas", "4")]))["frames"]) == 5
 
 
@@ -70,15 +70,15 @@ def test_a_course_is_a_package_that_names_itself(place: Path) -> None:
         ("module", "l20", "curriculum/l20"),
         ("exercise", "l18/gain", "balise new module l18"),
         ("exercise", "gain", "l19/gain"),
-        ("exercise", "l19/Gain", "minuscules"),
-        ("exercise", "l19/2gains", "lettre"),
-        ("exercise", "l19/a/gain", "l19/gain"),
-        ("exercise", "l19/gain", "exercices/gain"),
-        ("page", "l19/memos/gain", "fiches"),
-        ("page", "l19/cours/gain", "fiches/gain.md"),
-        ("page", "l19/Le-gain", "tirets"),
+        ("exercise", "l21/Gain", "minuscules"),
+        ("exercise", "l21/2gains", "lettre"),
+        ("exercise", "l21/a/gain", "l21/gain"),
+        ("exercise", "l21/gain", "exercices/gain"),
+        ("page", "l21/memos/gain", "fiches"),
+        ("page", "l21/cours/gain", "fiches/gain.md"),
+        ("page", "l21/Le-gain", "tirets"),
         ("exercise", "../gain", "module"),
-        ("page", "l19/../gain", "dossiers"),
+        ("page", "l21/../gain", "dossiers"),
     ],
 )
 def test_a_name_that_does_not_do_is_told_and_nothing_is_written(place: Path, kind: str, name: str, said: str) -> None:

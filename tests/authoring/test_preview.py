@@ -39,7 +39,7 @@ def database(kept: Path) -> Iterator[Database]:
 @pytest.fixture(scope="module")
 def preview(place: Path, course: Course, kept: Path, database: Database) -> Iterator[TestClient]:
     app = create_app(settings_of(kept), course=course)
-    fault = Problem(place / "curriculum" / "l19" / "module.toml", 3, "un <défaut>")
+    fault = Problem(place / "curriculum" / "l21" / "module.toml", 3, "un <défaut>")
     version = app.state.preview = Version(Session(place, kept, 7), (fault,), None)  # type: ignore[arg-type]
     app.include_router(router)
     with TestClient(Previewed(app, version, course), base_url="http://localhost:8010") as client:
@@ -47,53 +47,53 @@ def preview(place: Path, course: Course, kept: Path, database: Database) -> Iter
 
 
 def test_each_page_says_what_is_wrong_and_where_one_tries(preview: TestClient, kept: Path) -> None:
-    page = preview.get("/l19/exercices/gain").text
-    assert "<code>curriculum/l19/module.toml:3</code> <span>un &lt;défaut&gt;</span>" in page
+    page = preview.get("/l21/exercices/gain").text
+    assert "<code>curriculum/l21/module.toml:3</code> <span>un &lt;défaut&gt;</span>" in page
     assert 'data-version="7"' in page
-    assert page.index('href="/apercu/l19/gain"') > page.index('id="apercu"')
+    assert page.index('href="/apercu/l21/gain"') > page.index('id="apercu"')
     assert page.endswith("</body>\n</html>") or page.rstrip().endswith("</html>")
-    assert 'id="apercu"' in preview.get("/l19/exercices/nulle-part").text, "on an error too"
+    assert 'id="apercu"' in preview.get("/l21/exercices/nulle-part").text, "on an error too"
     (kept / "faults-7.json").write_text(json.dumps([]))
-    assert "rien à corriger" in preview.get("/l19").text
+    assert "rien à corriger" in preview.get("/l21").text
     assert preview.get("/static/x/js/preview.js").text.count("EventSource")
 
 
 def test_it_answers_this_machine_alone(preview: TestClient) -> None:
     for host in ("balise.example", "127.0.0.1.balise.example", "localhost.balise.example:8010"):
-        assert preview.get("/l19", headers={"host": host}).status_code == 403
-    assert preview.get("/l19", headers={"host": "127.0.0.1:8010"}).status_code == 200
-    site, asks = {"sec-fetch-site": "cross-site"}, "/apercu/l19/gain"
+        assert preview.get("/l21", headers={"host": host}).status_code == 403
+    assert preview.get("/l21", headers={"host": "127.0.0.1:8010"}).status_code == 200
+    site, asks = {"sec-fetch-site": "cross-site"}, "/apercu/l21/gain"
     for how, status in (("no-cors", 403), ("navigate", 200)):
         dest = "document" if how == "navigate" else "image"
         assert preview.get(asks, headers={**site, "sec-fetch-mode": how, "sec-fetch-dest": dest}).status_code == status
     framed = {**site, "sec-fetch-mode": "navigate", "sec-fetch-dest": "iframe"}
     assert preview.get(asks, headers=framed).status_code == 403
     assert preview.get(asks, headers={"sec-fetch-site": "same-origin", "sec-fetch-mode": "cors"}).status_code == 200
-    forged = preview.post("/apercu/l19/gain/0", headers={"origin": "http://autre.example"}, follow_redirects=False)
+    forged = preview.post("/apercu/l21/gain/0", headers={"origin": "http://autre.example"}, follow_redirects=False)
     assert forged.status_code == 403
 
 
 def test_checks_show_what_they_ask_and_what_is_awaited(preview: TestClient) -> None:
-    page = preview.get("/apercu/l19/gain").text
+    page = preview.get("/apercu/l21/gain").text
     assert "gain(2, 10, 0,25)" in page
     assert re.findall(r"(\d+) appels", page) == ["3", "8"]
-    other = preview.get("/apercu/l19/gain?graine=2").text
+    other = preview.get("/apercu/l21/gain?graine=2").text
     assert re.findall(r"gain\(.*?\)", page)[:3] == re.findall(r"gain\(.*?\)", other)[:3]
     assert re.findall(r"gain\(.*?\)", page)[3:] != re.findall(r"gain\(.*?\)", other)[3:], "the draws"
-    assert preview.get("/apercu/l19/nulle-part").status_code == 404
-    assert preview.get("/apercu/l19/gain/figures/rien.svg").status_code == 404
+    assert preview.get("/apercu/l21/nulle-part").status_code == 404
+    assert preview.get("/apercu/l21/gain/figures/rien.svg").status_code == 404
 
 
 def test_what_is_tried_is_sent_as_a_student_would(preview: TestClient, course: Course, database: Database) -> None:
     for exercise, number in (("gain", 2), ("verification", 0), ("calcul", 0)):
-        answer = preview.post(f"/apercu/l19/{exercise}/{number}", follow_redirects=False)
+        answer = preview.post(f"/apercu/l21/{exercise}/{number}", follow_redirects=False)
         assert answer.status_code == 303
         assert preview.get(answer.headers["location"]).status_code == 200
-    assert preview.post("/apercu/l19/gain/99").status_code == 404
+    assert preview.post("/apercu/l21/gain/99").status_code == 404
     with database.read() as db:
         sent = {row.exercise: row for row in db.query(Submission)}
-    assert b"b + t * (a - b)" in sent["l19/gain"].source
-    for name in ("l19/verification", "l19/calcul"):
+    assert b"b + t * (a - b)" in sent["l21/gain"].source
+    for name in ("l21/verification", "l21/calcul"):
         exercise, row = course.exercises[name], sent[name]
         assert exercise.grader.grade(row.source, None, seed=row.seed, version="").verdict.score == 1, (
             "of one's own deal"

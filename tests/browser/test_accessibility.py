@@ -179,6 +179,15 @@ def test_pages_to_read(visit: NewVisit) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("path", ["/l19", "/l19/lire/kalman", "/l19/lire/formules", "/l19/lire/notations"])
+def test_pages_to_read_of_another_module(visit: NewVisit, path: str) -> None:
+    visitor = visit()
+    visitor.page.goto(visitor.server.address + path)
+    visitor.page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
+    check(visitor, path)
+
+
+@pytest.mark.slow
 def test_pages_of_a_teacher(visit: NewVisit) -> None:
     visitor = visit()
     page = visitor.page

@@ -25,12 +25,12 @@ START_SECONDS = 60
 
 @pytest.fixture
 def place(tmp_path: Path) -> Path:
-    folder = tmp_path / "kalman"
+    folder = tmp_path / "commande"
     for kind, name in (
-        ("module", "l19"),
-        ("page", "l19/premiers-pas"),
-        ("exercise", "l19/gain"),
-        ("choice", "l19/quiz"),
+        ("module", "l21"),
+        ("page", "l21/premiers-pas"),
+        ("exercise", "l21/gain"),
+        ("choice", "l21/quiz"),
     ):
         new.write(kind, name, folder)
     return folder
@@ -60,8 +60,8 @@ def replace(path: Path, old: str, fresh: str) -> None:
 def test_the_first_hour_of_an_author(place: Path, address: str, browser: Any) -> None:
     page = browser.new_page(viewport={"width": 900, "height": 500})
     page.set_default_timeout(30_000)
-    lesson = place / "curriculum" / "l19" / "seances" / "premiers-pas.md"
-    page.goto(f"{address}/l19/lire/premiers-pas")
+    lesson = place / "curriculum" / "l21" / "seances" / "premiers-pas.md"
+    page.goto(f"{address}/l21/lire/premiers-pas")
     foot = page.locator("#apercu")
     expect(foot).to_contain_text("rien à corriger")
 
@@ -73,13 +73,13 @@ def test_the_first_hour_of_an_author(place: Path, address: str, browser: Any) ->
 
     # What is wrong is told in the page, with its file and line.
     replace(lesson, "## Une idée", "## Une idée\n\nVoyez [](page:nulle-part).")
-    expect(foot).to_contain_text("curriculum/l19/seances/premiers-pas.md:")
+    expect(foot).to_contain_text("curriculum/l21/seances/premiers-pas.md:")
     expect(foot).to_contain_text("nulle-part")
     replace(lesson, "Voyez [](page:nulle-part).", "")
     expect(foot).to_contain_text("rien à corriger")
 
     # A known mistake, at a click: what a student would see.
-    page.goto(f"{address}/l19/exercices/gain")
+    page.goto(f"{address}/l21/exercices/gain")
     foot.get_by_role("link", name=re.compile("Essayer")).click()
     expect(page.get_by_text("gain(2, 10, 0,25)")).to_be_visible()
     page.get_by_role("button", name="Essayer : erreur bouts_echanges").click()
@@ -88,18 +88,18 @@ def test_the_first_hour_of_an_author(place: Path, address: str, browser: Any) ->
     attempt = page.url
 
     # The grader's own code is read again, in a fresh interpreter: a mistake of the author's, then another solution.
-    grader = place / "graders" / "l19" / "gain" / "grader.py"
+    grader = place / "graders" / "l21" / "gain" / "grader.py"
     replace(grader, "points=12,", "points=11,")
-    expect(foot).to_contain_text("graders/l19/gain/grader.py")
+    expect(foot).to_contain_text("graders/l21/gain/grader.py")
     expect(foot).to_contain_text("19")
     replace(grader, "points=11,", "points=12,")
     replace(grader, "yield 2.0, 10.0, 0.25", "yield 2.0, 10.0, 0.5")
-    page.goto(f"{address}/apercu/l19/gain")
+    page.goto(f"{address}/apercu/l21/gain")
     expect(page.get_by_text("gain(2, 10, 0,5)")).to_be_visible()
     page.get_by_role("button", name="Essayer : référence").click()
     expect(page.locator(".score")).to_contain_text("20")
     assert page.url != attempt
-    page.goto(f"{address}/apercu/l19/quiz")
+    page.goto(f"{address}/apercu/l21/quiz")
     page.get_by_role("button", name="Essayer : chemin : deux").click()
     expect(page.get_by_role("heading", name="Le point de départ est oublié")).to_be_visible()
     page.close()
@@ -108,9 +108,9 @@ def test_the_first_hour_of_an_author(place: Path, address: str, browser: Any) ->
 def test_axe_finds_nothing_on_what_the_preview_adds(place: Path, address: str, browser: Any) -> None:
     page = browser.new_page(viewport={"width": 390, "height": 800})
     page.set_default_timeout(30_000)
-    lesson = place / "curriculum" / "l19" / "seances" / "premiers-pas.md"
+    lesson = place / "curriculum" / "l21" / "seances" / "premiers-pas.md"
     replace(lesson, "## Une idée", "## Une idée\n\nVoyez [](page:nulle-part).")
-    for path in ("/l19/lire/premiers-pas", "/apercu/l19/gain", "/apercu/l19/quiz"):
+    for path in ("/l21/lire/premiers-pas", "/apercu/l21/gain", "/apercu/l21/quiz"):
         page.goto(f"{address}{path}")
         expect(page.locator("#apercu")).to_contain_text("nulle-part")
         page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
@@ -123,10 +123,10 @@ def test_axe_finds_nothing_on_what_the_preview_adds(place: Path, address: str, b
 def test_what_stops_python_leaves_the_preview_standing(place: Path, address: str, browser: Any) -> None:
     page = browser.new_page()
     page.set_default_timeout(30_000)
-    page.goto(f"{address}/l19")
+    page.goto(f"{address}/l21")
     foot = page.locator("#apercu")
     expect(foot).to_contain_text("rien à corriger")
-    grader = place / "graders" / "l19" / "gain" / "grader.py"
+    grader = place / "graders" / "l21" / "gain" / "grader.py"
     good = grader.read_text(encoding="utf-8")
     for bad, said in (
         ("raise SystemExit('adieu')\n", "SystemExit"),
@@ -159,9 +159,9 @@ def test_a_course_that_was_written_is_checked_and_served(place: Path, tmp_path: 
         try:
             address = _address(process, tmp_path / "serve.txt")
             with httpx.Client(base_url=address, follow_redirects=True, timeout=30) as client:
-                assert "Titre du module L19" in client.get("/").text
+                assert "Titre du module L21" in client.get("/").text
                 wrong = "def gain(a, b, t):\n    return b + t * (a - b)\n"
-                attempt = client.post("/l19/exercices/gain/soumissions", data={"code": wrong})
+                attempt = client.post("/l21/exercices/gain/soumissions", data={"code": wrong})
                 deadline = time.monotonic() + START_SECONDS
                 while "sont échangés" not in attempt.text and time.monotonic() < deadline:
                     time.sleep(0.1)

@@ -10,7 +10,6 @@ from server.replays.service import Replays
 from tests.browser.conftest import NewVisit, Page, Visit, sync_api
 
 expect = sync_api.expect
-NAMES = Replays().names("l20")
 HEAD = '<meta charset="utf-8"><title>Essai</title><meta name="viewport" content="width=device-width">'
 PIXELS = """canvas => {
   const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
@@ -22,30 +21,39 @@ COLOURS = f"canvas => new Set(({PIXELS})(canvas)).size"
 CORNER = f"canvas => ({PIXELS})(canvas)[2]"
 
 
-def reading(visitor: Visit, *names: str) -> Page:
+def reading(visitor: Visit, *names: str, module: str = "l20") -> Page:
     """A page that holds these replays and nothing else."""
     visitor.open("/")
     style = visitor.page.locator("link[href$='css/app.css']").get_attribute("href")
     assert style
     scripts = style.replace("css/app.css", "js/")
     figures = "".join(
-        f'<figure class="replay" id="rejeu-{name}" data-source="/l20/rejeux/{name}">'
+        f'<figure class="replay" id="rejeu-{name}" data-source="/{module}/rejeux/{name}">'
         '<div class="replay-stage"></div><figcaption>Légende.</figcaption></figure>'
         for name in names
     )
-    module = f'import {{ enhance }} from "{scripts}replays/index.js"; enhance(document);'
+    script = f'import {{ enhance }} from "{scripts}replays/index.js"; enhance(document);'
     head = f'{HEAD}<link rel="stylesheet" href="{style}"><script src="{scripts}theme.js"></script>'
-    body = f'<main class="prose">{figures}</main><script type="module">{module}</script>'
+    body = f'<main class="prose">{figures}</main><script type="module">{script}</script>'
     page = f'<!doctype html><html lang="fr"><head>{head}</head><body>{body}</body></html>'
     visitor.page.route("**/essai", lambda route: route.fulfill(body=page, content_type="text/html"))
     visitor.page.goto(visitor.server.address + "/essai")
     return visitor.page
 
 
-@pytest.mark.parametrize("width", [390, pytest.param(1280, marks=pytest.mark.slow)])
-def test_every_replay_draws_plays_and_follows_the_theme(visit: NewVisit, width: int) -> None:
-    page = reading(visit(width=width, color_scheme="light"), *NAMES)
-    for name in NAMES:
+@pytest.mark.parametrize(
+    ("module", "width"),
+    [
+        ("l20", 390),
+        pytest.param("l20", 1280, marks=pytest.mark.slow),
+        pytest.param("l19", 390, marks=pytest.mark.slow),
+        pytest.param("l19", 1280, marks=pytest.mark.slow),
+    ],
+)
+def test_every_replay_draws_plays_and_follows_the_theme(visit: NewVisit, module: str, width: int) -> None:
+    names = Replays().names(module)
+    page = reading(visit(width=width, color_scheme="light"), *names, module=module)
+    for name in names:
         figure = page.locator(f"#rejeu-{name}")
         figure.scroll_into_view_if_needed()
         canvas = figure.locator("canvas.replay-canvas").first

@@ -22,8 +22,8 @@ from server.course.service import load as load_whole
 from tests.support.outside import taken_in
 
 Run = Callable[..., tuple[int, list[str]]]
-GRADERS = "graders/l19/gain"
-EXERCISE = "curriculum/l19/exercices/gain"
+GRADERS = "graders/l21/gain"
+EXERCISE = "curriculum/l21/exercices/gain"
 
 
 class Grader:
@@ -40,8 +40,8 @@ class Grader:
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.delenv("CI", raising=False)
-    folder = tmp_path / "kalman"
-    for kind, name in (("module", "l19"), ("exercise", "l19/gain")):
+    folder = tmp_path / "commande"
+    for kind, name in (("module", "l21"), ("exercise", "l21/gain")):
         new.write(kind, name, folder)
     with taken_in(folder):
         yield folder
@@ -69,33 +69,33 @@ def run(place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixt
 
 
 def tried(lines: list[str]) -> int:
-    return sum(line.startswith(("✓ l19/gain", "✗ l19/gain")) and "inchangé" not in line for line in lines)
+    return sum(line.startswith(("✓ l21/gain", "✗ l21/gain")) and "inchangé" not in line for line in lines)
 
 
 def test_what_is_unchanged_is_not_tried_again(run: Run, place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    code, lines = run("l19/gain")
+    code, lines = run("l21/gain")
     assert (code, tried(lines)) == (0, 4)
-    code, lines = run("l19/gain")
+    code, lines = run("l21/gain")
     assert (code, tried(lines)) == (0, 0)
     assert "inchangé depuis le 20" in lines[0]
-    assert tried(run("l19/gain", fresh=True)[1]) == 4
+    assert tried(run("l21/gain", fresh=True)[1]) == 4
     monkeypatch.setenv("CI", "true")
-    assert tried(run("l19/gain")[1]) == 4, "continuous integration tries everything"
-    assert tried(run("l19/gain", remember=True)[1]) == 0, "unless it is asked not to"
+    assert tried(run("l21/gain")[1]) == 4, "continuous integration tries everything"
+    assert tried(run("l21/gain", remember=True)[1]) == 0, "unless it is asked not to"
     monkeypatch.delenv("CI")
     (default_cache_dir() / remembered.FILE).write_text("{damaged")
-    assert tried(run("l19/gain")[1]) == 4
-    assert tried(run("l19/gain")[1]) == 0
+    assert tried(run("l21/gain")[1]) == 4
+    assert tried(run("l21/gain")[1]) == 0
     (place / GRADERS / "specimens" / "ok" / "faux.py").write_text("def gain(a, b, t):\n    return a\n")
-    code, lines = run("l19/gain")
+    code, lines = run("l21/gain")
     assert (code, tried(lines)) == (1, 5)
-    assert run("l19/gain")[0] == 1, "what is at fault is tried each time"
+    assert run("l21/gain")[0] == 1, "what is at fault is tried each time"
 
 
 def test_any_file_that_it_was_found_from_counts(place: Path) -> None:
     def digest() -> str:
         course = load(place / "curriculum", code=place, render=False)
-        return remembered.of_exercise(course.exercises["l19/gain"], Imports(*HERE.places))
+        return remembered.of_exercise(course.exercises["l21/gain"], Imports(*HERE.places))
 
     before = digest()
     assert digest() == before

@@ -18,13 +18,14 @@ from server.comments.models import Note, Phrase, State
 from server.course import Course
 from server.database import Database, utc_now
 from server.demo.living import Lesson
-from server.demo.loading import load
+from server.demo.loading import load, shown
 from server.demo.people import FAMILY, GIVEN, pupils
 from server.demo.story import LASTING, lesson_starts, programme, story
 from server.gradebook import standings
 from server.marks import book as marks
 from server.submissions.models import Submission
 from server.submissions.service import Submissions
+from tests.support.quick import the_course
 from tests.support.service import fake_verdict
 
 
@@ -35,6 +36,13 @@ def test_nobody_has_the_login_of_another() -> None:
     assert len({one.login for one in everyone}) == 800
     assert all(one.login.replace(".", "").isalpha() and one.login.isascii() for one in everyone)
     assert Counter(one.group for one in everyone) == {"TP1": 400, "TP2": 400}
+
+
+def test_a_demonstration_is_of_the_module_with_the_most_exercises() -> None:
+    course = the_course()
+    assert shown(course).slug == "l20"
+    turned = {slug: course.modules[slug] for slug in reversed(list(course.modules))}
+    assert shown(replace(course, modules=turned)).slug == "l20"
 
 
 def test_the_same_seed_tells_the_same_story(course: Course) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import gzip
 import json
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -17,20 +18,26 @@ REPLAYS = Replays()
 
 
 @cache
-def _computed(name: str, query: tuple[tuple[str, str], ...]) -> str:
-    script = REPLAYS.find("l20", name)
+def _computed(module: str, name: str, query: tuple[tuple[str, str], ...]) -> str:
+    script = REPLAYS.find(module, name)
     return gzip.decompress(REPLAYS.compute(script, script.read(query)).compressed).decode()
 
 
 def scene(name: str, **settings: object) -> dict[str, Any]:
     """The answer of a replay of L20 with these settings, as JSON."""
-    found: dict[str, Any] = json.loads(_computed(name, tuple((key, str(value)) for key, value in settings.items())))
+    return scene_of("l20", name, settings)
+
+
+def scene_of(module: str, name: str, settings: Mapping[str, object]) -> dict[str, Any]:
+    """The answer of a replay with these settings, as JSON."""
+    query = tuple((key, str(value)) for key, value in settings.items())
+    found: dict[str, Any] = json.loads(_computed(module, name, query))
     return found
 
 
-def size(name: str, **settings: object) -> int:
+def size(module: str, name: str, settings: Mapping[str, object]) -> int:
     """The bytes of that answer, not compressed."""
-    return len(_computed(name, tuple((key, str(value)) for key, value in settings.items())).encode())
+    return len(_computed(module, name, tuple((key, str(value)) for key, value in settings.items())).encode())
 
 
 def unpacked(packed: dict[str, Any]) -> NDArray[np.float64]:

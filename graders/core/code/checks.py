@@ -10,7 +10,7 @@ import itertools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -183,7 +183,8 @@ class Cases(Check):
 
     `cases` yields tuples of arguments, simplest first; `expected` computes the right answer from these;
     `shrinkers`, one for each argument, simplify a failing case as long as `valid` holds of it;
-    `figure(args, expected, got)` makes the data of a drawing (`got` is None unless it has the expected shape). With
+    `figure(args, expected, got)` makes the data of a drawing, or None where there is nothing to draw; `got` is None
+    unless it has the expected shape, a tuple of arrays where a tuple of arrays is expected. With
     `rows`, `expected` takes arrays of arguments too, one case a row, and right answers are seen at once where `compare`
     has a method `surely`: what else `_judged` might hold against one is not asked.
     """
@@ -194,7 +195,7 @@ class Cases(Check):
     compare: Comparator
     shrinkers: Sequence[Shrinker] = ()
     valid: Callable[[Arguments], bool] = field(default=lambda args: True)
-    figure: Callable[[Arguments, Value, Floats | None], FigureData] | None = None
+    figure: Callable[[Arguments, Value, Any], FigureData | None] | None = None
     rows: bool = False
 
     @property
@@ -260,13 +261,12 @@ class Cases(Check):
             got=failure.got,
             slip=failure.mismatch.slip,
             cause=failure.mismatch.cause,
-            figure=self._figure(failure),
+            figure=self.drawn(failure.args, failure.expected, failure.got),
         )
 
-    def _figure(self, failure: Failure) -> FigureData | None:
-        if self.figure is None:
-            return None
-        return self.figure(failure.args, failure.expected, drawable(failure.got, np.shape(failure.expected)))
+    def drawn(self, args: Arguments, expected: Value, got: Value) -> FigureData | None:
+        """The data of the figure for one answer; None where there is nothing to draw."""
+        return None if self.figure is None else self.figure(args, expected, _drawable_as(expected, got))
 
 
 def _answer(bench: Bench, function: str, args: Arguments) -> Answer:
@@ -274,6 +274,17 @@ def _answer(bench: Bench, function: str, args: Arguments) -> Answer:
         return Reply(bench.call(function, *args))
     except StudentFault as fault:
         return fault
+
+
+def _drawable_as(expected: Value, got: Value) -> Floats | tuple[Floats, ...] | None:
+    """`drawable` in the shape of what is expected; item by item for a tuple of arrays, of which every one must be."""
+    if not isinstance(expected, tuple) or not any(isinstance(one, np.ndarray) for one in expected):
+        return drawable(got, np.shape(expected))
+    if not isinstance(got, tuple | list) or len(got) != len(expected):
+        return None
+    items = [drawable(value, np.shape(one)) for value, one in zip(got, expected, strict=True)]
+    found = tuple(one for one in items if one is not None)
+    return found if len(found) == len(items) else None
 
 
 def drawable(value: Value, shape: tuple[int, ...]) -> Floats | None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from graders.core.code.checks import Cases, Check, drawable
+from graders.core.code.checks import Cases, Check
 from graders.core.code.grading import CodeGrader
 from graders.core.compare import words
 from graders.core.contract.findings import FigureData
@@ -61,19 +61,13 @@ def asked(grader: CodeGrader, seed: int) -> Iterator[Asked]:
 def figure_of(grader: CodeGrader, check_id: str, seed: int) -> FigureData | None:
     """The data of a check's figure on its first case, the right answer being given; None where it draws nothing."""
     check = next((one for one in grader.checks if one.id == check_id), None)
-    if not isinstance(check, Cases) or check.figure is None:
+    if not isinstance(check, Cases):
         return None
     args = next(iter(check.cases(stream(seed, check.id))))
     expected = check.expected(*args)
-    figure = check.figure(args, expected, drawable(expected, _shape(expected)))
+    figure = check.drawn(args, expected, expected)
     plain: Any = words.tidy(words.whole_jsonable(figure, limit=20_000))
-    return dict(plain)
-
-
-def _shape(value: Value) -> tuple[int, ...]:
-    import numpy as np
-
-    return np.shape(value)
+    return None if figure is None else dict(plain)
 
 
 class _Seeing:

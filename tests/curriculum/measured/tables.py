@@ -81,13 +81,13 @@ def _growth(cells: list[str], values: list[Cell]) -> Iterator[tuple[str, Cell]]:
         yield cell, (value / first) / (text / first_told)
 
 
-def tables() -> list[Table]:
-    """All tables of the lessons, statements and hints."""
-    return [table for path in sorted(FOLDER.glob("**/*.md")) for table in _tables_of(path)]
+def tables(folder: Path = FOLDER) -> list[Table]:
+    """All tables of the lessons, statements and hints of a module."""
+    return [table for path in sorted(folder.glob("**/*.md")) for table in _tables_of(path, folder)]
 
 
-def _tables_of(path: Path) -> Iterator[Table]:
-    page = path.relative_to(FOLDER).with_suffix("").as_posix()
+def _tables_of(path: Path, folder: Path) -> Iterator[Table]:
+    page = path.relative_to(folder).with_suffix("").as_posix()
     block: list[tuple[str, ...]] = []
     for line in [*path.read_text(encoding="utf-8").splitlines(), ""]:
         if line.startswith("|"):

@@ -1,4 +1,4 @@
-"""Every replay of L20: within its bounds at its defaults and at the ends of each setting, and the same each time."""
+"""Every replay: within its bounds at its defaults and at the ends of each setting, and the same each time."""
 
 from __future__ import annotations
 
@@ -10,22 +10,23 @@ import pytest
 
 from graders.scene.layers import Color
 from server.replays.service import Replays
-from tests.replays.reading import REPLAYS, scene, size, unpacked
+from tests.replays.reading import REPLAYS, scene_of, size, unpacked
+from tests.support.quick import the_course
 
-NAMES = REPLAYS.names("l20")
+NAMES = [(module, name) for module in the_course().modules for name in REPLAYS.names(module)]
 COLORS = {*get_args(Color)}
 DEFAULT_BYTES, MOST_BYTES = 1_000_000, 4_000_000
 
 
-def together(name: str) -> list[dict[str, str]]:
+def together(module: str, name: str) -> list[dict[str, str]]:
     """The defaults, every setting at its least, every setting at its most."""
-    ends = {parameter: ends_of(one.describe()) for parameter, one in REPLAYS.find("l20", name).parameters.items()}
+    ends = {parameter: ends_of(one.describe()) for parameter, one in REPLAYS.find(module, name).parameters.items()}
     return [{}, {one: values[0] for one, values in ends.items()}, {one: values[-1] for one, values in ends.items()}]
 
 
-def one_by_one(name: str) -> list[dict[str, str]]:
+def one_by_one(module: str, name: str) -> list[dict[str, str]]:
     """Each setting at each of its ends, the others as they are."""
-    parameters = REPLAYS.find("l20", name).parameters
+    parameters = REPLAYS.find(module, name).parameters
     return [{parameter: end} for parameter, one in parameters.items() for end in ends_of(one.describe())]
 
 
@@ -49,21 +50,21 @@ def ends_of(parameter: dict[str, Any]) -> list[str]:
 
 #: The fast suite computes each replay as it opens, and with all settings at one end; the thorough run each end alone.
 CASES = [
-    *(pytest.param(name, case, id=f"{name}-{case}") for name in NAMES for case in together(name)),
+    *(pytest.param(*one, case, id=f"{'-'.join(one)}-{case}") for one in NAMES for case in together(*one)),
     *(
-        pytest.param(name, case, id=f"{name}-{case}", marks=pytest.mark.slow)
-        for name in NAMES
-        for case in one_by_one(name)
+        pytest.param(*one, case, id=f"{'-'.join(one)}-{case}", marks=pytest.mark.slow)
+        for one in NAMES
+        for case in one_by_one(*one)
     ),
 ]
 
 
-@pytest.mark.parametrize(("name", "settings"), CASES)
-def test_computes_and_holds_together(name: str, settings: dict[str, str]) -> None:
-    body = scene(name, **settings)
+@pytest.mark.parametrize(("module", "name", "settings"), CASES)
+def test_computes_and_holds_together(module: str, name: str, settings: dict[str, str]) -> None:
+    body = scene_of(module, name, settings)
     count = len(body["frames"])
     assert 1 <= count <= 400
-    assert size(name, **settings) <= (MOST_BYTES if settings else DEFAULT_BYTES)
+    assert size(module, name, settings) <= (MOST_BYTES if settings else DEFAULT_BYTES)
     x0, y0, x1, y1 = body["box"]
     margin = 2.0 * max(x1 - x0, y1 - y0)
     for layer in chain(body["layers"], body["over"], *(frame["layers"] for frame in body["frames"])):
@@ -82,17 +83,17 @@ def test_computes_and_holds_together(name: str, settings: dict[str, str]) -> Non
     assert len(body["alt"]) >= 100
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_computes_the_same_twice(name: str) -> None:
+@pytest.mark.parametrize(("module", "name"), NAMES)
+def test_computes_the_same_twice(module: str, name: str) -> None:
     fresh = Replays()
-    script = fresh.find("l20", name)
+    script = fresh.find(module, name)
     values = script.read([])
     assert fresh.compute(script, values) == REPLAYS.compute(script, values)
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_steps_never_go_back(name: str) -> None:
-    body = scene(name)
+@pytest.mark.parametrize(("module", "name"), NAMES)
+def test_steps_never_go_back(module: str, name: str) -> None:
+    body = scene_of(module, name, {})
     steps = [frame.get("step", k) for k, frame in enumerate(body["frames"])]
     assert steps == sorted(steps)
     for one in body["parameters"]:

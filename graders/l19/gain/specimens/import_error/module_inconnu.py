@@ -1,0 +1,1 @@
+from kalman import gain, fusionner, enchainer

@@ -1,0 +1,7 @@
+def predire(m, v, u, q)
+    return m + u, v + q
+
+
+def corriger(m, v, z, r):
+    K = v / (v + r)
+    return m + K * (z - m), (1 - K) * v
