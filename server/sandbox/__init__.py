@@ -7,11 +7,12 @@ from server.sandbox.policy import Policy
 from server.sandbox.pool import Sandbox
 from server.sandbox.probe import WallReport, WallStatus, probe, safe_to_serve
 from server.sandbox.session import Session
-from server.sandbox.values import Calls, Kit, Reply, Shelf, Usage
+from server.sandbox.values import Calls, Followed, Kit, Reply, Shelf, Usage
 
 __all__ = [
     "Calls",
     "FaultKind",
+    "Followed",
     "Frame",
     "Kit",
     "Policy",

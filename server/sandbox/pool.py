@@ -109,6 +109,7 @@ class Sandbox:
         filename: str = "solution.py",
         drawing: bool = False,
         shows_last: bool = False,
+        waits: bool = False,
         ahead: Sequence[Calls] = (),
     ) -> Session:
         """A session in which the file is loaded. Raises ProgramFault if it does not load, SandboxFault if we failed.
@@ -116,16 +117,21 @@ class Sandbox:
         With `drawing`, a source that speaks of matplotlib finds it, and its figures are asked for by `Session.figures`.
         With `shows_last`, the value of an expression that ends the file is printed, as a notebook does. What is asked
         `ahead` goes with the file: `Session.ahead` gives its answers, as `Session.together` would.
+        With `waits`, the file is compiled, and `Session.trace` runs it.
         """
         policy = policy or self.policy
         _check_source(source, policy)
         imports = import_set(b"".join((source, *_imported(source, kit))), drawing=drawing)
+
+        def load(session: Session) -> None:
+            session.load(source, filename, kit, shows_last=shows_last, waits=waits, ahead=ahead)
+
         try:
-            return self._opened(imports, source, filename, kit, policy, shows_last=shows_last, ahead=ahead)
+            return self._opened(imports, policy, load)
         except TemplateFault as first:
             _log.warning("a template failed and is replaced: %s", first)
         try:
-            return self._opened(imports, source, filename, kit, policy, shows_last=shows_last, ahead=ahead)
+            return self._opened(imports, policy, load)
         except TemplateFault as error:
             raise SandboxFault(str(error)) from error
 
@@ -143,21 +149,11 @@ class Sandbox:
         self._spawner.shutdown()
         self._seats.close()
 
-    def _opened(
-        self,
-        imports: str,
-        source: bytes,
-        filename: str,
-        kit: Kit | None,
-        policy: Policy,
-        *,
-        shows_last: bool,
-        ahead: Sequence[Calls],
-    ) -> Session:
+    def _opened(self, imports: str, policy: Policy, load: Callable[[Session], None]) -> Session:
         template, child = self._take(imports, policy)
         session = Session(child, policy)
         try:
-            session.load(source, filename, kit, shows_last=shows_last, ahead=ahead)
+            load(session)
         except TemplateFault as error:
             self._replace(imports, template)
             session.close()

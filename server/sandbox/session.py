@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import marshal
 import re
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
-from functools import lru_cache
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import chain
 from typing import Self
 
@@ -14,26 +12,18 @@ import numpy as np
 
 from server.sandbox import diagnosis, messages
 from server.sandbox.batch import NO_END, Batch, Parcel, batches, parcels, token
-from server.sandbox.child import codec, drawing, frames
+from server.sandbox.child import codec, drawing, frames, tracer
 from server.sandbox.child.codec import Value
 from server.sandbox.conversation import ENDING_SECONDS, Conversation
 from server.sandbox.faults import FaultKind, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.policy import Policy
 from server.sandbox.process import Child
-from server.sandbox.values import Calls, Kit, Reply, Shelf, Usage
+from server.sandbox.values import Calls, Followed, Kit, Reply, Usage, shelved
 
 _ANSWERS, _END = frozenset({frames.VALUE, frames.FAULT}), frozenset({frames.DONE})
-
-
-@lru_cache(maxsize=64)
-def _code(source: bytes) -> bytes:
-    """A file of ours, compiled, without its comments and its texts of documentation."""
-    return marshal.dumps(compile(source, "mes_fonctions.py", "exec", dont_inherit=True, optimize=2))
-
-
-def _shelved(shelf: Shelf) -> Value:
-    file = _code(shelf.source) if shelf.compiled else shelf.source
-    return shelf.label, shelf.functions, np.frombuffer(file, dtype=np.uint8), shelf.compiled
+_STEPS = _ANSWERS | {frames.STEP}
+#: Pieces that a tracer tells: each step may come with a call that it enters, and each reason why something is missing.
+_MOST_TOLD = 2 * tracer.STEPS + len(tracer.REASONS)
 
 
 def _must_be_whole(batch: Batch) -> None:
@@ -69,11 +59,13 @@ class Session(Conversation):
         kit: Kit | None,
         *,
         shows_last: bool = False,
+        waits: bool = False,
         ahead: Sequence[Calls] = (),
     ) -> None:
         """Runs the file's top level; what is asked `ahead` goes with it, and is answered by the iterator of that name.
 
-        Raises TemplateFault when the child was not sound to begin with.
+        With `waits`, the file is compiled, for `trace` to run. Raises TemplateFault when the child was not
+        sound to begin with.
         """
         self._expect(0, frames.READY)
         self._filename, self._lines = filename, re.split("\r\n|\r|\n", source.decode("utf-8-sig", "replace"))
@@ -82,7 +74,7 @@ class Session(Conversation):
         first = next(more, Parcel((), 0))
         self._begin(
             frames.framed(configure, frames.CONFIGURE, _configuration(kit))
-            + frames.framed(load, frames.LOAD, self._file(source, kit, shows_last=shows_last))
+            + frames.framed(load, frames.LOAD, self._file(source, kit, shows_last=shows_last, waits=waits))
             + first.payload(None)
         )
         self._expect(configure, frames.CONFIGURED)
@@ -93,12 +85,13 @@ class Session(Conversation):
         self._sent(first)
         self.ahead = self._together(first, more)
 
-    def _file(self, source: bytes, kit: Kit | None, *, shows_last: bool) -> bytes:
+    def _file(self, source: bytes, kit: Kit | None, *, shows_last: bool, waits: bool) -> bytes:
         question: dict[str, Value] = {
             "source": np.frombuffer(source, dtype=np.uint8),
             "filename": self._filename,
             "shows_last": shows_last,
-            "library": tuple(map(_shelved, kit.library if kit else ())),
+            "waits": waits,
+            "library": tuple(map(shelved, kit.library if kit else ())),
             "wall": self._left,
         }
         return codec.encode(question, frames.QUESTION_LIMITS)
@@ -191,6 +184,30 @@ class Session(Conversation):
         if len(pictures) != len(given) or any(len(picture) > drawing.MAX_BYTES for picture in pictures):
             raise diagnosis.forged()
         return pictures
+
+    def trace(self, function: str | None, *args: Value, named: Mapping[str, Value] | None = None) -> Followed:
+        """Calls a function of the file, or runs the top level of one that waits (None), and follows it line by line.
+
+        What the program does wrong is told beside the steps that lead to it. Raises SandboxFault when we failed.
+        """
+        self._must_be_open()
+        if function is not None and function not in self.functions:
+            return Followed((), fault=self._missing(function))
+        question: dict[str, Value] = {"function": function, "arguments": args, "named": dict(named or {})}
+        called, told = token(), list[Value]()
+        try:
+            self._drop_what_waits()
+            question["wall"] = self._left
+            self._say(frames.framed(called, frames.TRACE, codec.encode(question, frames.QUESTION_LIMITS)))
+            while (came := self._hear(called, _STEPS))[0] == frames.STEP:
+                told.append(self._understood(frames.VALUE, came[1]))
+                if len(told) > _MOST_TOLD:
+                    self._forged()
+            return Followed(tuple(told), self._understood(*came))
+        except ProgramFault as fault:
+            return Followed(tuple(told), fault=fault)
+        except TemplateFault as error:
+            raise SandboxFault(str(error)) from error
 
     def _answers(self, asked: Iterable[Batch], faults: int) -> Iterator[Reply | ProgramFault]:
         try:

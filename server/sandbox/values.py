@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import marshal
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
 
 from server.sandbox.child import library
 from server.sandbox.child.codec import Value
+from server.sandbox.faults import ProgramFault
 
 #: What a file that imports earlier functions speaks of.
 MENTION = library.NAME.encode()
@@ -23,6 +28,18 @@ class Shelf:
     functions: tuple[str, ...]
     source: bytes
     compiled: bool = False
+
+
+@lru_cache(maxsize=64)
+def _code(source: bytes) -> bytes:
+    """A file of ours, compiled, without its comments and its texts of documentation."""
+    return marshal.dumps(compile(source, "mes_fonctions.py", "exec", dont_inherit=True, optimize=2))
+
+
+def shelved(shelf: Shelf) -> Value:
+    """As the question that loads a program tells it."""
+    file = _code(shelf.source) if shelf.compiled else shelf.source
+    return shelf.label, shelf.functions, np.frombuffer(file, dtype=np.uint8), shelf.compiled
 
 
 @dataclass(frozen=True)
@@ -56,6 +73,20 @@ class Reply:
 
     value: Value
     arguments: tuple[Value, ...] | None
+
+
+@dataclass(frozen=True)
+class Followed:
+    """A call that was followed line by line: what was told of its steps as far as it went, then how it ended.
+
+    `value` is what came back as it is described and, in a tuple, itself where it could be sent. It and `steps` are in
+    the form of `child.tracer.Tracer` and `child.shown.Described.value`, or of whatever a hostile program made of it:
+    plain values, to be read with care.
+    """
+
+    steps: tuple[Value, ...]
+    value: Value = None
+    fault: ProgramFault | None = None
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,8 @@ soon as it is known, then DONE with the token of the batch.
 
 TOGETHER is several questions, taken in whole before the first is answered. Once a file has not loaded, the others are
 dropped; so is a batch that calls what the file does not define.
+
+TRACE is a call that is followed line by line: its answer comes after as many STEP as there are, which carry its token.
 """
 
 from __future__ import annotations
@@ -21,13 +23,15 @@ from .plain import Limits
 HEADER = struct.Struct("<IQB")
 
 #: From the trusted side. TOKENS, ARGUMENTS and COLUMNS are parts of a batch of CALLS.
-CONFIGURE, LOAD, CALLS, TOKENS, ARGUMENTS, COLUMNS, TOGETHER = 1, 2, 3, 4, 5, 6, 7
+CONFIGURE, LOAD, CALLS, TOKENS, ARGUMENTS, COLUMNS, TOGETHER, TRACE = 1, 2, 3, 4, 5, 6, 7, 8
 #: From the child. READY, CONFIGURED and ANOMALY come before any line of the student runs, and are refused afterwards.
-READY, CONFIGURED, ANOMALY, VALUE, FAULT, DONE = 16, 17, 18, 19, 20, 21
+READY, CONFIGURED, ANOMALY, VALUE, FAULT, DONE, STEP = 16, 17, 18, 19, 20, 21, 22
 
 #: Questions are ours: these bounds are for our own mistakes.
 QUESTION_LIMITS = Limits(size=1 << 28, depth=64, items=10_000_000)
 FAULT_LIMITS = Limits(size=1 << 16, depth=8, items=1000)
+#: Of one step: all the variables of a call, each within the bounds of `shown`, which count a tuple for nothing.
+STEP_LIMITS = Limits(size=1 << 20, depth=24, items=150_000)
 
 
 def framed(token: int, kind: int, payload: bytes) -> bytes:

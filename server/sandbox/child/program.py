@@ -17,6 +17,7 @@ import numpy as np
 from . import drawing, last, library, report
 from .codec import Limits, TooBig, Unsendable, Value, encode
 from .kits import Kit, show
+from .tracer import Tracer
 
 MODULE = "solution"
 #: Among the names that a kit gives, its drivers: how a call of some names of the file is made, by these names.
@@ -47,13 +48,20 @@ class Program:
         self._drivers: Mapping[str, Callable[..., Any]] = {}
         self._globals: dict[str, Any] = {}
         self._functions: frozenset[str] = frozenset()
+        self._waiting: list[CodeType] = []
 
     def load(
-        self, source: bytes, filename: str, *, shows_last: bool = False, shelved: Sequence[library.Shelf] = ()
+        self,
+        source: bytes,
+        filename: str,
+        *,
+        shows_last: bool = False,
+        waits: bool = False,
+        shelved: Sequence[library.Shelf] = (),
     ) -> bytes:
         """Runs the file's top level; returns the names of the callables that it defines, encoded.
 
-        With `shows_last`, the value of a last expression is printed.
+        With `shows_last`, the value of a last expression is printed. With `waits`, `trace` alone runs it.
         """
         codes = self._compile(source, filename, last.parts if shows_last else _whole)
         if shows_last:
@@ -63,8 +71,9 @@ class Program:
         sys.modules[MODULE] = module
         library.install(shelved, self._injected)
         self._globals = module.__dict__
-        for code in codes:
-            self._guarded(partial(exec, code, self._globals))
+        self._waiting = codes
+        if not waits:
+            self._guarded(self._run)
         if drawing.offered():
             self._globals[drawing.FIGURES] = drawing.figures
         names = self._defined()
@@ -75,14 +84,40 @@ class Program:
         """Whether this is among the names that `load` has returned."""
         return function in self._functions
 
+    def _run(self) -> None:
+        """What waits of the file's top level."""
+        codes, self._waiting = self._waiting, []
+        for code in codes:
+            exec(code, self._globals)
+
+    def trace(
+        self,
+        function: str | None,
+        arguments: tuple[Value, ...],
+        named: Mapping[str, Value],
+        tell: Callable[[Value], None],
+    ) -> bytes:
+        """Calls a name of the file, or runs the top level that waits, line by line (see `Tracer`).
+
+        Returns what came back, encoded: as `Described.value` tells it, and itself where it can be sent, in a tuple.
+        """
+        tracer = Tracer(self._filename, self._globals, tell)
+        action = self._run if function is None else partial(self._called, function, arguments, **named)
+        value = self._guarded(lambda: tracer.run(action))
+        described = tracer.described(value)
+        try:
+            return encode((described, (value,)), self._limits)
+        except BaseException:  # it cannot be sent, or the student's own code in it has failed
+            return encode((described, ()), self._limits)
+
     def call(self, function: str, arguments: tuple[Value, ...], *, return_arguments: bool) -> bytes:
         """Calls a name of the file; returns (value, arguments after the call or null), encoded."""
         value = self._guarded(lambda: self._called(function, arguments))
         return self._encoded((value, arguments if return_arguments else None), function)
 
-    def _called(self, function: str, arguments: tuple[Value, ...]) -> Any:
+    def _called(self, function: str, arguments: tuple[Value, ...], **named: Value) -> Any:
         asked, driver = self._globals[function], self._drivers.get(function)
-        return asked(*arguments) if driver is None else driver(asked, *arguments)
+        return asked(*arguments, **named) if driver is None else driver(asked, *arguments, **named)
 
     def forget(self) -> None:
         """Lets go of the file: its names, which hold each other, its module and its lines."""

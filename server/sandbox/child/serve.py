@@ -19,7 +19,7 @@ import numpy as np
 
 from . import codec, drawing, frames, inner, library
 from .codec import Value
-from .frames import FAULT_LIMITS, QUESTION_LIMITS
+from .frames import FAULT_LIMITS, QUESTION_LIMITS, STEP_LIMITS
 from .frames import framed as _framed
 from .kits import Kit
 from .program import Failure, Fault, Program, print_to
@@ -70,7 +70,7 @@ class Child:
     def __init__(self, program: Program, cpu_seconds: float) -> None:
         self._program, self._cpu_seconds = program, cpu_seconds
         self._token = 0
-        self._busy = False
+        self._busy, self._writes = False, False
         self._wall = 0.0
         self._exhausted = codec.encode(_fault("memory_limit"), FAULT_LIMITS)
         signal.signal(signal.SIGALRM, self._late)
@@ -90,6 +90,8 @@ class Child:
         """Answers a question; False when those that came together with it are to be dropped."""
         if kind == frames.CALLS:
             self._calls(payload)
+        elif kind == frames.TRACE:
+            self._trace(codec.decode(payload, QUESTION_LIMITS))
         elif kind == frames.LOAD:
             return self._load(codec.decode(payload, QUESTION_LIMITS))
         else:
@@ -112,11 +114,26 @@ class Child:
                 question["source"].tobytes(),
                 question["filename"],
                 shows_last=question["shows_last"],
+                waits=question["waits"],
                 shelved=library.shelves(question["library"]),
             ),
         )
         self.send(self._token, outcome, names)
         return outcome == frames.VALUE
+
+    def _trace(self, question: Any) -> None:
+        """Answers a call, each of its steps on its way before the line that it tells of begins."""
+        told = (question["function"], question["arguments"], question["named"], self._step)
+        outcome, answer, self._wall = self._timed(question["wall"], lambda: self._program.trace(*told))
+        self.send(self._token, outcome, answer)
+
+    def _step(self, told: Value) -> None:
+        payload = codec.encode(told, STEP_LIMITS)
+        self._writes = True
+        try:
+            self.send(self._token, frames.STEP, payload)
+        finally:
+            self._writes = False
 
     def _calls(self, batch: bytes) -> None:
         """Answers the calls of a batch in order, each answer on its way before the next call begins."""
@@ -167,7 +184,9 @@ class Child:
             return self._exhausted
 
     def _late(self, number: int, frame: FrameType | None) -> None:
-        if self._busy:
+        if self._writes:  # a step is half on its way
+            signal.setitimer(signal.ITIMER_PROF if number == signal.SIGPROF else signal.ITIMER_REAL, _AGAIN)
+        elif self._busy:
             self._busy = False
             fault = self._program.interrupted(frame)
             fault["detail"] = "cpu" if number == signal.SIGPROF else "wall"

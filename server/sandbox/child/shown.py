@@ -1,0 +1,232 @@
+"""What a tracer tells of a value: tagged tuples of base types, made by exact types alone.
+
+Nothing of the student's runs here: no `repr`, no method and no attribute of an object of theirs, no comparison with
+one, not even the hash of a type, which a metaclass may define; nor what they may have put among the builtins.
+"""
+
+from __future__ import annotations
+
+import builtins
+from collections import deque
+from itertools import islice
+from types import BuiltinFunctionType, FunctionType, MethodType, ModuleType
+from typing import Any
+from zlib import crc32
+
+import numpy as np
+
+from .plain import Value
+
+globals()["__builtins__"] = dict(vars(builtins))
+
+#: Of one value: items and numbers in all, levels, characters of a text and of a name; numbers of an array.
+NODES, LEVELS, TEXT, NAME, NUMBERS = 250, 5, 200, 80, 400
+#: An integer of more bits is told by its size.
+BITS = 1000
+#: Bytes of an array that are looked at to see whether it has changed; of a larger one, items spread over it.
+COMPARED = 1 << 22
+SAMPLED = 1 << 12
+
+_TYPE_NAME = type.__dict__["__name__"].__get__
+_MRO = type.__dict__["__mro__"].__get__
+_ARGS = vars(BaseException)["args"].__get__
+_NAN, _COMPLEX_NAN = float("nan"), complex("nan")
+_ARRAY, _DICT, _TYPE, _MODULE, _METHOD = map(id, (np.ndarray, dict, type, ModuleType, MethodType))
+_SCALARS = frozenset(map(id, (type(None), bool, int, float, complex, str)))
+_NUMPY = frozenset(
+    id(kind)
+    for kind in (
+        *(np.bool_, np.int8, np.int16, np.int32, np.int64, np.uint8, np.uint16, np.uint32, np.uint64),
+        *(np.longlong, np.ulonglong, np.float16, np.float32, np.float64, np.complex64, np.complex128),
+    )
+)
+_SEQUENCES = {id(kind): kind.__name__ for kind in (list, tuple, set, frozenset, deque, range)}
+#: Those that never change are nobody's to share.
+_MUTABLE = frozenset(map(id, (list, set, deque)))
+_NAMED = frozenset(map(id, (FunctionType, BuiltinFunctionType)))
+
+
+class Described:
+    """Describes values. The same object has the same number (`alias`) each time, as long as it lives."""
+
+    def __init__(self) -> None:
+        self._numbers: dict[int, int] = {}
+        self.nodes = 0  # of the last value
+
+    def value(self, value: object) -> Value:
+        """One of ("none",), ("bool", b), ("int", n), ("big", bits), ("float", x), ("complex", z), ("numpy", dtype,
+        number), ("text", beginning, length), ("sequence", type, alias, length, items), ("mapping", alias, length,
+        pairs), ("array", dtype, alias, shape, numbers), ("other", type, name)."""
+        room = [NODES]
+        described = self._of(value, 1, room)
+        self.nodes = NODES - room[0]
+        return described
+
+    def _of(self, value: Any, level: int, room: list[int]) -> Value:
+        room[0] -= 1
+        kind = id(type(value))
+        if kind in _SCALARS:
+            return _scalar(value)
+        if kind in _NUMPY:
+            return "numpy", value.dtype.str, _number(value.item())
+        if kind == _ARRAY:
+            return self._array(value, room)
+        if kind in _SEQUENCES:
+            return self._sequence(value, kind, level, room)
+        if kind == _DICT:
+            return self._mapping(value, level, room)
+        return "other", type_name(type(value)), _own_name(value, kind)
+
+    def _sequence(self, value: Any, kind: int, level: int, room: list[int]) -> Value:
+        items = [self._of(one, level + 1, room) for one in _first(value, level, room) if room[0] > 0]
+        alias = self.alias(value) if kind in _MUTABLE else None
+        return "sequence", _SEQUENCES[kind], alias, _length(value), tuple(items)
+
+    def _mapping(self, value: dict[Any, Any], level: int, room: list[int]) -> Value:
+        pairs = [
+            (self._of(key, level + 1, room), self._of(one, level + 1, room))
+            for key, one in _first(value.items(), level, room)
+            if room[0] > 0
+        ]
+        return "mapping", self.alias(value), len(value), tuple(pairs)
+
+    def _array(self, array: Any, room: list[int]) -> Value:
+        most = NUMBERS if room[0] == NODES - 1 else max(0, min(NUMBERS, room[0]))
+        numbers = _numbers(array, most)
+        room[0] -= len(numbers)
+        return "array", array.dtype.str, self.alias(array), array.shape, tuple(numbers)
+
+    def alias(self, value: object) -> int:
+        return self._numbers.setdefault(id(value), len(self._numbers))
+
+
+def _first(items: Any, level: int, room: list[int]) -> list[Any]:
+    """As many as there is room for. They are taken out first: describing them may let a collection of garbage run
+    what the student wrote for the end of an object."""
+    return list(islice(items, max(0, room[0]))) if level <= LEVELS else []
+
+
+def _length(value: Any) -> int:
+    try:
+        return len(value)
+    except OverflowError:  # a range
+        return 2**62
+
+
+def _scalar(value: Any) -> Value:
+    if value is None:
+        return ("none",)
+    if type(value) is int:
+        bits = value.bit_length()
+        return ("big", bits) if bits > BITS else ("int", value)
+    if type(value) is str:
+        return "text", value[:TEXT], len(value)
+    return type(value).__name__, _number(value)
+
+
+def _number(value: Any) -> Any:
+    """The number itself; one nan for all of them, which are then the same."""
+    if value == value:  # noqa: PLR0124
+        return value
+    return _COMPLEX_NAN if type(value) is complex else _NAN
+
+
+def _numbers(array: Any, most: int) -> list[Any]:
+    """The first items of an array, row by row: numbers, or texts where they are none."""
+    kind = array.dtype.kind
+    if kind not in "biufcUO":
+        return []
+    items = array.flat[:most]
+    if kind in "fc" and array.dtype.itemsize > (8 if kind == "f" else 16):
+        return [_number((float if kind == "f" else complex)(one)) for one in items]
+    if kind in "fc":
+        return [_number(one) for one in items.tolist()]
+    return [_item(one) for one in items.tolist()] if kind in "UO" else list(items.tolist())
+
+
+def _item(value: Any) -> Any:
+    """An item of an array of objects or of texts."""
+    if id(type(value)) not in _SCALARS:
+        return type_name(type(value))
+    if type(value) is str:
+        return value[:NAME]
+    if type(value) is int and value.bit_length() > BITS:
+        return "int"
+    return "None" if value is None else _number(value)
+
+
+def type_name(kind: type) -> str:
+    """The name of a type, as the interpreter keeps it."""
+    name = _TYPE_NAME(kind)
+    return name[:NAME] if type(name) is str else ""
+
+
+def _own_name(value: Any, kind: int) -> str:
+    if kind == _METHOD:
+        value, kind = value.__func__, id(type(value.__func__))
+    if kind in _NAMED:
+        name = value.__name__
+    elif kind == _MODULE:
+        name = next((one for key, one in list(vars(value).items()) if type(key) is str and key == "__name__"), "")
+    elif kind == _TYPE:
+        name = _TYPE_NAME(value)
+    else:
+        return ""
+    return name[:NAME] if type(name) is str else ""
+
+
+def telling(kind: type, value: Any) -> tuple[str, str]:
+    """The name of an exception and what it says, where that is a text or a number that it was made with."""
+    said = value
+    if any(base is BaseException for base in _MRO(type(value))):
+        arguments = _ARGS(value)
+        said = arguments[0] if type(arguments) is tuple and arguments else None
+    if type(said) is str:
+        return type_name(kind), said[:TEXT]
+    plain = type(said) is float or (type(said) is int and said.bit_length() <= BITS)
+    return type_name(kind), str(said) if plain else ""
+
+
+def fingerprint(value: Any, described: Described) -> Any:
+    """What tells whether a variable has another value than before, for `same`; it is ours, or cannot change."""
+    kind = id(type(value))
+    if kind in _SCALARS or kind in _NUMPY:
+        return value
+    if kind == _ARRAY:
+        return Print(id(value), (array_print(value), value.shape, value.dtype.str))
+    if kind in _SEQUENCES or kind == _DICT:
+        return Print(id(value), described.value(value))
+    return Print(id(value), type_name(type(value)))
+
+
+class Print:
+    """The fingerprint of what may change."""
+
+    __slots__ = ("content", "number")
+
+    def __init__(self, number: int, content: Any) -> None:
+        self.number, self.content = number, content
+
+
+def same(before: Any, now: Any) -> bool:
+    if type(before) is not type(now):
+        return False
+    if type(now) is Print:
+        return before.number == now.number and _alike(before.content, now.content)
+    return before is now or bool(before == now) or bool(before != before and now != now)  # noqa: PLR0124
+
+
+def _alike(one: Any, other: Any) -> bool:
+    """Equal, and of the same types all the way: 1 is not 1.0."""
+    if type(one) is not type(other):
+        return False
+    if type(one) is tuple:
+        return len(one) == len(other) and all(map(_alike, one, other))
+    return one is other or bool(one == other)
+
+
+def array_print(array: Any) -> int:
+    """The same number as long as an array keeps its content; of a very large one, what is looked at of it."""
+    if array.nbytes <= COMPARED:
+        return crc32(array.tobytes())
+    return crc32(array.flat[:: array.size // SAMPLED].tobytes())
