@@ -1,0 +1,106 @@
+"""Whether a part of a program reads as a part of the model: its names apart, the terms of a sum in any order."""
+
+from __future__ import annotations
+
+import ast
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TypeAlias
+
+#: What libraries are called; terms of a sum that are tried in every order.
+MODULES = frozenset({"np", "numpy", "math"})
+TERMS = 4
+#: Names of the model, and what stands for them in the program.
+Names: TypeAlias = Mapping[str, ast.expr]
+#: A term of a sum, and whether it is added.
+Term: TypeAlias = tuple[bool, ast.expr]
+
+
+def alike(pattern: ast.AST, node: ast.AST, names: Names, known: frozenset[str]) -> Iterator[Names]:
+    """The ways in which a part of the program reads as a part of the model, its names apart."""
+    if isinstance(pattern, ast.Name) and isinstance(node, ast.expr) and pattern.id not in MODULES | known:
+        before = names.get(pattern.id)
+        if before is None:
+            yield {**names, pattern.id: node}
+        elif _written(before) == _written(node):
+            yield names
+        return
+    if isinstance(pattern, ast.expr) and isinstance(node, ast.expr):
+        mine, theirs = terms(pattern), terms(node)
+        if len(mine) > 1 and len(mine) == len(theirs) <= TERMS:
+            for order in itertools.permutations(theirs):
+                yield from all_alike(mine, order, names, known)
+            return
+        if _is_product(pattern) and _is_product(node):
+            assert isinstance(pattern, ast.BinOp)
+            assert isinstance(node, ast.BinOp)
+            for left, other in ((node.left, node.right), (node.right, node.left)):
+                for found in alike(pattern.left, left, names, known):
+                    yield from alike(pattern.right, other, found, known)
+            return
+    if _function(pattern) and _function(pattern) == _function(node):
+        yield names
+    elif type(pattern) is type(node):
+        yield from _same_fields(pattern, node, names, known)
+
+
+def _same_fields(pattern: ast.AST, node: ast.AST, names: Names, known: frozenset[str]) -> Iterator[Names]:
+    pairs: list[tuple[ast.AST, ast.AST]] = []
+    for (field, one), (_, other) in zip(ast.iter_fields(pattern), ast.iter_fields(node), strict=True):
+        if field in ("ctx", "type_comment", "kind"):
+            continue
+        ones, others = (value if isinstance(value, list) else [value] for value in (one, other))
+        if len(ones) != len(others):
+            return
+        for a, b in zip(ones, others, strict=True):
+            if isinstance(a, ast.AST) and isinstance(b, ast.AST):
+                pairs.append((a, b))
+            elif a != b:
+                return
+    yield from _each_alike(pairs, names, known)
+
+
+def _each_alike(pairs: Sequence[tuple[ast.AST, ast.AST]], names: Names, known: frozenset[str]) -> Iterator[Names]:
+    if not pairs:
+        yield names
+        return
+    (pattern, node), *others = pairs
+    for found in alike(pattern, node, names, known):
+        yield from _each_alike(others, found, known)
+
+
+def all_alike(mine: Sequence[Term], theirs: Sequence[Term], names: Names, known: frozenset[str]) -> Iterator[Names]:
+    """Of signed terms, in this order."""
+    if all(one[0] == other[0] for one, other in zip(mine, theirs, strict=True)):
+        pairs = [(one[1], other[1]) for one, other in zip(mine, theirs, strict=True)]
+        yield from _each_alike(pairs, names, known)
+
+
+def terms(node: ast.expr, *, plus: bool = True) -> list[Term]:
+    """A sum as its signed terms."""
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add | ast.Sub):
+        turned = plus == isinstance(node.op, ast.Add)
+        return [*terms(node.left, plus=plus), *terms(node.right, plus=turned)]
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+        return terms(node.operand, plus=not plus)
+    return [(plus, node)]
+
+
+def sum_of(terms: Sequence[Term]) -> ast.expr:
+    written = "".join(f"{'+' if plus else '-'}({ast.unparse(term)})" for plus, term in terms)
+    return ast.parse(written, mode="eval").body
+
+
+def _is_product(node: ast.AST) -> bool:
+    return isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult)
+
+
+def _function(node: ast.AST) -> str:
+    """The name of a library's function: np.cos, math.cos, and cos are one."""
+    if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in MODULES:
+        return node.attr
+    return ""
+
+
+def _written(node: ast.expr) -> str:
+    return ast.unparse(node)
