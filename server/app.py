@@ -81,6 +81,8 @@ from server.regrades.service import Regrades
 from server.replays.routes import Desk
 from server.replays.routes import router as replays_router
 from server.replays.service import Replays
+from server.steps.routes import router as steps_router
+from server.steps.service import Steps
 from server.submissions.collecting import Collecting
 from server.submissions.events import Events
 from server.submissions.service import GRADE, Submissions
@@ -123,6 +125,7 @@ ROUTERS = (
     own_router,
     offline_router,
     cells_router,
+    steps_router,
     replays_router,
 )
 
@@ -180,6 +183,10 @@ class Services:
     @cached_property
     def cells(self) -> Cells:
         return Cells(self.settings, self.course.kits, walls=self.walls)
+
+    @cached_property
+    def steps(self) -> Steps:
+        return Steps(self.course, self.database, self.settings, self.cells.ask)
 
     @cached_property
     def boards(self) -> Boards:
@@ -309,7 +316,7 @@ def _share(app: FastAPI, services: Services) -> None:
     course = services.course
     school_time.use(services.settings.time_zone)
     root.use(services.settings.root_path)
-    provide(app, services.settings, course, services.database, services.events, services.cells)
+    provide(app, services.settings, course, services.database, services.events, services.cells, services.steps)
     provide(app, Accounts(services.database, services.settings, adopt=adopt))
     provide(app, services.personal, Classes(services.database, services.settings), Presence(services.database))
     provide(app, Regrades(course, services.queue))

@@ -130,6 +130,8 @@ class Settings(BaseSettings):
     save_refill_seconds: Seconds = Field(default=1.0, ge=0, description="then one more after so long")
     cell_burst: Count = Field(default=30, description="runs of a page's cells by an account at once")
     cell_refill_seconds: Seconds = Field(default=2.0, ge=0, description="then one more after so long")
+    step_burst: Count = Field(default=20, description="programs that an account has followed line by line at once")
+    step_refill_seconds: Seconds = Field(default=3.0, ge=0, description="then one more after so long")
     cells_at_once: int = Field(default=2, ge=1, le=64, description="cells that run at the same time")
     cells_waiting: int = Field(default=100, ge=0, le=1024, description="cells that wait; more are refused")
     warm_up: bool = Field(
@@ -292,6 +294,10 @@ class Settings(BaseSettings):
     @property
     def cell_bucket(self) -> Bucket:
         return Bucket(self.cell_burst, self.cell_refill_seconds)
+
+    @property
+    def step_bucket(self) -> Bucket:
+        return Bucket(self.step_burst, self.step_refill_seconds)
 
 
 def _pieces(text: str) -> list[str]:

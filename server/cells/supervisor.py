@@ -50,7 +50,11 @@ class Cells:
         self._running: set[asyncio.Task[bytes]] = set()
 
     async def run(self, module: str, code: str, *, reader: str, address: str) -> bytes:
-        """What the page gets, as JSON text. Raises Crowded or Failed.
+        """What the page gets, as JSON text. Raises Crowded or Failed."""
+        return await self.ask(json.dumps({"module": module, "code": code}).encode(), reader=reader, address=address)
+
+    async def ask(self, question: bytes, *, reader: str, address: str) -> bytes:
+        """The answer to a cell, or to what is to be followed line by line (`server.steps`). Raises Crowded or Failed.
 
         Anybody may become as many guests as they like: it is between addresses that the queue is fair (`Turns`).
         A reader who stops waiting leaves the queue; a cell that already runs keeps its place until it ends.
@@ -66,7 +70,7 @@ class Cells:
         except BaseException:
             self._less(reader)
             raise
-        asked = asyncio.create_task(self._ask({"module": module, "code": code}))
+        asked = asyncio.create_task(self._ask(question))
         self._running.add(asked)
         asked.add_done_callback(partial(self._over, reader))
         return await asyncio.shield(asked)
@@ -83,10 +87,10 @@ class Cells:
         if not asked.cancelled():
             asked.exception()  # of a run that nobody waits for any more, too
 
-    async def _ask(self, question: dict[str, str]) -> bytes:
+    async def _ask(self, question: bytes) -> bytes:
         try:
             await self._walls.passed()
-            return await self.helper.ask(json.dumps(question).encode())
+            return await self.helper.ask(question)
         except (UnansweredError, ShutError) as error:
             raise Failed(FAILED) from error
 

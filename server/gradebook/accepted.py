@@ -19,10 +19,20 @@ from server.submissions.models import Submission
 
 def used_by(db: Session, course: Course, submission: Submission) -> Own:
     """The files that an attempt may import from, as they stood when it was sent; none where it does not ask."""
-    reused = [one.id for one in course.reused(submission.exercise)]
-    if not reused or MENTION not in submission.source:
+    sent = submission
+    return _used(db, course, sent.account_id, sent.exercise, sent.source, sent.created_at)
+
+
+def used_now(db: Session, course: Course, account_id: UUID, exercise: str, source: bytes) -> Own:
+    """The same of a file that is not sent."""
+    return _used(db, course, account_id, exercise, source, utc_now())
+
+
+def _used(db: Session, course: Course, account_id: UUID, exercise: str, source: bytes, when: datetime) -> Own:
+    reused = [one.id for one in course.reused(exercise)]
+    if not reused or MENTION not in source:
         return NOTHING_OWN
-    last = _last(db, submission.account_id, reused, submission.created_at)
+    last = _last(db, account_id, reused, when)
     rows = db.execute(select(Submission.exercise, Submission.source).where(Submission.id.in_(last)))
     return {row.exercise: row.source for row in rows}
 

@@ -60,6 +60,7 @@ JSON: dict[str, Any] = {
     "POST /api/v1/classes/{class_id}/assignments": {"title": "DM", "exercises": [{"exercise": EXERCISE}]},
     "PATCH /api/v1/classes/{class_id}/assignments/{aid}": {"title": "DM 1"},
     "POST /api/v1/classes/{class_id}/assignments/{aid}/exceptions": {"student": "{student}", "excused": True},
+    "POST /soumissions/{submission_id}/pas": {"check": "b"},
     "POST /{module}/previsions": {"question": "rejeux/icp", "answer": "ailleurs"},
 }
 FORMS: dict[str, dict[str, str]] = {

@@ -34,6 +34,7 @@ class Rejection(Exception):
     """A check's finding against the submission, with what was given, expected and obtained.
 
     `message` is French. `inputs` maps argument names to values; `expected` and `got` may be values or French text.
+    `call`, where it is known, is the one call that shows it: a function and its arguments.
     """
 
     def __init__(
@@ -46,6 +47,7 @@ class Rejection(Exception):
         slip: str | None = None,
         cause: Outcome = Outcome.WRONG_ANSWER,
         figure: FigureData | None = None,
+        call: tuple[str, Arguments] | None = None,
     ) -> None:
         super().__init__(message)
         self.message = message
@@ -55,6 +57,7 @@ class Rejection(Exception):
         self.slip = slip
         self.cause = cause
         self.figure = figure
+        self.call = call
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,6 +71,8 @@ class Check(ABC):
     hint: str
     needs_another: ClassVar[bool] = False
     """True when its points are earned only beside another check on the same functions: doing nothing earns nothing."""
+    tells_call: ClassVar[bool] = False
+    """True when what it rejects is told with the call that shows it (`Rejection.call`)."""
 
     def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
         """What it will ask of the main program whatever is answered: drawn, before it runs, by the same bench."""
@@ -189,6 +194,8 @@ class Cases(Check):
     has a method `surely`: what else `_judged` might hold against one is not asked.
     """
 
+    tells_call: ClassVar[bool] = True
+
     names: tuple[str, ...]
     cases: Callable[[np.random.Generator], Iterable[Arguments]]
     expected: Callable[..., Value]
@@ -248,8 +255,9 @@ class Cases(Check):
 
     def _rejection(self, failure: Failure) -> Rejection:
         inputs = dict(zip(self.names, failure.args, strict=True))
+        call = (self.function, failure.args)
         if failure.fault:
-            return fault_rejection(failure.fault, inputs=inputs, expected=failure.expected)
+            return fault_rejection(failure.fault, inputs=inputs, expected=failure.expected, call=call)
         assert failure.mismatch is not None
         given = " ; ".join(f"{name} = {render.text(value)}" for name, value in inputs.items())
         wanted, got = render.text(failure.expected), render.text(failure.got)
@@ -262,6 +270,7 @@ class Cases(Check):
             slip=failure.mismatch.slip,
             cause=failure.mismatch.cause,
             figure=self.drawn(failure.args, failure.expected, failure.got),
+            call=call,
         )
 
     def drawn(self, args: Arguments, expected: Value, got: Value) -> FigureData | None:
@@ -296,11 +305,17 @@ def drawable(value: Value, shape: tuple[int, ...]) -> Floats | None:
     return array if array.shape == shape and bool(np.all(np.abs(array) < 1e9)) else None
 
 
-def fault_rejection(fault: StudentFault, *, inputs: dict[str, Value] | None, expected: Value = None) -> Rejection:
+def fault_rejection(
+    fault: StudentFault,
+    *,
+    inputs: dict[str, Value] | None,
+    expected: Value = None,
+    call: tuple[str, Arguments] | None = None,
+) -> Rejection:
     """A fault of the student's program, told as the finding of a check."""
     where = "".join(f"\n  {frame}" for frame in fault.frames)
     got = f"aucune valeur ({fault.exception})" if fault.exception else "aucune valeur"
-    return Rejection(fault.message + where, inputs=inputs, expected=expected, got=got, cause=fault.outcome)
+    return Rejection(fault.message + where, inputs=inputs, expected=expected, got=got, cause=fault.outcome, call=call)
 
 
 class Told(Protocol):

@@ -97,6 +97,8 @@ def by_cells(belief: Floats) -> dict[str, float]:
 class OnGrid(Check):
     """The cases of one function on the module's map or, with `draw`, on one drawn afresh, where the file is run."""
 
+    tells_call: ClassVar[bool] = True
+
     cases: Callable[[np.random.Generator, GridWorld], Iterator[Arguments]]
     draw: Callable[[np.random.Generator], GridWorld] | None = None
     judge: type[SameBelief] = SameBelief

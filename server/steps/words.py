@@ -1,0 +1,51 @@
+"""What is said in French of a trace: what is not in it, and how it ended."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from server.sandbox.child import tracer
+
+THIN = "\u202f"
+
+
+def _count(number: int) -> str:
+    return f"{number:,}".replace(",", THIN)
+
+
+_LEFT_OUT = {
+    tracer.STEPS_OVER: f"Seuls les {_count(tracer.STEPS)} premiers pas sont montrés : la suite n’a pas été suivie.",
+    tracer.DEPTH_OVER: f"Les appels imbriqués sur plus de {tracer.DEPTH} niveaux n’ont pas été suivis.",
+    tracer.NODES_OVER: "Les variables ont trop de valeurs pour être toutes montrées : la suite n’a pas été suivie.",
+    tracer.TIME_OVER: "Regarder les variables à chaque ligne prenait trop de temps : la suite n’a pas été suivie.",
+    tracer.VARIABLES_OVER: f"Seules {tracer.VARIABLES} variables d’une même fonction sont montrées.",
+    tracer.NOT_OURS: "Les fonctions de mes_fonctions se sont exécutées sans être suivies.",
+    tracer.LOST: "Votre programme a lui-même changé ce qui permet de le suivre : la suite manque.",
+}  # fmt: skip
+#: After these, the program runs on and its end alone is known.
+_GIVEN_UP = frozenset({tracer.STEPS_OVER, tracer.NODES_OVER, tracer.TIME_OVER, tracer.LOST})
+PRINTED_TOO_MUCH = "Ce qui est affiché est trop long : la fin manque."
+CUT = "Suivi interrompu"
+NOT_ENDED = "Votre programme n’avait pas fini quand le temps du suivi a été écoulé : le reste n’est pas connu."
+NOT_FOUND = "Cas introuvable"
+NOT_THE_SAME = (
+    "Ce cas n’a pas pu être retrouvé à l’identique : l’exercice a changé depuis, ou votre programme ne répond pas deux "
+    "fois la même chose."
+)
+
+FORGED = (
+    "Votre programme a lui-même écrit sur le canal par lequel il est suivi : on ne peut pas montrer ce qu’il a fait."
+)
+ANSWERED_OTHERWISE = (
+    "Appelée seule, la fonction n’a pas renvoyé la même chose que pendant la correction : elle se souvient d’appels "
+    "précédents, ou tire au hasard."
+)
+
+
+def left_out(reasons: Sequence[str], *, truncated: bool) -> list[str]:
+    return [*(_LEFT_OUT[reason] for reason in reasons), *([PRINTED_TOO_MUCH] if truncated else [])]
+
+
+def given_up(reasons: Sequence[str]) -> bool:
+    """Whether what follows the last step was not looked at."""
+    return not _GIVEN_UP.isdisjoint(reasons)

@@ -1,0 +1,183 @@
+"""The addresses of what is followed: who may, of what, how often, and what is asked of the process that does it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import pytest
+
+from graders.core.contract.findings import Judgement
+from graders.core.contract.local import LOCAL
+from graders.core.contract.verdict import Verdict
+from server.assignments.models import Mode
+from server.base.errors import Crowded, Failed
+from server.base.provided import provide, provided_to
+from server.course import Course
+from server.database import utc_now
+from server.gradebook import service as gradebook
+from server.gradebook.schemas import Graded
+from server.identity.models import Role
+from server.steps.questions import AskedCall, AskedCell, AskedReplay, Question
+from server.steps.service import Steps
+from server.submissions.models import Submission
+from tests.support.classes import Person, assign, new_class, person, seat
+from tests.support.service import Site
+
+POSES = "l20/poses"
+JSON = {"Accept": "application/json"}
+CODE = "def composer(a, b):\n    return a[0] + b[0]\n"
+
+
+@dataclass
+class Process:
+    """Follows nothing, and keeps what it was asked."""
+
+    raises: Exception | None = None
+    asked: list[Any] = field(default_factory=list)
+
+    async def __call__(self, question: bytes, *, reader: str, address: str) -> bytes:
+        self.asked.append(Question.model_validate_json(question).steps)
+        if self.raises:
+            raise self.raises
+        return b'{"steps": []}'
+
+
+def follow(site: Site, process: Process, **limits: float) -> Process:
+    steps = provided_to(site.app, Steps)
+    settings = steps.settings.model_copy(update=limits)
+    provide(site.app, replace(steps, follow=process, settings=settings))
+    return process
+
+
+@pytest.fixture
+def process(site: Site) -> Process:
+    return follow(site, Process())
+
+
+@pytest.fixture(scope="module")
+def failed(course: Course) -> tuple[bytes, Verdict]:
+    """A program that makes a mistake, and its verdict."""
+    exercise = course.exercises[POSES]
+    source = exercise.solution.replace("ramener(ta + tb)", "ta + tb").encode()
+    return source, exercise.grader.grade(source, LOCAL, seed=5, version=exercise.version).verdict
+
+
+def sent(site: Site, who: Person, failed: tuple[bytes, Verdict]) -> str:
+    """The name of an attempt of theirs, graded."""
+    source, verdict = failed
+    with site.database.write() as db:
+        row = Submission(account_id=who.id, exercise=POSES, source=source, digest="d", seed=verdict.seed)
+        db.add(row)
+        db.flush()
+        gradebook.record(db, row.id, Graded(Judgement(verdict), utc_now()))
+        return str(row.id)
+
+
+def test_a_visitor_has_a_cell_followed(site: Site, process: Process) -> None:
+    answer = site.client.post("/l20/cellules/pas", json={"code": "x = 1\r\n"})
+    assert (answer.status_code, answer.json()) == (200, {"steps": []})
+    assert answer.headers["cache-control"] == "no-store"
+    assert process.asked == [AskedCell(module="l20", code="x = 1\n")]
+    assert site.client.post("/l99/cellules/pas", json={"code": ""}).status_code == 404
+    long = "#" * (site.settings.code_bytes + 1)
+    assert site.client.post("/l20/cellules/pas", json={"code": long}).status_code == 413
+
+
+def test_ones_own_call_goes_with_what_the_program_may_import(site: Site, process: Process, course: Course) -> None:
+    exercise = next(one for one in course.exercises.values() if POSES.split("/")[1] in one.reuses)
+    address = f"/{exercise.id.replace('/', '/exercices/')}/pas"
+    answer = site.client.post(address, json={"code": "from mes_fonctions import composer\n", "call": "f(1, (2, pi))"})
+    assert answer.status_code == 200, answer.text
+    (asked,) = process.asked
+    assert isinstance(asked, AskedCall)
+    assert (asked.exercise, asked.call) == (exercise.id, "f(1, (2, pi))")
+    assert {one.label: one.compiled for one in asked.library}["poses"] is True
+
+
+@pytest.mark.parametrize(
+    ("slug", "call", "status"),
+    [
+        ("poses", "composer(x)", 422),
+        ("poses", "f" * 5000, 422),
+        ("nulle_part", "f()", 404),
+        ("verification", "f()", 404),
+    ],
+)
+def test_a_call_that_cannot_be_made_costs_nothing(
+    site: Site, process: Process, slug: str, call: str, status: int
+) -> None:
+    follow(site, process, step_burst=1, step_refill_seconds=1000)
+    for _ in range(3):
+        answer = site.client.post(f"/l20/exercices/{slug}/pas", json={"code": CODE, "call": call}, headers=JSON)
+        assert answer.status_code == status
+    assert process.asked == []
+
+
+def test_the_case_of_a_failed_check_is_asked_as_the_verdict_shows_it(
+    site: Site, process: Process, failed: tuple[bytes, Verdict]
+) -> None:
+    ada = person(site)
+    name = sent(site, ada, failed)
+    check = next(one for one in failed[1].checks if one.id == "composer_tours")
+    answer = ada.browser(site).post(f"/soumissions/{name}/pas", json={"check": check.id})
+    assert answer.status_code == 200, answer.text
+    (asked,) = process.asked
+    assert isinstance(asked, AskedReplay)
+    assert check.counterexample is not None
+    assert (asked.source, asked.inputs, asked.seed) == (failed[0], check.counterexample.inputs, 5)
+    assert asked.mistakes == ("angle_jamais_ramene",)
+    assert asked.policy == provided_to(site.app, Course).exercises[POSES].policy
+
+
+def test_whoever_may_read_an_attempt_may_follow_it_and_nobody_else(
+    site: Site, process: Process, failed: tuple[bytes, Verdict]
+) -> None:
+    ada, teacher, stranger = person(site), person(site, Role.teacher), person(site)
+    made = new_class(site.database, teacher.account)
+    seat(site.database, made, ada.account)
+    address = f"/soumissions/{sent(site, ada, failed)}/pas"
+    body = {"check": "composer_tours"}
+    assert teacher.browser(site).post(address, json=body).status_code == 200
+    assert stranger.browser(site).post(address, json=body, headers=JSON).status_code == 404
+    assert site.client.post(address, json=body, headers=JSON).status_code == 404
+    assert len(process.asked) == 1
+
+
+@pytest.mark.parametrize("check", ["identites", "composer_exemples", "rien", ""])
+def test_a_check_that_shows_no_call_is_refused(
+    site: Site, process: Process, failed: tuple[bytes, Verdict], check: str
+) -> None:
+    """Of several functions, passed, unknown."""
+    ada = person(site)
+    answer = ada.browser(site).post(f"/soumissions/{sent(site, ada, failed)}/pas", json={"check": check}, headers=JSON)
+    assert (answer.status_code, process.asked) == (422, [])
+
+
+def test_a_test_holds_back_its_exercise_but_for_who_teaches(
+    site: Site, process: Process, failed: tuple[bytes, Verdict]
+) -> None:
+    ada, teacher = person(site), person(site, Role.teacher)
+    made = new_class(site.database, teacher.account)
+    seat(site.database, made, ada.account)
+    assign(site.database, made, POSES, mode=Mode.test)
+    name = sent(site, ada, failed)
+    browser, body = ada.browser(site), {"code": CODE, "call": "composer((1,), (2,))"}
+    refused = browser.post("/l20/exercices/poses/pas", json=body, headers=JSON)
+    assert (refused.status_code, "Interro" in refused.json()["detail"]) == (409, True)
+    held = browser.post(f"/soumissions/{name}/pas", json={"check": "composer_tours"}, headers=JSON)
+    assert (held.status_code, process.asked) == (422, [])
+    assert browser.post("/l20/exercices/odometrie/pas", json=body).status_code == 200
+    assert teacher.browser(site).post(f"/soumissions/{name}/pas", json={"check": "composer_tours"}).status_code == 200
+
+
+@pytest.mark.parametrize(("raises", "status"), [(Crowded("Attendez.", retry_after=2), 503), (Failed("Incident."), 500)])
+def test_what_was_not_followed_costs_nothing(site: Site, raises: Exception, status: int) -> None:
+    process = follow(site, Process(raises), step_burst=1, step_refill_seconds=1000)
+    ada = person(site).browser(site)
+    for _ in range(2):
+        answer = ada.post("/l20/cellules/pas", json={"code": "1"}, headers=JSON)
+        assert answer.status_code == status, answer.text
+    process.raises = None
+    assert ada.post("/l20/cellules/pas", json={"code": "1"}).status_code == 200
+    assert ada.post("/l20/cellules/pas", json={"code": "1"}, headers=JSON).status_code == 429
