@@ -1,0 +1,4 @@
+def suivre():
+    x = 0
+    while True:
+        x += 1

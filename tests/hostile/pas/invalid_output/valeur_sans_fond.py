@@ -1,0 +1,13 @@
+import sys
+def traceur():
+    cadre = sys._getframe()
+    while type(cadre.f_locals.get("self")).__name__ != "Tracer":
+        cadre = cadre.f_back
+    return cadre.f_locals["self"]
+def suivre():
+    dit = traceur()._tell
+    v = ("none",)
+    for _ in range(7):
+        v = ("sequence", "list", None, 1, (v,))
+    dit(("step", "line", 0, 1, (("a", v),), (), (), ("", "")))
+    return "rien"

@@ -1,0 +1,4 @@
+def suivre():
+    tout = []
+    while True:
+        tout.append(bytearray(1 << 24))

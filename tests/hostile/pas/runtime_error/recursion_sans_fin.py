@@ -1,0 +1,3 @@
+# left: depth
+def suivre(n=0):
+    return suivre(n + 1)

@@ -1,0 +1,2 @@
+def suivre():
+    return sum(range(10**14))
