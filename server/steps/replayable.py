@@ -30,14 +30,18 @@ def can_replay(exercise: Exercise, check: CheckResult) -> bool:
         return False
     names = set(shown.inputs)
     parameters = [_parameters(exercise, function) for function in found.functions]
-    return any((names & known) if found.tells_call else names and names <= known for known in parameters)
+    if found.tells_call:
+        return any(names & known for known, _ in parameters)
+    return any(names and required <= names <= known for known, required in parameters)
 
 
-def _parameters(exercise: Exercise, function: str) -> set[str]:
-    """The names of the arguments of a function that is asked for."""
+def _parameters(exercise: Exercise, function: str) -> tuple[set[str], set[str]]:
+    """The names of the arguments of a function that is asked for, and of those that must be given."""
     signature = next((one.signature for one in exercise.functions if one.name == function), "")
     inside = _PARAMETERS.search(signature)
-    return {part.split("=")[0].split(":")[0].strip(" *") for part in inside[1].split(",")} if inside else set()
+    parts = inside[1].split(",") if inside else []
+    names = {part.split("=")[0].split(":")[0].strip(" *"): "=" not in part for part in parts}
+    return set(names), {name for name, required in names.items() if required}
 
 
 def _is_whole(inputs: dict[str, object]) -> bool:
