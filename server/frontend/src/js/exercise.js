@@ -1,5 +1,6 @@
 // The exercise page: draft, editor, submission without leaving the page, columns that can be resized.
 
+import { setUpOwnCall } from "./calls.js";
 import { inherited } from "./drafts.js";
 import { followToVerdict, showWaiting } from "./follow.js";
 import { reconciled, savesOf } from "./saves.js";
@@ -132,4 +133,5 @@ for (const link of document.querySelectorAll(".skip[href='#code']")) {
 }
 for (const label of area.labels) label.addEventListener("click", () => editor.focus());
 setUpEditor();
+setUpOwnCall(() => editor.get());
 setUpSplitter(document.getElementById("cloison"));
