@@ -63,7 +63,7 @@ export class Trace {
     const { event, line } = this.steps[step];
     if (event === "return" || event === "exception") return line;
     const before = this.beside(step, -1);
-    return before === null || this.steps[before].event !== "line" ? null : this.steps[before].line;
+    return before === null || this.steps[before].event === "call" ? null : this.steps[before].line;
   }
 
   /** What the line of a step changes, as its call's next step tells: names, and those deleted. */
