@@ -98,6 +98,8 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
         code=taken if taken is not None else written,
         taken=taken is not None,
         limits=policy_lines(exercise),
+        replay=f"{exercise_href(exercise)}/pas" if any(not one.is_class for one in exercise.functions) else "",
+        examples=tuple((function.name, function.example) for function in exercise.functions if function.example),
         kit_href=f"/{exercise.module}/kit/{kit}",
         kit_name=kit,
     )

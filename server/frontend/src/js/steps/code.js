@@ -13,6 +13,7 @@ export class Code {
     const { lines, mark, end } = trace.data;
     this.rows = lines.map((text, index) => this.#row(text, index + 1, trace.passages.get(index + 1)?.length ?? 0, goTo));
     this.element = make("ol", { class: "steps-lines code", tabindex: "0", "aria-label": "Le code, ligne à ligne" }, ...this.rows);
+    this.element.addEventListener("keydown", (event) => this.#walk(event));
     if (mark) this.#note(mark.line, "steps-mistake", "Erreur reconnue", mark.words);
     if (end.kind === "fault" && end.line) this.row(end.line)?.classList.add("steps-fault");
     this.#colour(lines);
@@ -45,6 +46,17 @@ export class Code {
       const parts = pieces.map(([piece, look]) => (look ? make("span", { class: look }, piece) : piece));
       this.rows[index].querySelector("code").replaceChildren(...parts);
     });
+  }
+
+  /** The arrows go from one line's number to another's: Enter then leads to its next passage. */
+  #walk(event) {
+    const by = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+    if (!by) return;
+    const numbers = [...this.element.querySelectorAll("button.steps-number")];
+    const now = numbers.indexOf(document.activeElement);
+    const current = numbers.findIndex((one) => this.#marked.includes(one.parentElement));
+    numbers[Math.min(Math.max(now < 0 ? current : now + by, 0), numbers.length - 1)]?.focus();
+    event.preventDefault();
   }
 
   /** `next`: the line to be executed, `done`: the one that has just been; null for none. */

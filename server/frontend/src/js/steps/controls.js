@@ -107,6 +107,7 @@ const KEYS = [
   ["O", "en sortir"],
   ["T", "tour suivant de la boucle"],
   ["X", "valeurs exactes, ou arrondies"],
+  ["↑ ↓", "dans le code, choisir une ligne ; Entrée va à son passage suivant"],
   ["Échap", "fermer"],
 ];
 

@@ -4,6 +4,7 @@ import { button, make } from "../replays/dom.js";
 import { Player } from "./player.js";
 
 const FAILED = "Le serveur ne répond pas. Réessayez dans un instant.";
+const LONGEST_CALL = 4000; // characters, of one that may be typed
 let styled = null;
 
 /** {trace} or {refusal: a sentence}. */
@@ -38,7 +39,9 @@ export async function replay(asking) {
   const check = asking.closest(".check-body");
   const place = asking.parentElement.querySelector(".problem") ?? asking.parentElement.appendChild(refused());
   const trace = await asked(asking, place, asking.dataset.steps, { check: asking.dataset.check });
-  if (trace) show(trace, [...check.querySelectorAll(".counterexample > .expected")]);
+  if (!trace) return;
+  if (trace.call.length <= LONGEST_CALL && !/…|\[tableau/.test(trace.call)) document.dispatchEvent(new CustomEvent("balise:replayed", { detail: trace.call }));
+  show(trace, [...check.querySelectorAll(".counterexample > .expected")]);
 }
 
 /** Where a refusal is said. */

@@ -3,6 +3,7 @@
 const MINUS = "−";
 const RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 const DIGITS = 6;
+const NUMERIC = /^(u?int|float|complex|c?longdouble)/;
 const MOST_DIGITS = 15; // of an integer that is written whole
 const BEYOND = { nan: "nan", inf: "∞", "-inf": `${MINUS}∞` };
 
@@ -11,16 +12,26 @@ export function french(text, digits = DIGITS) {
   if (text in BEYOND) return BEYOND[text];
   if (/^-?\d+$/.test(text)) return integer(text, digits);
   const value = Number(text);
-  if (Number.isNaN(value)) return exact(text); // a complex number
+  if (Number.isNaN(value)) return exact(text); // a complex number, or one of which but the size is told
   return partOfPi(value) ?? (value === 0 ? "0" : rounded(value, digits));
 }
 
 /** All its digits, with a decimal comma. */
 export function exact(text) {
-  return BEYOND[text] ?? text.replaceAll("-", MINUS).replaceAll(".", ",");
+  return BEYOND[text] ?? text.replace(/10\^(\d+)/, (_, power) => `10${raised(power)}`).replaceAll("-", MINUS).replaceAll(".", ",");
 }
 
-/** `french`, in an array whose greatest number is `greatest`: what is but the dust of rounding beside it says so. */
+/** An item of an array, which is not always a number. */
+export function itemOf(text, { dtype }, greatest) {
+  return NUMERIC.test(dtype) ? inArray(text, greatest) : text;
+}
+
+/** The same with all its digits. */
+export function exactItem(text, { dtype }) {
+  return NUMERIC.test(dtype) ? exact(text) : text;
+}
+
+/** `french`, in an array whose greatest number is `greatest`: what is only the dust of rounding beside it says so. */
 export function inArray(text, greatest, digits = DIGITS) {
   const value = Number(text);
   return value !== 0 && Math.abs(value) < 1e-13 * greatest ? "≈\u202f0" : french(text, digits);

@@ -90,7 +90,7 @@ export class Player {
     this.end.hidden = step !== this.trace.length - 1;
     this.end.replaceChildren(...(this.end.hidden ? [] : [this.#over(this.trace.data)]));
     this.status.setAttribute("aria-live", document.activeElement === this.controls.range ? "off" : "polite");
-    this.status.textContent = `${words ? `${words} ` : ""}${sentence(this.trace, step)}`;
+    this.#say(`${words ? `${words} ` : ""}${sentence(this.trace, step)}`);
     this.code.show(over ? null : line, this.trace.executed(step)); // once all that takes room beside it stands
     this.#keepFocus(focus);
     this.#revealChange();
@@ -104,6 +104,11 @@ export class Player {
     const [inside, around] = [row.getBoundingClientRect(), state.getBoundingClientRect()];
     if (inside.top < around.top) state.scrollTop -= around.top - inside.top + EDGE;
     else if (inside.bottom > around.bottom) state.scrollTop += Math.min(inside.bottom - around.bottom, inside.top - around.top) + EDGE;
+  }
+
+  /** Once: what says the same again would be read again. */
+  #say(words) {
+    if (this.status.textContent !== words) this.status.textContent = words;
   }
 
   /** What is made anew at each move would lose the focus. */
@@ -148,7 +153,7 @@ export class Player {
     const frame = this.#frame ?? this.trace.steps[this.#step].frame;
     const found = this.moves.change(this.#step, frame, name, by);
     if (found !== null) return this.go(found);
-    this.status.textContent = by > 0 ? `${name} ne change plus.` : `${name} ne change pas avant.`;
+    this.#say(by > 0 ? `${name} ne change plus.` : `${name} ne change pas avant.`);
   }
 
   #toLine(line) {

@@ -10,7 +10,7 @@ const LOOKS = 5; // of the shapes and colours, in turn
 const LEAST_SPAN = 1;
 
 export class Scene {
-  #choices = new Map(); // what the reader wants a name drawn as
+  #choices = new Map(); // what a name is drawn as: first a guess, then what the reader wants
 
   constructor(trace, changed) {
     this.trace = trace;
@@ -20,7 +20,12 @@ export class Scene {
 
   /** How a variable is drawn: « points », « poses » or "". */
   choice(name, value) {
-    return this.#choices.get(name) ?? drawable(name, value)?.guess ?? "";
+    if (!this.#choices.has(name)) {
+      const may = drawable(name, value);
+      if (!may) return "";
+      this.#choices.set(name, may.guess); // what it is first taken for, it stays
+    }
+    return this.#choices.get(name);
   }
 
   /** What lets the reader choose, for a variable that may be drawn; null for others. */

@@ -1,7 +1,7 @@
 // Values as elements of the page: numbers, grids of numbers with what has changed, lists and dictionaries that unfold.
 
 import { make } from "../replays/dom.js";
-import { exact, french, inArray } from "./numbers.js";
+import { exact, exactItem, french, itemOf } from "./numbers.js";
 import { changedCells, picture } from "./picture.js";
 import { brief, counted, named, other, shape } from "./words.js";
 
@@ -39,9 +39,10 @@ export class Values {
   }
 
   #array(value, { key, before, entries }) {
-    if (value.shape.length === 0) return this.#number({ text: value.values[0], type: value.dtype });
+    if (value.shape.length === 0) return this.#number({ text: value.values[0] ?? "", type: value.dtype });
     const [total, columns] = [value.shape.reduce((a, b) => a * b, 1), value.shape.at(-1)];
     if (total === 0) return note(`tableau vide, de forme ${shape(value)}`);
+    if (value.values.length === 0) return note(`tableau ${shape(value)}, ${value.dtype}`);
     const large = value.cut || total > MOST_CELLS || columns > MOST_COLUMNS;
     const told = `${value.shape.length === 1 ? counted(total, "valeur") : shape(value)}${value.dtype === "float64" ? "" : `, ${value.dtype}`}`;
     if (!large) return make("div", { class: "steps-array" }, this.#grid(value, before, entries), note(told, value.shape.length > 2 || value.dtype !== "float64"));
@@ -52,17 +53,18 @@ export class Values {
     return make("div", { class: "steps-array" }, ...(drawn ? [drawn] : []), whole);
   }
 
-  #grid({ shape: sizes, values }, before, entries) {
+  #grid(array, before, entries) {
+    const { shape: sizes, values } = array;
     const columns = sizes.at(-1);
     const changed = new Set(entries);
     const greatest = Math.max(0, ...values.map((one) => Math.abs(Number(one))).filter(Number.isFinite));
-    const written = (text) => (/^(True|False)$/.test(text) ? text : this.exactly ? exact(text) : inArray(text, greatest));
+    const written = (text) => (this.exactly ? exactItem(text, array) : itemOf(text, array, greatest));
     const rows = [];
     for (let start = 0; start < values.length; start += columns) {
       const cells = values.slice(start, start + columns).map((text, k) => {
-        if (!changed.has(start + k)) return make("td", { title: exact(text) }, written(text));
+        if (!changed.has(start + k)) return make("td", { title: exactItem(text, array) }, written(text));
         const was = before?.kind === "array" ? before.values[start + k] : undefined;
-        const title = was === undefined ? exact(text) : `${exact(text)} (avant : ${exact(was)})`;
+        const title = `${exactItem(text, array)}${was === undefined ? "" : ` (avant\u00a0: ${exactItem(was, array)})`}`;
         return make("td", { class: "steps-changed", title }, make("mark", {}, written(text)));
       });
       rows.push(make("tr", {}, ...cells));

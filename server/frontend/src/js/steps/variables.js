@@ -43,7 +43,8 @@ export class Variables {
     const state = fresh ? "nouvelle" : changed ? "changée" : "";
     const sign = make("span", { class: "steps-sign" }, state);
     const held = make("div", { class: "steps-held" }, this.values.show(value, { key: name, before: changed ? before : null, entries }));
-    if (changed && before && SHORT.has(before.kind) && SHORT.has(value.kind)) held.append(make("span", { class: "steps-note" }, `avant\u00a0: ${brief(before)}`));
+    const was = changed && before ? brief(before) : "";
+    if (was && (SHORT.has(before.kind) || /^[[(]/.test(was))) held.append(make("span", { class: "steps-note" }, `avant\u00a0: ${was}`));
     const others = twins.get(value.alias)?.filter((one) => one !== name) ?? [];
     if (others.length > 0) held.append(make("span", { class: "steps-note" }, `le même objet que ${others.slice(0, 3).join(", ")}`));
     const chooser = this.scene.chooser(name, value);

@@ -1,6 +1,6 @@
 // Values and steps in few words: for the sentence of each move, and for the table of steps.
 
-import { french, inArray } from "./numbers.js";
+import { french, itemOf } from "./numbers.js";
 
 const MOST_ITEMS = 4;
 const MOST_TEXT = 40;
@@ -33,9 +33,9 @@ export function shape({ shape: sizes }) {
 
 function array(value) {
   const greatest = Math.max(0, ...value.values.map((one) => Math.abs(Number(one)) || 0).filter(Number.isFinite));
-  if (value.shape.length === 1 && value.values.length <= MOST_ITEMS && !value.cut)
-    return `[${value.values.map((one) => (/^(True|False)$/.test(one) ? one : inArray(one, greatest, 4))).join("\u202f; ")}]`;
-  return value.shape.length === 0 ? french(value.values[0]) : `tableau ${value.shape.length === 1 ? `de ${counted(value.shape[0], "nombre")}` : shape(value)}`;
+  if (value.shape.length === 1 && value.values.length > 0 && value.values.length <= MOST_ITEMS && !value.cut)
+    return `[${value.values.map((one) => itemOf(one, value, greatest)).join("\u202f; ")}]`;
+  return value.shape.length === 0 ? french(value.values[0] ?? "") : `tableau ${value.shape.length === 1 ? `de ${counted(value.shape[0], "nombre")}` : shape(value)}`;
 }
 
 function sequence({ type, items, length }, level) {
