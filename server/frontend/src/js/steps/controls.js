@@ -2,7 +2,7 @@
 
 import { button, icon, make } from "../replays/dom.js";
 import { loopsOf } from "./loops.js";
-import { counted, nameOf } from "./words.js";
+import { callOf, counted } from "./words.js";
 
 const ICONS = {
   first: "M7 5.5h2v13H7zM19 5.5v13L10.500 12z",
@@ -63,11 +63,10 @@ export class Controls {
     const [into, out] = [this.moves.into(step), this.moves.out(step)];
     const ways = [];
     if (into !== null) {
-      const name = nameOf(trace.frames[trace.steps[into].frame].function);
-      const words = `Entrer dans ${name} (${counted(this.moves.size(into), "étape")})`;
+      const words = `Entrer dans ${callOf(trace, trace.steps[into].frame)} (${counted(this.moves.size(into), "étape")})`;
       ways.push(this.#way("into", words, "E", () => this.go(into)));
     }
-    if (out !== null) ways.push(this.#way("out", `Sortir de ${nameOf(trace.frames[trace.steps[step].frame].function)}`, "O", () => this.go(out)));
+    if (out !== null) ways.push(this.#way("out", `Sortir de ${callOf(trace, trace.steps[step].frame)}`, "O", () => this.go(out)));
     return ways.length > 0 ? [make("div", { class: "steps-ways" }, ...ways)] : [];
   }
 

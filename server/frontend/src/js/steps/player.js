@@ -10,7 +10,7 @@ import { Table } from "./table.js";
 import { Trace } from "./trace.js";
 import { Values } from "./values.js";
 import { Variables } from "./variables.js";
-import { nameOf, sentence } from "./words.js";
+import { callOf, sentence } from "./words.js";
 
 const EDGE = 8; // pixels
 const NARROW = window.matchMedia("(max-width: 52rem)");
@@ -126,7 +126,7 @@ export class Player {
     };
     const parts = way.flatMap((frame, k) => {
       const look = { type: "button", class: "link-button", "aria-pressed": String(frame === shown), "data-focus": `call:${frame}`, onclick: choose(frame) };
-      const name = nameOf(this.trace.frames[frame].function);
+      const name = callOf(this.trace, frame);
       const one = way.length > 1 ? make("button", look, name) : make("span", {}, name);
       return k > 0 ? [make("span", { "aria-hidden": "true" }, " › "), one] : [one];
     });

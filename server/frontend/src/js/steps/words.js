@@ -5,6 +5,7 @@ import { french, itemOf } from "./numbers.js";
 const MOST_ITEMS = 4;
 const MOST_TEXT = 40;
 const MOST_NAMES = 4;
+const MOST_GIVEN = 24; // characters
 const LEVELS = 3;
 
 /** A value in one short line. */
@@ -67,6 +68,15 @@ function listed(names) {
 /** What a function is called: what has none is the file itself, or a part of a line. */
 export function nameOf(name) {
   return { "<module>": "le programme", "<lambda>": "une fonction lambda", "<genexpr>": "un générateur" }[name] ?? (name.startsWith("<") ? "une compréhension" : name);
+}
+
+/** A call with what it received, where that is short: « fib(5) ». */
+export function callOf(trace, frame) {
+  const { function: name } = trace.frames[frame];
+  const begun = trace.steps[trace.own(frame)[0]];
+  if (name.startsWith("<") || begun?.event !== "call") return nameOf(name);
+  const given = begun.changes.map((one) => brief(one.value)).join(", ");
+  return `${name}(${given.length > MOST_GIVEN ? "…" : given})`;
 }
 
 /** What has just happened, and what comes, in one short sentence or two. */
