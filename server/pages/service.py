@@ -33,6 +33,7 @@ from server.pages.schemas import (
     ToldView,
     WorkView,
 )
+from server.steps.replayable import can_replay
 from server.submissions import deals
 from server.submissions.models import State
 from server.submissions.service import Place
@@ -285,7 +286,10 @@ def _work(
 def _verdict_view(exercise: Exercise, verdict: Verdict, href: str, grading: Grading) -> VerdictView:
     texts = None if exercise.answers is None else exercise
     films = (f"{href}/rejeux", grading.filmed or ())
-    return verdicts.view(verdict, f"{href}/figures", texts, exercise.functions, grading=grading.id, films=films)
+    replayed = (f"{href}/pas", [check.id for check in verdict.checks if can_replay(exercise, check)])
+    return verdicts.view(
+        verdict, f"{href}/figures", texts, exercise.functions, grading=grading.id, films=films, replayed=replayed
+    )
 
 
 def _progress(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict | None) -> Mended | None:

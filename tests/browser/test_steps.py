@@ -10,9 +10,17 @@ import pytest
 
 from tests.browser.conftest import NewVisit, Page, Visit, sync_api
 from tests.browser.test_accessibility import check
+from tests.browser.test_story import SOLUTION
 from tests.steps.page_scripts import number, step, trace
 
 expect = sync_api.expect
+WRONG = f"""{SOLUTION}
+
+def composer(a, b):
+    x = a[0] + b[0]
+    y = a[1] + b[1]
+    return np.array([x, y, ramener(a[2] + b[2])])
+"""
 HOSTILE = "</script><img src=x onerror=alert(1)>"
 SOURCE = """def f0(P, n):
     total = 0
@@ -155,3 +163,62 @@ def test_axe_finds_nothing_in_a_program_step_by_step(visit: NewVisit, width: int
     check(visitor, f"step by step, {width}")
     page.keyboard.press("f")
     check(visitor, f"step by step, its end, {width}")
+
+
+def test_a_counterexample_is_replayed_from_the_verdict_then_a_call_of_ones_own(visit: NewVisit) -> None:
+    visitor = visit(expected="422")
+    page = visitor.open()
+    visitor.submit(WRONG)
+    page.locator(".check-failed").first.get_by_role("button", name="Rejouer pas à pas").click()
+    dialog = page.get_by_role("dialog", name="Pas à pas")
+    expect(dialog.locator(".steps-call")).to_contain_text("composer(np.array([")
+    expect(dialog.locator(".steps-keyword").first).to_be_visible()
+    call = dialog.locator(".steps-call").inner_text()
+    dialog.get_by_role("button", name="a", exact=True).click()
+    expect(dialog.locator(".steps-status")).to_have_text("a ne change plus.")
+    page.keyboard.press("s")
+    page.keyboard.press("s")
+    expect(dialog.locator(".steps-variable-changed .steps-name")).to_have_text("x")
+    page.keyboard.press("f")
+    expect(dialog.locator(".steps-end")).to_contain_text("Attendu")
+    expect(dialog.locator(".steps-end .got")).to_contain_text("Renvoyé")
+    page.keyboard.press("Escape")
+    expect(dialog).to_have_count(0)
+    expect(page.locator(".check-failed").first.get_by_role("button", name="Rejouer pas à pas")).to_be_focused()
+
+    own = page.locator("details", has=page.locator("#appel"))
+    own.locator("summary").click()
+    field = own.get_by_label("Appel d’une de vos fonctions")
+    expect(field).to_have_value(call)
+    field.fill("composer(a, b)")
+    field.press("Enter")
+    expect(own.get_by_role("alert")).to_contain_text("« a » n’est pas connu ici")
+    expect(field).to_be_focused()
+    expect(field).to_have_attribute("aria-invalid", "true")
+    own.get_by_role("button", name="inverse").click()
+    expect(own.get_by_role("alert")).to_be_hidden()
+    own.get_by_role("button", name="Rejouer pas à pas").click()
+    expect(dialog.locator(".steps-status")).to_have_text("Appel de inverse, qui reçoit a.")
+
+
+@pytest.mark.slow
+def test_a_cell_is_replayed_as_the_reader_has_changed_it(visit: NewVisit) -> None:
+    visitor = visit()
+    page = visitor.open("/l20/lire/localiser")
+    cell = page.locator("section.cell").first
+    cell.get_by_role("button", name="Modifier").click()
+    visitor.write("total = 0\nfor k in range(40):\n    total = total + k\nprint(total)")
+    cell.get_by_role("button", name="Rejouer pas à pas").click()
+    dialog = page.get_by_role("dialog", name="Pas à pas")
+    dialog.get_by_role("button", name="Dernière étape").click()
+    expect(dialog.locator(".steps-end")).to_contain_text("Le programme est allé au bout")
+    expect(dialog.locator(".steps-variable", has_text="total")).to_contain_text("780")
+    dialog.get_by_text("Ce que le code a affiché").click()
+    expect(dialog.locator(".printed")).to_have_text("780\n")
+    dialog.get_by_role("button", name=re.compile("Ligne 2, 4[01].passages")).click()
+    dialog.get_by_role("button", name="dernier", exact=True).click()
+    expect(dialog.get_by_role("spinbutton")).to_have_value("40")
+    page.keyboard.press("Escape")
+    visitor.write("x = (")
+    cell.get_by_role("button", name="Rejouer pas à pas").click()
+    expect(dialog.locator(".steps-over-fault")).to_be_visible()

@@ -1,25 +1,22 @@
-// A call of one's own, replayed line by line with what the editor holds.
+// A call of one's own, replayed line by line with what the editor holds. What stands in its field when nothing was typed
+// there is the field's default: an example, or the last counterexample that was replayed.
 
-export function setUpOwnCall(code) {
-  const form = document.getElementById("rejouer-un-appel");
-  if (!form) return;
+import { asked, show } from "./steps/index.js";
+
+export function setUp(form, code) {
   const { call, again } = form.elements;
   const wrong = document.getElementById("appel-refus");
-  let offered = call.value; // what stands there is ours until it is changed
 
   const right = () => {
     wrong.hidden = true;
     call.removeAttribute("aria-invalid");
   };
-  const offer = (text) => {
-    call.value = offered = text;
-    right();
-  };
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
-    const { asked, show } = await import("./steps/index.js");
+    right();
     const trace = await asked(again, wrong, form.action, { code: code(), call: call.value });
     if (trace) return show(trace);
+    if (wrong.hidden) return; // asked already
     call.setAttribute("aria-invalid", "true");
     call.focus();
   });
@@ -31,11 +28,9 @@ export function setUpOwnCall(code) {
   });
   form.addEventListener("click", ({ target }) => {
     if (!target.dataset.call) return;
-    offer(target.dataset.call);
+    call.value = call.defaultValue = target.dataset.call;
+    right();
     call.focus();
   });
-  // A counterexample that was replayed is a call to begin from: one changes a number, and looks again.
-  document.addEventListener("balise:replayed", ({ detail }) => {
-    if (detail && call.value === offered) offer(detail);
-  });
+  again.disabled = false;
 }

@@ -1,6 +1,5 @@
 // The exercise page: draft, editor, submission without leaving the page, columns that can be resized.
 
-import { setUpOwnCall } from "./calls.js";
 import { inherited } from "./drafts.js";
 import { followToVerdict, showWaiting } from "./follow.js";
 import { reconciled, savesOf } from "./saves.js";
@@ -133,5 +132,6 @@ for (const link of document.querySelectorAll(".skip[href='#code']")) {
 }
 for (const label of area.labels) label.addEventListener("click", () => editor.focus());
 setUpEditor();
-setUpOwnCall(() => editor.get());
+const own = document.getElementById("rejouer-un-appel");
+own?.parentElement.addEventListener("toggle", () => import("./calls.js").then((calls) => calls.setUp(own, () => editor.get())), { once: true });
 setUpSplitter(document.getElementById("cloison"));

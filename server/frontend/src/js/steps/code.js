@@ -5,6 +5,8 @@ import { counted } from "./words.js";
 
 const MARGIN = 48; // pixels: two lines
 
+const LOOKS = { keyword: "steps-keyword", string: "steps-string", number: "steps-literal", comment: "steps-comment", def: "steps-def", meta: "steps-def" };
+
 export class Code {
   #marked = [];
 
@@ -41,9 +43,9 @@ export class Code {
   /** Without its colours the code can be read as well: they are loaded apart, where they can be had. */
   async #colour(lines) {
     const colouring = await import("./colouring.js").catch(() => null);
-    colouring?.coloured(lines.join("\n")).forEach((pieces, index) => {
+    colouring?.coloured(lines).forEach((pieces, index) => {
       if (pieces.length === 0 || !this.rows[index]) return;
-      const parts = pieces.map(([piece, look]) => (look ? make("span", { class: look }, piece) : piece));
+      const parts = pieces.map(([piece, look]) => (LOOKS[look] ? make("span", { class: LOOKS[look] }, piece) : piece));
       this.rows[index].querySelector("code").replaceChildren(...parts);
     });
   }

@@ -40,8 +40,20 @@ export async function replay(asking) {
   const place = asking.parentElement.querySelector(".problem") ?? asking.parentElement.appendChild(refused());
   const trace = await asked(asking, place, asking.dataset.steps, { check: asking.dataset.check });
   if (!trace) return;
-  if (trace.call.length <= LONGEST_CALL && !/…|\[tableau/.test(trace.call)) document.dispatchEvent(new CustomEvent("balise:replayed", { detail: trace.call }));
+  if (trace.steps.length === 0 && trace.end.kind === "cut") {
+    place.textContent = `${trace.end.title}. ${trace.end.message}`;
+    place.hidden = false;
+    return;
+  }
+  offer(trace.call);
   show(trace, [...check.querySelectorAll(".counterexample > .expected")]);
+}
+
+/** One changes a number of what was replayed, and looks again: it stands in the field of a call of one's own. */
+function offer(call) {
+  const field = document.getElementById("appel");
+  if (!field || field.value !== field.defaultValue || call.length > LONGEST_CALL || /…|\[tableau/.test(call)) return;
+  field.value = field.defaultValue = call;
 }
 
 /** Where a refusal is said. */

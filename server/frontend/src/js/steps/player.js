@@ -99,11 +99,12 @@ export class Player {
   /** What has just changed is in sight, or the end is. */
   #revealChange() {
     const { state } = this;
-    const row = this.end.hidden ? this.variables.element.querySelector(".steps-variable-changed") : this.end;
-    if (!row) return;
-    const [inside, around] = [row.getBoundingClientRect(), state.getBoundingClientRect()];
-    if (inside.top < around.top) state.scrollTop -= around.top - inside.top + EDGE;
-    else if (inside.bottom > around.bottom) state.scrollTop += Math.min(inside.bottom - around.bottom, inside.top - around.top) + EDGE;
+    const rows = this.end.hidden ? [...this.variables.element.querySelectorAll(".steps-variable-changed")] : [this.end];
+    if (rows.length === 0) return;
+    const around = state.getBoundingClientRect();
+    const [top, bottom] = [rows[0].getBoundingClientRect().top, rows.at(-1).getBoundingClientRect().bottom];
+    if (top < around.top) state.scrollTop -= around.top - top + EDGE;
+    else if (bottom > around.bottom) state.scrollTop += Math.min(bottom - around.bottom + EDGE, top - around.top - EDGE);
   }
 
   /** Once: what says the same again would be read again. */

@@ -8,6 +8,11 @@ import { drawn } from "./svg.js";
 const [WIDE, TALL, MARGIN] = [360, 270, 26];
 const LOOKS = 5; // of the shapes and colours, in turn
 const LEAST_SPAN = 1;
+/** Where the name of each stands beside its first mark: points at one place do not hide each other's names. */
+const BESIDE = [
+  { x: 9, y: -7 }, { x: 9, y: 17 }, { x: -9, y: -7, "text-anchor": "end" }, { x: -9, y: 17, "text-anchor": "end" },
+  { x: 0, y: -14, "text-anchor": "middle" },
+]; // prettier-ignore
 
 export class Scene {
   #choices = new Map(); // what a name is drawn as: first a guess, then what the reader wants
@@ -81,7 +86,7 @@ export class Scene {
     const old = changed && before ? rowsOf(before) : null;
     const place = (row) => `translate(${paper.x(row[0]).toFixed(2)} ${paper.y(row[1]).toFixed(2)})`;
     const one = (row, was) => drawn("g", { transform: place(row), class: `steps-look-${look}${was ? " steps-was" : ""}` }, sign(kind, look, row[2]));
-    const words = drawn("text", { x: 9, y: -7 }, name.slice(0, 24));
+    const words = drawn("text", BESIDE[look], name.slice(0, 24));
     const first = drawn("g", { transform: place(rows[0]), class: `steps-look-${look}` }, words);
     return [...(old ?? []).filter((row, k) => String(row) !== String(rows[k])).map((row) => one(row, true)), ...rows.map((row) => one(row, false)), first];
   }
