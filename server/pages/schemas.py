@@ -207,8 +207,10 @@ class ExerciseFrame:
 
 @dataclass(frozen=True)
 class ExercisePage(ExerciseFrame):
-    """An exercise of code. `replay` is where one has a call of one's own replayed, empty where there is none; `examples`
-    are calls to begin from, each with the name of its function."""
+    """An exercise of code. `replay` is where one has a call of one's own replayed, empty where there is none.
+
+    `examples` are calls to begin from, each with the name of its function.
+    """
 
     functions: tuple[FunctionView, ...]
     reused: tuple[ReusedView, ...]

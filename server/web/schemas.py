@@ -103,7 +103,7 @@ class FigureView:
 
 @dataclass(frozen=True)
 class CheckView:
-    """A check of a verdict; `replay` is where its counterexample is replayed line by line, empty where that cannot be."""
+    """A check of a verdict; `replay` is where its counterexample is replayed line by line, or empty."""
 
     id: str
     title: str

@@ -35,7 +35,14 @@ def f1(x):
 
 def points(*values: float, entries: tuple[int, ...] = ()) -> dict[str, Any]:
     texts = [str(one) for one in values]
-    return {"kind": "array", "dtype": "float64", "shape": [len(values) // 2, 2], "values": texts, "cut": False, "alias": 1}
+    return {
+        "kind": "array",
+        "dtype": "float64",
+        "shape": [len(values) // 2, 2],
+        "values": texts,
+        "cut": False,
+        "alias": 1,
+    }
 
 
 def looped() -> dict[str, Any]:
@@ -119,7 +126,13 @@ def hostile() -> dict[str, Any]:
     for _ in range(30):
         deep = {"kind": "sequence", "type": "list", "items": [deep, text], "length": 2, "alias": 3}
     pairs = {"kind": "mapping", "items": [[text, deep]], "length": 10**9, "alias": 4}
-    wide = {"kind": "array", "dtype": "float64", "shape": [20, 20], "values": ["nan", "inf", "-1e300", "0"] * 100, "cut": False}
+    wide = {
+        "kind": "array",
+        "dtype": "float64",
+        "shape": [20, 20],
+        "values": ["nan", "inf", "-1e300", "0"] * 100,
+        "cut": False,
+    }
     cube = {"kind": "array", "dtype": "int64", "shape": [0, 3], "values": [], "cut": False}
     scalar = {"kind": "array", "dtype": "float64", "shape": [], "values": ["2.5"], "cut": False}
     other = {"kind": "other", "type": HOSTILE, "name": HOSTILE}

@@ -1,10 +1,41 @@
-"""The calls that an exercise offers to begin from: read as they would be typed, and answered by its solution."""
+"""The calls that an exercise offers to begin from: read as if they were typed, and answered by its solution."""
 
 from __future__ import annotations
 
-import ast
-from pathlib import Path
-
 import pytest
 
+from graders.core.code.grading import CodeGrader
+from graders.core.contract.streams import stream
 from server.course import Exercise
+from server.course.reuse import shelves
+from server.sandbox import Kit, Sandbox
+from server.steps import calls
+from tests.support.quick import one_in, some, the_course
+
+COURSE = the_course()
+
+
+def offered() -> list[Exercise]:
+    return some(one for one in COURSE.exercises.values() if any(function.example for function in one.functions))
+
+
+def test_an_example_is_a_call_of_its_function_and_short_enough_for_its_field() -> None:
+    for exercise in offered():
+        for function in exercise.functions:
+            if function.example:
+                call = calls.read(function.example)
+                assert call.function == function.name, exercise.id
+                assert not function.is_class
+                assert len(function.example) <= 300
+
+
+@pytest.mark.parametrize("exercise", one_in(4, offered()), ids=lambda exercise: exercise.slug)
+def test_the_solution_answers_the_examples(course_sandbox: Sandbox, exercise: Exercise) -> None:
+    assert isinstance(exercise.grader, CodeGrader)
+    found = exercise.grader.kit(stream(1, "kit"))
+    kit = Kit(found.module, dict(found.parameters), found.without, shelves(COURSE, exercise.id))
+    for function in exercise.functions:
+        if function.example:
+            call = calls.read(function.example)
+            with course_sandbox.open(exercise.solution.encode(), kit=kit, policy=exercise.policy) as session:
+                assert session.call(call.function, *call.arguments).value is not None, function.name

@@ -45,7 +45,15 @@ def step(line: int, event: str = "line", frame: int = 0, gone: tuple[str, ...] =
     """A step that changes names to numbers, or to values in the format of a trace."""
     values = {name: one if isinstance(one, dict) else number(one) for name, one in changes.items()}
     told = [{"name": name, "value": value, "new": False, "entries": []} for name, value in values.items()]
-    return {"event": event, "frame": frame, "line": line, "changes": told, "gone": list(gone), "value": None, "words": ""}
+    return {
+        "event": event,
+        "frame": frame,
+        "line": line,
+        "changes": told,
+        "gone": list(gone),
+        "value": None,
+        "words": "",
+    }
 
 
 def trace(source: str, steps: list[dict[str, Any]], parents: tuple[int | None, ...] = (None,)) -> dict[str, Any]:
@@ -53,4 +61,12 @@ def trace(source: str, steps: list[dict[str, Any]], parents: tuple[int | None, .
     frames = [{"function": f"f{k}", "line": 1, "parent": parent, "depth": 0} for k, parent in enumerate(parents)]
     end = {"kind": "returned", "value": number(1), "title": "", "message": "", "line": None}
     rest = {"left_out": [], "stdout": "", "mark": None, "milliseconds": 1}
-    return {"lines": source.split("\n"), "filename": "code.py", "call": "f0()", "frames": frames, "steps": steps, "end": end, **rest}
+    return {
+        "lines": source.split("\n"),
+        "filename": "code.py",
+        "call": "f0()",
+        "frames": frames,
+        "steps": steps,
+        "end": end,
+        **rest,
+    }

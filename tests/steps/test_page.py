@@ -32,9 +32,7 @@ def test_the_variables_at_any_step_are_those_of_replaying_all_changes_before_it(
         steps.append(step(k % 7 + 1, frame=frame, gone=gone, **changes))
         expected.append(dict(states[frame]))
     data = trace("\n" * 8, steps, parents=(None, 0))
-    found = SCRIPTS.value(
-        "(() => { const t = new Trace(d); return d.steps.map((_, k) => t.variables(k)); })()", d=data
-    )
+    found = SCRIPTS.value("(() => { const t = new Trace(d); return d.steps.map((_, k) => t.variables(k)); })()", d=data)
     for k, (told, state) in enumerate(zip(found, expected, strict=True)):
         assert {one["name"]: one["value"]["text"] for one in told} == state
         assert {one["name"] for one in told if one["changed"]} == {one["name"] for one in steps[k]["changes"]}
@@ -47,11 +45,21 @@ def moves(data: dict[str, Any], expression: str) -> Any:
 CALLS = trace(
     "def f0():\n    x = f1()\n    y = f1()\ndef f1():\n    return f2()\ndef f2():\n    return 1",
     [
-        step(1, "call"), step(2), step(4, "call", 1), step(5, frame=1), step(6, "call", 2), step(7, frame=2),
-        step(7, "return", 2), step(5, "return", 1), step(3, x=1), step(4, "call", 3), step(5, "return", 3), step(3, "return", y=1),
+        step(1, "call"),
+        step(2),
+        step(4, "call", 1),
+        step(5, frame=1),
+        step(6, "call", 2),
+        step(7, frame=2),
+        step(7, "return", 2),
+        step(5, "return", 1),
+        step(3, x=1),
+        step(4, "call", 3),
+        step(5, "return", 3),
+        step(3, "return", y=1),
     ],
     parents=(None, 0, 1, 0),
-)  # fmt: skip
+)
 
 
 def test_calls_are_stepped_over_entered_and_left() -> None:
@@ -166,7 +174,9 @@ def laps(name: str, n: int) -> dict[int, list[int]]:
     """By line of the header, how many laps each run of that loop has."""
     expression = """(() => {
       const t = new Trace(d), loops = new Loops(t), seen = new Map();
-      t.steps.forEach((_, k) => loops.around(k).forEach((one) => seen.set(`${one.line} ${one.laps[0]}`, [one.line, one.laps.length])));
+      t.steps.forEach((_, k) => {
+        for (const { line, laps } of loops.around(k)) seen.set(`${line} ${laps[0]}`, [line, laps.length]);
+      });
       return [...seen.values()];
     })()"""
     found: dict[int, list[int]] = {}
@@ -227,8 +237,10 @@ def test_numbers_beyond_digits_are_named_and_no_small_one_is_called_nothing() ->
     assert said == ["nan", "∞", "−∞", "(1+2,5j)", "6\u00a0×\u00a010⁻¹⁷", "0"]
     assert SCRIPTS.value("french(t)", t="9" * 5000) == "environ 10⁴⁹⁹⁹"
     assert SCRIPTS.value("[inArray('6e-17', 1), inArray('6e-17', 1e-16), exact('-6.5e-17')]") == [
-        "≈\u202f0", "6\u00a0×\u00a010⁻¹⁷", "−6,5e−17",
-    ]  # fmt: skip
+        "≈\u202f0",
+        "6\u00a0×\u00a010⁻¹⁷",
+        "−6,5e−17",
+    ]
 
 
 def array(*rows: list[float]) -> dict[str, Any]:
@@ -262,17 +274,28 @@ def test_what_may_be_drawn_is_offered_and_taken_for_what_its_name_says(name: str
 @pytest.mark.parametrize(
     "value",
     [
-        number(3), listed(), listed(1), listed(1, 2, 3, 4), listed(listed(1, 2), listed(1)), listed(1, float("nan")),
-        listed(listed(1, 2), 3), array([1e300, 1], [2, 3]), {"kind": "text", "text": "ab", "length": 2}, listed(float("inf"), 1),
-        {**array([1, 2], [3, 4]), "cut": True}, {**array([1, 0], [0, 1]), "dtype": "bool", "values": ["True", "False"] * 2},
+        number(3),
+        listed(),
+        listed(1),
+        listed(1, 2, 3, 4),
+        listed(listed(1, 2), listed(1)),
+        listed(1, float("nan")),
+        listed(listed(1, 2), 3),
+        array([1e300, 1], [2, 3]),
+        {"kind": "text", "text": "ab", "length": 2},
+        listed(float("inf"), 1),
+        {**array([1, 2], [3, 4]), "cut": True},
+        {**array([1, 0], [0, 1]), "dtype": "bool", "values": ["True", "False"] * 2},
     ],
-)  # fmt: skip
+)
 def test_what_is_no_drawing_is_not_offered_as_one(value: Any) -> None:
     assert SCRIPTS.value("drawable('points', v)", v=value) is None
 
 
 def test_each_step_is_told_in_a_short_sentence() -> None:
-    data = trace("a\nb\nc", [step(1, "call", a=1, b=2), step(2), step(3, x=1, y=2, z=3, u=4, v=5, w=6), step(3, "return")])
+    data = trace(
+        "a\nb\nc", [step(1, "call", a=1, b=2), step(2), step(3, x=1, y=2, z=3, u=4, v=5, w=6), step(3, "return")]
+    )
     data["steps"][3] |= {"value": number(2.5)}
     say = "(() => { const t = new Trace(d); return d.steps.map((_, k) => sentence(t, k)); })()"
     assert SCRIPTS.value(say, d=data) == [
@@ -290,11 +313,24 @@ def test_each_step_is_told_in_a_short_sentence() -> None:
 def test_values_are_short_in_a_table() -> None:
     deep = listed(listed(listed(listed(listed(1)))))
     values = [
-        {"kind": "none"}, {"kind": "bool", "value": True}, listed(1, 2.5, kind="tuple"), listed(*range(9)), deep, array([1, 2], [3, 4]),
-        {"kind": "text", "text": "a" * 60, "length": 900}, {"kind": "mapping", "items": [], "length": 2, "alias": 0},
+        {"kind": "none"},
+        {"kind": "bool", "value": True},
+        listed(1, 2.5, kind="tuple"),
+        listed(*range(9)),
+        deep,
+        array([1, 2], [3, 4]),
+        {"kind": "text", "text": "a" * 60, "length": 900},
+        {"kind": "mapping", "items": [], "length": 2, "alias": 0},
         {"kind": "other", "type": "module", "name": "numpy"},
-    ]  # fmt: skip
+    ]
     assert SCRIPTS.value("values.map((one) => brief(one))", values=values) == [
-        "None", "True", "(1\u202f; 2,5)", "liste de 9\u00a0éléments", "[[[liste de 1\u00a0élément]]]", "tableau 2\u00a0×\u00a02",
-        "«\u202f" + 40 * "a" + "…\u202f»", "dictionnaire, 2\u00a0clés", "module numpy",
-    ]  # fmt: skip
+        "None",
+        "True",
+        "(1\u202f; 2,5)",
+        "liste de 9\u00a0éléments",
+        "[[[liste de 1\u00a0élément]]]",
+        "tableau 2\u00a0×\u00a02",
+        "«\u202f" + 40 * "a" + "…\u202f»",
+        "dictionnaire, 2\u00a0clés",
+        "module numpy",
+    ]
