@@ -91,7 +91,7 @@ def test_what_a_line_does_is_told_by_its_call_and_not_by_the_calls_that_it_makes
 
 
 def test_a_trace_without_a_step_has_neither_variables_nor_loops() -> None:
-    assert moves(trace("x =", [], parents=()), "[t.length, t.passages.size, new Loops(t).loops]") == [0, 0, []]
+    assert moves(trace("x =", [], parents=()), "[t.length, t.passages(1), new Loops(t).loops]") == [0, [], []]
 
 
 LOOPS = """

@@ -13,7 +13,7 @@ export class Code {
   /** `goTo(line)` is called when the number of a line is clicked. */
   constructor(trace, goTo) {
     const { lines, mark, end } = trace.data;
-    this.rows = lines.map((text, index) => this.#row(text, index + 1, trace.passages.get(index + 1)?.length ?? 0, goTo));
+    this.rows = lines.map((text, index) => this.#row(text, index + 1, trace.passages(index + 1).length, goTo));
     this.element = make("ol", { class: "steps-lines code", tabindex: "0", "aria-label": "Le code, ligne à ligne" }, ...this.rows);
     this.element.addEventListener("keydown", (event) => this.#walk(event));
     if (mark) this.#note(mark.line, "steps-mistake", "Erreur reconnue", mark.words);

@@ -71,8 +71,8 @@ export class Moves {
 
   /** The next time that a line is about to be executed, the first one again after the last: {step, time, times}, or null. */
   line(step, line) {
-    const passages = this.trace.passages.get(line);
-    if (!passages) return null;
+    const passages = this.trace.passages(line);
+    if (passages.length === 0) return null;
     const at = (last(passages, step, (one) => one) + 1) % passages.length;
     return { step: passages[at], time: at + 1, times: passages.length };
   }

@@ -5,11 +5,11 @@ const RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 const DIGITS = 6;
 const NUMERIC = /^(u?int|float|complex|c?longdouble)/;
 const MOST_DIGITS = 15; // of an integer that is written whole
-const BEYOND = { nan: "nan", inf: "∞", "-inf": `${MINUS}∞` };
+const BEYOND = new Map([["nan", "nan"], ["inf", "∞"], ["-inf", `${MINUS}∞`]]);
 
 /** A number that Python has written, in French: at most `digits` significant digits, π/2 by its name. */
 export function french(text, digits = DIGITS) {
-  if (text in BEYOND) return BEYOND[text];
+  if (BEYOND.has(text)) return BEYOND.get(text);
   if (/^-?\d+$/.test(text)) return integer(text, digits);
   const value = Number(text);
   if (Number.isNaN(value)) return exact(text); // a complex number, or one of which but the size is told
@@ -18,7 +18,7 @@ export function french(text, digits = DIGITS) {
 
 /** All its digits, with a decimal comma. */
 export function exact(text) {
-  return BEYOND[text] ?? text.replace(/10\^(\d+)/, (_, power) => `10${raised(power)}`).replaceAll("-", MINUS).replaceAll(".", ",");
+  return BEYOND.get(text) ?? text.replace(/10\^(\d+)/, (_, power) => `10${raised(power)}`).replaceAll("-", MINUS).replaceAll(".", ",");
 }
 
 /** An item of an array, which is not always a number. */

@@ -3,6 +3,8 @@
 export class Trace {
   #histories; // of each frame: name → [{step, value (null once deleted), entries}], in the order of the steps
   #own; // of each frame: its steps, in order
+  #paths = new Map();
+  #passages = null;
 
   /** `data` is what the server answers (`TraceOut` in server/steps/schemas.py). */
   constructor(data) {
@@ -76,21 +78,24 @@ export class Trace {
 
   /** A frame and those that led to it, from the outside in. */
   path(frame) {
-    const way = [];
-    for (let one = frame; one !== null && one !== undefined && !way.includes(one); one = this.frames[one].parent) way.unshift(one);
-    return way;
+    if (!this.#paths.has(frame)) {
+      const { parent } = this.frames[frame]; // it was there before
+      this.#paths.set(frame, parent === null ? [frame] : [...this.path(parent), frame]);
+    }
+    return this.#paths.get(frame);
   }
 
-  /** For each line that was about to be executed, the steps at which it was. */
-  get passages() {
-    if (this.found) return this.found;
-    this.found = new Map();
-    this.steps.forEach(({ event, line }, step) => {
-      if (event !== "line") return;
-      if (!this.found.has(line)) this.found.set(line, []);
-      this.found.get(line).push(step);
-    });
-    return this.found;
+  /** The steps at which a line was about to be executed. */
+  passages(line) {
+    if (!this.#passages) {
+      this.#passages = new Map();
+      this.steps.forEach((one, step) => {
+        if (one.event !== "line") return;
+        if (!this.#passages.has(one.line)) this.#passages.set(one.line, []);
+        this.#passages.get(one.line).push(step);
+      });
+    }
+    return this.#passages.get(line) ?? [];
   }
 }
 
