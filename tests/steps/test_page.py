@@ -212,6 +212,31 @@ def test_one_goes_to_a_lap_and_past_the_loop() -> None:
     assert (header["lap"], len(header["laps"])) == (-1, 3), "at its header, the loop says how many laps it has"
 
 
+def lapped(source: str, *lines: int) -> list[list[int]]:
+    """At each step of these lines: of the loops around it, the line and the laps that are begun."""
+    data = trace(source, [step(line) for line in lines])
+    expression = """(() => {
+      const loops = new Loops(new Trace(d));
+      return d.steps.map((_, k) => loops.around(k).map((one) => [one.line, one.lap + 1, one.laps.length]));
+    })()"""
+    found: list[list[int]] = SCRIPTS.value(expression, d=data)
+    return found
+
+
+def test_an_endless_loop_whose_header_is_not_come_back_to_has_its_laps() -> None:
+    source = "while True:\n    n -= 1\n    if n:\n        break\nx = n"
+    assert lapped(source, 1, 2, 3, 2, 3, 4, 5) == [[[1, 0, 2]], *[[[1, 1, 2]]] * 2, *[[[1, 2, 2]]] * 3, []]
+    nested = "while True:\n    for k in a:\n        n += k\n    n -= 1"
+    inner = lapped(nested, 1, 2, 3, 2, 3, 2, 4, 2, 3, 2, 4)
+    assert [around[-1] for around in inner] == [[1, 0, 2], *[[1, 1, 2]] * 6, *[[1, 2, 2]] * 4]
+
+
+def test_a_loop_that_is_left_by_returning_is_over_there() -> None:
+    data = followed("left", 9)
+    [inside] = SCRIPTS.value("new Loops(new Trace(d)).around(4)", d=data)
+    assert data["steps"][inside["after"]]["event"] == "return"
+
+
 def told(value: float) -> str:
     """What a verdict says of a number, in the signs of the page."""
     text = words.number(value)
@@ -236,10 +261,11 @@ def test_numbers_beyond_digits_are_named_and_no_small_one_is_called_nothing() ->
     said = SCRIPTS.value("texts.map((one) => french(one))", texts=["nan", "inf", "-inf", "(1+2.5j)", "6e-17", "-0.0"])
     assert said == ["nan", "∞", "−∞", "(1+2,5j)", "6\u00a0×\u00a010⁻¹⁷", "0"]
     assert SCRIPTS.value("french(t)", t="9" * 5000) == "environ 10⁴⁹⁹⁹"
-    assert SCRIPTS.value("[inArray('6e-17', 1), inArray('6e-17', 1e-16), exact('-6.5e-17')]") == [
+    assert SCRIPTS.value("[inArray('6e-17', 1), inArray('6e-17', 1e-16), exact('-6.5e-17'), inArray('1e-12', 1)]") == [
         "≈\u202f0",
         "6\u00a0×\u00a010⁻¹⁷",
         "−6,5e−17",
+        "1\u00a0×\u00a010⁻¹²",
     ]
 
 
@@ -285,6 +311,7 @@ def test_what_may_be_drawn_is_offered_and_taken_for_what_its_name_says(name: str
         {"kind": "text", "text": "ab", "length": 2},
         listed(float("inf"), 1),
         {**array([1, 2], [3, 4]), "cut": True},
+        {**listed(listed(1, 2), listed(3, 4)), "length": 9},
         {**array([1, 0], [0, 1]), "dtype": "bool", "values": ["True", "False"] * 2},
     ],
 )
