@@ -310,7 +310,6 @@ def test_what_may_be_drawn_is_offered_and_taken_for_what_its_name_says(name: str
         array([1e300, 1], [2, 3]),
         {"kind": "text", "text": "ab", "length": 2},
         listed(float("inf"), 1),
-        {**array([1, 2], [3, 4]), "cut": True},
         {**listed(listed(1, 2), listed(3, 4)), "length": 9},
         {**array([1, 0], [0, 1]), "dtype": "bool", "values": ["True", "False"] * 2},
     ],

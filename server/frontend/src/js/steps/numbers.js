@@ -22,8 +22,8 @@ export function exact(text) {
 }
 
 /** An item of an array, which is not always a number. */
-export function itemOf(text, { dtype }, greatest) {
-  return NUMERIC.test(dtype) ? inArray(text, greatest) : text;
+export function itemOf(text, { dtype }, greatest, digits = DIGITS) {
+  return NUMERIC.test(dtype) ? inArray(text, greatest, digits) : text;
 }
 
 /** The same with all its digits. */

@@ -5,6 +5,7 @@ import { drawn } from "./svg.js";
 import { counted, shape } from "./words.js";
 
 const LEAST = 9; // numbers, for a picture to say more than they do
+const LEAST_SIDE = 5; // of two dimensions: fewer columns are rather the coordinates of points
 const [WIDE, TALL] = [288, 56];
 const MOST_SIDE = 14; // pixels of a cell
 
@@ -18,7 +19,7 @@ export function picture(value, entries) {
   const { shape: sizes, values, cut } = value;
   const numbers = values.map((one) => (one === "True" ? 1 : one === "False" ? 0 : Number(one)));
   if (sizes.length > 2 || numbers.length < LEAST || !numbers.some(Number.isFinite)) return null;
-  if (sizes.length === 2 && (sizes[0] < 3 || sizes[1] < 3)) return null;
+  if (sizes.length === 2 && Math.min(...sizes) < LEAST_SIDE) return null;
   const finite = numbers.filter(Number.isFinite);
   const [low, high] = [Math.min(...finite), Math.max(...finite)];
   const range = `de ${french(String(low))} à ${french(String(high))}`;

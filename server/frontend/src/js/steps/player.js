@@ -134,7 +134,15 @@ export class Player {
     this.crumbs.replaceChildren(...parts);
   }
 
-  #over({ end }) {
+  /** How it ended; where steps are missing before that, it is said first. */
+  #over(data) {
+    const last = data.steps.at(-1);
+    const whole = !last || ((last.event === "return" || last.event === "exception") && data.frames[last.frame].parent === null);
+    const missing = whole ? [] : [make("p", { class: "steps-missing" }, "La suite n’est pas montrée. ", ...data.left_out.map((words) => `${words} `))];
+    return make("div", {}, ...missing, this.#ended(data.end));
+  }
+
+  #ended(end) {
     if (end.kind === "returned") {
       if (!end.value) return make("p", {}, "Le programme est allé au bout.");
       const got = make("div", { class: this.told.length > 0 ? "got" : "" }, make("h3", {}, "Renvoyé"), make("div", { class: "value" }, this.values.show(end.value, { key: "fin" })));

@@ -1,13 +1,14 @@
 // The points and poses of a step on one drawing, as they are and, dashed, as they were before the line that changed them.
 
-import { make } from "../replays/dom.js";
-import { decimal } from "../replays/dom.js";
+import { decimal, make } from "../replays/dom.js";
+import { french } from "./numbers.js";
 import { drawable, rowsOf } from "./shapes.js";
 import { drawn } from "./svg.js";
 
 const [WIDE, TALL, MARGIN] = [360, 270, 26];
 const LOOKS = 5; // of the shapes and colours, in turn
 const LEAST_SPAN = 1;
+const CROWD = 60; // points, from which they are small
 /** Where the name of each stands beside its first mark: points at one place do not hide each other's names. */
 const BESIDE = [
   { x: 9, y: -7 }, { x: 9, y: 17 }, { x: -9, y: -7, "text-anchor": "end" }, { x: -9, y: 17, "text-anchor": "end" },
@@ -58,7 +59,7 @@ export class Scene {
     const parts = shown.map((one, k) => this.#marks(one, paper, k % LOOKS));
     const label = `Dessin de ${shown.map((one) => one.name).join(", ")}`;
     const svg = drawn("svg", { viewBox: `0 0 ${WIDE} ${TALL}`, role: "img", "aria-label": label }, ...axes(paper), ...parts.flat());
-    const keys = shown.map((one, k) => make("li", { class: `steps-look-${k % LOOKS}` }, sample(this.choice(one.name, one.value), k % LOOKS), one.name));
+    const keys = shown.map((one, k) => make("li", { class: `steps-look-${k % LOOKS}` }, sample(this.choice(one.name, one.value), k % LOOKS), one.name, part(one.value)));
     const dashed = shown.some((one) => one.changed && one.before) ? [make("li", { class: "soft" }, "en tirets\u00a0: avant la dernière ligne")] : [];
     this.element.replaceChildren(svg, make("ul", { class: "steps-keys", role: "list" }, ...keys, ...dashed));
   }
@@ -85,7 +86,8 @@ export class Scene {
     const [rows, kind] = [rowsOf(value), this.choice(name, value)];
     const old = changed && before ? rowsOf(before) : null;
     const place = (row) => `translate(${paper.x(row[0]).toFixed(2)} ${paper.y(row[1]).toFixed(2)})`;
-    const one = (row, was) => drawn("g", { transform: place(row), class: `steps-look-${look}${was ? " steps-was" : ""}` }, sign(kind, look, row[2]));
+    const size = rows.length > CROWD ? " scale(0.5)" : "";
+    const one = (row, was) => drawn("g", { transform: place(row) + size, class: `steps-look-${look}${was ? " steps-was" : ""}` }, sign(kind, look, row[2]));
     const words = drawn("text", BESIDE[look], name.slice(0, 24));
     const first = drawn("g", { transform: place(rows[0]), class: `steps-look-${look}` }, words);
     return [...(old ?? []).filter((row, k) => String(row) !== String(rows[k])).map((row) => one(row, true)), ...rows.map((row) => one(row, false)), first];
@@ -97,6 +99,11 @@ function sign(kind, look, angle = 0) {
   if (kind === "poses") return drawn("path", { d: "M-8 -6 L10 0 L-8 6 L-4 0 Z", transform: `rotate(${((-angle * 180) / Math.PI).toFixed(2)})` });
   const shapes = ["M-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0", "M-4 -4h8v8h-8z", "M0 -5l5 9h-10z", "M0 -5.5l5.5 5.5l-5.5 5.5l-5.5 -5.5z", "M-4 -4l8 8M4 -4l-8 8"];
   return drawn("path", { d: shapes[look] });
+}
+
+/** Of an array that is cut, how much of it is drawn. */
+function part(value) {
+  return value.cut ? `\u00a0(les ${rowsOf(value).length} premiers sur ${french(String(value.shape[0]))})` : "";
 }
 
 function sample(kind, look) {

@@ -13,11 +13,12 @@ export function rowsOf(value) {
   return rows && rows.length > 0 && rows.length <= MOST && rows.flat().every((one) => Math.abs(one) < FARTHEST) ? rows : null;
 }
 
-function arrayRows({ shape, values, cut, dtype }) {
-  if (cut || dtype === "bool" || ![2, 3].includes(shape.at(-1)) || shape.length > 2) return null;
+/** Of an array that is cut, the first rows. */
+function arrayRows({ shape, values, dtype }) {
+  if (dtype === "bool" || ![2, 3].includes(shape.at(-1)) || shape.length > 2) return null;
   const numbers = values.map(Number);
   const wide = shape.at(-1);
-  return Array.from({ length: numbers.length / wide }, (_, k) => numbers.slice(wide * k, wide * (k + 1)));
+  return Array.from({ length: Math.floor(numbers.length / wide) }, (_, k) => numbers.slice(wide * k, wide * (k + 1)));
 }
 
 function listRows({ items, length, type }) {
@@ -33,8 +34,9 @@ export function drawable(name, value) {
   if (!rows) return null;
   const alone = value.kind === "array" ? value.shape.length === 1 : rows.length === 1 && value.items.every((one) => one.kind === "number");
   if (rows[0].length === 2) {
-    const square = value.kind === "array" && value.shape.length === 2 && value.shape[0] === 2; // a matrix of rotation, as likely
-    return { offered: ["points"], guess: POINTS.test(name) || (!alone && !square) ? "points" : "" };
+    // two by two may as well be a rotation, and whole numbers be rows and columns of a map
+    const doubtful = value.kind === "array" && (/int/.test(value.dtype) || (value.shape.length === 2 && value.shape[0] === 2));
+    return { offered: ["points"], guess: POINTS.test(name) || (!alone && !doubtful) ? "points" : "" };
   }
   const turns = rows.every((row) => Math.abs(row[2]) <= LARGEST_ANGLE);
   const matrix = value.kind === "array" && value.shape.length === 2 && value.shape[0] === 3 && !/pose|particul|traj/i.test(name);

@@ -8,6 +8,7 @@ import { brief, counted, named, other, shape } from "./words.js";
 const MOST_CELLS = 64; // of an array that is shown at once; a larger one is drawn, and unfolds
 const MOST_COLUMNS = 12;
 const MOST_ITEMS = 12;
+const [WIDE, FEWER_DIGITS] = [5, 4]; // columns from which numbers are written shorter
 const LEVELS = 6;
 const NESTED = new Set(["array", "sequence", "mapping"]); // in which what differs is marked itself
 
@@ -45,12 +46,14 @@ export class Values {
     if (value.values.length === 0) return note(`tableau ${shape(value)}, ${value.dtype}`);
     const large = value.cut || total > MOST_CELLS || columns > MOST_COLUMNS;
     const told = `${value.shape.length === 1 ? counted(total, "valeur") : shape(value)}${value.dtype === "float64" ? "" : `, ${value.dtype}`}`;
-    if (!large) return make("div", { class: "steps-array" }, this.#grid(value, before, entries), note(told, value.shape.length > 2 || value.dtype !== "float64"));
+    const drawn = large || value.shape.length === 1 ? picture(value, entries) : null;
+    const above = drawn ? [drawn] : [];
+    const special = value.shape.length > 2 || value.dtype !== "float64";
+    if (!large) return make("div", { class: "steps-array" }, ...above, this.#grid(value, before, entries), note(told, special));
     const changes = entries.length > 0 ? ` ; ${changedCells(entries.length)}` : "";
     const cut = value.cut ? ` ; seules les ${value.values.length} premières valeurs sont là` : "";
-    const drawn = picture(value, entries);
     const whole = this.#fold(key, `Tableau ${value.shape.length === 1 ? "de " : ""}${told}${cut}${changes}`, () => [this.#grid(value, before, entries)]);
-    return make("div", { class: "steps-array" }, ...(drawn ? [drawn] : []), whole);
+    return make("div", { class: "steps-array" }, ...above, whole);
   }
 
   #grid(array, before, entries) {
@@ -58,7 +61,7 @@ export class Values {
     const columns = sizes.at(-1);
     const changed = new Set(entries);
     const greatest = Math.max(0, ...values.map((one) => Math.abs(Number(one))).filter(Number.isFinite));
-    const written = (text) => (this.exactly ? exactItem(text, array) : itemOf(text, array, greatest));
+    const written = (text) => (this.exactly ? exactItem(text, array) : itemOf(text, array, greatest, columns > WIDE ? FEWER_DIGITS : undefined));
     const rows = [];
     for (let start = 0; start < values.length; start += columns) {
       const cells = values.slice(start, start + columns).map((text, k) => {

@@ -16,16 +16,16 @@ export class Variables {
   }
 
   /** Shows `Trace.variables`. */
-  show(variables) {
-    const changed = variables.filter((one) => one.changed);
+  show(all) {
+    const [variables, tools] = [all.filter((one) => !isTool(one.value)), all.filter((one) => isTool(one.value))];
     const shown = this.#all || variables.length <= MOST ? variables : variables.filter((one, k) => one.changed || k < MOST).slice(0, 2 * MOST);
     const twins = aliases(variables);
     const parts = shown.map((one) => this.#row(one, twins));
     const left = variables.length - shown.length;
     if (left > 0) parts.push(this.#rest(left));
     if (variables.length === 0) parts.push(make("p", { class: "soft" }, "Pas encore de variable."));
+    if (tools.length > 0) parts.push(make("p", { class: "soft small" }, `Fonctions et modules\u00a0: ${tools.map((one) => one.name).join(", ")}.`));
     this.element.replaceChildren(...parts);
-    return changed.length;
   }
 
   #rest(left) {
@@ -52,6 +52,11 @@ export class Variables {
     const look = `steps-variable${short ? " steps-short" : ""}${changed ? " steps-variable-changed" : ""}`;
     return make("div", { class: look }, ...(short ? [label, held, sign, ...(chooser ? [chooser] : [])] : [make("div", { class: "steps-variable-head" }, label, sign, ...(chooser ? [chooser] : [])), held]));
   }
+}
+
+/** What one calls rather than looks at. */
+function isTool({ kind, type }) {
+  return kind === "other" && ["function", "module", "type", "builtin_function_or_method"].includes(type);
 }
 
 /** Of each object that several names hold, these names. */

@@ -103,7 +103,8 @@ function begun(name, names) {
 }
 
 function over(name, value) {
-  if (name === "<module>" || value === null) return `Fin : ${nameOf(name)}.`;
+  if (name === "<module>") return "Fin du programme.";
+  if (value === null) return `Fin : ${nameOf(name)}.`;
   return `${capital(nameOf(name))} renvoie ${brief(value)}.`;
 }
 
