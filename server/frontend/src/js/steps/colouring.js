@@ -3,12 +3,13 @@
 import { python } from "@codemirror/legacy-modes/mode/python";
 
 const TAB = 4;
+const LONGEST = 1000; // characters of a line that somebody reads
 
 /** Of each line, its pieces as [text, kind]; the kind is empty for what has no colour. */
 export function coloured(lines) {
   const state = python.startState(TAB);
   return lines.map((text) => {
-    if (text === "") return [];
+    if (text === "" || text.length > LONGEST) return [];
     const line = new Line(text);
     const pieces = [];
     while (!line.eol()) {

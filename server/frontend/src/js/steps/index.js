@@ -39,7 +39,7 @@ export async function replay(asking) {
   const check = asking.closest(".check-body");
   const place = asking.parentElement.querySelector(".problem") ?? asking.parentElement.appendChild(refused());
   const trace = await asked(asking, place, asking.dataset.steps, { check: asking.dataset.check });
-  if (!trace) return;
+  if (!trace || !asking.isConnected) return; // another verdict has taken its place
   if (trace.steps.length === 0 && trace.end.kind === "cut") {
     place.textContent = `${trace.end.title}. ${trace.end.message}`;
     place.hidden = false;
@@ -64,6 +64,7 @@ export function refused() {
 /** Opens a trace over the page; `told` as in `Player`. */
 export async function show(trace, told = []) {
   await styles();
+  document.querySelector("dialog.stepping")?.close();
   const player = new Player(trace, told);
   const close = button("Fermer", () => dialog.close());
   const title = make("h2", { id: "titre-pas-a-pas" }, "Pas à pas");
