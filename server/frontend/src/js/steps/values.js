@@ -9,6 +9,7 @@ const MOST_CELLS = 64; // of an array that is shown at once; a larger one is dra
 const MOST_COLUMNS = 12;
 const MOST_ITEMS = 12;
 const [WIDE, FEWER_DIGITS] = [5, 4]; // columns from which numbers are written shorter
+const MOST_TOLD = 3; // changes of a large array that are told one by one
 const LEVELS = 6;
 const NESTED = new Set(["array", "sequence", "mapping"]); // in which what differs is marked itself
 
@@ -53,7 +54,15 @@ export class Values {
     const changes = entries.length > 0 ? ` ; ${changedCells(entries.length)}` : "";
     const cut = value.cut ? ` ; seules les ${value.values.length} premières valeurs sont là` : "";
     const whole = this.#fold(key, `Tableau ${value.shape.length === 1 ? "de " : ""}${told}${cut}${changes}`, () => [this.#grid(value, before, entries)]);
-    return make("div", { class: "steps-array" }, ...above, whole);
+    const few = entries.length > 0 && entries.length <= MOST_TOLD ? [make("span", { class: "steps-changes" }, entries.map((k) => this.#change(value, before, k)).join("\u202f; "))] : [];
+    return make("div", { class: "steps-array" }, ...above, ...few, whole);
+  }
+
+  /** « [2, 3] : 0 → 0,8 ». */
+  #change(value, before, place) {
+    const written = (text) => (this.exactly ? exactItem(text, value) : itemOf(text, value, 0));
+    const was = before?.kind === "array" && before.values[place] !== undefined ? `${written(before.values[place])} → ` : "";
+    return `${indices(value.shape, place)}\u00a0: ${was}${written(value.values[place])}`;
   }
 
   #grid(array, before, entries) {
@@ -137,6 +146,17 @@ export class Values {
 export function same(a, b) {
   const plain = (name, value) => (name === "alias" ? undefined : value);
   return JSON.stringify(a, plain) === JSON.stringify(b, plain);
+}
+
+/** « [2, 3] », of the place of an item among all. */
+function indices(shape, place) {
+  const found = [];
+  let rest = place;
+  for (const size of [...shape].reverse()) {
+    found.unshift(rest % size);
+    rest = Math.floor(rest / size);
+  }
+  return `[${found.join(", ")}]`;
 }
 
 function flat(items) {
