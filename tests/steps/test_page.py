@@ -330,6 +330,8 @@ def test_each_step_is_told_in_a_short_sentence() -> None:
         "Ligne 3 à exécuter ; la ligne 2 change x, y, z, u et 2 autres.",
         "f0 renvoie 2,5.",
     ]
+    returned = trace("a", [step(1, "return") | {"value": array([1, 2], [3, 4])}])
+    assert SCRIPTS.value(say, d=returned) == ["f0 renvoie un tableau 2\u00a0×\u00a02."]
     failing = trace("a", [step(1, "call"), step(1), {**step(1, "exception"), "words": "ZeroDivisionError : …"}])
     assert SCRIPTS.value(say, d=failing)[-1] == "La ligne 1 échoue : ZeroDivisionError : …"
     lost = trace("a\nb", [step(1, "call", a=1), step(1), step(2, gone=("a",))])

@@ -145,12 +145,23 @@ export class Player {
   #ended(end) {
     if (end.kind === "returned") {
       if (!end.value) return make("p", {}, "Le programme est allé au bout.");
-      const got = make("div", { class: this.told.length > 0 ? "got" : "" }, make("h3", {}, "Renvoyé"), make("div", { class: "value" }, this.values.show(end.value, { key: "fin" })));
+      const got = make("div", { class: this.told.length > 0 ? "got" : "" }, make("h3", {}, "Renvoyé"), make("div", { class: "value" }, this.#returned(end.value)));
       return make("div", { class: "counterexample" }, ...this.told.map((one) => one.cloneNode(true)), got);
     }
     const look = end.kind === "fault" ? "steps-over steps-over-fault" : "steps-over";
     const where = end.line ? ` (ligne ${end.line})` : "";
     return make("div", { class: look }, make("strong", {}, `${end.title}${end.title ? where : ""}`), make("p", {}, end.message), ...(this.told.length > 0 ? [make("div", { class: "counterexample" }, ...this.told.map((one) => one.cloneNode(true)))] : []));
+  }
+
+  /** What comes back, its parts under the names that the verdict gives them. */
+  #returned(value) {
+    const names = this.told.flatMap((one) => [...one.querySelectorAll(".named-value > code")].map((name) => name.textContent));
+    if (names.length < 2 || value.kind !== "sequence" || value.items.length !== names.length) return this.values.show(value, { key: "fin" });
+    const parts = names.map((name, k) => {
+      const shown = this.values.show(value.items[k], { key: `fin${k}` });
+      return make("div", { class: "named-value" }, make("code", {}, name), make("span", { "aria-hidden": "true" }, "="), shown);
+    });
+    return make("div", { class: "named-values" }, ...parts);
   }
 
   #round(exactly) {

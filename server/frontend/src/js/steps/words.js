@@ -105,7 +105,11 @@ function begun(name, names) {
 function over(name, value) {
   if (name === "<module>") return "Fin du programme.";
   if (value === null) return `Fin : ${nameOf(name)}.`;
-  return `${capital(nameOf(name))} renvoie ${brief(value)}.`;
+  return `${capital(nameOf(name))} renvoie ${articled(brief(value))}.`;
+}
+
+function articled(text) {
+  return text.replace(/^(?=(?:tableau|tuple|dictionnaire|ensemble) )/, "un ").replace(/^(?=liste )/, "une ");
 }
 
 function capital(text) {
