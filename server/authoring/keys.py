@@ -113,6 +113,7 @@ KEYS: Mapping[type[BaseModel], Keys] = {
         "returns": Key("ce qu’elle renvoie, en mots", '"une pose (3,)"'),
         "doc": Key("ce qu’elle fait, en une phrase", '"la pose qui, composée avec a, donne (0, 0, 0)"'),
         "parts": Key("noms des valeurs, si elle en renvoie plusieurs", '["R", "t"]'),
+        "example": Key("un appel, valeurs comprises, que l’élève peut rejouer pas à pas", '"inverse((1, 2, pi / 2))"'),
     },
     questions.ChoiceFile: {
         "form": Key("la sorte de questions", '"choice"'),

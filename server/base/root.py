@@ -17,7 +17,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 ATTRIBUTES = (
     "href", "src", "srcset", "action", "formaction",
     "data-source", "data-action", "data-hands", "data-answers", "data-save", "data-stream", "data-progress",
-    "data-events", "data-verdict",
+    "data-events", "data-verdict", "data-steps",
 )  # fmt: skip
 #: Our templates and our Markdown write every address so, and escape quotes in what they show.
 _ADDRESS = re.compile(rf'(?<=\s)({"|".join(ATTRIBUTES)})="/(?!/)')

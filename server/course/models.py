@@ -67,7 +67,8 @@ class CourseFault(Exception):
 class FunctionSpec:
     """A function (or class) that the student writes. `signature` is shown as it stands.
 
-    `parts` are the names of the values of the tuple that it returns, if that is what it does.
+    `parts` are the names of the values of the tuple that it returns, if that is what it does. `example` is a call to
+    begin from, or empty.
     """
 
     name: str
@@ -75,6 +76,11 @@ class FunctionSpec:
     returns: str
     doc: str
     parts: tuple[str, ...] = ()
+    example: str = ""
+
+    @property
+    def is_class(self) -> bool:
+        return self.signature.startswith("class ")
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,13 +53,17 @@ class ModuleFile(Strict):
 
 
 class FunctionEntry(Strict):
-    """One function to write. `signature` may carry a default or a keyword such as `class`."""
+    """One function to write. `signature` may carry a default or a keyword such as `class`.
+
+    `example` is a call of it, in plain values, that a student may begin from.
+    """
 
     name: Annotated[str, Field(pattern=r"^[^\W\d]\w*$")]
     signature: Text
     returns: str = ""
     doc: str = ""
     parts: list[Text] = []
+    example: str = ""
 
 
 class Overrides(Strict):

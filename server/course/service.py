@@ -204,7 +204,14 @@ def _exercise(sources: Sources, module: Path, path: Path) -> Exercise:
         stars=card.stars,
         origin=card.origin,
         functions=tuple(
-            FunctionSpec(function.name, function.signature, function.returns, function.doc, tuple(function.parts))
+            FunctionSpec(
+                function.name,
+                function.signature,
+                function.returns,
+                function.doc,
+                tuple(function.parts),
+                function.example,
+            )
             for function in card.functions
         ),
         starter=graded.starter,

@@ -207,12 +207,19 @@ class ExerciseFrame:
 
 @dataclass(frozen=True)
 class ExercisePage(ExerciseFrame):
+    """An exercise of code. `replay` is where one has a call of one's own replayed, empty where there is none.
+
+    `examples` are calls to begin from, each with the name of its function.
+    """
+
     functions: tuple[FunctionView, ...]
     reused: tuple[ReusedView, ...]
     starter: str
     code: str
     taken: bool
     limits: tuple[tuple[str, str], ...]
+    replay: str
+    examples: tuple[tuple[str, str], ...]
     kit_href: str
     kit_name: str
 

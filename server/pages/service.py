@@ -33,6 +33,7 @@ from server.pages.schemas import (
     ToldView,
     WorkView,
 )
+from server.steps.replayable import can_replay
 from server.submissions import deals
 from server.submissions.models import State
 from server.submissions.service import Place
@@ -98,6 +99,8 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
         code=taken if taken is not None else written,
         taken=taken is not None,
         limits=policy_lines(exercise),
+        replay=f"{exercise_href(exercise)}/pas" if any(not one.is_class for one in exercise.functions) else "",
+        examples=tuple((function.name, function.example) for function in exercise.functions if function.example),
         kit_href=f"/{exercise.module}/kit/{kit}",
         kit_name=kit,
     )
@@ -283,7 +286,10 @@ def _work(
 def _verdict_view(exercise: Exercise, verdict: Verdict, href: str, grading: Grading) -> VerdictView:
     texts = None if exercise.answers is None else exercise
     films = (f"{href}/rejeux", grading.filmed or ())
-    return verdicts.view(verdict, f"{href}/figures", texts, exercise.functions, grading=grading.id, films=films)
+    replayed = (f"{href}/pas", [check.id for check in verdict.checks if can_replay(exercise, check)])
+    return verdicts.view(
+        verdict, f"{href}/figures", texts, exercise.functions, grading=grading.id, films=films, replayed=replayed
+    )
 
 
 def _progress(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict | None) -> Mended | None:

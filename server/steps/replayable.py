@@ -11,6 +11,8 @@ from graders.core.compare.words import MORE
 from graders.core.contract.verdict import CheckResult
 from server.course import Exercise
 
+#: The numbers that JSON tells as text.
+SPECIAL = frozenset({"nan", "inf", "-inf"})
 _PARAMETERS = re.compile(r"\((.*)\)\s*$", re.DOTALL)
 
 
@@ -28,6 +30,8 @@ def can_replay(exercise: Exercise, check: CheckResult) -> bool:
         return False
     if len(found.functions) > 1 and not isinstance(found, Untouched):
         return False
+    if not found.tells_call and any(map(_is_described, shown.inputs.values())):
+        return False
     names = set(shown.inputs)
     parameters = [_parameters(exercise, function) for function in found.functions]
     if found.tells_call:
@@ -42,6 +46,11 @@ def _parameters(exercise: Exercise, function: str) -> tuple[set[str], set[str]]:
     parts = inside[1].split(",") if inside else []
     names = {part.split("=")[0].split(":")[0].strip(" *"): "=" not in part for part in parts}
     return set(names), {name for name, required in names.items() if required}
+
+
+def _is_described(value: object) -> bool:
+    """Whether words stand for the value (« 40 scans »), and not the value itself."""
+    return isinstance(value, str) and value not in SPECIAL
 
 
 def _is_whole(inputs: dict[str, object]) -> bool:

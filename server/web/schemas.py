@@ -103,6 +103,8 @@ class FigureView:
 
 @dataclass(frozen=True)
 class CheckView:
+    """A check of a verdict; `replay` is where its counterexample is replayed line by line, or empty."""
+
     id: str
     title: str
     passed: bool
@@ -113,6 +115,7 @@ class CheckView:
     counterexample: CounterexampleView | None
     figure: FigureView | None
     filmed: bool = False
+    replay: str = ""
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,9 @@ Figures = tuple[str, UUID | None]
 #: The address under which films are made replays, and the checks that have one.
 Films = tuple[str, Collection[str]]
 NO_FILMS: Films = ("", ())
+#: The address that replays a counterexample line by line, and the checks of which it can.
+Replayed = tuple[str, Collection[str]]
+NOT_REPLAYED: Replayed = ("", ())
 NAME = re.compile(r"[^\W\d]\w*")
 TIMINGS = {
     "load_ms": "chargement de votre fichier",
@@ -44,6 +47,7 @@ def view(
     *,
     grading: UUID | None = None,
     films: Films = NO_FILMS,
+    replayed: Replayed = NOT_REPLAYED,
 ) -> VerdictView:
     """Lay out a verdict. `figures` is the address under which its figures are drawn.
 
@@ -61,7 +65,9 @@ def view(
         tone=_tone(verdict),
         points=mark(verdict.points) if verdict.outcome.counts else "",
         common=common_message(verdict.checks),
-        checks=tuple(_check(check, (figures, grading), marked, functions, films[1]) for check in verdict.checks),
+        checks=tuple(
+            _check(check, (figures, grading), marked, functions, films[1], replayed) for check in verdict.checks
+        ),
         diagnosis=_diagnosis(verdict.diagnosis) if verdict.diagnosis else None,
         stdout=verdict.stdout,
         timings=tuple(_timing(name, value) for name, value in verdict.timings.items()),
@@ -101,9 +107,11 @@ def _check(
     figures: Figures,
     marked: bool,
     functions: Sequence[FunctionSpec],
-    filmed: Collection[str] = (),
+    filmed: Collection[str],
+    replayed: Replayed,
 ) -> CheckView:
     counterexample = check.counterexample
+    address, which = replayed
     return CheckView(
         id=check.id,
         title=check.title,
@@ -115,6 +123,7 @@ def _check(
         counterexample=_counterexample(counterexample, functions, shows_inputs=not marked) if counterexample else None,
         figure=_figure(check, figures) if check.figure else None,
         filmed=check.id in filmed,
+        replay=address if check.id in which else "",
     )
 
 

@@ -30,6 +30,9 @@ def test_wrong_then_understood_then_right(visit: NewVisit) -> None:
     for part in ("Donné", "Attendu", "Obtenu"):
         expect(first.get_by_role("heading", name=part)).to_be_visible()
     expect(first.locator(".check-hint")).to_be_visible()
+    first.get_by_role("button", name="Rejouer pas à pas").click()
+    expect(page.locator("dialog.stepping .steps-status")).to_contain_text("Appel de composer")
+    page.keyboard.press("Escape")
     picture = first.locator("img")
     picture.scroll_into_view_if_needed()
     page.wait_for_function("image => image.complete && image.naturalWidth > 100", arg=picture.element_handle())

@@ -70,6 +70,9 @@ def test_one_reads_runs_answers_sends_and_teaches_under_a_path(under: Server, vi
 
     visitor.open(EXERCISE)
     visitor.submit("def composer(a, b):\n    return a\n")
+    page.get_by_role("button", name="Rejouer pas à pas").first.click()
+    expect(page.locator("dialog.stepping .steps-keyword").first).to_be_visible()
+    page.keyboard.press("Escape")
     visitor.submit((ROOT / "graders" / "l20" / "poses" / "solution.py").read_text(encoding="utf-8"))
     expect(page.locator("[data-part=verdict]")).to_contain_text("20")
 

@@ -125,5 +125,9 @@ def test_nothing_is_offered_of_what_is_not_whole_or_not_one_call(course: Course)
     assert not can_replay(exercise, replace(sound, passed=True, points=sound.max_points))
     for odd in ({}, {"a": [1, "…"]}, {"a": {"forme": [900], "premiers": [0]}}, {"scan": [1]}, {"a": "x" * 300 + "…"}):
         assert not can_replay(exercise, replace(sound, counterexample=Counterexample(odd, 0, 0)))
+    loops = course.exercises["l20/boucles"]
+    for scans, whole in (([[1.0, "inf"]], True), ("40 scans", False)):
+        told = Counterexample({"scans": scans, "i": 12, "seuil": 0.5}, 0, 0)
+        assert can_replay(loops, replace(sound, id="fenetre", counterexample=told)) == whole
     answers = next(one for one in course.exercises.values() if one.kind == "answers")
     assert not can_replay(answers, sound)

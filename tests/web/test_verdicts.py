@@ -42,6 +42,15 @@ def test_what_is_returned_together_is_named(inputs: dict[str, object], expected:
         assert [name for name, _ in value.items] == names
 
 
+@pytest.mark.parametrize(("which", "buttons"), [((), 0), ((CHECK["id"],), 1), (("another",), 0)])
+def test_what_can_be_replayed_is_offered_under_its_counterexample(which: tuple[str, ...], buttons: int) -> None:
+    check = CheckResult.from_json({**CHECK, "counterexample": {"inputs": {"x": 1}, "expected": 1, "got": 2}})
+    verdict = Verdict("m9/a", "abc", Outcome.WRONG_ANSWER, 1, [check])
+    view = verdicts.view(verdict, "/figures", replayed=("/soumissions/1/pas", which))
+    html = environment().from_string(SHOW).render(verdict=view)
+    assert html.count(f'data-steps="/soumissions/1/pas" data-check="{check.id}"') == buttons
+
+
 @pytest.mark.parametrize(
     "grader", [pytest.param(one, id=name, marks=[pytest.mark.slow] * one.long) for name, one in CODE.items()]
 )

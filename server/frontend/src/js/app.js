@@ -76,6 +76,12 @@ document.addEventListener("click", (event) => {
   film.querySelector("summary").focus({ preventScroll: true });
 });
 
+// A counterexample line by line: what shows it is fetched with the first of them.
+document.addEventListener("click", (event) => {
+  const asking = event.target.closest?.("button[data-steps]");
+  if (asking) import("./steps/index.js").then(({ replay }) => replay(asking));
+});
+
 function dress() {
   showFilms();
   showTheme();

@@ -42,12 +42,14 @@ class Cell {
     this.modify = button("Modifier", () => this.edit({}));
     this.run.setAttribute("aria-label", `Exécuter la cellule ${this.number}`);
     this.modify.setAttribute("aria-label", `Modifier la cellule ${this.number}`);
+    this.follow = button("Pas à pas", () => this.replay());
+    this.follow.setAttribute("aria-label", `Rejouer pas à pas la cellule ${this.number}`);
     this.reset = button("Rétablir", () => this.restore());
     this.reset.title = "Revenir au code de départ";
     this.reset.hidden = true;
     this.time = element("span", "cell-time");
     const bar = element("div", "cell-bar");
-    bar.append(this.run, this.stop, this.modify, this.reset, this.time);
+    bar.append(this.run, this.stop, this.follow, this.modify, this.reset, this.time);
     this.output = element("div", "cell-output");
     this.output.setAttribute("role", "log");
     this.output.setAttribute("aria-live", "polite");
@@ -140,6 +142,14 @@ class Cell {
       if (document.activeElement === this.stop) this.run.focus();
       this.busy = false;
     }
+  }
+
+  /** Line by line, over the page. */
+  async replay() {
+    const { asked, refused, show } = await import("./steps/index.js");
+    if (!this.refusal) this.section.append((this.refusal = refused()));
+    const trace = await asked(this.follow, this.refusal, `${this.section.dataset.action}/pas`, { code: this.text });
+    if (trace) show(trace);
   }
 
   async send(signal) {

@@ -132,4 +132,6 @@ for (const link of document.querySelectorAll(".skip[href='#code']")) {
 }
 for (const label of area.labels) label.addEventListener("click", () => editor.focus());
 setUpEditor();
+const own = document.getElementById("rejouer-un-appel");
+own?.parentElement.addEventListener("toggle", () => import("./calls.js").then((calls) => calls.setUp(own, () => editor.get())), { once: true });
 setUpSplitter(document.getElementById("cloison"));
