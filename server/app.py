@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fastapi import FastAPI
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware.gzip import GZipMiddleware
 
@@ -31,7 +31,7 @@ from server.cells.supervisor import Cells
 from server.classes.presence import Presence
 from server.classes.service import Classes
 from server.course import Course, load
-from server.database import Database, utc_now
+from server.database import Database, is_away, utc_now
 from server.desk.assignments.exemptions import router as exemptions_router
 from server.desk.assignments.routes import router as assignments_router
 from server.desk.board.routes import router as board_router
@@ -242,6 +242,16 @@ class Services:
             self.watch.look(db)
         self.collecting.collect(self.database, utc_now())
 
+    def first_look(self) -> None:
+        """A database that goes away just now keeps nobody from serving once it is back."""
+        try:
+            self.recover()
+            self.tidy()
+        except DBAPIError as error:
+            if not is_away(error):
+                raise
+            log.exception("the database does not answer as the service starts; looking again later")
+
     async def keep_recovering(self) -> None:
         seconds = min(RECOVER_EVERY, self.settings.lease_seconds / 3)
         await keep(seconds, self.recover, "lost leases could not be looked for; trying again later")
@@ -259,8 +269,7 @@ class Services:
             if self.engine is not None:
                 self.engine.connection.start()
                 stack.push_async_callback(run_in_threadpool, self.engine.connection.close)  # after the last worker
-            await run_in_threadpool(self.recover)
-            await run_in_threadpool(self.tidy)
+            await run_in_threadpool(self.first_look)
             stack.push_async_callback(self.cells.close)
             stack.push_async_callback(self.figures.pictures.close)
             stack.push_async_callback(self.archives.close)

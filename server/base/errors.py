@@ -95,6 +95,14 @@ class Crowded(Later):
     title = "Beaucoup de monde"
 
 
+class Away(Later):
+    """What the service stands on does not answer."""
+
+    status = HTTPStatus.SERVICE_UNAVAILABLE
+    slug = "indisponible"
+    title = "Indisponible un moment"
+
+
 class Failed(ServiceError):
     """Something of ours went wrong, and another try may succeed."""
 

@@ -2,6 +2,7 @@
 
 import errno
 import gc
+import logging
 import resource
 import signal
 import socket
@@ -13,7 +14,7 @@ from types import FrameType
 
 import uvicorn
 from fastapi import FastAPI
-from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
 from server.app import create_app
 from server.base import logs, traces
@@ -26,7 +27,7 @@ from server.cli.configuration import read_settings, start_traces
 from server.cli.local import Probing, require_safe_sandbox, start_probing
 from server.course import Course, load
 from server.course.memory import MEMORY, Memory
-from server.database import Database
+from server.database import STARTING_SECONDS, Database, is_away
 from server.database.migrate import WrongSchema, upgrade
 from server.figures.service import Figures
 from server.grading.supervisor import Supervisor
@@ -35,6 +36,8 @@ from server.identity import links
 from server.reading.ahead import read_ahead
 from server.sandbox import WallStatus, safe_to_serve
 from server.submissions.events import Events
+
+log = logging.getLogger(__name__)
 
 GRACE = 2  # seconds left to open connections when the server stops
 BACKLOG = 2048
@@ -220,6 +223,7 @@ def _refused(error: OSError, host: str, port: int) -> str:
 def _migrate(settings: Settings) -> None:
     database = Database(settings.url)
     try:
+        database.wait(STARTING_SECONDS)
         upgrade(database.engine)
     except WrongSchema as error:
         raise CannotRun(str(error)) from error
@@ -258,6 +262,11 @@ def _administrator_link(settings: Settings) -> str | None:
     try:
         with database.write() as db:
             token = links.invite_administrator(db)
+    except DBAPIError as error:
+        if not is_away(error):
+            raise
+        log.warning("the database does not answer: the next start tells the administrator's link, if there is one")
+        return None
     finally:
         database.close()
     return None if token is None else f"/bienvenue/{token}"

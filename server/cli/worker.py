@@ -12,6 +12,7 @@ from server.cli import CannotRun
 from server.cli.configuration import read_settings, start_traces
 from server.cli.database import opened
 from server.cli.local import require_safe_sandbox, start_probing
+from server.database import STARTING_SECONDS
 from server.grading.process import run as run_worker
 from server.grading.process import stop_on_signals
 from server.health.counts import Counts
@@ -34,7 +35,7 @@ def run(_arguments: Namespace) -> int:
     start_traces(f"worker[{os.getpid()}]")
     stop_on_signals(interrupt=True)
     try:
-        with opened(settings) as database:
+        with opened(settings, patience=STARTING_SECONDS) as database:
             if not settings.nats_url:
                 print(ALONE, file=sys.stderr)
             place = make_url(settings.url).render_as_string(hide_password=True)

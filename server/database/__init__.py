@@ -1,14 +1,24 @@
 """Engine, transactions, base of the tables, and migrations, for SQLite and PostgreSQL alike."""
 
 from server.database.base import Base, UtcDateTime, table_of, utc_now
-from server.database.engine import MOST_CONNECTIONS, Database, after_commit, is_locked, upserting
+from server.database.engine import (
+    MOST_CONNECTIONS,
+    STARTING_SECONDS,
+    Database,
+    after_commit,
+    is_away,
+    is_locked,
+    upserting,
+)
 
 __all__ = [
     "MOST_CONNECTIONS",
+    "STARTING_SECONDS",
     "Base",
     "Database",
     "UtcDateTime",
     "after_commit",
+    "is_away",
     "is_locked",
     "table_of",
     "upserting",

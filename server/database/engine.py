@@ -5,19 +5,23 @@ Every transaction is opened at an edge (an HTTP dependency, a worker's step, a c
 would otherwise fail, or lose updates.
 """
 
+import logging
 import sqlite3
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from sqlalchemy import Connection, Engine, create_engine, event, make_url
 from sqlalchemy.dialects import postgresql, sqlite
-from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
 from sqlalchemy.orm import Session, sessionmaker
 
 from server.base import traces
 from server.database.base import Base, table_of
+
+log = logging.getLogger(__name__)
 
 #: How long to wait comes first: the mode of a new file is changed by one process at a time.
 PRAGMAS = ("busy_timeout=15000", "journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON")
@@ -25,21 +29,37 @@ AFTER_COMMIT = "after_commit"
 KEPT_CONNECTIONS = 10
 #: That one process may open to the database: one or two for each thread that answers somebody.
 MOST_CONNECTIONS = 50
+#: Of PostgreSQL, in its own units: a transaction in which its process has said nothing for so long is undone, for it
+#: may be frozen, and what it has locked is waited for. A server that is gone without a word is given up after a while.
+IDLE_TRANSACTION = "60s"
+REACHING: Mapping[str, str] = {
+    **{"connect_timeout": "5", "tcp_user_timeout": "15000"},
+    **{"keepalives_idle": "10", "keepalives_interval": "5", "keepalives_count": "3"},
+}
+#: How long who starts waits for it, and between two questions.
+STARTING_SECONDS, AGAIN_SECONDS = 20.0, 0.5
+#: By which PostgreSQL says that it has undone such a transaction.
+ENDED_IDLE = "25P03"
 
 
 def make_engine(url: str) -> Engine:
     """An engine for `url`; a SQLite file's folder is created."""
+    asked = make_url(url)
     checked = not url.startswith("sqlite")
+    reaching = {name: value for name, value in REACHING.items() if checked and name not in asked.query}
     # What a statement carries is no business of the logs: it may be a student's code.
     engine = create_engine(
         url,
         pool_size=KEPT_CONNECTIONS,
         max_overflow=MOST_CONNECTIONS - KEPT_CONNECTIONS,
         pool_pre_ping=checked,
+        connect_args=reaching,
         hide_parameters=True,
     )
-    if engine.dialect.name == "sqlite":
-        Path(make_url(url).database or "").parent.mkdir(parents=True, exist_ok=True)
+    if checked:
+        event.listen(engine, "connect", _prepare_postgres)
+    else:
+        Path(asked.database or "").parent.mkdir(parents=True, exist_ok=True)
         event.listen(engine, "connect", _prepare_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
     return engine
@@ -49,6 +69,12 @@ def _prepare_sqlite(connection: Any, _record: object) -> None:
     connection.isolation_level = None  # the driver would open its transactions by itself, too late
     for pragma in PRAGMAS:
         connection.execute(f"PRAGMA {pragma}")
+
+
+def _prepare_postgres(connection: Any, _record: object) -> None:
+    with connection.cursor() as cursor:
+        cursor.execute("SELECT set_config('idle_in_transaction_session_timeout', %s, false)", (IDLE_TRANSACTION,))
+    connection.commit()
 
 
 def _begin_sqlite(connection: Connection) -> None:
@@ -64,6 +90,14 @@ def after_commit(db: Session, action: Callable[[], None]) -> None:
 def is_locked(error: OperationalError) -> bool:
     """Whether another writer of SQLite has outlasted the driver's wait: what failed may be tried again."""
     return getattr(error.orig, "sqlite_errorcode", None) in {sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED}
+
+
+def is_away(error: DBAPIError) -> bool:
+    """Whether PostgreSQL does not answer now, or has cut the transaction off: what failed may be tried again, and its
+    commit may yet have succeeded."""
+    state = getattr(error.orig, "sqlstate", None)
+    ours = error.connection_invalidated or isinstance(error, OperationalError | InterfaceError) or state == ENDED_IDLE
+    return ours and not isinstance(error.orig, sqlite3.Error)
 
 
 def upserting(db: Session, model: type[Base]) -> sqlite.Insert | postgresql.Insert:
@@ -95,6 +129,22 @@ class Database:
                 db.commit()
             for action in db.info.pop(AFTER_COMMIT, ()):
                 action()
+
+    def wait(self, seconds: float) -> None:
+        """Until it answers; raises DBAPIError where it still does not after so long. Starting is dear, and a database
+        that restarts is back soon."""
+        deadline, told = time.monotonic() + seconds, False
+        while True:
+            try:
+                self.engine.connect().close()
+                return
+            except DBAPIError as error:
+                if not is_away(error) or time.monotonic() > deadline:
+                    raise
+                if not told:
+                    log.warning("the database does not answer yet, asking for %g s: %s", seconds, error.orig)
+                told = True
+            time.sleep(AGAIN_SECONDS)
 
     def close(self) -> None:
         self.engine.dispose()

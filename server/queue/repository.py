@@ -19,6 +19,8 @@ from server.queue.turns import APART, Crowd, Turn
 
 #: The key of PostgreSQL's lock for putting.
 PUTTING = 0x7475726E
+#: How long a process may say nothing within a transaction for which others wait.
+SILENCE = "5s"
 
 _jobs = table_of(Job)
 _held = and_(_jobs.c.id == bindparam("held"), _jobs.c.lease_token == bindparam("by"))
@@ -72,7 +74,10 @@ _not_had = and_(_waits, _of_kinds, ~_had)
 NOT_HAD = select(exists().where(_not_had))
 REFUSE = update(_jobs).where(_not_had, _jobs.c.refused_at.is_(None)).values(refused_at=bindparam("now"))
 EXTEND = update(_jobs).where(_held).values(lease_until=bindparam("until")).returning(_jobs.c.id)
+_BRIEFLY = func.set_config("idle_in_transaction_session_timeout", SILENCE, True)
 END = delete(_jobs).where(_held).returning(_jobs.c.id)
+#: On PostgreSQL: what is recorded next locks what others may wait for.
+END_BRIEFLY = END.returning(_BRIEFLY)
 FREE = update(_jobs).where(_held).values(tries=_jobs.c.tries - bindparam("untried"), **_freed).returning(_jobs.c.id)
 _other = aliased(Job)
 _places = (tuple_(each.priority, each.turn, each.created_at, each.id) for each in (_other, Job))
@@ -97,9 +102,12 @@ PLACE = select(Job.lease_token, _ahead, Job.refused_at).where(
 
 
 def one_at_a_time(db: Session) -> None:
-    """Until the commit, nobody else puts a job (on SQLite nobody else writes at all): turns are given one by one."""
+    """Until the commit, nobody else puts a job (on SQLite nobody else writes at all): turns are given one by one.
+
+    Who is frozen meanwhile, or cut off, is undone.
+    """
     if db.get_bind().dialect.name == "postgresql":
-        db.execute(select(func.pg_advisory_xact_lock(PUTTING)))
+        db.execute(select(_BRIEFLY, func.pg_advisory_xact_lock(PUTTING)))
 
 
 def clock(db: Session) -> datetime:
@@ -173,7 +181,8 @@ def extend(db: Session, job_id: UUID, token: UUID, until: datetime) -> bool:
 
 def end(db: Session, job_id: UUID, token: UUID) -> bool:
     """Removes the job if the lease is still held; True when it was."""
-    return db.execute(END, {"held": job_id, "by": token}).first() is not None
+    statement = END_BRIEFLY if db.get_bind().dialect.name == "postgresql" else END
+    return db.execute(statement, {"held": job_id, "by": token}).first() is not None
 
 
 def free(db: Session, job_id: UUID, token: UUID, *, tried: bool) -> bool:

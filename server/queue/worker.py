@@ -10,12 +10,12 @@ import time
 from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, TypeVar
 
-from sqlalchemy.exc import InterfaceError, OperationalError, SQLAlchemyError
+from sqlalchemy.exc import DBAPIError, OperationalError, SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from server.base import logs, traces
 from server.base.settings import Settings
-from server.database import Database, is_locked, utc_now
+from server.database import Database, is_away, is_locked, utc_now
 from server.queue.owner import Owner, owner_of
 from server.queue.port import REQUEST, Able, GiveUp, Lease, Queue, Tasks, Ticket, Tickets, WorkSource
 from server.queue.stopping import Stop, Stopping
@@ -145,9 +145,9 @@ class Worker:
         """
         try:
             return self._tasks[lease.kind].read(db, lease)
-        except (OperationalError, InterfaceError):
-            raise
-        except Exception:
+        except Exception as error:
+            if isinstance(error, DBAPIError) and (is_away(error) or isinstance(error, OperationalError)):
+                raise
             log.exception("job %s %s cannot be read, try %d", lease.kind, lease.key, lease.tries)
             self._queue.fail(db, lease, self._give_ups)
             return None
@@ -158,7 +158,7 @@ class Worker:
             with traces.step("run"), self._stopping.open():
                 result = self._tasks[lease.kind].run(work)
             with traces.step("record"):
-                self._write(lambda db: self._record(db, lease, work, result))
+                self._write(lambda db: self._record(db, lease, work, result), patiently=True)
             seconds = (utc_now() - lease.started_at).total_seconds()
             logs.tell("job done", kind=lease.kind, key=lease.key, tries=lease.tries, seconds=round(seconds, 4))
         except Stop:
@@ -167,7 +167,7 @@ class Worker:
             raise
         except Exception:
             log.exception("job %s %s has failed, try %d", lease.kind, lease.key, lease.tries)
-            self._write(lambda db: self._queue.fail(db, lease, self._give_ups))
+            self._write(lambda db: self._queue.fail(db, lease, self._give_ups), patiently=True)
         finally:
             self._heartbeat.leave()
 
@@ -177,18 +177,24 @@ class Worker:
         else:
             log.warning("job %s %s: the lease was lost, this result is dropped", lease.kind, lease.key)
 
-    def _write(self, step: Callable[[Session], T]) -> T:
-        """`step` in a transaction; done again where another writer of SQLite has outlasted the driver's wait."""
+    def _write(self, step: Callable[[Session], T], *, patiently: bool = False) -> T:
+        """`step` in a transaction; done again where another writer of SQLite has outlasted the driver's wait.
+
+        With `patiently`, also until PostgreSQL answers: what ends a job may wait for it, and the fence tells whether it
+        was done before the answer was lost.
+        """
         for pause in _pauses():
             try:
                 with self._database.write() as db:
                     return step(db)
-            except OperationalError as error:
-                if not is_locked(error):
+            except DBAPIError as error:
+                locked = isinstance(error, OperationalError) and is_locked(error)
+                if not locked and not (patiently and is_away(error)):
                     raise
-                log.warning("the database is locked, trying again in %g s", pause)
+                what, rest = ("is locked", pause) if locked else ("does not answer", DATABASE_PAUSE)
+                log.warning("the database %s, trying again in %g s", what, rest)
             with self._stopping.open():
-                time.sleep(pause)
+                time.sleep(rest)
         raise AssertionError("pauses have no end")
 
     def run(self, work: WorkSource) -> None:
@@ -214,8 +220,10 @@ class Worker:
     def _use_or_wait(self, ticket: Ticket) -> None:
         try:
             self._use(ticket)
-        except (OperationalError, InterfaceError):
-            log.exception("the database does not answer, trying again in %g s", DATABASE_PAUSE)
+        except DBAPIError as error:
+            if not is_away(error) and not isinstance(error, OperationalError):
+                raise
+            log.error("the database does not answer, trying again in %g s: %s", DATABASE_PAUSE, error.orig)
             with self._stopping.open():
                 time.sleep(DATABASE_PAUSE)
 

@@ -4,6 +4,7 @@ Everything here runs on the web process's event loop, and holds neither a thread
 """
 
 import asyncio
+import logging
 import re
 import time
 from collections import defaultdict
@@ -11,9 +12,13 @@ from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import contextmanager
 from typing import Protocol, TypeVar
 
+from sqlalchemy.exc import DBAPIError
 from starlette.concurrency import run_in_threadpool
 
 from server.base import traces
+from server.database import is_away
+
+log = logging.getLogger(__name__)
 
 #: No proxy is to keep an event back to make a larger piece of it.
 STREAM_HEADERS = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
@@ -99,19 +104,21 @@ class Events:
 
     async def follow(self, key: str, read: Callable[[], S], *, onlooking: bool = False) -> AsyncIterator[S]:
         """Yields what `read` gives (called in a thread) at first, then each time that it differs, until it is done
-        (or the server stops). `onlooking`: it is of many jobs, and any of them may change it."""
+        (or the server stops). `onlooking`: it is of many jobs, and any of them may change it. A database that does not
+        answer is asked again."""
         with self._watch(key, onlooking=onlooking) as event:
             latest: S | None = None
             while True:
                 woken = time.time_ns()
                 event.clear()  # before reading: a change during the read is not missed
-                snapshot = await run_in_threadpool(read)
-                if snapshot != latest:
+                snapshot = await _looked(key, read)
+                if snapshot is not None and snapshot != latest:
                     yield snapshot
                     latest = snapshot
-                if snapshot.done:
+                if snapshot is not None and snapshot.done:
                     traces.news(key, woken)
-                if snapshot.done or self._closed:
+                    return
+                if self._closed:
                     return
                 await _wait(event, max(SAFETY_POLL, self.following() / LOOKS_A_SECOND))
 
@@ -125,6 +132,17 @@ class Events:
         except TimeoutError:
             pass
         return await run_in_threadpool(read)
+
+
+async def _looked(key: str, read: Callable[[], S]) -> S | None:
+    """None where the database does not answer: those who follow have been answered already."""
+    try:
+        return await run_in_threadpool(read)
+    except DBAPIError as error:
+        if not is_away(error):
+            raise
+        log.warning("the database does not answer whoever follows %s", key)
+        return None
 
 
 async def _wait(event: asyncio.Event, seconds: float) -> None:

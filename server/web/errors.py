@@ -7,20 +7,28 @@ from typing import Any
 
 from fastapi import FastAPI
 from fastapi.exceptions import RequestValidationError
+from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import TimeoutError as PoolTimeout
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
 
-from server.base.errors import Invalid, ServiceError
+from server.base.errors import Away, Invalid, ServiceError
 from server.base.middleware import SECURITY_HEADERS, route_of
 from server.base.problems import TITLES, as_json, of_error, place, problem
 from server.base.provided import provided_to
-from server.database import Database
+from server.database import Database, is_away
 from server.identity.dependencies import account_of
 from server.identity.models import Account
 from server.web.rendering import page
 
 log = logging.getLogger(__name__)
+
+AWAY = (
+    "La base de données ne répond pas en ce moment. Rien de ce qui était enregistré n’est perdu : réessayez dans "
+    "quelques secondes."
+)
+AWAY_SECONDS = 2
 
 
 def refusal(request: Request, error: ServiceError, account: Account | None = None) -> Response:
@@ -61,6 +69,15 @@ def _validation_error(request: Request, error: Exception) -> Response:
     return answer(request, body, None, _asker(request))
 
 
+def _database_error(request: Request, error: Exception) -> Response:
+    """That the database is away is told in a line, and to nobody by name: who asks is written there."""
+    if isinstance(error, DBAPIError) and not is_away(error):
+        raise error
+    why = str(getattr(error, "orig", error)).partition("\n")[0]
+    log.error("the database does not answer %s %s: %s", request.method, route_of(request.scope), why)
+    return refusal(request, Away(AWAY, retry_after=AWAY_SECONDS))
+
+
 def _unexpected(request: Request, error: Exception) -> Response:
     """Told by its route: addresses hold one-time links. No middleware adds anything to this answer."""
     log.error("unexpected error on %s %s", request.method, route_of(request.scope), exc_info=error)
@@ -71,4 +88,6 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(ServiceError, _service_error)
     app.add_exception_handler(HTTPException, _http_error)
     app.add_exception_handler(RequestValidationError, _validation_error)
+    app.add_exception_handler(DBAPIError, _database_error)
+    app.add_exception_handler(PoolTimeout, _database_error)
     app.add_exception_handler(Exception, _unexpected)
