@@ -17,7 +17,7 @@ MEANINGS = {
     413: "The code, or the request, is too large.",
     422: "The data is refused; `errors` tells where.",
     429: "Too many submissions, or tries; `Retry-After` tells when to come back.",
-    503: "Too many people want the same thing; `Retry-After` says when to come back.",
+    503: "Too many people want the same thing, or the database is away; `Retry-After` says when to come back.",
 }
 Responses = dict[int | str, dict[str, Any]]
 

@@ -1,11 +1,13 @@
 """Sending files and following them."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query, Request
+from fastapi import APIRouter, Depends, Header, Query, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import Response, StreamingResponse
+from sqlalchemy.exc import DBAPIError
 from starlette.concurrency import run_in_threadpool
 
 from server.api.documentation import content, events, problems
@@ -15,7 +17,7 @@ from server.api.state import Resource, reader, resource, url_of
 from server.base.request import client_address
 from server.course.dependencies import CourseOf
 from server.course.models import Exercise
-from server.database import Database
+from server.database import Database, is_away
 from server.database.dependencies import DatabaseOf, Db
 from server.figures.dependencies import FiguresOf
 from server.figures.orders import MEDIA_TYPES, Form, Theme
@@ -38,6 +40,16 @@ Reuse = Annotated[
     bool,
     Query(description="With code that this account has sent already, answers with that attempt: no new one is made."),
 ]
+SendingKey = Annotated[
+    str | None,
+    Header(
+        alias="Idempotency-Key",
+        min_length=1,
+        max_length=200,
+        description="A name of this sending, of one's own: sent again with the same, it is stored once.",
+        examples=["5d1c6c0e-6b1f-4b0e-9d7e-0a4c7a0e8f11"],
+    ),
+]
 STREAM = events(
     "Its data is as in `GET /submissions/{id}`; ends when done, or at once where a test holds it.", "status"
 )
@@ -50,7 +62,7 @@ STREAM = events(
     responses={
         200: {"description": "Graded within `wait` seconds.", "model": SubmissionOut},
         202: {"description": "Stored; follow it at `url`."},
-        **problems(400, 401, 404, 409, 413, 422, 429),
+        **problems(400, 401, 404, 409, 413, 422, 429, 503),
     },
 )
 async def create(
@@ -63,15 +75,17 @@ async def create(
     course: CourseOf,
     wait: Wait = None,
     reuse: Reuse = False,
+    key: SendingKey = None,
 ) -> Response:
     """Stores a file, or answers, and queues it. With `wait`, answers as soon as the verdict is there.
 
     Nothing is waited for where a test holds the verdict back; 409 before one has begun the test, and after its end.
+    Whoever had no answer, or 503, may send the same again with the same `Idempotency-Key`.
     """
     exercise = find(course, body.exercise)
     _require_its_kind(exercise, body)
-    reused, address = exercise.version if reuse else None, client_address(request)
-    current = await run_in_threadpool(_store, database, store, account, body, reused, address)
+    sending = Sending(body, exercise.version if reuse else None, client_address(request), key)
+    current = await run_in_threadpool(_store, database, store, account, sending)
     if wait and not current.held:
         current = await _wait(hub, reader(database, store, account, current.id), current, min(wait, LONGEST_WAIT))
     return _json(current, 200 if current.done and not current.held else 202)
@@ -87,25 +101,44 @@ def _require_its_kind(exercise: Exercise, body: NewSubmission) -> None:
         raise RequestValidationError([{"type": fault, "loc": ("body", name), "msg": ""} for name, fault in faults])
 
 
-def _store(
-    database: Database, store: Submissions, account: Account, body: NewSubmission, reused: str | None, address: str
-) -> Resource:
-    """`reused` is the version of the exercise at which an attempt with the same code will do."""
+@dataclass(frozen=True)
+class Sending:
+    """`reused` is the version of the exercise at which an attempt with the same code will do; `key`, the sender's name
+    for it."""
+
+    body: NewSubmission
+    reused: str | None
+    address: str
+    key: str | None
+
+
+def _store(database: Database, store: Submissions, account: Account, sending: Sending) -> Resource:
+    body, address = sending.body, sending.address
     with database.write() as db:
         answered = "answers" in body.model_fields_set
-        if reused and not answered:
-            before = gradebook.sent_before(db, account, body.exercise, body.code, reused)
+        if sending.reused and not answered:
+            before = gradebook.sent_before(db, account, body.exercise, body.code, sending.reused)
             if before is not None:
                 return resource(db, store, gradebook.find(db, account, before.id))
         if answered:
-            submission = store.submit_answers(db, account, body.exercise, body.answers, address=address)
+            submission = store.submit_answers(
+                db, account, body.exercise, body.answers, address=address, key=sending.key
+            )
         else:
-            submission = store.submit(db, account, body.exercise, body.code, address=address)
+            submission = store.submit(db, account, body.exercise, body.code, address=address, key=sending.key)
+        if submission.grading_id is not None:  # sent again, and graded meanwhile
+            return resource(db, store, gradebook.find(db, account, submission.id))
         return resource(db, store, gradebook.as_seen(db, account.id, submission, None))
 
 
 async def _wait(hub: Events, read: Callable[[], Resource], current: Resource, seconds: float) -> Resource:
-    return await hub.until_done(key_of(current.id), read, seconds)
+    """It is stored: that the database is away meanwhile takes nothing from that."""
+    try:
+        return await hub.until_done(key_of(current.id), read, seconds)
+    except DBAPIError as error:
+        if not is_away(error):
+            raise
+        return current
 
 
 def _json(current: Resource, status: int = 200) -> Response:

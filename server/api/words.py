@@ -169,6 +169,8 @@ PARAMETERS: dict[str, str] = {
     "password": "le mot de passe du compte",
     "theme": "les couleurs de la figure",
     "wait": "attendre le verdict tant de secondes, 30 au plus",
+    "Idempotency-Key": "un nom que vous donnez à cet envoi : renvoyé sous le même nom, après une coupure, il n’est "
+    "gardé qu’une fois",
     "reuse": "si ce compte a déjà envoyé ce code, répondre par cet envoi sans en faire un nouveau",
 }
 STATUSES: dict[str, str] = {
@@ -184,7 +186,7 @@ STATUSES: dict[str, str] = {
     "413": "le code, ou la demande, est trop long",
     "422": "des données sont refusées : `errors` dit lesquelles",
     "429": "trop d’envois, ou d’essais : `Retry-After` dit dans combien de secondes revenir",
-    "503": "trop de monde à la fois : `Retry-After` dit quand revenir",
+    "503": "trop de monde à la fois, ou la base de données ne répond pas : `Retry-After` dit quand revenir",
 }
 #: Words for the types of JSON Schema.
 TYPES: dict[str, str] = {

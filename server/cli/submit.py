@@ -2,9 +2,12 @@
 
 import json
 import sys
+import time
 from argparse import Namespace
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import Any
+from uuid import uuid4
 
 import httpx
 
@@ -13,8 +16,11 @@ from server.cli import CannotRun, report
 from server.cli.files import ANSWERS, read_answers, read_text
 from server.cli.remote import NO_BALISE, Json, ask, check, client_of, explained, json_object, server_of, token_of
 
+SUBMISSIONS = "/api/v1/submissions"
 JSON = {"Content-Type": "application/json"}
-RECONNECTIONS = 5
+#: Seconds between two tries, where the exchange was cut off or the service is away.
+PAUSES = (0.5, 1.0, 2.0, 4.0, 8.0)
+AWAY = 503
 
 
 def run(arguments: Namespace) -> int:
@@ -35,8 +41,7 @@ def run(arguments: Namespace) -> int:
 
 def _verdict(client: httpx.Client, submission: Json) -> Verdict | None:
     """None where a test holds it back."""
-    options = {"params": {"reuse": True}, "content": json.dumps(submission), "headers": JSON}
-    stored = ask(client, "POST", "/api/v1/submissions", **options)
+    stored = _sent(client, submission)
     if stored.get("held"):
         return None
     if stored.get("status") == "done":
@@ -45,14 +50,39 @@ def _verdict(client: httpx.Client, submission: Json) -> Verdict | None:
     if not isinstance(url, str):
         raise CannotRun(NO_BALISE)
     url = url.removeprefix(client.base_url.path.rstrip("/"))  # which the client puts before it
-    for _ in range(RECONNECTIONS):
-        for current in _events(client, url):
-            if current.get("held"):
-                return None
-            if current.get("status") == "done":
-                return _read(current.get("verdict"))
-            _tell(current)
+    for pause in (0.0, *PAUSES):
+        time.sleep(pause)
+        with suppress(httpx.TransportError, _AwayError):
+            for current in _events(client, url):
+                if current.get("held"):
+                    return None
+                if current.get("status") == "done":
+                    return _read(current.get("verdict"))
+                _tell(current)
     raise CannotRun(f"le serveur n’a pas donné de verdict ; il se trouvera à l’adresse {url}.")
+
+
+class _AwayError(Exception):
+    """The service says so itself, and to come back."""
+
+
+def _sent(client: httpx.Client, submission: Json) -> Json:
+    """What is stored, once: sent again under the same name where no answer came."""
+    headers = {**JSON, "Idempotency-Key": uuid4().hex}
+    options: dict[str, Any] = {"params": {"reuse": True}, "content": json.dumps(submission), "headers": headers}
+    for pause in PAUSES:
+        try:
+            answer = client.request("POST", SUBMISSIONS, **options)
+        except httpx.ConnectError:
+            raise
+        except httpx.TransportError:
+            answer = None
+        if answer is not None and answer.status_code != AWAY:
+            check(answer)
+            return json_object(answer.text)
+        print("l’échange a été coupé, nouvel essai…", file=sys.stderr)
+        time.sleep(pause)
+    return ask(client, "POST", SUBMISSIONS, **options)
 
 
 def _read(verdict: Any) -> Verdict:
@@ -66,6 +96,8 @@ def _read(verdict: Any) -> Verdict:
 def _events(client: httpx.Client, url: str) -> Iterator[Json]:
     """The data of each server-sent event."""
     with client.stream("GET", f"{url}/events") as answer:
+        if answer.status_code == AWAY:
+            raise _AwayError
         if not answer.is_success:
             answer.read()
         check(answer)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
-from uuid import UUID
+from uuid import UUID, uuid4, uuid5
 
 from sqlalchemy.orm import Session
 
@@ -23,13 +23,14 @@ from server.identity.models import Account
 from server.limits import service as limits
 from server.queue.port import HeapError, Most, Queue
 from server.rights import service as rights
-from server.submissions import deals
+from server.submissions import deals, repository
 from server.submissions.models import State, Submission
 from server.submissions.senders import sender_of
 
 #: The kind of the job that grades a submission; its key is `key_of` the submission.
 GRADE = "grade"
 UNKNOWN = "Cette soumission n’existe pas."
+OTHER_SENDING = "Cette clé (Idempotency-Key) a déjà servi à un autre envoi : choisissez-en une nouvelle."
 TOO_FAST = (
     "Vous avez envoyé beaucoup de propositions en peu de temps : la prochaine est possible dans {seconds} s. "
     "Profitez-en pour relire le dernier verdict."
@@ -85,21 +86,33 @@ class Submissions:
         """`version_of` the exercises, as they are shown here: a submission is for graders of the same."""
         self._settings, self._queue, self._unattended, self._version_of = settings, queue, unattended, version_of
 
-    def submit(self, db: Session, account: Account, exercise_id: str, code: str, *, address: str) -> Submission:
-        """Stores the submission and queues it. Raises TooLarge, TooMany, NotNow or Invalid, in French."""
-        return self._submit(db, account, address, exercise_id, self.source_of(code), answers=False)
+    def submit(
+        self, db: Session, account: Account, exercise_id: str, code: str, *, address: str, key: str | None = None
+    ) -> Submission:
+        """Stores the submission and queues it. Raises TooLarge, TooMany, NotNow or Invalid, in French.
+
+        Sent again under the same `key`, which is the account's own, it is the one that is there.
+        """
+        return self._submit(db, account, address, exercise_id, self.source_of(code), key, answers=False)
 
     def submit_answers(
-        self, db: Session, account: Account, exercise_id: str, answers: Mapping[str, Any], *, address: str
+        self,
+        db: Session,
+        account: Account,
+        exercise_id: str,
+        answers: Mapping[str, Any],
+        *,
+        address: str,
+        key: str | None = None,
     ) -> Submission:
-        """Stores answers given without code, to this account's deal, as canonical JSON. Raises as `submit` does."""
-        return self._submit(db, account, address, exercise_id, self.source_of_answers(answers), answers=True)
+        """Stores answers given without code, to this account's deal, as canonical JSON. Otherwise as `submit` does."""
+        return self._submit(db, account, address, exercise_id, self.source_of_answers(answers), key, answers=True)
 
     def submit_saved(
         self, db: Session, account: Account, exercise_id: str, source: bytes, sent_at: datetime, *, answers: bool
     ) -> Submission:
         """Stores what a student had saved when their test ended, as if they had sent it then. No limit holds it up."""
-        return self._store(db, account, "", exercise_id, source, sent_at, answers=answers)
+        return self._store(db, account, "", exercise_id, source, sent_at, uuid4(), answers=answers)
 
     def save(self, db: Session, account: Account, exercise_id: str, source: bytes) -> datetime:
         """Keeps what is written in a test, to be sent at its end; when. Raises NotNow or TooMany."""
@@ -121,14 +134,27 @@ class Submissions:
         return encoded(text, self._settings.code_bytes, "Le texte des réponses")
 
     def _submit(
-        self, db: Session, account: Account, address: str, exercise_id: str, source: bytes, *, answers: bool
+        self,
+        db: Session,
+        account: Account,
+        address: str,
+        exercise_id: str,
+        source: bytes,
+        key: str | None,
+        *,
+        answers: bool,
     ) -> Submission:
-        now = utc_now()
+        now, bucket, name = utc_now(), limits.of_submissions(account.id), _name(account, key)
+        if key is not None and (before := _sent_as(db, account, name, exercise_id, source)):
+            return before
         sittings.require_may_send(db, account.id, exercise_id, now)
-        limits.take(db, limits.of_submissions(account.id), self._settings.submission_bucket, TOO_FAST)
+        limits.take(db, bucket, self._settings.submission_bucket, TOO_FAST)
+        if key is not None and (before := _sent_as(db, account, name, exercise_id, source)):
+            limits.give_back(db, bucket)  # another process was first: it held the bucket until it had committed
+            return before
         most = Most(self._settings.waiting_each, self._settings.waiting_from_address)
         try:
-            return self._store(db, account, address, exercise_id, source, now, answers=answers, most=most)
+            return self._store(db, account, address, exercise_id, source, now, name, answers=answers, most=most)
         except HeapError as error:
             raise TooMany(_full(error, account, most), retry_after=FULL_SECONDS) from error
 
@@ -140,13 +166,14 @@ class Submissions:
         exercise_id: str,
         source: bytes,
         sent_at: datetime,
+        name: UUID,
         *,
         answers: bool,
         most: Most | None = None,
     ) -> Submission:
         seed = deals.seed_of(db, account, exercise_id) if answers else secrets.randbits(SEED_BITS)
         values = {"source": source, "digest": digest(source.decode()), "seed": seed, "created_at": sent_at}
-        submission = Submission(account_id=account.id, exercise=exercise_id, **values)
+        submission = Submission(id=name, account_id=account.id, exercise=exercise_id, **values)
         db.add(submission)
         db.flush()
         classes.note_seen(db, account.id)
@@ -181,6 +208,19 @@ class Submissions:
 def _full(error: HeapError, account: Account, most: Most) -> str:
     hint = FULL_FOR_GUESTS if error.whose == "address" and account.is_guest else ""
     return FULL[error.whose].format(each=most.each) + hint
+
+
+def _name(account: Account, key: str | None) -> UUID:
+    """Under its sender's key, the same each time; and nobody else's."""
+    return uuid4() if key is None else uuid5(account.id, key)
+
+
+def _sent_as(db: Session, account: Account, name: UUID, exercise_id: str, source: bytes) -> Submission | None:
+    """What was sent under this name. Raises Invalid where that was something else."""
+    found = repository.by_id(db, name)
+    if found is not None and (found.account_id, found.exercise, found.source) != (account.id, exercise_id, source):
+        raise Invalid(OTHER_SENDING)
+    return found
 
 
 def needs_of(exercise_id: str, version: str) -> str:

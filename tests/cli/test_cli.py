@@ -303,6 +303,32 @@ def test_what_a_test_holds_back_is_received_and_not_waited_for(
     assert asked == (["POST"] if at_once else ["POST", "GET"])
 
 
+def test_an_exchange_that_is_cut_off_is_made_again_under_the_same_name(
+    monkeypatch: Any, tmp_path: Path, capsys: Any
+) -> None:
+    """The first sending may have arrived: its name tells the server that the others are the same."""
+    held = {"url": "/api/v1/submissions/1", "status": "running", "held": True}
+    posts = iter([httpx.ReadError("cut"), httpx.Response(503), httpx.Response(202, json={**held, "held": False})])
+    looks = iter([httpx.RemoteProtocolError("cut"), httpx.Response(503), httpx.Response(200, text="")])
+    names = set()
+
+    def answer(request: httpx.Request) -> httpx.Response:
+        names.add(request.headers.get("Idempotency-Key") or "none")
+        told = next(posts if request.method == "POST" else looks, None)
+        if isinstance(told, Exception):
+            raise told
+        return told or httpx.Response(200, text=f"data: {json.dumps(held)}\n\n")
+
+    monkeypatch.setattr("server.cli.submit.PAUSES", (0.0, 0.0, 0.0, 0.0))
+    monkeypatch.setattr("server.cli.remote.httpx.Client", partial(httpx.Client, transport=httpx.MockTransport(answer)))
+    file = tmp_path / "a.py"
+    file.write_text("x = 1")
+    assert main(["submit", EXERCISE, str(file), "--server", "http://serveur", "--token", "jeton"]) == 0
+    assert next(posts, None) is None
+    assert len(names - {"none"}) == 1
+    assert "nouvel essai" in capsys.readouterr().err
+
+
 @pytest.mark.usefixtures("walls_that_stand")
 def test_what_is_printed_has_the_bound_of_what_is_recorded(right: Path, monkeypatch: Any, capsys: Any) -> None:
     check = CheckResult("a", "Une", False, 0, 20.0, "m" * 900_000)
