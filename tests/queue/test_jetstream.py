@@ -5,6 +5,7 @@ Workers look into the database every thirty seconds here: whatever is done soone
 
 from __future__ import annotations
 
+import asyncio
 import re
 import threading
 import time
@@ -24,6 +25,7 @@ from server.course import Course
 from server.gradebook.models import Grading
 from server.grading.kinds import LANES
 from server.grading.task import SentFile, give_ups
+from server.queue.jetstream.access import Guarded
 from server.queue.jetstream.layout import STREAM, layout
 from server.queue.jetstream.sweeper import TicketSweeper
 from server.queue.models import Job
@@ -320,6 +322,37 @@ def test_what_waits_for_a_version_too_long_is_anybody_s(service: Service) -> Non
     until(lambda: bool(service.graded()), "it is graded after all")
     hand.stop()
     assert not service.jobs()
+
+
+def test_a_worker_to_whom_nothing_is_brought_looks_by_itself_now_and_then(service: Service) -> None:
+    """Whatever a stream says of its tickets after a fault, nothing waits for ever. Nobody sweeps here."""
+    machine = service.machine(poll_seconds=0.01)
+    hand = Hand(machine).start()
+    until(lambda: hand.tickets._answered, "it waits for tickets")
+    store = Submissions(service.settings, TableQueue(NoSignals()))
+    with service.web.database.write() as db:
+        sent = key_of(store.submit(db, service.account, EXERCISE, "pass", address=ADDRESS).id)
+    until(lambda: service.graded() == [sent], "it is found")
+    hand.stop()
+
+
+def test_a_connection_that_meets_something_unheard_of_is_made_again(
+    service: Service, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As half a message, from a server that dies: nothing else would ever connect this process again."""
+    machine, real = service.machine(), Guarded.connect
+    refusals: list[Exception] = [ValueError("half a message")]
+
+    async def connect(client: Guarded, **options: object) -> None:
+        if refusals:
+            raise refusals.pop()
+        await real(client, **options)
+
+    monkeypatch.setattr(Guarded, "connect", connect)
+    connection = machine.engine.connection
+    connection.on_loop(lambda: asyncio.ensure_future(connection.client.close()))
+    until(lambda: not refusals and connection.up, "it is up again")
+    machine.engine.connection.ask(connection.client.flush, PATIENCE)
 
 
 def test_a_ticket_too_many_finds_no_job_and_goes(service: Service) -> None:

@@ -227,10 +227,13 @@ class Connection:
                     making.cancel()
             except FAILURES as error:
                 self._say_why(error)
+            except Exception as error:  # of the library, which met something half said: this task must not end
+                log.exception("NATS is left, and tried again")
+                self._say_why(error)
             finally:
                 self._up.clear()
                 self._client = self._context = None
-                await client.close()
+                await _left(client)
             await asyncio.sleep(RETRY_AFTER)
 
     async def _make(self, context: JetStreamContext) -> None:
@@ -300,3 +303,11 @@ class Connection:
         self._up.clear()
         if self._client is not None:
             await asyncio.wait_for(self._client.close(), CLOSING_SECONDS)
+
+
+async def _left(client: Client) -> None:
+    """Whatever the other end does: there may be none any more."""
+    try:
+        await asyncio.wait_for(client.close(), CLOSING_SECONDS)
+    except Exception as error:
+        log.warning("NATS was left without a good-bye: %r", error)

@@ -2,7 +2,8 @@
 
 A worker asks each consumer in order whether it has a ticket now; where none has, it waits at all of them at once. What
 comes when it has a ticket already goes back at once. Without NATS, or where JetStream does not answer, it looks into
-the database again and again instead: slower, but nothing stands still.
+the database again and again instead: slower, but nothing stands still. Where it does answer, and brings nothing, the
+worker still looks now and then: what a cluster says of its tickets after a fault may be wrong.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from server.queue.port import Ticket
 PULL_SECONDS = 2.0
 ANSWER_SECONDS = 1.0
 RETRY_SECONDS = 0.5
+#: Of waits that brought nothing, one in so many is followed by a look into the database.
+WAITS_WITHOUT_A_LOOK = 20
 NANO = 1_000_000_000
 #: A ticket that its holder has no job for goes on to another in so many seconds, doubled each time.
 FIRST_DELAY, LONGEST_DELAY = 0.05, 5.0
@@ -85,7 +88,7 @@ class PulledTickets:
         self._wanted = False
         self._ticket: Pulled | None = None
         self._last: Free | None = None
-        self._answered = False
+        self._answered, self._vain = False, 0
         self._pulling: asyncio.Task[None] | None = None
         self._waiting: dict[Desk, asyncio.Task[Exception | None]] = {}
 
@@ -102,12 +105,13 @@ class PulledTickets:
             ticket, self._ticket = self._ticket, None
             self._arrived.clear()
             if ticket is not None:
-                self._wanted, self._last = False, None
+                self._wanted, self._last, self._vain = False, None, 0
                 return ticket
-            if self._answered and self._connection.up:
+            self._vain += 1
+            if self._answered and self._connection.up and self._vain < WAITS_WITHOUT_A_LOOK:
                 self._last = None
                 return None
-            self._wanted, self._last = False, Free(self._kinds)
+            self._wanted, self._last, self._vain = False, Free(self._kinds), 0
             return self._last
 
     def close(self) -> None:
