@@ -215,6 +215,17 @@ def test_polling_takes_over_where_events_do_not_pass(visit: NewVisit) -> None:
     expect(page.locator("#verdict .score")).to_contain_text("20")
 
 
+@pytest.mark.slow
+def test_a_stream_that_falls_silent_keeps_no_verdict_back(visit: NewVisit) -> None:
+    """As that of a server that is gone without a word: no error ever comes."""
+    visitor = visit()
+    page, silent = visitor.open(), list[object]()
+    page.route("**/evenements", lambda route: silent.append(route))  # noqa: PLW0108
+    visitor.submit(SOLUTION)
+    expect(page.locator("#verdict .score")).to_contain_text("20")
+    assert len(silent) == 1
+
+
 def test_without_script_the_verdict_comes_too(visit: NewVisit) -> None:
     visitor = visit(java_script_enabled=False)
     page = visitor.page

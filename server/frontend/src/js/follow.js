@@ -1,6 +1,8 @@
 // Follow a submission until its verdict: server-sent events, or polling where they do not pass.
 
 const POLL_MS = 1500;
+// A server that is gone without a word ends no stream: whoever has heard nothing for so long looks by themselves.
+const LOOK_MS = 10000;
 
 export function announce(text) {
   const region = document.getElementById("annonce");
@@ -12,27 +14,34 @@ export function follow(address, onState) {
   return new Promise((resolve) => {
     if (!window.EventSource) return resolve(poll(address));
     const source = new EventSource(address.events);
+    const end = (result) => {
+      clearInterval(looking);
+      source.close();
+      resolve(result);
+    };
+    let heard = Date.now();
+    const looking = setInterval(async () => {
+      if (Date.now() - heard >= LOOK_MS && (await isDone(address))) end();
+    }, LOOK_MS);
     source.addEventListener("status", (event) => {
+      heard = Date.now();
       const state = JSON.parse(event.data);
       onState(state);
-      if (state.status === "done") {
-        source.close();
-        resolve();
-      }
+      if (state.status === "done") end();
     });
     source.onerror = () => {
       if (source.readyState !== EventSource.CLOSED) return; // the browser reconnects by itself
-      resolve(poll(address));
+      end(poll(address));
     };
   });
 }
 
 async function poll(address) {
-  for (;;) {
-    const fragment = await fetchFragment(address.verdict);
-    if (fragment?.querySelector("[data-status=done]")) return;
-    await new Promise((wake) => setTimeout(wake, POLL_MS));
-  }
+  while (!(await isDone(address))) await new Promise((wake) => setTimeout(wake, POLL_MS));
+}
+
+async function isDone(address) {
+  return Boolean((await fetchFragment(address.verdict))?.querySelector("[data-status=done]"));
 }
 
 async function fetchFragment(url) {
