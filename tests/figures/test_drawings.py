@@ -150,7 +150,7 @@ def luminance(colour: str) -> float:
 def test_a_writer_can_look_at_a_drawing(tmp_path: Path) -> None:
     name = next(iter(the_course().modules["l20"].drawings))
     out = tmp_path / "dessin.png"
-    command = [sys.executable, "-m", "server.reading.preview", name, str(out), "--theme", "dark"]
+    command = [sys.executable, "-m", "server.reading.preview", "--module", "l20", name, str(out), "--theme", "dark"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert out.read_bytes().startswith(b"\x89PNG")
