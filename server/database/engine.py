@@ -25,6 +25,7 @@ log = logging.getLogger(__name__)
 
 #: How long to wait comes first: the mode of a new file is changed by one process at a time.
 PRAGMAS = ("busy_timeout=15000", "journal_mode=WAL", "synchronous=NORMAL", "foreign_keys=ON")
+MODE_SECONDS, MODE_PAUSE = 15.0, 0.01
 AFTER_COMMIT = "after_commit"
 KEPT_CONNECTIONS = 10
 #: That one process may open to the database: one or two for each thread that answers somebody.
@@ -68,7 +69,21 @@ def make_engine(url: str) -> Engine:
 def _prepare_sqlite(connection: Any, _record: object) -> None:
     connection.isolation_level = None  # the driver would open its transactions by itself, too late
     for pragma in PRAGMAS:
-        connection.execute(f"PRAGMA {pragma}")
+        _set(connection, pragma)
+
+
+def _set(connection: Any, pragma: str) -> None:
+    """Where two change the mode of a new file, SQLite refuses one of them without waiting: it asks again."""
+    deadline = time.monotonic() + MODE_SECONDS
+    while True:
+        try:
+            connection.execute(f"PRAGMA {pragma}")
+        except sqlite3.OperationalError as error:
+            if error.sqlite_errorcode != sqlite3.SQLITE_BUSY or time.monotonic() > deadline:
+                raise
+            time.sleep(MODE_PAUSE)
+        else:
+            return
 
 
 def _prepare_postgres(connection: Any, _record: object) -> None:

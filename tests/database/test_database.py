@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
@@ -20,7 +21,7 @@ from sqlalchemy import select, text
 from server.base.paths import ROOT
 from server.base.settings import Settings
 from server.cli import main
-from server.database import Database, after_commit
+from server.database import Database, after_commit, engine
 from server.database.migrate import WrongSchema, configuration, head, is_known, require_current, upgrade
 from server.identity.models import Account
 from server.limits.models import Allowance
@@ -117,7 +118,28 @@ def test_processes_that_start_together_migrate_once(postgres_url: str, tmp_path:
                 done.result()
 
 
+def test_a_new_file_whose_mode_another_process_changes_is_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    busy = sqlite3.OperationalError("database is locked")
+    busy.sqlite_errorcode = sqlite3.SQLITE_BUSY
+    asked: list[str] = []
+
+    class Connection:
+        def execute(self, statement: str) -> None:
+            asked.append(statement)
+            if len(asked) < 3:
+                raise busy
+
+    monkeypatch.setattr(engine, "MODE_PAUSE", 0.0)
+    engine._set(Connection(), "journal_mode=WAL")
+    assert asked == 3 * ["PRAGMA journal_mode=WAL"]
+    asked.clear()
+    monkeypatch.setattr(engine, "MODE_SECONDS", -1.0)
+    with pytest.raises(sqlite3.OperationalError):
+        engine._set(Connection(), "journal_mode=WAL")
+
+
 STARTS = """
+import sqlite3
 import sys
 from alembic import command
 from server.database import Database
