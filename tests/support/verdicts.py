@@ -48,6 +48,18 @@ def _unnamed(exercise: str, simplified: bool) -> CodeGrader:
     return replace(grader, prober=None, misconceptions=())
 
 
+def model_with(exercise: str, *changes: str) -> str:
+    """The model program of an exercise, some texts of which are replaced: each old one, which it holds once, before its
+    new one."""
+    prober = CODE[exercise].prober
+    assert prober is not None
+    text = prober.model.text
+    for old, new in zip(changes[::2], changes[1::2], strict=True):
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    return text
+
+
 def failed(found: Verdict) -> set[str]:
     """The ids of the checks that failed."""
     return {check.id for check in found.checks if not check.passed}

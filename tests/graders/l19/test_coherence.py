@@ -14,21 +14,12 @@ from graders.plotting import counterexample
 from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, one_in
-from tests.support.verdicts import checked, failed, named, verdict_of
+from tests.support.verdicts import checked, failed, model_with, named, verdict_of
 
 EXERCISE = "l19/coherence"
 GRADER = CODE[EXERCISE]
 verdict = partial(verdict_of, EXERCISE)
-
-
-def edited(*changes: str) -> str:
-    """The model program, some texts of which are replaced."""
-    assert GRADER.prober is not None
-    text = GRADER.prober.model.text
-    for old, new in zip(changes[::2], changes[1::2], strict=True):
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    return text
+edited = partial(model_with, EXERCISE)
 
 
 @pytest.mark.parametrize("seed", range(2))

@@ -28,22 +28,14 @@ from graders.plotting import counterexample
 from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
-from tests.support.verdicts import checked, failed, judgement_of, named, verdict_of
+from tests.support.verdicts import checked, failed, judgement_of, model_with, named, verdict_of
 
 GRADER = CODE["l20/mcl"]
 judgement = partial(judgement_of, GRADER.exercise)
 verdict = partial(verdict_of, GRADER.exercise)
+model = partial(model_with, GRADER.exercise)
 HONEST = sorted((GRADER.folder / "specimens/ok").glob("*.py"))
 LOOPS = [check for check in GRADER.checks if isinstance(check, ClosedLoop)]
-
-
-def model(*changes: str) -> str:
-    assert GRADER.prober is not None
-    text = GRADER.prober.model.text
-    for old, new in zip(changes[::2], changes[1::2], strict=True):
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    return text
 
 
 def mistake(name: str) -> str:

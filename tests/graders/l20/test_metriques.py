@@ -15,26 +15,17 @@ from reference.se2 import to_matrix
 from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
-from tests.support.verdicts import checked, failed, named, verdict_of
+from tests.support.verdicts import checked, failed, model_with, named, verdict_of
 
 EXERCISE = "l20/metriques"
 GRADER = CODE[EXERCISE]
 verdict = partial(verdict_of, EXERCISE)
+edited = partial(model_with, EXERCISE)
 
 SEEDS = range(2)
 ANGLES = np.exp(1j * np.linspace(-np.pi, np.pi, 20_001))
 ATE = {"ate_exemples", "ate_quelconques", "ate_miroir", "reperes"}
 RPE = {"rpe_un_pas", "rpe_delta", "reperes"}
-
-
-def edited(*changes: str) -> str:
-    """The model program, some texts of which are replaced."""
-    assert GRADER.prober is not None
-    text = GRADER.prober.model.text
-    for old, new in zip(changes[::2], changes[1::2], strict=True):
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    return text
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -6,25 +6,11 @@ import pytest
 
 from graders.core.compare.slips import SLIPS
 from tests.graders.l20.boucles_styles import LIST, submission
-from tests.graders.shipped import CODE
-from tests.support.verdicts import named, plain_verdict_of
+from tests.support.verdicts import model_with, named, plain_verdict_of
 
 BOUCLES, KABSCH, PREDIRE, COMB, SLAM = (
     f"l20/{slug}" for slug in ("boucles", "kabsch", "predire2d", "reechantillonnage", "slam_graphe")
 )
-
-
-def model(exercise: str, *changes: str) -> str:
-    """The model program, some texts of which are replaced."""
-    prober = CODE[exercise].prober
-    assert prober is not None
-    text = prober.model.text
-    for old, new in zip(changes[::2], changes[1::2], strict=True):
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    return text
-
-
 BOXES = "np.histogram(scan, 10, (0.0, 12.0))[0]"
 KEEPING = """
 def signature(scan):
@@ -92,12 +78,12 @@ BIASED = LIST.replace("{distance} <= seuil", "{distance} + 1e-3 <= seuil")
         (BOUCLES, submission("np.unique(scan)[::-1]"), "doublons_retires"),
         (BOUCLES, submission("sorted(set(scan.round(1).tolist()))"), "doublons_retires"),
         (KABSCH, ARCTAN, "angle_modulo_pi"),
-        (KABSCH, model(KABSCH, *IDENTITY_FOR_A_MIRROR), "symetrie_abandonnee"),
-        (PREDIRE, model(PREDIRE, "0.8, du, dv", "rng.choice([0.8, 0.7]), du, dv"), "hasard"),
-        (PREDIRE, model(PREDIRE, *OVERWRITTEN), "ecrasement"),
-        (PREDIRE, model(PREDIRE, *OVERWRITTEN, *DIVIDED), "ecrasement"),
+        (KABSCH, model_with(KABSCH, *IDENTITY_FOR_A_MIRROR), "symetrie_abandonnee"),
+        (PREDIRE, model_with(PREDIRE, "0.8, du, dv", "rng.choice([0.8, 0.7]), du, dv"), "hasard"),
+        (PREDIRE, model_with(PREDIRE, *OVERWRITTEN), "ecrasement"),
+        (PREDIRE, model_with(PREDIRE, *OVERWRITTEN, *DIVIDED), "ecrasement"),
         (COMB, ROUNDED, "peigne_fige"),
-        pytest.param(SLAM, model(SLAM, "range(n_iter)", "range(min(n_iter, 2))"), None, marks=pytest.mark.slow),
+        pytest.param(SLAM, model_with(SLAM, "range(n_iter)", "range(min(n_iter, 2))"), None, marks=pytest.mark.slow),
     ],
 )
 def test_a_rule_names_what_it_speaks_of(exercise: str, source: str, name: str | None) -> None:
@@ -106,7 +92,7 @@ def test_a_rule_names_what_it_speaks_of(exercise: str, source: str, name: str | 
 
 def test_what_is_found_in_one_function_accuses_no_other() -> None:
     """Raw scans compared: the signature is right, whatever the walks confuse."""
-    source = model(BOUCLES, "signature(scans[j]) - reference", "scans[j] - scans[i]")
+    source = model_with(BOUCLES, "signature(scans[j]) - reference", "scans[j] - scans[i]")
     for seed in range(2026, 2030):
         found = plain_verdict_of(BOUCLES, source, seed).diagnosis
         assert found is not None

@@ -19,23 +19,14 @@ from reference.odometry import DifferentialDrive, integrate
 from server.base.paths import ROOT as PROJECT
 from tests.graders.shipped import CODE
 from tests.support.quick import THEMES, some
-from tests.support.verdicts import checked, failed, named, verdict_of
+from tests.support.verdicts import checked, failed, model_with, named, verdict_of
 
 EXERCISE = "l20/odometrie"
 GRADER = CODE[EXERCISE]
 verdict = partial(verdict_of, EXERCISE)
+edited = partial(model_with, EXERCISE)
 
 SEEDS = range(2)
-
-
-def edited(*changes: str) -> str:
-    """The model program, some texts of which are replaced."""
-    assert GRADER.prober is not None
-    text = GRADER.prober.model.text
-    for old, new in zip(changes[::2], changes[1::2], strict=True):
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    return text
 
 
 def read(path: Path) -> str:
