@@ -29,9 +29,10 @@ from server.gradebook.schemas import Attempt
 from server.identity.dependencies import AccountsOf, BrowserAccount, OptionalAccount, SignedIn, account_or_guest
 from server.identity.models import Account
 from server.pages import answers, kits, service, talk
+from server.pages.home import home_page
 from server.pages.schemas import ExerciseFrame
 from server.pages.talk import Aim
-from server.pages.waiting import Watched
+from server.pages.waiting import Watched, waiting_text
 from server.submissions import deals
 from server.submissions.dependencies import EventsOf, SubmissionsOf
 from server.submissions.events import STREAM_HEADERS, as_sse
@@ -59,7 +60,7 @@ async def static(request: Request, version: str, name: str) -> Response:
 
 @router.get("/")
 def home(request: Request, reader: Reading) -> HTMLResponse:
-    return page(request, "home.html", reader.account, page=service.home_page(reader))
+    return page(request, "home.html", reader.account, page=home_page(reader))
 
 
 @router.get("/{module:module}/kit/{file}")
@@ -184,7 +185,7 @@ def submit(
 def _first_words(store: Submissions, db: Db, account: Account, submission: Submission) -> str:
     """What there is to say until there is more; of what a test holds back, always the same."""
     held = gradebook.as_seen(db, account.id, submission, None)
-    return held.held_text or service.waiting_text(store.place(db, submission))
+    return held.held_text or waiting_text(store.place(db, submission))
 
 
 @router.post("/{module:module}/exercices/{slug}/brouillon")

@@ -16,7 +16,7 @@ from server.course import Exercise, Module
 from server.gradebook import accepted, solutions
 from server.gradebook import service as gradebook
 from server.gradebook.models import Grading
-from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts, Progress
+from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts
 from server.pages import held, kits, marks, opening, talk
 from server.pages.policy import policy_lines
 from server.pages.schemas import (
@@ -25,32 +25,27 @@ from server.pages.schemas import (
     AttemptsPage,
     ExercisePage,
     FunctionView,
-    HomePage,
-    ModuleCard,
-    NextStep,
     Results,
     ReusedView,
     ToldView,
     WorkView,
 )
+from server.pages.waiting import waiting_text
 from server.steps.replayable import can_replay
 from server.submissions import deals
 from server.submissions.models import State
 from server.submissions.service import Place
-from server.web import deadlines, editions, regraded, verdicts
+from server.web import deadlines, regraded, verdicts
 from server.web.schemas import VerdictView
 from server.web.views import (
     Reader,
     exercise_href,
-    exercise_row,
     in_order,
     lesson_href,
     module_link,
-    on_the_way,
     own_state,
-    resumed,
 )
-from server.web.words import mark, moment, moment_text, plural
+from server.web.words import mark, moment, moment_text
 
 RECENT_ATTEMPTS = 8
 ATTEMPTS_A_PAGE = 50
@@ -64,23 +59,6 @@ def attempt_at(reader: Reader, exercise: Exercise, submission_id: str) -> Attemp
     if attempt.submission.exercise != exercise.id:
         raise NotFound("Cet essai est celui d’un autre exercice.")
     return attempt
-
-
-def home_page(reader: Reader) -> HomePage:
-    progress = gradebook.progress(reader.db, reader.account)
-    due = deadlines.soon(reader.db, reader.account, progress)
-    return HomePage(tuple(_card(module, progress) for module in editions.shown(reader, progress)), due)
-
-
-def _card(module: Module, progress: dict[str, Progress]) -> ModuleCard:
-    rows = [exercise_row(exercise, progress.get(exercise.id, NOTHING_YET)) for exercise in in_order(module)]
-    begun, row, way = any(row.own.attempts for row in rows), resumed(rows), on_the_way(module)
-    step = None
-    if row is not None:
-        step = NextStep(row.href, "Reprendre" if row.own.attempts else "Exercice suivant", row.title)
-    elif way and not begun:
-        step = NextStep(lesson_href(way[0]), "Commencer", way[0].label)
-    return ModuleCard(module_link(module, progress), begun, step)
 
 
 def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> ExercisePage:
@@ -298,22 +276,6 @@ def _progress(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Ver
     if verdict is not None and exercise.answers is None:
         before = gradebook.verdict_before(reader.db, attempt)
     return None if before is None or verdict is None else progress_since(before, verdict)
-
-
-def waiting_text(place: Place) -> str:
-    """What to say while there is no verdict."""
-    if place.state is State.running:
-        return "Correction en cours…"
-    if place.position is None:
-        return ""
-    if place.notice is not None:
-        return place.notice
-    before = place.position - 1
-    return (
-        f"En attente : {plural(before, 'envoi passe', 'envois passent')} avant le vôtre."
-        if before
-        else ("En attente : votre envoi est le prochain.")
-    )
 
 
 def _rows(exercise: Exercise, attempts: Attempts) -> tuple[AttemptRow, ...]:

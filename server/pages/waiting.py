@@ -8,9 +8,25 @@ from uuid import UUID
 from server.database import Database
 from server.gradebook import service as gradebook
 from server.identity.models import Account
-from server.pages import service
 from server.submissions.models import State
-from server.submissions.service import Submissions
+from server.submissions.service import Place, Submissions
+from server.web.words import plural
+
+
+def waiting_text(place: Place) -> str:
+    """What to say while there is no verdict."""
+    if place.state is State.running:
+        return "Correction en cours…"
+    if place.position is None:
+        return ""
+    if place.notice is not None:
+        return place.notice
+    before = place.position - 1
+    return (
+        f"En attente : {plural(before, 'envoi passe', 'envois passent')} avant le vôtre."
+        if before
+        else ("En attente : votre envoi est le prochain.")
+    )
 
 
 @dataclass(frozen=True)
@@ -46,4 +62,4 @@ class Watched:
                     return Waiting(State.done, "")
                 place = self.store.place(db, attempt.submission)
             self.waits = place.state is not State.done
-            return Waiting(place.state, service.waiting_text(place))
+            return Waiting(place.state, waiting_text(place))
