@@ -15,8 +15,6 @@ from starlette.concurrency import run_in_threadpool
 from starlette.middleware.gzip import GZipMiddleware
 
 from server.api import documentation
-from server.api.guide import router as guide_router
-from server.api.routes import router as api_router
 from server.base import middleware, root
 from server.base.chores import keep
 from server.base.gate import Gate
@@ -26,27 +24,11 @@ from server.base.settings import Settings
 from server.behaviour import fingerprints
 from server.behaviour import repository as behaviour
 from server.board.live import Boards
-from server.cells.routes import router as cells_router
 from server.cells.supervisor import Cells
 from server.classes.presence import Presence
 from server.classes.service import Classes
 from server.course import Course, load
 from server.database import Database, is_away, utc_now
-from server.desk.assignments.exemptions import router as exemptions_router
-from server.desk.assignments.routes import router as assignments_router
-from server.desk.board.routes import router as board_router
-from server.desk.groups.routes import router as groups_router
-from server.desk.likeness.routes import router as likeness_router
-from server.desk.marks.journal import router as journal_router
-from server.desk.marks.routes import router as marks_router
-from server.desk.own.routes import router as own_router
-from server.desk.people.keeping import router as keeping_router
-from server.desk.people.routes import router as classes_router
-from server.desk.polls.routes import router as polls_router
-from server.desk.regrades.routes import router as regrades_router
-from server.desk.sitting.routes import router as sitting_router
-from server.desk.talk.routes import router as talking_router
-from server.desk.talk.students import router as students_router
 from server.figures.pictures import Pictures
 from server.figures.program import program
 from server.figures.service import Figures
@@ -57,16 +39,9 @@ from server.grading.supervisor import WORKER_COMMAND, Supervisor
 from server.grading.task import give_ups
 from server.health.metrics import Metrics
 from server.health.readiness import Readiness
-from server.health.routes import router as health_router
 from server.identity import service as accounts
 from server.identity.service import Accounts
-from server.offline.routes import router as offline_router
 from server.offline.service import Archives
-from server.pages.accounts import router as accounts_router
-from server.pages.comments import router as comments_router
-from server.pages.drawn import router as drawn_router
-from server.pages.person import router as person_router
-from server.pages.routes import router as pages_router
 from server.personal.joining import adopt
 from server.personal.service import Personal
 from server.queue.engine import engine_of
@@ -76,12 +51,10 @@ from server.queue.service import TableQueue
 from server.queue.switchboard import Switchboard
 from server.queue.watch import Watch
 from server.reading.downloads import Downloads
-from server.reading.routes import router as reading_router
 from server.regrades.service import Regrades
 from server.replays.routes import Desk
-from server.replays.routes import router as replays_router
 from server.replays.service import Replays
-from server.steps.routes import router as steps_router
+from server.routers import ROUTERS
 from server.steps.service import Steps
 from server.submissions.collecting import Collecting
 from server.submissions.events import Events
@@ -97,37 +70,6 @@ DAY = 86400
 GZIP_LEVEL = 4  # mathematics in HTML shrink twelvefold; higher levels gain little and cost time
 RECOVER_EVERY = 3.0  # seconds
 TIDY_EVERY = 3600.0
-#: Each is asked in turn whether an address is one of its own: what is asked for most comes first.
-ROUTERS = (
-    health_router,
-    pages_router,
-    reading_router,
-    drawn_router,
-    api_router,
-    guide_router,
-    accounts_router,
-    person_router,
-    comments_router,
-    board_router,
-    classes_router,
-    keeping_router,
-    likeness_router,
-    students_router,
-    talking_router,
-    marks_router,
-    journal_router,
-    polls_router,
-    regrades_router,
-    groups_router,
-    sitting_router,
-    assignments_router,
-    exemptions_router,
-    own_router,
-    offline_router,
-    cells_router,
-    steps_router,
-    replays_router,
-)
 
 
 @dataclass(frozen=True)

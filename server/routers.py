@@ -1,0 +1,62 @@
+"""All routes of the web application, in the order in which they are asked whether an address is theirs."""
+
+from server.api.guide import router as guide_router
+from server.api.routes import router as api_router
+from server.cells.routes import router as cells_router
+from server.desk.assignments.exemptions import router as exemptions_router
+from server.desk.assignments.routes import router as assignments_router
+from server.desk.board.routes import router as board_router
+from server.desk.groups.routes import router as groups_router
+from server.desk.likeness.routes import router as likeness_router
+from server.desk.marks.journal import router as journal_router
+from server.desk.marks.routes import router as marks_router
+from server.desk.own.routes import router as own_router
+from server.desk.people.keeping import router as keeping_router
+from server.desk.people.routes import router as classes_router
+from server.desk.polls.routes import router as polls_router
+from server.desk.regrades.routes import router as regrades_router
+from server.desk.sitting.routes import router as sitting_router
+from server.desk.talk.routes import router as talking_router
+from server.desk.talk.students import router as students_router
+from server.health.routes import router as health_router
+from server.offline.routes import router as offline_router
+from server.pages.accounts import router as accounts_router
+from server.pages.comments import router as comments_router
+from server.pages.drawn import router as drawn_router
+from server.pages.person import router as person_router
+from server.pages.routes import router as pages_router
+from server.reading.routes import router as reading_router
+from server.replays.routes import router as replays_router
+from server.steps.routes import router as steps_router
+
+#: Each is asked in turn whether an address is one of its own: what is asked for most comes first.
+ROUTERS = (
+    health_router,
+    pages_router,
+    reading_router,
+    drawn_router,
+    api_router,
+    guide_router,
+    accounts_router,
+    person_router,
+    comments_router,
+    board_router,
+    classes_router,
+    keeping_router,
+    likeness_router,
+    students_router,
+    talking_router,
+    marks_router,
+    journal_router,
+    polls_router,
+    regrades_router,
+    groups_router,
+    sitting_router,
+    assignments_router,
+    exemptions_router,
+    own_router,
+    offline_router,
+    cells_router,
+    steps_router,
+    replays_router,
+)
