@@ -3,8 +3,8 @@
     PYTHONPATH=. python tests/benchmarks/bench_exchange.py [--rounds 60] [--exercises l20/poses l20/kabsch] [--strace]
 
 Of each exercise, the solution and a catalogued mistake, which is named. Times are milliseconds, and are also told
-normalised: divided by a loop of ten million additions in plain Python, measured in the same seconds (by its own clock:
-of the wall, or of the processor), and multiplied by 500 ms. With `--strace`, the system calls of the trusted side too.
+normalised: divided by what ten million additions in plain Python take in the same seconds (by its own clock: of the
+wall, or of the processor), and multiplied by 500 ms. With `--strace`, the system calls of the trusted side too.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from measure import figure, median, p95, table
+from measure import additions, figure, median, p95, table
 
 from graders.core.code.grading import CodeGrader
 from server.course import load
@@ -33,9 +33,9 @@ from server.sandbox.wire import Wire
 EXERCISES = ("l20/poses", "l20/predire2d", "l20/kabsch", "l20/slam_graphe")
 #: The spare child that the one before has ordered is ready by then.
 REST = 0.03
-#: What the loop of ten million additions takes on the machine that normalised figures are of.
-LOOP = 500.0
-ADDITIONS, TIMES = 1_000_000, 10
+#: Milliseconds that ten million additions take on the machine that normalised figures are of; a tenth is measured.
+REFERENCE = 500.0
+MEASURED, TIMES = 1_000_000, 10
 SYSTEM_CALLS = 20
 EMPTY = b"def f():\n    return None\n"
 
@@ -91,14 +91,6 @@ class Watch:
             Wire.ask, Session.close = ask, close  # type: ignore[method-assign]
 
 
-def additions() -> tuple[float, float]:
-    """Milliseconds of ten million additions: of the wall and of the processor."""
-    wall, processor, total = time.perf_counter(), time.thread_time(), 0
-    for number in range(ADDITIONS):
-        total += number
-    return 1000 * TIMES * (time.perf_counter() - wall), 1000 * TIMES * (time.thread_time() - processor)
-
-
 def contenders(course: Course, sandbox: Sandbox, exercises: list[str]) -> list[Counted]:
     grader = Grader(course, sandbox)
 
@@ -145,22 +137,22 @@ def main() -> None:
     parser.add_argument("--strace", action="store_true")
     options = parser.parse_args()
     traced = options.strace and shutil.which("strace")
-    course, watch, loops = load(render=False), Watch(), []
+    course, watch, units = load(render=False), Watch(), []
     with Sandbox(course.kits) as sandbox:
         field_of = contenders(course, sandbox, options.exercises)
         for one in field_of:
             for seed in range(3):
                 one.submit(seed)
         for seed in range(options.rounds):
-            loops.append(additions())
+            units.append([1000 * TIMES * seconds for seconds in additions(MEASURED)])
             for one in field_of:
                 one.run(1000 + seed, watch)
         calls = [system_calls(one) if traced else "" for one in field_of]
-    report(field_of, calls, *map(list, zip(*loops, strict=True)))
+    report(field_of, calls, *map(list, zip(*units, strict=True)))
 
 
 def report(field_of: list[Counted], calls: list[str], wall: list[float], processor: list[float]) -> None:
-    by_wall, by_processor = LOOP / median(wall), LOOP / median(processor)
+    by_wall, by_processor = REFERENCE / median(wall), REFERENCE / median(processor)
     limit, rows = median(field_of[0].wall), []
     before = limit
     for one, count in zip(field_of, calls, strict=True):
@@ -185,7 +177,7 @@ def report(field_of: list[Counted], calls: list[str], wall: list[float], process
         before = spent
     head = ["", "exchanges", "processes", "system calls", "wall", "p95", "wall, normalised", "× limit", "× right"]
     head += ["trusted CPU", "normalised", "child CPU, its fork included", "normalised"]
-    print(f"The loop: {median(wall):.0f} ms of the wall, {median(processor):.0f} ms of processor\n")
+    print(f"Ten million additions: {median(wall):.0f} ms of the wall, {median(processor):.0f} ms of processor\n")
     print(table(head, rows))
 
 

@@ -19,23 +19,15 @@ import time
 import urllib.request
 from pathlib import Path
 
-from measure import figure, median, table
+from measure import additions, figure, median, table
 
 ROOT = Path(__file__).parents[2]
-#: At the top of a module, where names are slower than in a function.
-LOOP = compile("total = 0\nfor _ in range(10_000_000):\n    total += 1", "calibration", "exec")
-HALF_A_SECOND = 0.5
+ADDITIONS, HALF_A_SECOND = 10_000_000, 0.5
 ADDRESS = re.compile(r"Balise est prête : (\S+)/")
 EXERCISE, LESSON = "l20/poses", "/l20/lire/localiser"
 GOALS = {"--help": "0.15", "grade": "0.6", "serve": "2", "first lesson": "", "second lesson": ""}
 
 Timed = tuple[float, float]  # seconds of the wall, of processor time
-
-
-def calibration() -> Timed:
-    wall, processor = time.perf_counter(), time.process_time()
-    exec(LOOP, {})
-    return time.perf_counter() - wall, time.process_time() - processor
 
 
 def run(*words: str) -> Timed:
@@ -75,7 +67,7 @@ def main(rounds: int) -> None:
         serve(folder)  # migrates, and remembers the course
         run("grade", EXERCISE, str(solution))
         for _ in range(rounds):
-            unit = calibration()
+            unit = additions(ADDITIONS)
             found = {"--help": run("--help"), "grade": run("grade", EXERCISE, str(solution)), **serve(folder)}
             for name, timed in found.items():
                 taken[name].append((timed, unit))

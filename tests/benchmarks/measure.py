@@ -1,4 +1,7 @@
-"""Interleaved rounds (A B C, A B C, …), so that noise hits every contender alike; medians, p95, tables."""
+"""Interleaved rounds (A B C, A B C, …), so that noise hits every contender alike; medians, p95, tables.
+
+What a machine is worth just now is told by additions, by which figures of several moments are brought to one.
+"""
 
 from __future__ import annotations
 
@@ -44,6 +47,17 @@ def interleave(contenders: Iterable[Contender], rounds: int) -> None:
         for contender in field_of:
             if number % contender.every == 0:
                 contender.run()
+
+
+def additions(count: int) -> tuple[float, float]:
+    """Seconds that so many additions take in plain Python: of the wall, and of this thread's processor.
+
+    They are made at the top of a module, where names are slower than in a function.
+    """
+    loop = compile(f"total = 0\nfor _ in range({count}):\n    total += 1", "additions", "exec")
+    wall, processor = time.perf_counter(), time.thread_time()
+    exec(loop, {})
+    return time.perf_counter() - wall, time.thread_time() - processor
 
 
 def median(times: Sequence[float]) -> float:

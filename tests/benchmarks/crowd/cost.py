@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from tests.benchmarks.crowd.service import Service
+from tests.benchmarks.measure import additions
 from tests.support.live import children
 
 TICK = os.sysconf("SC_CLK_TCK")
 UTIME, CUTIME = 11, 13  # places in /proc/pid/stat, after the name
 GRADING = "server.grading"  # in the command of a worker that a web process has started
-LOOP = compile("total = 0\nfor _ in range(5_000_000):\n    total += 1", "calibration", "exec")
-REFERENCE = 0.25  # seconds of that loop on the processor to which figures are brought
+ADDITIONS = 5_000_000
+REFERENCE = 0.25  # seconds that they take on the processor to which figures are brought
 
 
 def spent(service: Service) -> dict[str, float]:
@@ -67,15 +67,10 @@ def machine() -> float:
 
 
 def calibration(rounds: int = 3) -> float:
-    """Seconds of processor that the loop takes now: the least of some."""
-    taken = []
-    for _ in range(rounds):
-        began = time.process_time()
-        exec(LOOP, {})
-        taken.append(time.process_time() - began)
-    return min(taken)
+    """Seconds of processor that the additions take now: the least of some."""
+    return min(additions(ADDITIONS)[1] for _ in range(rounds))
 
 
 def normalised(seconds: Mapping[str, float], unit: float) -> dict[str, float]:
-    """As they would be where the loop takes `REFERENCE`."""
+    """As they would be where the additions take `REFERENCE`."""
     return {part: taken * REFERENCE / unit for part, taken in seconds.items()}
