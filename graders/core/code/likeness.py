@@ -10,6 +10,8 @@ from typing import TypeAlias
 #: What libraries are called; terms of a sum that are tried in every order.
 MODULES = frozenset({"np", "numpy", "math"})
 TERMS = 4
+#: Fields of a node that say nothing of how it reads.
+UNWRITTEN = ("ctx", "type_comment", "kind")
 #: Names of the model, and what stands for them in the program.
 Names: TypeAlias = Mapping[str, ast.expr]
 #: A term of a sum, and whether it is added.
@@ -45,19 +47,26 @@ def alike(pattern: ast.AST, node: ast.AST, names: Names, known: frozenset[str]) 
 
 
 def _same_fields(pattern: ast.AST, node: ast.AST, names: Names, known: frozenset[str]) -> Iterator[Names]:
+    pairs = parts_of_both(pattern, node)
+    if pairs is not None:
+        yield from _each_alike(pairs, names, known)
+
+
+def parts_of_both(one: ast.AST, other: ast.AST) -> Sequence[tuple[ast.AST, ast.AST]] | None:
+    """The parts of two nodes of one kind, in pairs; None where they differ in number, or in what is no node."""
     pairs: list[tuple[ast.AST, ast.AST]] = []
-    for (field, one), (_, other) in zip(ast.iter_fields(pattern), ast.iter_fields(node), strict=True):
-        if field in ("ctx", "type_comment", "kind"):
+    for (field, ours), (_, theirs) in zip(ast.iter_fields(one), ast.iter_fields(other), strict=True):
+        if field in UNWRITTEN:
             continue
-        ones, others = (value if isinstance(value, list) else [value] for value in (one, other))
-        if len(ones) != len(others):
-            return
-        for a, b in zip(ones, others, strict=True):
+        mine, its = (value if isinstance(value, list) else [value] for value in (ours, theirs))
+        if len(mine) != len(its):
+            return None
+        for a, b in zip(mine, its, strict=True):
             if isinstance(a, ast.AST) and isinstance(b, ast.AST):
                 pairs.append((a, b))
             elif a != b:
-                return
-    yield from _each_alike(pairs, names, known)
+                return None
+    return pairs
 
 
 def _each_alike(pairs: Sequence[tuple[ast.AST, ast.AST]], names: Names, known: frozenset[str]) -> Iterator[Names]:

@@ -12,11 +12,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from graders.core.code.likeness import MODULES, TERMS, Names, alike, all_alike, sum_of, terms
+from graders.core.code.likeness import MODULES, TERMS, Names, alike, all_alike, parts_of_both, sum_of, terms
 from graders.core.code.mutations import Model
 
-#: What trying may cost: nodes of one place, ways to read one place, names that are guessed, ways
-#: to find it all, places looked at.
+#: What trying may cost: nodes of one place, ways to read one place, names that are guessed, ways to find it all, places
+#: looked at.
 LARGEST, WAYS, GUESSED, MOST, WORK = 80, 24, 2, 200, 4000
 #: Characters of a program that is looked at.
 LONGEST = 10_000
@@ -138,21 +138,10 @@ def _differences(right: ast.AST, wrong: ast.AST, above: tuple[tuple[ast.AST, ast
         here = ()
     elif isinstance(right, (ast.expr, *_SIMPLE)) and isinstance(wrong, (ast.expr, *_SIMPLE)):
         here = ((right, wrong), *above)
-    if type(right) is not type(wrong):
+    pairs = parts_of_both(right, wrong) if type(right) is type(wrong) else None
+    if pairs is None:
         yield _Difference(here)
         return
-    pairs: list[tuple[ast.AST, ast.AST]] = []
-    for (_, one), (_, other) in zip(ast.iter_fields(right), ast.iter_fields(wrong), strict=True):
-        ones, others = (value if isinstance(value, list) else [value] for value in (one, other))
-        if len(ones) != len(others):
-            yield _Difference(here)
-            return
-        for a, b in zip(ones, others, strict=True):
-            if isinstance(a, ast.AST) and isinstance(b, ast.AST):
-                pairs.append((a, b))
-            elif a != b:
-                yield _Difference(here)
-                return
     for a, b in pairs:
         yield from _differences(a, b, here)
 
