@@ -8,7 +8,7 @@ from graders.core.code.checks import Untouched
 from graders.core.code.exercise import code
 from graders.core.contract.values import Arguments
 from graders.l20 import world
-from graders.l20.slam_graphe import graphs, residual
+from graders.l20.slam_graphe import asked, residual
 from graders.l20.slam_graphe.optimum import Optimum
 from graders.l20.slam_graphe.probes import PROBES
 from graders.l20.slam_graphe.residual import errors
@@ -17,7 +17,7 @@ GAUSS_NEWTON = ("gauss_newton",)
 
 
 def arguments_to_keep(rng: np.random.Generator) -> dict[str, Arguments]:
-    graph = graphs.weighted(rng)[0]
+    graph = asked.weighted(rng)[0]
     return {"erreur": residual.untouched_edge(rng), "gauss_newton": tuple(graph.inputs.values())}
 
 
@@ -51,7 +51,7 @@ CHECKS = (
         title="Une chaîne sans boucle : toutes les mesures sont satisfaites",
         points=2,
         functions=GAUSS_NEWTON,
-        graphs=graphs.chains,
+        graphs=asked.chains,
         hint="Avec deux poses et une seule mesure, où doit finir la seconde pose ? Que vaut alors l'erreur ?",
     ),
     Optimum(
@@ -59,7 +59,7 @@ CHECKS = (
         title="Une boucle qui ne se referme pas tout à fait",
         points=4,
         functions=GAUSS_NEWTON,
-        graphs=graphs.loops,
+        graphs=asked.loops,
         hint="Trois arêtes de même poids se contredisent de 3 au total : quelle part chacune doit-elle céder ?",
     ),
     Optimum(
@@ -67,7 +67,7 @@ CHECKS = (
         title="Des mesures plus sûres que d'autres",
         points=2,
         functions=GAUSS_NEWTON,
-        graphs=graphs.weighted,
+        graphs=asked.weighted,
         hint="Si l'une des mesures est deux fois plus sûre (Ω double), qui doit céder le plus ? Où Ω entre-t-elle ?",
     ),
     Optimum(
@@ -75,7 +75,7 @@ CHECKS = (
         title="Des caps qui passent par le demi-tour",
         points=2,
         functions=GAUSS_NEWTON,
-        graphs=graphs.turning,
+        graphs=asked.turning,
         hint="Après la correction, un cap peut dépasser π : que faut-il en faire ? Et dans l'erreur d'une arête ?",
     ),
     Optimum(
@@ -83,7 +83,7 @@ CHECKS = (
         title="Une grande boucle, avec n_iter ou sans",
         points=2,
         functions=GAUSS_NEWTON,
-        graphs=graphs.large,
+        graphs=asked.large,
         hint="χ² diminue-t-il à chaque itération ? Affichez-le : il doit se stabiliser en quelques tours.",
     ),
     Untouched(
