@@ -34,6 +34,15 @@ export function icon(path) {
   return svg;
 }
 
+/** What keys do, as a list: of each line the keys, apart by a space, then the words. */
+export function keyList(lines) {
+  const rows = lines.map(([names, words]) => {
+    const keys = names.split(" ").flatMap((name) => [make("kbd", {}, name), " "]);
+    return make("div", {}, make("dt", {}, ...keys), make("dd", {}, words));
+  });
+  return make("dl", {}, ...rows);
+}
+
 /** Text in which _{…} is lowered. */
 export function lowered(text) {
   const parts = text.split(/_\{([^}]*)\}/);

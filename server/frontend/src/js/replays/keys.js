@@ -1,6 +1,6 @@
 // The keys of a player: letters that AZERTY, QWERTZ and QWERTY have without another key, besides arrows, Home and End.
 
-import { make } from "./dom.js";
+import { keyList, make } from "./dom.js";
 
 /** Where each key leads, from the frame that is shown and the last one. */
 export const GOALS = {
@@ -31,15 +31,11 @@ export function keysHelp(turns) {
   if (turns === undefined) lines.push(["← →", "image précédente, image suivante"]);
   else lines.push(["← ↑ → ↓", "déplacer sur le dessin (avec Maj, plus vite)"]);
   if (turns) lines.push(["G D", "tourner à gauche, à droite"]);
-  const rows = lines.map(([names, words]) => {
-    const keys = names.split(" ").flatMap((name) => [make("kbd", {}, name), " "]);
-    return make("div", {}, make("dt", {}, ...keys), make("dd", {}, words));
-  });
   const where = "Le dessin étant choisi (touche Tab, ou un clic) ; les lettres valent aussi sur les boutons et les curseurs.";
   return make(
     "details", { class: "replay-help" },
     make("summary", {}, "Au clavier"),
     make("p", {}, where),
-    make("dl", {}, ...rows),
+    keyList(lines),
   ); // prettier-ignore
 }

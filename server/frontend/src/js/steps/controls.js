@@ -1,6 +1,6 @@
 // What the reader goes through the steps with: buttons, the slider, the ways into and out of calls, the laps of loops.
 
-import { button, icon, make } from "../replays/dom.js";
+import { button, icon, keyList, make } from "../replays/dom.js";
 import { loopsOf } from "./loops.js";
 import { callOf, counted } from "./words.js";
 
@@ -112,13 +112,9 @@ const KEYS = [
 
 /** What the keys and clicks do, folded. */
 export function help() {
-  const rows = KEYS.map(([names, words]) => {
-    const keys = names.split(" ").flatMap((name) => [make("kbd", {}, name), " "]);
-    return make("div", {}, make("dt", {}, ...keys), make("dd", {}, words));
-  });
   const clicks = "Un clic sur le nom d’une variable va là où elle change ensuite (avec Maj, là où elle changeait avant) ; un clic sur le numéro d’une ligne, à son passage suivant.";
   return make(
     "details", { class: "steps-help" },
-    make("summary", { "data-focus": "help" }, "Au clavier et à la souris"), make("dl", {}, ...rows), make("p", {}, clicks),
+    make("summary", { "data-focus": "help" }, "Au clavier et à la souris"), keyList(KEYS), make("p", {}, clicks),
   ); // prettier-ignore
 }
