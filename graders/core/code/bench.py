@@ -17,7 +17,7 @@ import numpy as np
 
 from graders.core.code.runner import Observation, Runner
 from graders.core.contract.findings import FigureData
-from graders.core.contract.program import Answer, Foreseen, KitSettings, Program, Reply, StudentFault
+from graders.core.contract.program import Answer, Foreseen, KitSettings, Program, StudentFault
 from graders.core.contract.values import Arguments, Value, kept
 
 Turn = tuple[str, Arguments, Iterator[Answer]]
@@ -101,11 +101,6 @@ class Bench:
         for args, answer in zip(asked.calls, answers, strict=False):
             self.last_call = (asked.function, args)
             yield args, answer
-
-    def call_keeping(self, function: str, *args: Value) -> Reply:
-        """As `call`, with the arguments as they are after the call."""
-        self.last_call = (function, args)
-        return self.runner.call(self.program, function, args, keep=True)
 
     def call_many(
         self, function: str, calls: Iterable[Arguments], *, faults: int | None = None
