@@ -167,6 +167,8 @@ def _digits(value: Any, dtype: str) -> str:
         return text(value, TEXT)
     if type(value) not in (bool, int, float, complex):
         raise Malformed("no number")
+    if dtype in ("float16", "float32") and type(value) is complex:
+        raise Malformed("a complex number in a dtype that has none")
     if dtype in ("float16", "float32", "complex64") and type(value) in (float, complex):
         with np.errstate(over="ignore"):
             return str(np.dtype(dtype).type(value))
