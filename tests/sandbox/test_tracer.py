@@ -177,7 +177,8 @@ def test_earlier_functions_run_without_being_followed(sandbox: Sandbox) -> None:
 
 def test_named_arguments_are_passed(sandbox: Sandbox) -> None:
     for name in ("b", "self", "arguments"):
-        _, end, _ = followed(sandbox, f"def f(a, {name}=0):\n    return a - {name}\n", "f", 5, **{name: 2})
+        given: dict[str, Any] = {name: 2}
+        _, end, _ = followed(sandbox, f"def f(a, {name}=0):\n    return a - {name}\n", "f", 5, **given)
         assert written(end.value) == "3"
 
 
