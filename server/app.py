@@ -112,7 +112,8 @@ class Services:
 
     @cached_property
     def submissions(self) -> Submissions:
-        return Submissions(self.settings, self.queue, lambda: self.watch.unattended, self.course.version_of)
+        course = self.course
+        return Submissions(self.settings, self.queue, lambda: self.watch.unattended, course.version_of, course.reused)
 
     @cached_property
     def collecting(self) -> Collecting:

@@ -19,9 +19,14 @@ from server.assignments.models import Assignment, EndedBy, Mode, SavedWork, Sitt
 from server.assignments.rules import Rules, in_force
 from server.base.errors import NotFound, NotNow
 from server.base.identities import identity_of
+from server.sandbox.values import MENTION
 
 NO_TEST = "Ce contrôle n’existe pas."
 NOT_SITTING = "Vous ne composez pas en ce moment dans cet exercice : il n’y a rien à enregistrer."
+NO_HELP = (
+    "Pendant le contrôle « {title} », rien d’autre ne peut importer de mes_fonctions ce qu’il demande d’écrire : cela "
+    "redevient possible à sa fin."
+)
 CANNOT_BEGIN = {
     Stage.before: "Ce contrôle n’est pas encore ouvert.",
     Stage.missed: "Ce contrôle est fermé : on ne le commence plus.",
@@ -81,6 +86,16 @@ def require_may_send(db: Session, account_id: UUID, exercise: str, now: datetime
     if found.running and not _kept_running(db, found.running, account_id):
         raise NotNow(OVER.format(title=found.running[0].title))
     return found
+
+
+def require_no_help(db: Session, account_id: UUID, source: bytes, reused: Collection[str]) -> None:
+    """Raises NotNow for a program that imports what a running test asks to write, and whose verdict no test holds: the
+    course's own functions would be there to compare with."""
+    if MENTION not in source:
+        return
+    for exercise in reused:
+        if running := feedback.of(db, account_id, exercise).running:
+            raise NotNow(NO_HELP.format(title=running[0].title))
 
 
 def save(db: Session, account_id: UUID, exercise: str, source: bytes, now: datetime) -> None:

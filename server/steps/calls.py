@@ -14,10 +14,13 @@ import numpy as np
 
 from server.base.errors import Invalid
 from server.sandbox import Value
+from server.sandbox.child.codec import Limits, TooBig, encode
 from server.text.plain import visible
 
 #: Values that are written of an array, a list, a dictionary.
 SHOWN = 16
+#: What goes to the sandbox: more is refused here, where it can be said.
+_SENDABLE = Limits(size=1 << 26, depth=32, items=1 << 20)
 #: Characters of a call, parts of it, items of an array made by its shape, digits of a number.
 LONGEST, PARTS, ITEMS, DIGITS = 4000, 2000, 10_000, 300
 
@@ -56,9 +59,11 @@ def read(typed: str) -> Call:
         raise Invalid("Cet appel a trop de valeurs pour être suivi pas à pas.")
     try:
         named = {_name(one): _value(one.value) for one in call.keywords}
-        return Call(call.func.id, tuple(map(_value, call.args)), named)
-    except RecursionError as error:
+        read = Call(call.func.id, tuple(map(_value, call.args)), named)
+        encode((read.arguments, named), _SENDABLE)
+    except (RecursionError, TooBig) as error:
         raise Invalid("Cet appel est imbriqué trop profondément pour être suivi pas à pas.") from error
+    return read
 
 
 def written(call: Call) -> str:
@@ -202,9 +207,9 @@ def _numbers(given: Value, node: ast.expr) -> Value:
 
 def _is_shape(given: Value, *, flat: bool) -> bool:
     sides = given if isinstance(given, tuple | list) and not flat else (given,)
-    if not all(isinstance(side, int) and 0 <= side <= ITEMS for side in sides) or len(sides) > 4:
+    if not all(type(side) is int and 0 <= side <= ITEMS for side in sides) or len(sides) > 4:
         return False
-    items = math.prod(int(side) for side in sides if isinstance(side, int))
+    items = math.prod(side for side in sides if type(side) is int)
     return (items * items if flat else items) <= ITEMS
 
 

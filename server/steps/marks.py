@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 
 from graders.core.code.exercise import CodeDefinition
 from graders.core.code.locating import Repair, repairs
-from graders.core.contract.program import Programs
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import Foreseen, KitSettings, Program, Programs, StudentFault
 from graders.typography import french
 from server.steps.schemas import MarkOut
 
@@ -34,12 +36,25 @@ def of(
 
     found = repairs(definition.prober.model, known.id, known.functions, text, spent)
     hurried = itertools.takewhile(lambda _: not spent(), itertools.islice(found, MOST))
-    lines = _that_undo_it(definition, text, hurried, check_id, programs, seed)
+    lines = _that_undo_it(definition, text, hurried, check_id, _Until(programs, spent), seed)
     return MarkOut(line=lines.pop()[0], words=french(known.title)) if len(lines) == 1 else None
 
 
+@dataclass(frozen=True)
+class _Until:
+    """Programs of which none starts any more once one's patience is spent: a check may start dozens."""
+
+    programs: Programs
+    spent: Callable[[], bool]
+
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+        if self.spent():
+            raise StudentFault(Outcome.TIMEOUT, "", fatal=True)
+        return self.programs.open(source, kit, ahead)
+
+
 def _that_undo_it(
-    definition: CodeDefinition, text: str, found: Iterable[Repair], check_id: str, programs: Programs, seed: int
+    definition: CodeDefinition, text: str, found: Iterable[Repair], check_id: str, programs: _Until, seed: int
 ) -> set[tuple[int, ...]]:
     """The lines at which the program is changed, and by no change too many, so that it passes the check.
 
@@ -57,6 +72,8 @@ def _that_undo_it(
         if (place == 0 and passes(text)) or after > DOUBTS:
             break
         after += bool(lines)
-        if repair.lines not in lines and passes(repair.text) and not any(map(passes, repair.parts)):
+        if repair.lines in lines or not passes(repair.text) or any(map(passes, repair.parts)):
+            continue
+        if not (repair.parts and programs.spent()):  # what could not be tried has not failed
             lines.add(repair.lines)
     return lines

@@ -103,6 +103,7 @@ class _Noted:
         self.last: deque[_Answered] = deque(maxlen=REMEMBERED)
 
     def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+        self.must_last()
         return _NotedProgram(self._programs.open(source, kit, ahead), kit, self)
 
     def must_last(self) -> None:

@@ -18,7 +18,7 @@ from server.sandbox import FaultKind, Followed, Kit, Policy, ProgramFault, Sandb
 from server.steps import calls, marks, replaying, values, words
 from server.steps.questions import Asked, AskedCall, AskedCell, AskedReplay, Earlier, Question
 from server.steps.schemas import EndOut, MarkOut, TraceOut
-from server.steps.told import Told
+from server.steps.told import VALUE, Told
 from server.steps.values import Malformed
 from server.text.plain import visible
 
@@ -92,14 +92,17 @@ def _replay(sandbox: Sandbox, asked: AskedReplay) -> TraceOut:
         cpu_seconds=min(asked.policy.cpu_seconds, replaying.LONGEST),
         wall_seconds=min(asked.policy.wall_seconds, replaying.LONGEST),
     )
-    programs = SandboxPrograms(sandbox, hurried, [one.shelf() for one in asked.library])
+    library = [one.shelf() for one in asked.library]
+    programs = SandboxPrograms(sandbox, hurried, library)
     case = replaying.find(definition, asked.check, asked.inputs, asked.source, programs, seed=asked.seed)
     if case is None:
         return _untraced(asked.source, FILENAME, ProgramFault(FaultKind.RUNTIME_ERROR, words.NOT_THE_SAME), cut=True)
     call = calls.Call(case.function, case.arguments, {})
     kit = _kit(case.kit, asked.library)
     program = _Program(asked.source, FILENAME, case.function, case.arguments, {}, kit, calls.written(call))
-    mark = marks.of(definition, asked.mistakes, asked.source, asked.check, programs, seed=asked.seed)
+    brief = replace(hurried, cpu_seconds=marks.LONGEST, wall_seconds=marks.LONGEST)
+    tried = SandboxPrograms(sandbox, brief, library)
+    mark = marks.of(definition, asked.mistakes, asked.source, asked.check, tried, seed=asked.seed)
     return _traced(sandbox, program, before=case.reply, mark=mark)
 
 
@@ -170,7 +173,8 @@ def _returned(answer: Value, *, waits: bool) -> tuple[EndOut, tuple[Value, ...]]
     match answer:
         case (described, tuple() as reply) if len(reply) < 2:
             value = values.read(described)
-            return EndOut(kind="returned", value=None if waits else value), reply
+            if len(value.model_dump_json().encode()) <= VALUE:
+                return EndOut(kind="returned", value=None if waits else value), reply
     raise Malformed("no answer of a tracer")
 
 

@@ -9,7 +9,7 @@ from typing import Protocol
 from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
-from server.assignments import feedback
+from server.assignments import feedback, sittings
 from server.base.encoding import encoded
 from server.base.errors import Crowded, Failed, Invalid, NotFound, NotNow
 from server.base.settings import Settings
@@ -64,6 +64,7 @@ class Steps:
         def asked(db: Session) -> Asked:
             if held := feedback.of(db, account.id, exercise.id).tests:
                 raise NotNow(IN_TEST.format(title=held[0].title))
+            sittings.require_no_help(db, account.id, source, self._reused(exercise.id))
             own = accepted.used_now(db, self.course, account.id, exercise.id, source)
             return AskedCall(
                 exercise=exercise.id, source=source, library=self._library(exercise.id, own), call=new.call
@@ -73,7 +74,9 @@ class Steps:
 
     async def of_check(self, account: Account | None, submission_id: str, new: NewReplay, address: str) -> bytes:
         """The case that a failed check of an attempt shows. Raises NotFound for an attempt that is not theirs to see,
-        Invalid for what cannot be replayed, and for what a test holds back."""
+        Invalid for what cannot be replayed, and for what a test holds back. NotNow as `sittings.require_no_help`."""
+        if account is None:
+            raise NotFound(UNKNOWN)
 
         def asked(db: Session) -> Asked:
             attempt = gradebook.find(db, account, submission_id)
@@ -83,6 +86,7 @@ class Steps:
             if verdict is None or check is None or exercise is None or not can_replay(exercise, check):
                 raise Invalid(NO_REPLAY)
             assert check.counterexample is not None
+            sittings.require_no_help(db, account.id, sent.source, self._reused(exercise.id))
             own = accepted.used_by(db, self.course, sent)
             return AskedReplay(
                 exercise=exercise.id,
@@ -95,8 +99,6 @@ class Steps:
                 mistakes=(verdict.diagnosis.id,) if verdict.diagnosis else (),
             )
 
-        if account is None:
-            raise NotFound(UNKNOWN)
         return await self._asked(account, address, asked)
 
     def _exercise(self, exercise_id: str) -> Exercise:
@@ -104,6 +106,9 @@ class Steps:
         if exercise is None or exercise.kind != "code":
             raise NotFound(NO_EXERCISE)
         return exercise
+
+    def _reused(self, exercise: str) -> list[str]:
+        return [one.id for one in self.course.reused(exercise)]
 
     def _library(self, exercise: str, own: Own) -> tuple[Earlier, ...]:
         return tuple(map(Earlier.of, shelves(self.course, exercise, own)))

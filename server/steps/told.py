@@ -12,6 +12,9 @@ from server.steps import values
 from server.steps.schemas import ArrayOut, ChangeOut, FrameOut, SequenceOut, StepOut, Value
 from server.steps.values import Malformed
 
+#: Bytes of all steps, and of one value that comes back, as the JSON of a trace: what an answer may hold is bounded, and
+#: a text of which every character is spelled out takes twelve times its length.
+ROOM, VALUE = 8 << 20, 1 << 20
 _Event = Literal["call", "line", "return", "exception"]
 _EVENTS: Mapping[str, _Event] = {"call": "call", "line": "line", "return": "return", "exception": "exception"}
 
@@ -25,10 +28,14 @@ class Told:
         self.steps: list[StepOut] = []
         self.left: list[str] = []
         self._variables: list[dict[str, Value]] = []
+        self._room = ROOM
 
     def read(self, pieces: Iterable[Plain]) -> None:
-        """Raises Malformed at the first piece that is none; those before it stay."""
+        """Raises Malformed at the first piece that is none; those before it stay. What there is no room for is left
+        out, with all that follows."""
         for piece in pieces:
+            if self._room < 0:
+                return
             if type(piece) is not tuple or not piece or type(piece[0]) is not str:
                 raise Malformed("no piece of a trace")  # an array would be compared item by item
             match piece:
@@ -70,7 +77,11 @@ class Told:
             value=values.read(back[0]) if back else None,
             words=_words(words),
         )
-        self.steps.append(step)
+        self._room -= len(step.model_dump_json().encode())
+        if self._room >= 0:
+            self.steps.append(step)
+        elif tracer.NODES_OVER not in self.left:
+            self.left.append(tracer.NODES_OVER)
 
     def _number(self, frame: Any) -> int:
         if type(frame) is not int or not 0 <= frame < len(self.frames):

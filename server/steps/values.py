@@ -27,6 +27,8 @@ from server.text.plain import visible
 NAME, WHOLE, SIDES = 80, 2**53 - 1, 8
 _DTYPE = re.compile(r"[<>|=](?:b1|[iu][1248]|f(?:2|4|8|12|16)|c(?:8|16|24|32))")
 _LONG = {"f12": "longdouble", "f16": "longdouble", "c24": "clongdouble", "c32": "clongdouble"}
+#: One for all: a hostile trace may hold half a million.
+_NOTHING = NothingOut()
 _SEQUENCES = frozenset({"list", "tuple", "set", "frozenset", "deque", "range"})
 
 
@@ -80,7 +82,7 @@ def _items(told: Any) -> tuple[Any, ...]:
 
 def _none(parts: Sequence[Any], level: int) -> NothingOut:
     _exactly(parts, 0)
-    return NothingOut()
+    return _NOTHING
 
 
 def _bool(parts: Sequence[Any], level: int) -> TruthOut:
@@ -167,6 +169,8 @@ def _digits(value: Any, dtype: str) -> str:
         return text(value, TEXT)
     if type(value) not in (bool, int, float, complex):
         raise Malformed("no number")
+    if dtype in ("float16", "float32") and type(value) is complex:
+        raise Malformed("a complex number in a dtype that has none")
     if dtype in ("float16", "float32", "complex64") and type(value) in (float, complex):
         with np.errstate(over="ignore"):
             return str(np.dtype(dtype).type(value))

@@ -2,7 +2,7 @@
 
 import hashlib
 import secrets
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
@@ -17,7 +17,7 @@ from server.base.errors import Invalid, TooMany
 from server.base.identities import identity_of
 from server.base.settings import Settings
 from server.classes import service as classes
-from server.course.models import SEED_BITS
+from server.course.models import SEED_BITS, Exercise
 from server.database import utc_now
 from server.identity.models import Account
 from server.limits import service as limits
@@ -82,9 +82,12 @@ class Submissions:
         queue: Queue,
         unattended: Callable[[], bool] = lambda: False,
         version_of: Callable[[str], str] | None = None,
+        reused: Callable[[str], Sequence[Exercise]] = lambda _: (),
     ) -> None:
-        """`version_of` the exercises, as they are shown here: a submission is for graders of the same."""
+        """`version_of` the exercises, as they are shown here: a submission is for graders of the same. `reused`: the
+        exercises whose functions the programs of one may import."""
         self._settings, self._queue, self._unattended, self._version_of = settings, queue, unattended, version_of
+        self._reused = reused
 
     def submit(
         self, db: Session, account: Account, exercise_id: str, code: str, *, address: str, key: str | None = None
@@ -147,7 +150,8 @@ class Submissions:
         now, bucket, name = utc_now(), limits.of_submissions(account.id), _name(account, key)
         if key is not None and (before := _sent_as(db, account, name, exercise_id, source)):
             return before
-        sittings.require_may_send(db, account.id, exercise_id, now)
+        if not sittings.require_may_send(db, account.id, exercise_id, now).tests:
+            sittings.require_no_help(db, account.id, source, [one.id for one in self._reused(exercise_id)])
         limits.take(db, bucket, self._settings.submission_bucket, TOO_FAST)
         if key is not None and (before := _sent_as(db, account, name, exercise_id, source)):
             limits.give_back(db, bucket)  # another process was first: it held the bucket until it had committed

@@ -176,8 +176,10 @@ def test_earlier_functions_run_without_being_followed(sandbox: Sandbox) -> None:
 
 
 def test_named_arguments_are_passed(sandbox: Sandbox) -> None:
-    _, end, _ = followed(sandbox, "def f(a, b=0):\n    return a - b\n", "f", 5, b=2)
-    assert written(end.value) == "3"
+    for name in ("b", "self", "arguments"):
+        given: dict[str, Any] = {name: 2}
+        _, end, _ = followed(sandbox, f"def f(a, {name}=0):\n    return a - {name}\n", "f", 5, **given)
+        assert written(end.value) == "3"
 
 
 def test_what_is_not_there_or_not_right_is_told_as_in_a_verdict(sandbox: Sandbox) -> None:

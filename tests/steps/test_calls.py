@@ -79,6 +79,9 @@ def test_a_call_has_the_values_that_python_gives_it(typed: str) -> None:
         ("f(np.array(['a']))", "que des nombres"),
         ("f(np.array([1], dtype=object))", "Un seul argument"),
         ("f(np.load('a'))", "pas compris"),
+        ("f(np.zeros(True))", "pas compris"),
+        ("f(np.array(" + "[" * 9 + "1" + "]" * 9 + "))", "profondément"),
+        ("f(" + "[" * 70 + "1" + "]" * 70 + ")", "profondément"),
     ],
 )
 def test_what_is_no_call_of_values_is_refused(typed: str, said: str) -> None:

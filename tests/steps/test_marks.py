@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 
 import pytest
 
 from graders.core.code.exercise import CodeDefinition
 from graders.core.code.locating import repairs
 from graders.core.contract.local import LOCAL
+from graders.core.contract.program import Foreseen, KitSettings, Program
 from graders.discovery import find
 from graders.typography import french
 from server.steps import marks
@@ -98,3 +100,19 @@ def test_a_program_made_to_be_slow_to_read_is_left_alone() -> None:
     assert sum(1 for _ in found) <= 100
     assert next(looks) <= 110
     assert not list(repairs(ODOMETRY.prober.model, "depart_oublie", ["odometrie"], source * 40, lambda: False))
+
+
+def test_once_patience_is_spent_no_program_starts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A program that sleeps at its first line would keep a check that starts it dozens of times."""
+    started = list[bytes]()
+
+    class Slow:
+        def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+            started.append(source)
+            monkeypatch.setattr("server.steps.marks.time.monotonic", lambda: float("inf"))
+            return LOCAL.open(source, kit, ahead)
+
+    assert isinstance(POSES, CodeDefinition)
+    source = OTHERWISE.format("-", "+", "p[2] + q[2]").encode()
+    assert marks.of(POSES, ["angle_jamais_ramene"], source, "composer_tours", Slow(), seed=3) is None
+    assert len(started) == 1

@@ -10,6 +10,7 @@ import pytest
 from graders.core.contract.findings import Judgement
 from graders.core.contract.local import LOCAL
 from graders.core.contract.verdict import Verdict
+from server.assignments import sittings
 from server.assignments.models import Mode
 from server.base.errors import Crowded, Failed
 from server.base.provided import provide, provided_to
@@ -169,6 +170,26 @@ def test_a_test_holds_back_its_exercise_but_for_who_teaches(
     assert (held.status_code, process.asked) == (422, [])
     assert browser.post("/l20/exercices/odometrie/pas", json=body).status_code == 200
     assert teacher.browser(site).post(f"/soumissions/{name}/pas", json={"check": "composer_tours"}).status_code == 200
+
+
+def test_what_a_running_test_asks_for_is_not_imported_elsewhere_to_compare_one_s_own_with(
+    site: Site, process: Process
+) -> None:
+    ada, made = person(site), new_class(site.database, person(site, Role.teacher).account)
+    seat(site.database, made, ada.account)
+    test = assign(site.database, made, POSES, mode=Mode.test)
+    browser, imports = ada.browser(site), "from mes_fonctions import composer\n"
+
+    def statuses(code: str) -> list[int]:
+        followed = browser.post("/l20/exercices/metriques/pas", json={"code": code, "call": "ate(1, 2)"})
+        body = {"exercise": "l20/metriques", "code": code}
+        sent = site.client.post("/api/v1/submissions", json=body, headers=ada.headers)
+        return [followed.status_code, sent.status_code]
+
+    assert statuses(imports) == [200, 202]
+    with site.database.write() as db:
+        sittings.begin(db, test, ada.id, (), utc_now())
+    assert (statuses(imports), statuses(CODE)) == ([409, 409], [200, 202])
 
 
 @pytest.mark.parametrize(("raises", "status"), [(Crowded("Attendez.", retry_after=2), 503), (Failed("Incident."), 500)])

@@ -14,8 +14,9 @@ from server.sandbox.child import codec
 from server.sandbox.child.frames import STEP_LIMITS
 from server.sandbox.child.shown import Described
 from server.steps import values
+from server.steps.run import _returned
 from server.steps.schemas import TraceOut
-from server.steps.told import Told
+from server.steps.told import ROOM, Told
 from server.steps.values import Malformed
 
 SHOWN = {
@@ -68,6 +69,7 @@ HOSTILE: list[Any] = [
     *[("array", "<f8", None, (2,), (1.0,) * 3), ("array", "<f8", None, (-1,), ()), ("array", "<f8", None, [2], ())],
     *[("array", "<f8", None, (1,) * 100, ()), ("array", "<f8", None, (1000,), (1.0,) * 401)],
     *[("array", "<f8", None, (1,), (None,)), ("array", "<f8", None, (1,), (np.zeros(3),))],
+    *[("numpy", "<f2", 1j), ("array", "<f4", None, (1,), (1j,))],
     *[("other", "a" * 100, ""), ("other", 1, ""), ("html", "<b>"), (np.zeros(3),), ("none",) * 2],
 ]
 
@@ -114,6 +116,17 @@ def test_whatever_is_told_is_read_or_refused_and_makes_a_trace_within_its_bounds
         assert all(1 <= step.line <= 3 and 0 <= step.frame < len(told.frames) for step in told.steps)
         assert all(frame.parent is None or frame.parent < k for k, frame in enumerate(told.frames))
         assert all(len(change.name) <= 200 for step in told.steps for change in step.changes)
+
+
+def test_a_trace_of_which_every_character_is_spelled_out_stays_within_what_an_answer_may_hold() -> None:
+    items: Any = ("sequence", "list", None, 250, (("text", "\x7f" * 200, 200),) * 250)
+    told = Told(1)
+    told.read([("frame", "f", 1, None), *(("step", "line", 0, 1, (("a", items),), (), (), ("", "")),) * 100])
+    assert 1 < len(told.steps) < 100
+    assert told.left == ["nodes"]
+    assert sum(len(step.model_dump_json().encode()) for step in told.steps) <= ROOM
+    with pytest.raises(Malformed):
+        _returned(((*items[:4], items[4] * 2), ()), waits=True)
 
 
 def test_a_trace_is_json_that_the_schema_reads() -> None:

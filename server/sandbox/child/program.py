@@ -115,7 +115,7 @@ class Program:
         value = self._guarded(lambda: self._called(function, arguments))
         return self._encoded((value, arguments if return_arguments else None), function)
 
-    def _called(self, function: str, arguments: tuple[Value, ...], **named: Value) -> Any:
+    def _called(self, function: str, arguments: tuple[Value, ...], /, **named: Value) -> Any:
         asked, driver = self._globals[function], self._drivers.get(function)
         return asked(*arguments, **named) if driver is None else driver(asked, *arguments, **named)
 
