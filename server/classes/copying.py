@@ -32,5 +32,5 @@ def _seat_in(made: SchoolClass, there: Membership) -> Membership:
     seat = Membership(class_id=made.id, account_id=there.account_id, role=there.role)
     if not there.is_staff:
         seat.family_name, seat.given_name, seat.email = there.family_name, there.given_name, there.email
-        seat.groups, seat.made_here = list(there.groups), there.made_here
+        seat.groups = list(there.groups)
     return seat
