@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from tests.graders.l20.boucles_styles import submission
-from tests.graders.l20.test_names_that_hold import BOUCLES, COMB, KABSCH, PREDIRE, SLAM, model
+from tests.graders.l20.test_names_that_hold import BOUCLES, COMB, KABSCH, PREDIRE, SLAM
 from tests.graders.shipped import CODE
-from tests.support.verdicts import checked, failed
+from tests.support.verdicts import checked, failed, model_with
 
 POSES = "l20/poses"
 SEEDS = range(2026, 2030)
@@ -17,13 +17,15 @@ def mistake(exercise: str, name: str) -> str:
     return next(m.source for m in CODE[exercise].misconceptions if m.id == name)
 
 
-RAW = model(BOUCLES, "signature(scans[j]) - reference", "scans[j] - scans[i]")
+RAW = model_with(BOUCLES, "signature(scans[j]) - reference", "scans[j] - scans[i]")
 HALF_A_TURN = "np.abs(np.exp(-1j * np.pi * np.outer(np.arange(36), np.arange(36)) / 36) @ scan)"
 NORMS, ONE_SIDED = "abs(np.linalg.norm(a) - np.linalg.norm(b))", "np.max(b - a)"
 FROM_THE_EVENEST = "np.roll(scan, -np.argmin(np.abs(scan - np.roll(scan, 1))))"
 SPECTRUM = "np.abs(np.fft.rfft(scan))"
-LAST_TOOTH_AT_ONE = model(COMB, "dents = u + np.arange(N) / N", "dents = np.linspace(u, 1, N)")
-PI = "import math\nPI = 3.14\n" + model(POSES, "np.pi - (np.pi - angle) % (2 * np.pi)", "PI - (PI - angle) % (2 * PI)")
+LAST_TOOTH_AT_ONE = model_with(COMB, "dents = u + np.arange(N) / N", "dents = np.linspace(u, 1, N)")
+PI = "import math\nPI = 3.14\n" + model_with(
+    POSES, "np.pi - (np.pi - angle) % (2 * np.pi)", "PI - (PI - angle) % (2 * PI)"
+)
 
 
 @pytest.mark.parametrize(
@@ -44,19 +46,21 @@ PI = "import math\nPI = 3.14\n" + model(POSES, "np.pi - (np.pi - angle) % (2 * n
         (BOUCLES, submission(FROM_THE_EVENEST)),
         (COMB, LAST_TOOTH_AT_ONE),
         (COMB, mistake(COMB, "indice_suivant")),
-        (POSES, model(POSES, "np.pi - (np.pi - angle) % (2 * np.pi)", "np.arcsin(np.sin(angle))")),
-        (POSES, model(POSES, "ramener(tb - ta)", "tb - ta")),
+        (POSES, model_with(POSES, "np.pi - (np.pi - angle) % (2 * np.pi)", "np.arcsin(np.sin(angle))")),
+        (POSES, model_with(POSES, "ramener(tb - ta)", "tb - ta")),
         (KABSCH, mistake(KABSCH, "correction_colonne_de_r")),
         (KABSCH, mistake(KABSCH, "angle_modulo_pi")),
         (
             COMB,
-            model(COMB, "def n_eff(poids):\n    return ", "def n_eff(poids):\n    return int(", "**2)\n", "**2))\n"),
+            model_with(
+                COMB, "def n_eff(poids):\n    return ", "def n_eff(poids):\n    return int(", "**2)\n", "**2))\n"
+            ),
         ),
         (POSES, PI),
         (PREDIRE, mistake(PREDIRE, "croyance_oubliee")),
         (PREDIRE, mistake(PREDIRE, "carre_oublie")),
         (PREDIRE, mistake(PREDIRE, "ecrasement")),
-        (PREDIRE, model(PREDIRE, "np.sum((scan_obs - z) ** 2)", "(scan_obs[0] - z[0]) ** 2")),
+        (PREDIRE, model_with(PREDIRE, "np.sum((scan_obs - z) ** 2)", "(scan_obs[0] - z[0]) ** 2")),
         pytest.param(SLAM, mistake(SLAM, "difference_non_ramenee"), marks=pytest.mark.slow),
         pytest.param(SLAM, mistake(SLAM, "angles_jamais_ramenes"), marks=pytest.mark.slow),
     ],
