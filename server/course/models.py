@@ -307,11 +307,16 @@ class Course:
         wanted = latest(self.modules)
         return tuple(module for slug, module in self.modules.items() if slug in wanted)
 
+    def editions(self, slug: str) -> list[Module]:
+        """All of a module's that are served, the first one first."""
+        family = edition_of(slug).family
+        same = (module for module in self.modules.values() if edition_of(module.slug).family == family)
+        return sorted(same, key=lambda module: edition_of(module.slug))
+
     def newer(self, slug: str) -> Module | None:
-        """The last edition of a module, where that is another one."""
-        family, number = edition_of(slug)
-        found = (one for one in self.latest if edition_of(one.slug).family == family)
-        return next((one for one in found if edition_of(one.slug).number > number), None)
+        """The last edition of a module, where that comes after this one."""
+        last = next(reversed(self.editions(slug)), None)
+        return last if last and edition_of(last.slug) > edition_of(slug) else None
 
     def version_of(self, exercise: str) -> str:
         """The version of an exercise by its id, which may have left the course."""

@@ -43,8 +43,7 @@ def shown(reader: Reader, progress: Mapping[str, Progress]) -> Sequence[Module]:
 def note(reader: Reader, module: Module) -> EditionNote | None:
     """What is said on the page of a module that has other editions."""
     course = reader.course
-    family = edition_of(module.slug).family
-    others = [one for one in course.modules.values() if one is not module and edition_of(one.slug).family == family]
+    others = [one for one in course.editions(module.slug) if one is not module]
     if not others:
         return None
     own = kept(reader)
@@ -59,9 +58,7 @@ def note(reader: Reader, module: Module) -> EditionNote | None:
 
 def to_move_to(course: Course, slug: str) -> tuple[Module, ...]:
     """The editions that a class of this one may be copied into: its own, where it is served, and those after it."""
-    family, number = edition_of(slug)
-    same = (one for one in course.modules.values() if edition_of(one.slug).family == family)
-    return tuple(one for one in same if edition_of(one.slug).number >= number)
+    return tuple(one for one in course.editions(slug) if edition_of(one.slug) >= edition_of(slug))
 
 
 def chosen(course: Course, own: str, wanted: str) -> str:
