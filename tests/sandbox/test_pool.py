@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from server.sandbox import Kit, ProgramFault, Sandbox, SandboxFault
+from server.sandbox import FaultKind, Kit, ProgramFault, Sandbox, SandboxFault
 
 from .family import (
     LEAVES,
@@ -180,6 +180,22 @@ def test_a_template_outlives_the_thread_that_first_needed_it() -> None:
             session = pool.submit(lambda: sandbox.open(SOURCE)).result()
         assert session.call("f", 1).value == 2
         session.close()
+
+
+def test_signals_that_our_own_starter_held_back_or_ignored_still_tell_where_time_ran_out() -> None:
+    source = b"def f(x):\n    while True:\n        x += 1\n"
+    held = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPROF, signal.SIGALRM, signal.SIGXCPU})
+    ignored = signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+    try:
+        with Sandbox({}, only(cpu_seconds=0.1), spares=0) as sandbox, sandbox.open(source) as session:
+            signal.signal(signal.SIGCHLD, ignored)
+            with pytest.raises(ProgramFault) as fault:
+                session.call("f", 0)
+    finally:
+        signal.signal(signal.SIGCHLD, ignored)
+        signal.pthread_sigmask(signal.SIG_SETMASK, held)
+    assert fault.value.kind == FaultKind.TIMEOUT
+    assert fault.value.line in (2, 3)
 
 
 def test_the_death_of_the_server_ends_its_templates() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 
 from . import outer
@@ -11,6 +12,7 @@ from . import outer
 def main(control: int, configuration: int, parent: int, namespaces: bool, lifted: list[str], sites: list[str]) -> None:
     """`lifted`: walls left down; `sites`: the directories where numpy and scipy are installed."""
     outer.tie_to_parent(parent)
+    forget_inherited_signals()
 
     def inside() -> None:
         sys.path += sites
@@ -25,3 +27,12 @@ def main(control: int, configuration: int, parent: int, namespaces: bool, lifted
         os._exit(code if code >= 0 else 70)
     inside()
     os._exit(0)
+
+
+def forget_inherited_signals() -> None:
+    """The timers of a program need those that our own starter (`nohup`, a profiler) may have held back or ignored."""
+    signal.pthread_sigmask(signal.SIG_SETMASK, ())
+    expected = {signal.SIGPIPE, signal.SIGXFSZ}  # Python ignores these itself
+    for number in signal.valid_signals() - expected:
+        if signal.getsignal(number) == signal.SIG_IGN:
+            signal.signal(number, signal.SIG_DFL)
