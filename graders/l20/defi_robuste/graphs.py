@@ -34,10 +34,10 @@ APART = 5.0
 RATIO, WEIGHT = 0.4, 0.1
 
 #: Seeds of the graphs with one false chord and with two: the first is in every grading, one of the others is drawn.
-#: In 255, headings pass half a turn on their way: whoever never wraps them is refused whatever is drawn.
+#: Every known mistake fails on the first ones, whatever is drawn: in 46, a raw difference of headings among others.
 SEEDS: dict[int, tuple[int, ...]] = {
     1: (0, 6, 18, 20, 40, 50, 64, 94, 136, 142, 189, 190),
-    2: (255, 46, 58, 76, 97, 109, 169, 197, 260, 279, 285),
+    2: (46, 58, 76, 97, 109, 169, 197, 255, 260, 279, 285),
 }
 
 

@@ -19,6 +19,8 @@ from reference.se2 import relative
 
 FUNCTION = "dimension_noyau"
 NAMES = ("poses", "aretes")
+#: Draws that never change: an eigenvalue that is not zero is below 0.5 there, and below a tenth of the largest.
+FIXED = (1, 20, 3)
 QUARTER = math.pi / 2
 
 
@@ -46,7 +48,7 @@ def examples(rng: np.random.Generator) -> Iterator[Arguments]:
 def drawn(rng: np.random.Generator) -> Iterator[Arguments]:
     """Any poses and weights, one to three pieces, chords in some."""
     for k, pieces in enumerate((1, 2, 1, 3, 2)):
-        source = np.random.default_rng(k) if k < 3 else rng
+        source = np.random.default_rng(FIXED[k]) if k < len(FIXED) else rng
         yield in_pieces(source, pieces)
 
 
