@@ -58,7 +58,11 @@ def read(typed: str) -> Call:
     if sum(1 for _ in ast.walk(call)) > PARTS:
         raise Invalid("Cet appel a trop de valeurs pour être suivi pas à pas.")
     try:
-        named = {_name(one): _value(one.value) for one in call.keywords}
+        named: dict[str, Value] = {}
+        for one in call.keywords:
+            if (name := _name(one)) in named:
+                raise Invalid(f"L’argument {name} est donné deux fois.")
+            named[name] = _value(one.value)
         read = Call(call.func.id, tuple(map(_value, call.args)), named)
         encode((read.arguments, named), _SENDABLE)
     except (RecursionError, TooBig) as error:

@@ -57,6 +57,7 @@ def test_a_call_has_the_values_that_python_gives_it(typed: str) -> None:
         ("f(os.sep)", "n’est pas connu"),
         ("f(*[1])", "pas compris"),
         ("f(**{'a': 1})", "chaque argument"),
+        ("f(a=1, b=2, a=3)", "argument a est donné deux fois"),
         ("f(__import__('os').system('ls'))", "pas compris"),
         ("f(2 ** 10 ** 10)", "pas compris"),
         ("f([0] * 10 ** 9)", "pas"),
