@@ -1,6 +1,7 @@
 """Interleaved rounds (A B C, A B C, …), so that noise hits every contender alike; medians, p95, tables.
 
-What a machine is worth just now is told by additions, by which figures of several moments are brought to one.
+What a machine is worth just now is told by additions, by which figures of several moments are brought to one
+(`Pace`). What a benchmark has found is told as `Row`s too, of which `all.py` makes one table.
 """
 
 from __future__ import annotations
@@ -58,6 +59,77 @@ def additions(count: int) -> tuple[float, float]:
     wall, processor = time.perf_counter(), time.thread_time()
     exec(loop, {})
     return time.perf_counter() - wall, time.thread_time() - processor
+
+
+#: What a figure is normalised to: a machine on which so many additions take so many seconds.
+ADDITIONS, REFERENCE = 10_000_000, 0.5
+SAMPLED = 10  # a tenth of them is timed, again and again
+
+
+class Pace:
+    """What the machine was worth while something was timed: additions, timed beside it in the same seconds."""
+
+    def __init__(self) -> None:
+        self.samples: list[tuple[float, float]] = []
+
+    def sample(self) -> None:
+        wall, processor = additions(ADDITIONS // SAMPLED)
+        self.samples.append((SAMPLED * wall, SAMPLED * processor))
+
+    @property
+    def wall(self) -> float:
+        """By what a time of the wall is multiplied to be normalised."""
+        return REFERENCE / median([wall for wall, _ in self.samples])
+
+    @property
+    def processor(self) -> float:
+        """The same, of a processor's time, which others on the machine lengthen less."""
+        return REFERENCE / median([processor for _, processor in self.samples])
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What a figure is to be: at most so much, or at least. It is held against the normalised figure if there is one."""
+
+    bound: float
+    at_least: bool = False
+
+    def met(self, value: float) -> bool:
+        return value >= self.bound if self.at_least else value <= self.bound
+
+    def __str__(self) -> str:
+        return f"{'≥' if self.at_least else '≤'} {self.bound:g}"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One figure of the table of all. `measured`, `normalised`, `processor` (which is normalised) and `limit`, the least
+    that the same run could have taken, are in `unit`; None: there is none. `why`: why it could not be measured.
+    """
+
+    subject: str
+    unit: str
+    measured: float | None = None
+    normalised: float | None = None
+    processor: float | None = None
+    limit: float | None = None
+    peers: str = ""
+    goal: Goal | None = None
+    why: str = ""
+
+    @property
+    def counts(self) -> float | None:
+        """What the goal is held against."""
+        return self.measured if self.normalised is None else self.normalised
+
+    @property
+    def met(self) -> bool | None:
+        """None: there is no goal, or nothing was measured."""
+        return None if self.goal is None or self.counts is None else self.goal.met(self.counts)
+
+    @staticmethod
+    def missing(subject: str, why: str, goal: Goal | None = None) -> Row:
+        return Row(subject, "", goal=goal, why=why)
 
 
 def median(times: Sequence[float]) -> float:
