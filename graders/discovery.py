@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from graders import courses
-from graders.core.answers import NumericDefinition
-from graders.core.code.exercise import CodeDefinition
 from graders.core.contract.definition import MODULE_FILE, Definition
 from graders.core.contract.malformed import MalformedExerciseError
 from graders.courses import Problem
@@ -58,7 +56,7 @@ def _graders(rooms: Sequence[Path]) -> Iterator[tuple[Path, Path]]:
 def _load(room: Path, path: Path) -> Definition:
     name = ".".join(path.relative_to(room.parent).with_suffix("").parts)
     definition = getattr(importlib.import_module(name), "DEFINITION", None)
-    if not isinstance(definition, CodeDefinition | NumericDefinition):
+    if not isinstance(definition, Definition):
         raise MalformedExerciseError(
             path,
             "ce correcteur n’a pas de DEFINITION : écrivez « DEFINITION = code(__file__, checks=…) » ou « numeric(…) »",

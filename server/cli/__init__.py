@@ -4,7 +4,8 @@ import argparse
 import gc
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 
@@ -22,10 +23,12 @@ class CannotRun(Exception):
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs a command; returns its exit status."""
-    arguments = _parser().parse_args(argv)
+    arguments = _parser().parse_args(argv, argparse.Namespace(alone=argv is None))
     try:
         take_in(getattr(arguments, "course", None))
-        return _command(arguments.command, alone=argv is None)(arguments)
+        with loading(arguments):
+            command: Command = import_module(f"server.cli.{arguments.command}").run
+        return command(arguments)
     except CannotRun as reason:
         print(f"balise : {reason}", file=sys.stderr)
         return CANNOT
@@ -49,17 +52,17 @@ def take_in(course: Path | None) -> None:
             )
 
 
-def _command(name: str, *, alone: bool) -> Command:
-    """What is imported stays: looking through it for what does not, be it once, takes a sixth of the time. `alone`: the
-    process is for this command."""
+@contextmanager
+def loading(arguments: argparse.Namespace) -> Iterator[None]:
+    """What is imported stays: looking through it for what does not, be it once, takes a sixth of the time. `alone` of
+    the arguments: the process is for this command."""
     gc.disable()
     try:
-        command: Command = import_module(f"server.cli.{name}").run
+        yield
     finally:
-        if alone:
+        if arguments.alone:
             gc.freeze()
         gc.enable()
-    return command
 
 
 def _parser() -> argparse.ArgumentParser:

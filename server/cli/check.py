@@ -28,8 +28,9 @@ from graders.discovery import discover
 from server.authoring import shapes
 from server.cells import faults as cells
 from server.cli import CannotRun, alterations, fairness, parallel, remembered
-from server.cli.local import find, load_course, local_grader, require_safe_sandbox, start_probing
+from server.cli.local import find, load_course, local_grader
 from server.cli.remembered import Remembered
+from server.cli.sandboxes import require_safe_sandbox, start_probing
 from server.course import Course, Exercise, Module, Problem, load
 from server.course.closure import Imports
 from server.course.models import SEED_BITS

@@ -13,7 +13,8 @@ from server.base.provided import provided_to
 from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
-from server.cli.local import Probing, local_grader
+from server.cli.local import local_grader
+from server.cli.sandboxes import Probing
 from server.cli.serve import serve
 from server.course import Course
 from server.database import Database

@@ -9,7 +9,7 @@ from types import FrameType
 
 from graders import courses
 from server.cli import CannotRun, take_in
-from server.cli.local import require_safe_sandbox, start_probing
+from server.cli.sandboxes import require_safe_sandbox, start_probing
 from server.course.editions import MODULE_SLUG
 
 LOCALHOST = "127.0.0.1"

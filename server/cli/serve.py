@@ -24,7 +24,7 @@ from server.base.settings import Settings
 from server.cli import CannotRun
 from server.cli.alone import alone
 from server.cli.configuration import read_settings, start_traces
-from server.cli.local import Probing, require_safe_sandbox, start_probing
+from server.cli.sandboxes import Probing, require_safe_sandbox, start_probing
 from server.course import Course, load
 from server.course.memory import MEMORY, Memory
 from server.database import STARTING_SECONDS, Database, is_away

@@ -10,7 +10,8 @@ from server.base.errors import Invalid
 from server.cli import CannotRun
 from server.cli.configuration import read_settings
 from server.cli.database import opened
-from server.cli.local import find, load_course, local_grader, start_probing
+from server.cli.local import find, load_course, local_grader
+from server.cli.sandboxes import start_probing
 from server.course import Exercise
 from server.grading.joint import Grader
 

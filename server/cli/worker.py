@@ -11,7 +11,7 @@ from server.base import logs, traces
 from server.cli import CannotRun
 from server.cli.configuration import read_settings, start_traces
 from server.cli.database import opened
-from server.cli.local import require_safe_sandbox, start_probing
+from server.cli.sandboxes import require_safe_sandbox, start_probing
 from server.database import STARTING_SECONDS
 from server.grading.process import run as run_worker
 from server.grading.process import stop_on_signals

@@ -9,7 +9,6 @@ from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from graders.core.answers.choice import ChoiceGrader
 from graders.core.code.exercise import CodeDefinition
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.definition import MODULE_FILE
@@ -105,8 +104,14 @@ def _texts(sources: Sources, path: Path, card: ExerciseFile) -> tuple[str, str]:
 
 def _found(sources: Sources, path: Path, card: ExerciseFile, grader: Grader) -> Found:
     kit = _kit(path, grader) if isinstance(grader, CodeGrader) else ""
-    ticked = tuple(one.id for one in grader.questions) if isinstance(grader, ChoiceGrader) else ()
+    ticked = _ticked(grader) if card.kind == "answers" else ()
     return Found(version(sources.imports, sources.code, path, card, grader, kit), kit, ticked)
+
+
+def _ticked(grader: Grader) -> tuple[str, ...]:
+    from graders.core.answers.choice import ChoiceGrader
+
+    return tuple(one.id for one in grader.questions) if isinstance(grader, ChoiceGrader) else ()
 
 
 def _grader(sources: Sources, path: Path, card: ExerciseFile) -> Grader:

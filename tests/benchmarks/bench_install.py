@@ -3,8 +3,8 @@
     PYTHONPATH=. python tests/benchmarks/bench_install.py [EXTRAS …]
 
 From a copy of what git follows, so that the front end is built as on a fresh machine; pip's own cache serves as it is,
-hence what is timed hangs on the network only where packages are not in it yet. Each word is a list of extras, separated by
-commas, installed in turn; "none" is the installation of README.md, which is measured alone where there is no word.
+hence what is timed hangs on the network only where packages are not in it yet. Each word is a list of extras, separated
+by commas, installed in turn; "none" is the installation of README.md, which is measured alone where there is no word.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ OF_THE_VENV = {"pip", "setuptools"}
 
 @dataclass(frozen=True)
 class Installed:
-    """Seconds of the wall and of processor time, both as they are; bytes of each distribution; what the machine was worth."""
+    """Seconds of the wall and of processor time, as they are; bytes by distribution; what the machine was worth."""
 
     extras: str
     wall: float
@@ -101,11 +101,9 @@ def heaviest(one: Installed, count: int = 4) -> str:
 
 def main(extras: Sequence[str]) -> None:
     for one in map(install, extras or (PLAIN,)):
-        print(
-            f"{one.extras}: {one.wall:.1f} s of the wall ({one.wall * one.pace.wall:.1f} normalised), {one.processor:.1f} s"
-            f" of processor ({one.processor * one.pace.processor:.1f}), {one.size / MEGABYTE:.0f} MB,"
-            f" {len(one.sizes)} packages\n"
-        )
+        wall = f"{one.wall:.1f} s of the wall ({one.wall * one.pace.wall:.1f} normalised)"
+        processor = f"{one.processor:.1f} s of processor ({one.processor * one.pace.processor:.1f})"
+        print(f"{one.extras}: {wall}, {processor}, {one.size / MEGABYTE:.0f} MB, {len(one.sizes)} packages\n")
         largest = sorted(one.sizes.items(), key=lambda item: -item[1])
         shown = [(name, figure(size / MEGABYTE)) for name, size in largest[:SHOWN]]
         rest = sum(size for _, size in largest[SHOWN:])

@@ -89,7 +89,7 @@ class Pace:
 
 @dataclass(frozen=True)
 class Goal:
-    """What a figure is to be: at most so much, or at least. It is held against the normalised figure if there is one."""
+    """What a figure is to be: at most so much, or at least; the normalised figure, where there is one."""
 
     bound: float
     at_least: bool = False
@@ -103,8 +103,8 @@ class Goal:
 
 @dataclass(frozen=True)
 class Row:
-    """One figure of the table of all. `measured`, `normalised`, `processor` (which is normalised) and `limit`, the least
-    that the same run could have taken, are in `unit`; None: there is none. `why`: why it could not be measured.
+    """One figure of the table of all. `measured`, `normalised`, `processor` (which is normalised) and `limit`, the
+    least that the same run could have taken, are in `unit`; None: there is none. `why`: why it could not be measured.
     """
 
     subject: str

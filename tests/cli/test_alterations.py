@@ -160,7 +160,7 @@ def test_behind_the_walls_what_never_ends_is_caught_too(
 
 def test_it_is_for_exercises_of_code(course: Course, monkeypatch: Any, capsys: Any) -> None:
     standing = WallReport("seccomp", WallStatus.STANDING, "", required=True)
-    monkeypatch.setattr("server.cli.local.probe", lambda **_: [standing])
+    monkeypatch.setattr("server.cli.sandboxes.probe", lambda **_: [standing])
     monkeypatch.setattr("server.cli.local.load", lambda **_: course)
     assert main(["check", "--mutants", "l20/verification"]) == 2
     assert "pas de solution en Python" in capsys.readouterr().err

@@ -38,7 +38,7 @@ def right(tmp_path: Path, course: Course) -> Path:
 def walls_that_stand(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without a probe, which takes longer than grading; the command in a process of its own has the real one."""
     standing = WallReport("seccomp", WallStatus.STANDING, "", required=True)
-    monkeypatch.setattr("server.cli.local.probe", lambda **_: [standing])
+    monkeypatch.setattr("server.cli.sandboxes.probe", lambda **_: [standing])
 
 
 @pytest.fixture(autouse=True)
@@ -81,7 +81,7 @@ def test_what_cannot_be_graded_has_its_own_status(right: Path, tmp_path: Path, m
     assert main(["grade", EXERCISE, str(tmp_path)]) == 2
     assert "dossier" in capsys.readouterr().err
     hole = WallReport("seccomp", WallStatus.MISSING, "rien n’a été refusé", required=True)
-    monkeypatch.setattr("server.cli.local.probe", lambda **_: [hole])
+    monkeypatch.setattr("server.cli.sandboxes.probe", lambda **_: [hole])
     assert main(["grade", EXERCISE, str(right)]) == 2
     assert "rien n’a été refusé" in capsys.readouterr().err
     assert main(["serve", "--port", "0", "--data", str(tmp_path / "data")]) == 2

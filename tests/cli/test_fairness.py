@@ -78,7 +78,7 @@ def test_what_is_unfair_fails(course: Course, graders: Grader, folder: Path, cap
 
 def test_a_folder_of_nothing_is_refused(folder: Path, tmp_path: Path, monkeypatch: Any, capsys: Any) -> None:
     standing = WallReport("seccomp", WallStatus.STANDING, "", required=True)
-    monkeypatch.setattr("server.cli.local.probe", lambda **_: [standing])
+    monkeypatch.setattr("server.cli.sandboxes.probe", lambda **_: [standing])
     assert main(["check", "--fairness", str(tmp_path / "absent")]) == 2
     assert "n’est pas un dossier" in capsys.readouterr().err
     (folder / "inconnu/right").mkdir(parents=True)

@@ -89,3 +89,20 @@ def test_who_prints_its_usage_loads_next_to_nothing() -> None:
         "server", "server.cli", "server.cli.french", "server.cli.authors", "server.cli.options"
     }  # fmt: skip
     assert not {"numpy", "pydantic", "asyncio", "sqlalchemy"} & set(loaded)
+
+
+GRADE = (
+    "import json, sys; import server.cli.grade; first = [*sys.modules]; import server.cli.graded; "
+    "print(json.dumps([first, [*sys.modules]]))"
+)
+#: What only reads texts, or grades exercises without code.
+OF_OTHERS = {"markdown_it", "pygments", "server.text.markup.parser", "graders.core.answers"}
+
+
+def test_a_sandbox_comes_up_before_what_grades_is_loaded() -> None:
+    done = subprocess.run([sys.executable, "-c", GRADE], check=True, capture_output=True, text=True, cwd=ROOT)
+    first, all_of_it = map(set, json.loads(done.stdout))
+    assert "server.sandbox.pool" in first
+    assert not {"server.course", "pydantic", "graders.core.code", "graders.core.contract.verdict"} & first
+    assert "graders.core.code.grading" in all_of_it
+    assert not OF_OTHERS & all_of_it

@@ -79,7 +79,7 @@ def test_a_file_of_somebody_else_is_not_believed(kept: Path) -> None:
 
 def test_what_was_not_sound_is_not_kept(kept: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     kept.unlink()
-    monkeypatch.setattr("server.cli.local.probe", lambda **_: [])
+    monkeypatch.setattr("server.cli.sandboxes.probe", lambda **_: [])
     program = tmp_path / "poses.py"
     program.write_text("")
     assert main(["grade", "l20/poses", str(program)]) == 2

@@ -6,10 +6,13 @@ import logging
 from dataclasses import dataclass
 from functools import cached_property
 from threading import RLock
+from typing import TYPE_CHECKING
 
-from server.text.markup.outline import Cell, Outline, Section, completed, outline
-from server.text.markup.render import Rendered, render, render_title
+from server.text.markup.outline import Cell, Outline, Section, completed
 from server.text.markup.text import Fault, LessonName, Names, Picture, Source, Target, still_of
+
+if TYPE_CHECKING:
+    from server.text.markup.render import Rendered
 
 __all__ = [
     "Cell",
@@ -19,7 +22,6 @@ __all__ = [
     "Names",
     "Outline",
     "Picture",
-    "Rendered",
     "Section",
     "Source",
     "Target",
@@ -54,10 +56,14 @@ class Text:
 
     @cached_property
     def outline(self) -> Outline:
+        from server.text.markup.reader import outline  # what reads Markdown is loaded for the first text that is read
+
         return outline(self.source)
 
     @cached_property
     def rendered(self) -> Rendered:
+        from server.text.markup.render import render
+
         with _RENDERING:
             return self.__dict__.get("rendered") or render(self.source, inline=self.inline)
 
@@ -77,6 +83,8 @@ class Text:
 
     @cached_property
     def headings(self) -> tuple[Heading, ...]:
+        from server.text.markup.render import render_title
+
         return tuple(
             Heading(title.level, title.id, render_title(self.source, title), self._complete(title.text))
             for title in self.outline.titles

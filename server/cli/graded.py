@@ -1,0 +1,74 @@
+"""What `balise grade` does once its sandbox comes up: reads the exercise, grades, tells the verdict."""
+
+import json
+import secrets
+from argparse import Namespace
+from concurrent.futures import Future
+from pathlib import Path
+
+from graders.core.contract.bounds import bounded
+from graders.core.contract.findings import Judgement
+from server.cli import CannotRun, report, walls
+from server.cli.files import read_source
+from server.cli.local import find, load_exercise, local_grader
+from server.cli.sandboxes import Probing, require_safe_sandbox
+from server.course import Course, Exercise
+from server.course.models import SEED_BITS
+from server.course.reuse import NOTHING_OWN, Own
+from server.grading.joint import Grader
+from server.sandbox import Sandbox
+
+
+def grade_answers(arguments: Namespace, source: bytes) -> int | None:
+    """The exit status. Answers run nowhere; None: the exercise asks for code."""
+    course = load_exercise(arguments.exercise)
+    if find(course, arguments.exercise).kind == "code":
+        return None
+    with local_grader(course, None) as grader:
+        return _told(arguments, grader.grade(arguments.exercise, source, _seed(arguments)))
+
+
+def grade_code(arguments: Namespace, source: bytes, sandbox: Future[Sandbox], probing: Probing | None) -> int:
+    """The exit status. `probing`: of walls that have not been tried yet; None: they stand."""
+    course = load_exercise(arguments.exercise)
+    own = _own(course, find(course, arguments.exercise), arguments.reuse)
+    if probing is not None:
+        require_safe_sandbox(probing)
+        walls.keep()
+    grader = Grader(course, sandbox.result())
+    return _told(arguments, grader.grade(arguments.exercise, source, _seed(arguments), own=own))
+
+
+def ask(arguments: Namespace) -> int:
+    """Writes the questions of an exercise without code. Raises CannotRun where it asks for code."""
+    exercise = find(load_exercise(arguments.exercise), arguments.exercise)
+    if exercise.answers is None:
+        raise CannotRun(f"l’exercice « {exercise.id} » demande du code : il n’a pas de questions.")
+    from server.cli import questions
+
+    seed = _seed(arguments)
+    print(questions.render(exercise.id, exercise.answers.paper(seed), seed))
+    return report.FULL_MARKS
+
+
+def _seed(arguments: Namespace) -> int:
+    return secrets.randbits(SEED_BITS) if arguments.seed is None else arguments.seed
+
+
+def _told(arguments: Namespace, judgement: Judgement) -> int:
+    verdict = bounded(judgement).verdict
+    plain = json.dumps(verdict.to_json(), ensure_ascii=False, allow_nan=False) if arguments.json else ""
+    print(plain or report.render(verdict))
+    return report.exit_status(verdict)
+
+
+def _own(course: Course, exercise: Exercise, folder: Path | None) -> Own:
+    """The files of a folder that are named after what the exercise reuses. Raises CannotRun where there is none."""
+    if folder is None:
+        return NOTHING_OWN
+    places = {one.id: folder / f"{one.slug}.py" for one in course.reused(exercise.id)}
+    own = {name: read_source(str(place)) for name, place in places.items() if place.is_file()}
+    if not own:
+        wanted = ", ".join(place.name for place in places.values()) or "aucun : cet exercice ne réutilise rien"
+        raise CannotRun(f"« {folder} » ne contient aucun fichier à réutiliser ({wanted}).")
+    return own

@@ -1,0 +1,166 @@
+"""Reads a text for its outline: what it holds, before anything is known of the others."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Sequence
+
+from markdown_it.token import Token
+
+from server.text.highlight import is_known
+from server.text.markup import blocks
+from server.text.markup.outline import CELL, HEAD, LEFT, RIGHT, Cell, Label, Outline, Reference, Section, Title
+from server.text.markup.parser import Job, children, parse
+from server.text.markup.tex import readable
+from server.text.markup.text import SLUG, Source
+
+
+def outline(source: Source) -> Outline:
+    """Read a lesson, or a statement (then nothing may have a label)."""
+    job = Job(source)
+    walk = _Walk(job)
+    walk.read(parse(job))
+    walk.found.faults = sorted(job.faults, key=lambda fault: fault.line)
+    return walk.found
+
+
+class _Walk:
+    def __init__(self, job: Job) -> None:
+        self._job = job
+        self.found = Outline()
+        self._heading = ("", "")
+        self._text: list[str] = []
+
+    def read(self, tokens: Sequence[Token]) -> None:
+        for index, token in enumerate(tokens):
+            if token.type == "heading_open":
+                self._close_section()
+                self._title(token, tokens[index + 1])
+            elif token.type == "inline":
+                self._inline(token, is_title=tokens[index - 1].type == "heading_open")
+            elif token.type == "container_block_open":
+                self._block(token)
+            elif token.type.startswith("math_block"):
+                self._equation(token)
+            elif token.type in {"fence", "code_block"}:
+                self._code(token)
+        self._close_section()
+
+    def _title(self, token: Token, inline: Token) -> None:
+        title = Title(int(token.tag[1]), str(token.attrGet("id") or ""), plain(inline), inline)
+        self._heading = (title.id, title.text)
+        if title.id:  # other levels are faults
+            self._anchor(title.id, token)
+            self.found.titles.append(title)
+
+    def _close_section(self) -> None:
+        text = re.sub(r"\s+", " ", " ".join(self._text)).strip()
+        if text or self._heading[0]:
+            self.found.sections.append(Section(*self._heading, text))
+        self._text = []
+
+    def _anchor(self, anchor: str, token: Token) -> None:
+        if anchor in self.found.anchors:
+            self._fault(token, f"« #{anchor} » figure deux fois dans la page")
+        self.found.anchors.add(anchor)
+
+    def _fault(self, token: Token, message: str) -> None:
+        self._job.fault(token.meta["line"], message)
+
+    def _refer(self, what: str, target: str, token: Token, *, empty: bool = False) -> None:
+        line = self._job.source.first_line + token.meta["line"]
+        self.found.references.append(Reference(what, target, line, empty))
+
+    def _only_in_pages(self, token: Token, what: str) -> bool:
+        if not self._job.source.page:
+            self._fault(token, f"{what} n’a sa place que dans une page à lire")
+        return bool(self._job.source.page)
+
+    def _inline(self, token: Token, *, is_title: bool) -> None:
+        parts = token.children or []
+        for index, child in enumerate(parts):
+            if child.type == "link_open":
+                empty = parts[index + 1].type == "link_close"
+                self._refer("link", str(child.attrGet("href") or ""), child, empty=empty)
+        if not is_title:
+            self._text.append(plain(token))
+
+    def _block(self, token: Token) -> None:
+        block = token.meta["block"]
+        if block is None:
+            return
+        if block.name:
+            self._medium(token, block.kind, block.name)
+        elif block.label and block.folded:
+            self._refer("bloc", block.label, token)
+        elif block.label and self._only_in_pages(token, "une étiquette"):
+            self._label(token, block.label, block.kind)
+            self._text.append(f"{LEFT}{HEAD}#{block.label}{RIGHT}")  # « théorème 1 » can be looked for
+
+    def _medium(self, token: Token, kind: str, name: str) -> None:
+        what, prefix, found = {
+            "figure": ("une figure", "fig", self.found.figures),
+            "rejeu": ("un rejeu", "rejeu", self.found.replays),
+            "manipulation": ("une manipulation", "manipulation", self.found.manipulations),
+            "question": ("une question", "question", self.found.questions),
+        }[kind]
+        if not self._only_in_pages(token, what):
+            return
+        self._anchor(f"{prefix}-{name.replace('/', '-')}", token)
+        found.append(name)
+        self._refer(kind, name, token)
+
+    def _label(self, token: Token, label: str, kind: str) -> None:
+        self._anchor(label, token)
+        self.found.labels.append(Label(label, kind, self._job.source.first_line + token.meta["line"]))
+
+    def _equation(self, token: Token) -> None:
+        self._text.append(readable(token.content))
+        if token.type == "math_block_label" and self._only_in_pages(token, "une étiquette"):
+            try:
+                blocks.check_label(token.info)
+            except blocks.BadBlock as error:
+                self._fault(token, str(error))
+            else:
+                self._label(token, token.info, "equation")
+
+    def _code(self, token: Token) -> None:
+        self._text.append(token.content)
+        language, *words = token.info.split()[:4] or [""]
+        if language and not is_known(language):
+            self._fault(token, f"langage inconnu : « {language} »")
+        if not words:
+            return
+        if language != "python" or words[0] != CELL or len(words) != 2:
+            self._fault(token, "après le langage, rien, ou « python cellule nom-de-cellule »")
+        elif not re.fullmatch(SLUG, words[1]):
+            self._fault(token, f"nom de cellule mal formé : « {words[1]} » (minuscules sans accent, chiffres, tirets)")
+        elif self._only_in_pages(token, "une cellule"):
+            self._cell(token, words[1])
+
+    def _cell(self, token: Token, name: str) -> None:
+        self._anchor(f"cellule-{name}", token)
+        line = self._job.source.first_line + token.meta["line"] + 1
+        self.found.cells.append(Cell(name, token.content, line))
+        try:
+            ast.parse(token.content)
+        except (SyntaxError, ValueError) as error:
+            inside = (error.lineno or 1) if isinstance(error, SyntaxError) else 1
+            self._job.fault(token.meta["line"] + inside, f"cette cellule ne se compile pas ({error})")
+
+
+def plain(token: Token) -> str:
+    """A paragraph as plain text; links left empty are kept apart for `completed`."""
+    parts = []
+    inside = token.children or []
+    for index, (child, _) in enumerate(children(token)):
+        if child.type in {"text", "code_inline"}:
+            parts.append(child.content)
+        elif child.type.startswith("math"):
+            parts.append(readable(child.content))
+        elif child.type in {"softbreak", "hardbreak"}:
+            parts.append(" ")
+        elif child.type == "link_open" and inside[index + 1].type == "link_close":
+            parts.append(f"{LEFT}{child.attrGet('href')}{RIGHT}")
+    return "".join(parts)
