@@ -23,11 +23,11 @@ from itertools import cycle
 from pathlib import Path
 
 import httpx
-from bench_http import PROJECT, new_token, serving
-from measure import figure, median, p95, table
 
 from server.course import load
 from server.sandbox import Policy
+from tests.benchmarks.bench_http import PROJECT, new_token, serving
+from tests.benchmarks.measure import figure, median, p95, table
 
 CORPUS = PROJECT / "tests" / "hostile" / "juge"
 WORST = (

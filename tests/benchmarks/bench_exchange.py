@@ -15,11 +15,9 @@ import re
 import shutil
 import subprocess
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-
-from measure import additions, figure, median, p95, table
 
 from graders.core.code.grading import CodeGrader
 from server.course import load
@@ -29,15 +27,23 @@ from server.sandbox import Sandbox
 from server.sandbox.process import Child
 from server.sandbox.session import Session
 from server.sandbox.wire import Wire
+from tests.benchmarks.measure import REFERENCE, Goal, Pace, Row, figure, median, p95, table
 
 EXERCISES = ("l20/poses", "l20/predire2d", "l20/kabsch", "l20/slam_graphe")
 #: The spare child that the one before has ordered is ready by then.
 REST = 0.03
-#: Milliseconds that ten million additions take on the machine that normalised figures are of; a tenth is measured.
-REFERENCE = 500.0
-MEASURED, TIMES = 1_000_000, 10
 SYSTEM_CALLS = 20
 EMPTY = b"def f():\n    return None\n"
+
+
+@dataclass(frozen=True)
+class Goals:
+    exchanges: Goal | None = None
+    trusted: Goal | None = None
+    wall: Goal | None = None
+
+
+GOALS, NO_GOALS, WRONG = Goals(Goal(4), Goal(3), Goal(6)), Goals(), Goal(2)
 
 
 @dataclass
@@ -91,7 +97,7 @@ class Watch:
             Wire.ask, Session.close = ask, close  # type: ignore[method-assign]
 
 
-def contenders(course: Course, sandbox: Sandbox, exercises: list[str]) -> list[Counted]:
+def contenders(course: Course, sandbox: Sandbox, exercises: Sequence[str]) -> list[Counted]:
     grader = Grader(course, sandbox)
 
     def limit(seed: int) -> None:
@@ -137,22 +143,56 @@ def main() -> None:
     parser.add_argument("--strace", action="store_true")
     options = parser.parse_args()
     traced = options.strace and shutil.which("strace")
-    course, watch, units = load(render=False), Watch(), []
+    report(measured(options.rounds, options.exercises, traced=bool(traced)))
+
+
+@dataclass(frozen=True)
+class Found:
+    """The limit first, then of each exercise what is right and what is wrong; the system calls of each, if traced."""
+
+    counted: list[Counted]
+    calls: list[str]
+    pace: Pace
+
+
+def measured(rounds: int, exercises: Sequence[str], *, traced: bool = False) -> Found:
+    course, watch, pace = load(render=False), Watch(), Pace()
     with Sandbox(course.kits) as sandbox:
-        field_of = contenders(course, sandbox, options.exercises)
+        field_of = contenders(course, sandbox, exercises)
         for one in field_of:
             for seed in range(3):
                 one.submit(seed)
-        for seed in range(options.rounds):
-            units.append([1000 * TIMES * seconds for seconds in additions(MEASURED)])
+        for seed in range(rounds):
+            pace.sample()
             for one in field_of:
                 one.run(1000 + seed, watch)
         calls = [system_calls(one) if traced else "" for one in field_of]
-    report(field_of, calls, *map(list, zip(*units, strict=True)))
+    return Found(field_of, calls, pace)
 
 
-def report(field_of: list[Counted], calls: list[str], wall: list[float], processor: list[float]) -> None:
-    by_wall, by_processor = REFERENCE / median(wall), REFERENCE / median(processor)
+def rows(rounds: int) -> list[Row]:
+    """In milliseconds. What is asked of one exercise is asked of the first."""
+    found = measured(rounds, EXERCISES)
+    limit, *graded = found.counted
+    made = []
+    for one, right in zip(graded, [two for two in graded[::2] for _ in range(2)], strict=True):
+        goals = GOALS if one is graded[0] else NO_GOALS
+        wall, least = median(one.wall), median(limit.wall)
+        trusted, child = (median(spent) * found.pace.processor for spent in (one.trusted, one.child))
+        of = f"checks of {one.name}"
+        made += [
+            Row(f"{of}: exchanges", "", float(one.exchanges), goal=goals.exchanges),
+            Row(f"{of}: trusted processor", "ms", median(one.trusted), trusted, goal=goals.trusted),
+            Row(f"{of}", "ms", wall, wall * found.pace.wall, trusted + child, least, goal=goals.wall),
+        ]
+        if one is not right:
+            made.append(Row(f"{of} ÷ right", "×", wall / median(right.wall), goal=WRONG))
+    return made
+
+
+def report(found: Found) -> None:
+    field_of, calls, pace = found.counted, found.calls, found.pace
+    by_wall, by_processor = pace.wall, pace.processor
     limit, rows = median(field_of[0].wall), []
     before = limit
     for one, count in zip(field_of, calls, strict=True):
@@ -177,7 +217,8 @@ def report(field_of: list[Counted], calls: list[str], wall: list[float], process
         before = spent
     head = ["", "exchanges", "processes", "system calls", "wall", "p95", "wall, normalised", "× limit", "× right"]
     head += ["trusted CPU", "normalised", "child CPU, its fork included", "normalised"]
-    print(f"Ten million additions: {median(wall):.0f} ms of the wall, {median(processor):.0f} ms of processor\n")
+    wall, processor = 1000 * REFERENCE / by_wall, 1000 * REFERENCE / by_processor
+    print(f"Ten million additions: {wall:.0f} ms of the wall, {processor:.0f} ms of processor\n")
     print(table(head, rows))
 
 

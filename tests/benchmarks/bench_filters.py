@@ -14,9 +14,9 @@ import statistics
 import sys
 import time
 from collections.abc import Callable
+from itertools import count
 
 import numpy as np
-from measure import Contender, figure, interleave, median, table
 
 from reference.ekf_slam import EkfSlam, SlamNoise, Update, rank_two_update, textbook_update
 from reference.filters.resampling import (
@@ -30,9 +30,12 @@ from reference.sensors.beam import BeamModel, BeamSensor
 from reference.sensors.likelihood_field import LikelihoodField
 from reference.world.scan import Scan
 from reference.world.scenes import building
+from tests.benchmarks.measure import Contender, Goal, Pace, Row, figure, interleave, median, table
 
 PARTICLES, BEAMS, MILLION = 500, 30, 1_000_000
 OFFSET = 0.37
+SAMPLED_EVERY = 10
+NS_A_PARTICLE = 1e6 / MILLION  # of milliseconds
 
 
 def timed(name: str, action: Callable[[], object], every: int = 1) -> Contender:
@@ -84,7 +87,7 @@ def tutorial_comb(weights: list[float]) -> list[int]:
     return ancestors
 
 
-def resampling(rounds: int) -> None:
+def resampling_contenders() -> list[Contender]:
     weights = np.random.default_rng(0).random(MILLION)
     weights /= weights.sum()
     assert np.array_equal(comb(weights, OFFSET).ancestors, searched(weights))
@@ -104,7 +107,11 @@ def resampling(rounds: int) -> None:
         print("filterpy is not installed: left out")
     else:
         contenders.append(timed("systematic: filterpy", lambda: systematic_resample(weights), 5))
-    compare("Resampling a million particles", contenders, rounds, "ns a particle", 1e6 / MILLION)
+    return contenders
+
+
+def resampling(rounds: int) -> None:
+    compare("Resampling a million particles", resampling_contenders(), rounds, "ns a particle", NS_A_PARTICLE)
 
 
 def naive_step(
@@ -129,7 +136,7 @@ def naive_step(
     return [list(moved[i]) for i in tutorial_comb([weight / total for weight in weights])]
 
 
-def localisation(rounds: int) -> None:
+def localisation_contenders() -> list[Contender]:
     rng = np.random.default_rng(2)
     grid_map = building(rng, (2, 3), resolution=0.2)
     start = uniform_poses(grid_map, PARTICLES, rng)
@@ -149,7 +156,7 @@ def localisation(rounds: int) -> None:
         robot.correct(scan)
 
     distances = grid_map.distance_to_wall.tolist()
-    contenders = [
+    return [
         timed("likelihood field: a whole step, ours", lambda: step(by_field)),
         timed("its weighing alone", lambda: field.log_likelihood(start, scan)),
         timed("beam model with ray casting: a whole step, ours", lambda: step(by_beams), 10),
@@ -159,8 +166,11 @@ def localisation(rounds: int) -> None:
             20,
         ),
     ]
+
+
+def localisation(rounds: int) -> None:
     title = f"Localisation: {PARTICLES} particles, {BEAMS} beams (move, weigh, resample at every step)"
-    compare(title, contenders, 10 * rounds, "ms", 1.0)
+    compare(title, localisation_contenders(), 10 * rounds, "ms", 1.0)
 
 
 def one_correction(landmarks: int, update: Update) -> Callable[[], object]:
@@ -190,6 +200,36 @@ def slam(rounds: int) -> None:
         times = [min(contenders[update, n].own) for n in counts]
         slope = np.polyfit(np.log(counts), np.log(times), 1)[0]
         print(f"{names[update]}: time grows as n to the power {slope:.2f}")
+
+
+def rows(rounds: int) -> list[Row]:
+    """The first contender of each is ours; times are of the processor, and normalised by its clock."""
+    asked = (
+        ("systematic resampling, a million particles", resampling_contenders(), 1, "ns a particle", NS_A_PARTICLE, 8.0),
+        (f"localisation step, {PARTICLES} particles × {BEAMS} beams", localisation_contenders(), 10, "ms", 1.0, 0.25),
+    )
+    made = []
+    for subject, contenders, more, unit, scale, goal in asked:
+        pace = Pace()
+        contenders[0].action = _beside(pace, contenders[0].action)
+        interleave(contenders, more * rounds)
+        spent = scale * median(contenders[0].own)
+        told = ", ".join(f"{one.name} {figure(scale * median(one.own))}" for one in contenders[1:])
+        normal = spent * pace.processor
+        made.append(Row(subject, unit, spent, normal, normal, peers=told, goal=Goal(goal)))
+    return made
+
+
+def _beside(pace: Pace, action: Callable[[], float]) -> Callable[[], float]:
+    """The same, with the pace taken now and then."""
+    turns = count()
+
+    def run() -> float:
+        if next(turns) % SAMPLED_EVERY == 0:
+            pace.sample()
+        return action()
+
+    return run
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from measure import Pace, Row, figure, table
+from tests.benchmarks.measure import Pace, Row, figure, table
 
 ROOT = Path(__file__).resolve().parents[2]
 PLAIN = "none"

@@ -12,7 +12,8 @@ import os
 import statistics
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from pathlib import Path
 from typing import Any
@@ -28,8 +29,10 @@ from reference.formats.carmen import parse_flaser
 from reference.occupancy import build_map
 from reference.planning import SearchGrid, parse_map, parse_scenarios
 from reference.registration import icp, icp_to_lines, normals_by_neighbours
+from tests.benchmarks.measure import Goal, Row, figure
 
 DATA = Path(os.environ.get("BALISE_DATA") or Path(__file__).resolve().parents[2].parent / "shared" / "data")
+ICP_GOAL = Goal(2.0)  # ours by small_gicp's, at equal error
 
 
 def interleaved(rounds: int, **actions: Callable[[], Any]) -> dict[str, list[float]]:
@@ -44,22 +47,32 @@ def interleaved(rounds: int, **actions: Callable[[], Any]) -> dict[str, list[flo
     return times
 
 
-def report(title: str, times: dict[str, list[float]], peer: str, notes: dict[str, str] | None = None) -> None:
-    print(f"\n{title}")
-    base = statistics.median(times[peer])
-    for name, values in times.items():
+@dataclass(frozen=True)
+class Compared:
+    """Milliseconds of each contender, round by round; the peer is who the others are told beside."""
+
+    title: str
+    times: dict[str, list[float]]
+    peer: str
+    notes: dict[str, str] = field(default_factory=dict)
+
+    def ratio(self, name: str) -> float:
+        return statistics.median(self.times[name]) / statistics.median(self.times[self.peer])
+
+
+def report(found: Compared) -> None:
+    print(f"\n{found.title}")
+    for name, values in found.times.items():
         spread = f"{min(values):.2f} .. {max(values):.2f}"
-        ratio = statistics.median(values) / base
-        print(
-            f"  {name:22} {statistics.median(values):10.2f} ms  ({spread})  x{ratio:.2f}  {(notes or {}).get(name, '')}"
-        )
+        middle, note = statistics.median(values), found.notes.get(name, "")
+        print(f"  {name:22} {middle:10.2f} ms  ({spread})  x{found.ratio(name):.2f}  {note}")
 
 
 def error(P: Any, Q: Any, R: Any, t: Any) -> float:
     return float(np.sqrt(np.mean(cKDTree(Q).query(P @ R.T + t)[0] ** 2)))
 
 
-def bench_icp(title: str, P: Any, Q: Any, rounds: int) -> None:
+def bench_icp(title: str, P: Any, Q: Any, rounds: int) -> Compared:
     import small_gicp
 
     def peer(kind: str) -> Any:
@@ -82,7 +95,7 @@ def bench_icp(title: str, P: Any, Q: Any, rounds: int) -> None:
         T = found.T_target_source if name.startswith("small") else None
         R, t = (T[:2, :2], T[:2, 3]) if T is not None else (found.R_q_p, found.t_q_p)
         notes[name] = f"rms {error(P, Q, R, t):.9f} after {found.iterations} iterations"
-    report(title, interleaved(rounds, **actions), "small_gicp ICP", notes)
+    return Compared(title, interleaved(rounds, **actions), "small_gicp ICP", notes)
 
 
 def boxes() -> tuple[Any, Any]:
@@ -124,7 +137,7 @@ def naive_astar(free: Any, start: Any, goal: Any) -> float:
     return math.inf
 
 
-def bench_astar() -> None:
+def bench_astar() -> Compared:
     free = parse_map(gzip.decompress((DATA / "astar/AR0011SR.map.gz").read_bytes()).decode())
     cases = parse_scenarios((DATA / "astar/AR0011SR.map.scen").read_text())[::160]
     grid = SearchGrid(free)
@@ -136,7 +149,7 @@ def bench_astar() -> None:
         dijkstra=lambda: [grid.dijkstra(c.start, c.goal) for c in cases],
     )
     per_cell = 1000.0 * statistics.median(times["astar"]) / cells
-    report(f"A*, {len(cases)} scenarios", times, "naive", {"astar": f"{per_cell:.2f} us a cell settled"})
+    return Compared(f"A*, {len(cases)} scenarios", times, "naive", {"astar": f"{per_cell:.2f} us a cell settled"})
 
 
 def naive_map(log: Any, scans: int, resolution: float) -> Any:
@@ -161,7 +174,7 @@ def naive_map(log: Any, scans: int, resolution: float) -> Any:
     return cells
 
 
-def bench_mapping() -> None:
+def bench_mapping() -> Compared:
     text = gzip.decompress((DATA / "laser/intel.gfs.log.gz").read_bytes()).decode()
     log, count = parse_flaser(text, 40.0), 100
     times = interleaved(
@@ -170,12 +183,45 @@ def bench_mapping() -> None:
         build_map=lambda: build_map(log.scans[:count], log.T_world_laser[:count], 0.1),
     )
     each = statistics.median(times["build_map"]) / count
-    report(f"Log-odds, {count} scans of the Intel log", times, "naive", {"build_map": f"{each:.3f} ms a scan"})
+    title = f"Log-odds, {count} scans of the Intel log"
+    return Compared(title, times, "naive", {"build_map": f"{each:.3f} ms a scan"})
+
+
+def bench_boxes(rounds: int = 25) -> Compared:
+    return bench_icp("ICP, two boxes on one: 361 points", *boxes(), rounds=rounds)
+
+
+def bench_outline(size: int, rounds: int = 2) -> Compared:
+    return bench_icp(f"ICP, an outline of {size} points", *outline(size), rounds=rounds)
+
+
+def rows(size: int, data: Path | None) -> list[Row]:
+    """Ours by the peer's, the quicker of two where there are two. What cannot be measured here says why."""
+    asked: tuple[tuple[str, Callable[[], Compared], tuple[str, ...], Goal | None, bool], ...] = (
+        ("ICP, 361 points: ours ÷ small_gicp", bench_boxes, ("icp", "icp accelerated"), ICP_GOAL, True),
+        (f"ICP, {size} points: ours ÷ small_gicp", lambda: bench_outline(size), ("icp", "icp accelerated"), ICP_GOAL,
+         False),
+        ("A*: ours ÷ naive", bench_astar, ("astar",), None, True),
+        ("log-odds map: ours ÷ naive", bench_mapping, ("build_map",), None, True),
+    )  # fmt: skip
+    return [_row(subject, measure, ours, goal, data is None and needs) for subject, measure, ours, goal, needs in asked]
+
+
+def _row(
+    subject: str, measure: Callable[[], Compared], ours: Sequence[str], goal: Goal | None, without_data: bool
+) -> Row:
+    if without_data:
+        return Row.missing(subject, "BALISE_DATA names no folder of data sets", goal)
+    try:
+        found = measure()
+    except (ImportError, OSError) as error:
+        return Row.missing(subject, str(error), goal)
+    told = ", ".join(f"{name} {figure(statistics.median(times))} ms" for name, times in found.times.items())
+    return Row(subject, "×", min(found.ratio(name) for name in ours), peers=told, goal=goal)
 
 
 if __name__ == "__main__":
-    bench_icp("ICP, two boxes on one: 361 points", *boxes(), rounds=25)
-    size = int(sys.argv[1]) if len(sys.argv) > 1 else 100_000
-    bench_icp(f"ICP, an outline of {size} points", *outline(size), rounds=2)
-    bench_astar()
-    bench_mapping()
+    report(bench_boxes())
+    report(bench_outline(int(sys.argv[1]) if len(sys.argv) > 1 else 100_000))
+    report(bench_astar())
+    report(bench_mapping())

@@ -18,10 +18,10 @@ from pathlib import Path
 import numpy as np
 from evo.core.metrics import APE, RPE, PoseRelation, Unit
 from evo.core.trajectory import PosePath3D
-from measure import Contender, figure, interleave, median, table
 
 from reference.formats.trajectory_files import read_kitti
 from reference.metrics import absolute_trajectory_error, relative_pose_error
+from tests.benchmarks.measure import Contender, figure, interleave, median, table
 
 
 def read(path: str) -> np.ndarray:

@@ -15,17 +15,20 @@ import argparse
 import contextlib
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from reference.pose_graph import G2oGraph, chi2, factor, gauss_newton, loads_g2o
 from reference.se2 import wrap_angle
+from tests.benchmarks.measure import Goal, Row, figure
 
 SETS = ("INTEL", "M3500", "city10000")
 TOLERANCE = 1e-6
 MOST = 15
+GOALS = {"g2opy": Goal(1.0), "gtsam": Goal(0.6)}  # ours by theirs
 Run = Callable[[int], tuple[float, np.ndarray]]  # iterations -> seconds, poses (n, 3)
 
 
@@ -135,29 +138,66 @@ def needed(run: Run, content: G2oGraph, optimum: float) -> int:
     raise ArithmeticError(f"not at the optimum after {MOST} iterations")
 
 
-def compare(path: Path, rounds: int, solvers: dict[str, Callable[[G2oGraph, Path], Run]]) -> None:
+@dataclass(frozen=True)
+class Compared:
+    """One set: iterations that each solver needs, milliseconds of each round, and why others are left out."""
+
+    name: str
+    size: str
+    iterations: dict[str, int]
+    times: dict[str, list[float]]
+    left_out: dict[str, str]
+
+    def ratio(self, peer: str) -> float:
+        """Ours by the peer's: the median of the ratios within each round."""
+        ours = next(iter(self.times.values()))
+        return statistics.median(own / other for own, other in zip(ours, self.times[peer], strict=True))
+
+
+def compare(path: Path, rounds: int, solvers: dict[str, Callable[[G2oGraph, Path], Run]]) -> Compared:
     content = loads_g2o(path.read_text())
     optimum = gauss_newton(content.graph, content.poses).chi2[-1]
-    print(f"\n{path.stem}: {content.graph.n_poses} poses, {len(content.graph.i)} edges, chi2 {optimum:.8g}")
     entrants: dict[str, tuple[Run, int]] = {}
+    left_out: dict[str, str] = {}
     for name, make in solvers.items():
         try:
             run = make(content, path)
             entrants[name] = run, needed(run, content, optimum)
         except (ImportError, RuntimeError, ArithmeticError) as error:
-            print(f"  {name:14} left out: {str(error).strip().splitlines()[0]}")
+            left_out[name] = str(error).strip().splitlines()[0]
     times: dict[str, list[float]] = {name: [] for name in entrants}
     for _ in range(rounds):
         for name, (run, iterations) in entrants.items():
             times[name].append(1e3 * run(iterations)[0])
-    base = times[next(iter(entrants))]
-    for name, (_, iterations) in entrants.items():
-        low, middle, high = min(times[name]), statistics.median(times[name]), max(times[name])
-        ratio = statistics.median(b / t for b, t in zip(base, times[name], strict=True))
-        lowest = min(base) / low
+    size = f"{content.graph.n_poses} poses, {len(content.graph.i)} edges, chi2 {optimum:.8g}"
+    return Compared(path.stem, size, {name: one for name, (_, one) in entrants.items()}, times, left_out)
+
+
+def rows(folder: Path, rounds: int, sets: Sequence[str] = SETS) -> list[Row]:
+    """The ratio to each peer that has a goal, set by set."""
+    made = []
+    for compared in (compare(folder / f"{name}.g2o", rounds, SOLVERS) for name in sets):
+        middles = {name: statistics.median(times) for name, times in compared.times.items()}
+        told = ", ".join(f"{name} {figure(one)} ms" for name, one in middles.items())
+        for peer, goal in GOALS.items():
+            subject = f"pose graph {compared.name}: ours ÷ {peer}"
+            if peer in compared.times:
+                made.append(Row(subject, "×", compared.ratio(peer), peers=told, goal=goal))
+            else:
+                made.append(Row.missing(subject, f"{peer}: {compared.left_out[peer]}", goal))
+    return made
+
+
+def told(compared: Compared) -> None:
+    print(f"\n{compared.name}: {compared.size}")
+    for name, why in compared.left_out.items():
+        print(f"  {name:14} left out: {why}")
+    base = next(iter(compared.times.values()))
+    for name, times in compared.times.items():
+        low, middle, high = min(times), statistics.median(times), max(times)
         print(
-            f"  {name:14} {iterations:2} iterations  median {middle:8.1f} ms  [{low:.1f} … {high:.1f}]"
-            f"  ours/it: median {ratio:.2f}, least {lowest:.2f}"
+            f"  {name:14} {compared.iterations[name]:2} iterations  median {middle:8.1f} ms  [{low:.1f} … {high:.1f}]"
+            f"  ours/it: median {compared.ratio(name):.2f}, least {min(base) / low:.2f}"
         )
 
 
@@ -169,7 +209,7 @@ def main() -> None:
     chosen = parser.parse_args()
     solvers = {**SOLVERS, "graphslam": graphslam} if chosen.slow else SOLVERS
     for name in SETS:
-        compare(chosen.folder / f"{name}.g2o", chosen.rounds, solvers)
+        told(compare(chosen.folder / f"{name}.g2o", chosen.rounds, solvers))
 
 
 if __name__ == "__main__":

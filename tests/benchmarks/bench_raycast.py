@@ -13,18 +13,20 @@ import math
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from measure import Contender, figure, interleave, median, table
 
 from reference.world.distance_map import distance_to
 from reference.world.grid_map import GridMap
 from reference.world.ray_caster import RayCaster
 from reference.world.raycast import cast_rays
 from reference.world.scenes import building, clutter
+from tests.benchmarks.measure import Contender, Goal, Row, figure, interleave, median, table
 
 POSES, BEAMS = 500, 30
+FASTER, EXACT = Goal(12.0, at_least=True), 1e-9
 
 
 def walk(blocked: object, x: float, y: float, angle: float, max_range: float) -> float:
@@ -93,7 +95,22 @@ def timed(found: dict[str, np.ndarray], name: str, cast: Callable[[], np.ndarray
     return 0.0
 
 
-def compare(title: str, place: GridMap, rounds: int, numba_cast: Callable[..., np.ndarray] | None) -> None:
+@dataclass(frozen=True)
+class Compared:
+    """One place: ours first; milliseconds in `total`, and how far the farthest answer is from the naive one's."""
+
+    title: str
+    contenders: list[Contender]
+    errors: dict[str, float]
+    rays: int
+
+    def ratio(self, contender: Contender) -> float:
+        """Their time by ours: the median of the ratios within each round."""
+        pairs = zip(contender.total, self.contenders[0].total, strict=True)
+        return median([theirs / own for theirs, own in pairs])
+
+
+def compare(title: str, place: GridMap, rounds: int, numba_cast: Callable[..., np.ndarray] | None) -> Compared:
     free, rng = place.free, np.random.default_rng(1)
     cells = np.argwhere(free)[rng.integers(0, np.count_nonzero(free), POSES)]
     poses = np.column_stack([cells[:, ::-1] + rng.random((POSES, 2)), rng.uniform(-math.pi, math.pi, POSES)])
@@ -115,17 +132,43 @@ def compare(title: str, place: GridMap, rounds: int, numba_cast: Callable[..., n
     found: dict[str, np.ndarray] = {}
     contenders = [Contender(name, partial(timed, found, name, cast)) for name, cast in casts.items()]
     interleave(contenders, rounds)
-    ours = median(contenders[0].total)
+    errors = {name: float(np.abs(one - found["naive Python"]).max()) for name, one in found.items()}
+    size = f"{free.shape[0]} x {free.shape[1]} cells, mean range {found['naive Python'].mean():.0f} cells"
+    return Compared(f"{title}: {size}, map prepared in {prepared:.0f} ms (once)", contenders, errors, len(angles))
+
+
+def report(found: Compared) -> None:
     rows = []
-    for one in contenders:
-        error = float(np.abs(found[one.name] - found["naive Python"]).max())
+    for one in found.contenders:
         quartiles = np.percentile(one.total, [25, 75])
-        ratio = median([theirs / own for theirs, own in zip(one.total, contenders[0].total, strict=True)])
         spread = f"{figure(float(quartiles[0]))} – {figure(float(quartiles[1]))}"
-        rows.append((one.name, figure(median(one.total)), spread, figure(ratio), f"{error:.0e}"))
-    print(f"\n{title}: {free.shape[0]} x {free.shape[1]} cells, mean range {found['naive Python'].mean():.0f} cells,")
-    print(f"{len(angles)} rays, map prepared in {prepared:.0f} ms (once), {1e6 * ours / len(angles):.0f} ns a ray\n")
+        error = f"{found.errors[one.name]:.0e}"
+        rows.append((one.name, figure(median(one.total)), spread, figure(found.ratio(one)), error))
+    each = 1e6 * median(found.contenders[0].total) / found.rays
+    print(f"\n{found.title}, {found.rays} rays, {each:.0f} ns a ray\n")
     print(table(("", "median, ms", "quartiles, ms", "time / ours", "error, cells"), rows))
+
+
+def places(side: int) -> dict[str, GridMap]:
+    rng, rooms = np.random.default_rng(7), side // 40
+    return {
+        "Cluttered hall": clutter(rng, (side, side), side * side // 400),
+        "Building of rooms": building(rng, (rooms, rooms), side // rooms - 1, 6),
+        "Empty hall": clutter(rng, (side, side), 0),
+    }
+
+
+def rows(rounds: int, side: int = 200) -> list[Row]:
+    made = []
+    for name, place in places(side).items():
+        found = compare(name, place, rounds, compiled())
+        told = ", ".join(f"{one.name} {figure(median(one.total))} ms" for one in found.contenders)
+        naive_one = next(one for one in found.contenders if one.name == "naive Python")
+        subject = f"casting, {side} × {side}, {name.lower()}: naive ÷ ours"
+        if found.errors[found.contenders[0].name] > EXACT:
+            raise ArithmeticError(f"{subject}: {found.errors}")
+        made.append(Row(subject, "×", found.ratio(naive_one), peers=told, goal=FASTER))
+    return made
 
 
 def grown_clearance(blocked: np.ndarray) -> np.ndarray:
@@ -140,11 +183,8 @@ def main() -> None:
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 15
     numba_cast = compiled()
     for side in (200, 1000):
-        rng = np.random.default_rng(7)
-        rooms = side // 40
-        compare("Cluttered hall", clutter(rng, (side, side), side * side // 400), rounds, numba_cast)
-        compare("Building of rooms", building(rng, (rooms, rooms), side // rooms - 1, 6), rounds, numba_cast)
-        compare("Empty hall", clutter(rng, (side, side), 0), max(rounds // 3, 3), numba_cast)
+        for name, place in places(side).items():
+            report(compare(name, place, max(rounds // 3, 3) if name == "Empty hall" else rounds, numba_cast))
 
 
 if __name__ == "__main__":

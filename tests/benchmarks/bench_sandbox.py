@@ -18,15 +18,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from footprint import weigh
-from measure import Contender, figure, interleave, median, p95, table
-from peers import peers
-from programs import PROGRAMS, Program
-from throughput import KINDS, rate
 
 from server.sandbox import Policy, Sandbox
 from server.sandbox.child.walls import WALLS
 from server.sandbox.install import installation
+from tests.benchmarks.footprint import weigh
+from tests.benchmarks.measure import Contender, figure, interleave, median, p95, table
+from tests.benchmarks.peers import peers
+from tests.benchmarks.programs import PROGRAMS, Program
+from tests.benchmarks.throughput import KINDS, rate
 
 #: Seconds before each measure: the spare child that the one before has ordered is ready by then.
 REST = 0.02

@@ -17,15 +17,15 @@ import sys
 import tempfile
 import time
 import urllib.request
+from dataclasses import dataclass
 from pathlib import Path
 
-from measure import additions, figure, median, table
+from tests.benchmarks.measure import ADDITIONS, REFERENCE, Goal, Row, additions, figure, median, table
 
 ROOT = Path(__file__).parents[2]
-ADDITIONS, HALF_A_SECOND = 10_000_000, 0.5
 ADDRESS = re.compile(r"Balise est prête : (\S+)/")
 EXERCISE, LESSON = "l20/poses", "/l20/lire/localiser"
-GOALS = {"--help": "0.15", "grade": "0.6", "serve": "2", "first lesson": "", "second lesson": ""}
+GOALS = {"--help": Goal(0.15), "grade": Goal(0.6), "serve": Goal(2.0), "first lesson": None, "second lesson": None}
 
 Timed = tuple[float, float]  # seconds of the wall, of processor time
 
@@ -60,7 +60,17 @@ def _spent(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def main(rounds: int) -> None:
+@dataclass(frozen=True)
+class Found:
+    """Seconds that one command takes, of the wall and of processor, and the same normalised: medians."""
+
+    wall: float
+    processor: float
+    normal_wall: float
+    normal_processor: float
+
+
+def measured(rounds: int) -> dict[str, Found]:
     solution = ROOT / "graders" / EXERCISE / "solution.py"
     taken: dict[str, list[tuple[Timed, Timed]]] = {name: [] for name in GOALS}
     with tempfile.TemporaryDirectory() as folder:
@@ -71,11 +81,27 @@ def main(rounds: int) -> None:
             found = {"--help": run("--help"), "grade": run("grade", EXERCISE, str(solution)), **serve(folder)}
             for name, timed in found.items():
                 taken[name].append((timed, unit))
-    rows = []
-    for name, every in taken.items():
-        plain = [median([timed[clock] for timed, _ in every]) for clock in (0, 1)]
-        normal = [median([HALF_A_SECOND * timed[clock] / unit[clock] for timed, unit in every]) for clock in (0, 1)]
-        rows.append([name, *map(figure, (*plain, *normal)), GOALS[name]])
+    return {name: _found(every) for name, every in taken.items()}
+
+
+def _found(every: list[tuple[Timed, Timed]]) -> Found:
+    plain = (median([timed[clock] for timed, _ in every]) for clock in (0, 1))
+    normal = (median([REFERENCE * timed[clock] / unit[clock] for timed, unit in every]) for clock in (0, 1))
+    return Found(*plain, *normal)
+
+
+def rows(rounds: int) -> list[Row]:
+    return [
+        Row(f"start: {name}", "s", one.wall, one.normal_wall, one.normal_processor, goal=GOALS[name])
+        for name, one in measured(rounds).items()
+    ]
+
+
+def main(rounds: int) -> None:
+    rows = [
+        [name, *map(figure, (one.wall, one.processor, one.normal_wall, one.normal_processor)), str(GOALS[name] or "")]
+        for name, one in measured(rounds).items()
+    ]
     head = ["seconds", "wall", "processor", "wall, normalised", "processor, normalised", "goal (wall, normalised)"]
     print(table(head, rows))
 

@@ -18,8 +18,6 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from measure import figure, median, p95, table
-
 from server.app import create_app
 from server.base.provided import provided_to
 from server.base.request import COOKIE
@@ -30,6 +28,7 @@ from server.database import Database, utc_now
 from server.database.migrate import upgrade
 from server.identity.models import Account, BrowserSession, Role
 from server.identity.secrets import digest, new_token
+from tests.benchmarks.measure import figure, median, p95, table
 from tests.support.classes import new_class
 from tests.support.client import TestClient
 from tests.support.crowd import lessons, seated, store

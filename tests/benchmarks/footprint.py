@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from programs import Program
-
 from server.sandbox import Policy, Sandbox
+from tests.benchmarks.programs import Program
 
 MEBIBYTE_IN_KIB = 1024.0
 SETTLE = 0.5

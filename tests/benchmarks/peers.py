@@ -17,8 +17,8 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from measure import Contender
-from programs import Program
+from tests.benchmarks.measure import Contender
+from tests.benchmarks.programs import Program
 
 QUIET = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 BWRAP = (

@@ -61,6 +61,10 @@ class Costs:
         return Costs(**{**known, **({} if crowd is None else measured(json.loads(crowd.read_text())))})
 
 
+def price(path: Path = CALIBRATION) -> float:
+    return float(tomllib.loads(path.read_text(encoding="utf-8"))["euros"]["processor"])
+
+
 def measured(run: Mapping[str, Mapping[str, float]]) -> dict[str, float]:
     """From the figures of a run on PostgreSQL and NATS: normalised seconds of each part, a request or a verdict."""
     kinds = run["milliseconds"]
@@ -266,7 +270,7 @@ def main() -> None:
     parser.add_argument("--web", type=int, default=12)
     parser.add_argument("--figures", type=int, default=12, help="one a web process")
     parser.add_argument("--deadline", type=float, help="seconds of a grading at the deadline")
-    parser.add_argument("--price", type=float, default=0.03, help="euros of a processor for an hour")
+    parser.add_argument("--price", type=float, default=price(), help="euros of a processor for an hour")
     parser.add_argument("--crowd", type=Path, help="a run to take figures from")
     asked = parser.parse_args()
     costs = Costs.read(crowd=asked.crowd)

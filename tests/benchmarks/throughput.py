@@ -10,11 +10,11 @@ from contextlib import ExitStack
 from multiprocessing.synchronize import Barrier
 
 import numpy as np
-from programs import PROGRAMS
 
 from server.course import load
 from server.grading.joint import Grader
 from server.sandbox import Policy, Sandbox
+from tests.benchmarks.programs import PROGRAMS
 
 EXERCISE = "l20/poses"
 WARM_UP = 5

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,13 +15,13 @@ from server.app import create_app
 from server.base.paths import ROOT
 from server.base.settings import Settings
 from server.web import assets
+from tests.support import scripts
 from tests.support.client import TestClient
 from tests.support.quick import in_a_loop
 from tests.support.small_course import CourseFolder
 
 FRONTEND = assets.SERVER / "frontend"
 CACHED = (assets.is_built, assets.stamp, assets._files)
-MOST_SCRIPT = 100_000  # bytes on the wire, where a browser takes brotli: over HTTPS
 
 
 @pytest.fixture(scope="module")
@@ -130,25 +129,8 @@ def test_what_was_compressed_at_build_is_sent_so(
 def test_an_exercise_asks_for_a_hundred_kilobytes_of_script_at_most() -> None:
     if not assets.is_built():
         pytest.skip("the front end is not built")
-    scripts, waiting = set(), ["js/theme.js", "js/app.js", "js/exercise.js", *_chunks("editor-")]
-    while waiting:
-        name = waiting.pop()
-        if name not in scripts:
-            scripts.add(name)
-            text = (assets.BUILT / name).read_text(encoding="utf-8")
-            waiting += [f"js/{one}" for one in re.findall(r'(?:from|import)"\./([^"]+)"', text)]
-    sent = {name: min(path.stat().st_size for path in _versions(assets.BUILT / name)) for name in scripts}
-    assert sum(sent.values()) <= MOST_SCRIPT, sent
-
-
-def _chunks(start: str) -> list[str]:
-    found = [f"js/{path.name}" for path in (assets.BUILT / "js").glob(f"{start}*.js")]
-    assert len(found) == 1
-    return found
-
-
-def _versions(path: Path) -> list[Path]:
-    return [one for one in (path, path.with_name(f"{path.name}.br")) if one.is_file()]
+    sent = scripts.sent()
+    assert sum(sent.values()) <= scripts.MOST, sent
 
 
 @pytest.fixture

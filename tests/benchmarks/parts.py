@@ -1,0 +1,226 @@
+"""What the table of all is made of: one part a benchmark, which gives its rows.
+
+A benchmark is imported by its part alone, in the process that runs it: what it loads, or cannot load, is its own.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from tests.benchmarks.measure import Goal, Pace, Row, median, p95
+
+ROOT = Path(__file__).resolve().parents[2]
+NO_DATA = "BALISE_DATA names no folder of data sets"
+NO_LIGHTHOUSE = "--lighthouse names no cli/index.js (npm install lighthouse)"
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """`quick`: fewer rounds. `data`: public data sets; `lighthouse`: its script; None: there are none here."""
+
+    quick: bool = False
+    data: Path | None = None
+    lighthouse: Path | None = None
+
+    def rounds(self, usual: int) -> int:
+        return max(2, usual // 5) if self.quick else usual
+
+
+@dataclass(frozen=True)
+class Part:
+    """`patience`: seconds after which it is given up. `slow`: more than a minute; `minutes`: only where asked for."""
+
+    name: str
+    rows: Callable[[Wanted], list[Row]]
+    patience: float = 300.0
+    slow: bool = False
+    minutes: bool = False
+
+
+def exchange(wanted: Wanted) -> list[Row]:
+    from tests.benchmarks.bench_exchange import rows
+
+    return rows(wanted.rounds(60))
+
+
+@dataclass(frozen=True)
+class Sent:
+    """A program sent over HTTP: milliseconds from submitting to the verdict that it is to get, median and p95."""
+
+    name: str
+    exercise: str
+    file: str
+    middle: Goal | None = None
+    late: Goal | None = None
+
+
+SENT = (
+    Sent("l20/poses, right", "l20/poses", "solution.py", Goal(12), Goal(25)),
+    Sent("l20/poses, wrong and named", "l20/poses", "misconceptions/ordre_echange.py"),
+    Sent("l20/slam_graphe, right", "l20/slam_graphe", "solution.py", Goal(45), Goal(70)),
+)
+TWICE = Goal(2)  # a wrong answer with its name, by a right one
+PACED = 10  # submissions between two looks at the machine's pace
+
+
+def http(wanted: Wanted) -> list[Row]:
+    import httpx
+
+    from tests.benchmarks import bench_http as bench
+
+    made, middles = [], []
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        bench.server(Path(folder)) as address,
+        httpx.Client(base_url=address, timeout=60) as client,
+    ):
+        client.headers["Authorization"] = f"Bearer {bench.new_token(client)}"
+        for one in SENT:
+            code, pace = (ROOT / "graders" / one.exercise / one.file).read_text(encoding="utf-8"), Pace()
+            bench.exchanges(client, one.exercise, code, bench.WARM_UP)
+            taken: list[float] = []
+            while len(taken) < wanted.rounds(100):
+                pace.sample()
+                seen = bench.exchanges(client, one.exercise, code, PACED)
+                taken += [1000 * (exchange.ended - exchange.began) for exchange in seen]
+            for share, value, goal in (("p50", median(taken), one.middle), ("p95", p95(taken), one.late)):
+                subject = f"submit to verdict over HTTP, {one.name}: {share}"
+                made.append(Row(subject, "ms", value, value * pace.wall, goal=goal))
+            middles.append(median(taken) * pace.wall)
+    return [
+        *made,
+        Row("submit to verdict over HTTP, l20/poses: wrong ÷ right", "×", middles[1] / middles[0], goal=TWICE),
+    ]
+
+
+def pages(wanted: Wanted) -> list[Row]:
+    import httpx
+
+    from tests.benchmarks import bench_http, bench_pages
+
+    found, pace = [], Pace()
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        bench_http.server(Path(folder)) as address,
+        httpx.Client(base_url=address, timeout=60) as client,
+    ):
+        for path in bench_pages.pages(client, "l20"):
+            pace.sample()
+            found.append((bench_pages.timed(client, path, wanted.rounds(50), {})[1], path))
+    slowest, path = max(found)
+    return [Row(f"the page that takes longest, over HTTP: {path}", "ms", slowest, slowest * pace.wall, goal=Goal(5))]
+
+
+def scripts(_: Wanted) -> list[Row]:
+    from server.web import assets
+    from tests.support.scripts import MOST, sent
+
+    subject, goal = "JavaScript of an exercise's page, compressed", Goal(MOST / 1000)
+    if not assets.is_built():
+        return [Row.missing(subject, "the front end is not built", goal)]
+    return [Row(subject, "kB", sum(sent().values()) / 1000, goal=goal)]
+
+
+def lighthouse(wanted: Wanted) -> list[Row]:
+    from tests.benchmarks import bench_lighthouse as bench
+
+    if wanted.lighthouse is None or not wanted.lighthouse.is_file():
+        return [Row.missing("Lighthouse, three pages: least of four marks", NO_LIGHTHOUSE, bench.GOAL)]
+    return bench.rows(str(wanted.lighthouse), wanted.rounds(5))
+
+
+def start(wanted: Wanted) -> list[Row]:
+    from tests.benchmarks.bench_start import rows
+
+    return rows(wanted.rounds(10))
+
+
+def install(_: Wanted) -> list[Row]:
+    from tests.benchmarks.bench_install import rows
+
+    return rows()
+
+
+def pose_graph(wanted: Wanted) -> list[Row]:
+    from tests.benchmarks import bench_pose_graph as bench
+
+    folder = wanted.data / "pg2d" if wanted.data else None
+    if folder is None or not folder.is_dir():
+        named = (
+            (f"pose graph {name}: ours ÷ {peer}", goal) for name in bench.SETS for peer, goal in bench.GOALS.items()
+        )
+        return [Row.missing(subject, NO_DATA, goal) for subject, goal in named]
+    return bench.rows(folder, wanted.rounds(9), bench.SETS[:2] if wanted.quick else bench.SETS)
+
+
+def maps(wanted: Wanted) -> list[Row]:
+    from tests.benchmarks.bench_maps import rows
+
+    return rows(20_000 if wanted.quick else 100_000, wanted.data)
+
+
+def casting(wanted: Wanted) -> list[Row]:
+    from tests.benchmarks.bench_raycast import rows
+
+    return rows(wanted.rounds(15))
+
+
+def filters(wanted: Wanted) -> list[Row]:
+    from tests.benchmarks.bench_filters import rows
+
+    return rows(wanted.rounds(30))
+
+
+def euros(wanted: Wanted) -> list[Row]:
+    from tests.benchmarks.euros import rows
+
+    return rows(wanted.rounds(30))
+
+
+#: What takes minutes: a name, the command, and the seconds that it may take, of the wall, on two processors.
+COMMANDS = {
+    "the tests": (["-m", "pytest"], Goal(100)),
+    "`balise check`": (["-m", "server", "check", "--fresh"], None),
+}
+
+
+def suite(_: Wanted) -> list[Row]:
+    return [timed(name, [sys.executable, *words], goal) for name, (words, goal) in COMMANDS.items()]
+
+
+def timed(name: str, command: list[str], goal: Goal | None) -> Row:
+    """Raises RuntimeError, with what it ends by saying, where it does not succeed."""
+    pace = Pace()
+    pace.sample()
+    before, began = os.times(), time.monotonic()
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    wall, after = time.monotonic() - began, os.times()
+    pace.sample()
+    if done.returncode:
+        raise RuntimeError(f"{name}: {(done.stdout + done.stderr).strip()[-300:]}")
+    spent = after.children_user - before.children_user + after.children_system - before.children_system
+    return Row(name, "s", wall, wall * pace.wall, spent * pace.processor, goal=goal)
+
+
+PARTS = (
+    Part("exchange", exchange),
+    Part("http", http),
+    Part("euros", euros),
+    Part("pages", pages),
+    Part("scripts", scripts),
+    Part("lighthouse", lighthouse, patience=900.0, slow=True),
+    Part("start", start),
+    Part("install", install, patience=900.0, slow=True),
+    Part("pose graph", pose_graph),
+    Part("maps", maps, patience=600.0),
+    Part("casting", casting),
+    Part("filters", filters),
+    Part("suite", suite, patience=3600.0, minutes=True),
+)
