@@ -32,7 +32,8 @@ Found = list[Row] | str
 def perform(part: Part, wanted: Wanted, answer: Connection) -> None:
     """In a process of its own: sends the rows, or why there are none."""
     os.setsid()
-    os.dup2(2, 1)  # what a benchmark prints is no row
+    os.dup2(2, 1)  # what a benchmark prints is no row, nor what it starts
+    sys.stdout = sys.stderr
     try:
         answer.send(part.rows(wanted))
     except (Exception, SystemExit) as error:
@@ -45,26 +46,28 @@ def found_by(part: Part, wanted: Wanted) -> Found:
     context = multiprocessing.get_context("fork")  # nothing is loaded yet, and no thread runs
     here, there = context.Pipe(duplex=False)
     process = context.Process(target=perform, args=(part, wanted, there))
+    sys.stdout.flush()
     process.start()
     there.close()
     try:
         if not here.poll(part.patience):
-            return f"took more than {part.patience:.0f} s"
+            return f"took more than {part.patience:g} s"
         found: Found = here.recv()
+        return found
     except EOFError:
-        process.join()
-        return f"ended by signal {-process.exitcode}" if (process.exitcode or 0) < 0 else "ended without an answer"
+        process.join(GRACE)
+        return f"ended by signal {-code}" if (code := process.exitcode or 0) < 0 else "ended without an answer"
     finally:
         here.close()
         _end(process)
-    return found
 
 
 def _end(process: ForkProcess) -> None:
     """With all that it has started and left: they are of its session."""
+    assert process.pid
     for number in (signal.SIGTERM, signal.SIGKILL):
         with suppress(ProcessLookupError):
-            os.killpg(process.pid or 0, number)
+            os.killpg(process.pid, number)
         process.join(GRACE)
         if process.exitcode is not None:
             return
@@ -119,8 +122,9 @@ def main(words: Sequence[str] | None = None, description: str = "") -> int:
     parser.add_argument("--lighthouse", type=Path, help="its cli/index.js, of `npm install lighthouse`")
     asked = parser.parse_args(words)
     os.environ.update(QUIET, PYTHONPATH=os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH")))))
-    os.chdir(ROOT)
-    data = Path(asked.data) if asked.data else None
+    data = Path(asked.data).resolve() if asked.data else None
+    if data:
+        os.environ["BALISE_DATA"] = str(data)
     wanted, failed = Wanted(asked.quick, data, asked.lighthouse), list[str]()
     rows = list(rows_of(chosen(asked.only, quick=asked.quick, suite=asked.suite), wanted, failed))
     print(table(HEAD, map(line, rows)))
