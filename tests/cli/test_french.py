@@ -9,11 +9,11 @@ import inspect
 import re
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from typing import NamedTuple
 
+import polib
 import pytest
-from babel.messages.catalog import Message
-from babel.messages.pofile import read_po
 
 from server.cli import _parser, main
 from server.cli.authors import KINDS
@@ -50,14 +50,20 @@ LATER = {
 }
 
 
+class Message(NamedTuple):
+    """The singular, and the plural where there is one, in both languages."""
+
+    english: tuple[str, ...]
+    french: tuple[str, ...]
+
+
 def messages() -> list[Message]:
-    with (FOLDER / f"{CATALOGUE}.po").open(encoding="utf-8") as file:
-        return [message for message in read_po(file, locale="fr") if message.id]
-
-
-def forms(text: str | Sequence[str]) -> tuple[str, ...]:
-    """The singular, and the plural where there is one."""
-    return (text,) if isinstance(text, str) else tuple(text)
+    return [
+        Message((one.msgid, one.msgid_plural), tuple(one.msgstr_plural[number] for number in sorted(one.msgstr_plural)))
+        if one.msgid_plural
+        else Message((one.msgid,), (one.msgstr,))
+        for one in polib.pofile(str(FOLDER / f"{CATALOGUE}.po"))
+    ]
 
 
 def said_by_argparse() -> set[str]:
@@ -73,15 +79,15 @@ def said_by_argparse() -> set[str]:
 
 
 def test_all_that_argparse_may_say_to_a_user_has_its_french() -> None:
-    french = {form for message in messages() for form in forms(message.id)}
+    french = {form for message in messages() for form in message.english}
     assert len(said_by_argparse()) > 20
     assert said_by_argparse() - TO_PROGRAMMERS <= french
     assert french >= LATER
 
 
-@pytest.mark.parametrize("message", messages(), ids=lambda message: forms(message.id)[0].strip())
+@pytest.mark.parametrize("message", messages(), ids=lambda message: message.english[0].strip())
 def test_a_translation_says_what_the_message_says(message: Message) -> None:
-    for english, french in zip(forms(message.id), forms(message.string), strict=True):
+    for english, french in zip(*message, strict=True):
         assert french.strip()
         holes, filled = ([*sorted(re.findall(r"%(?:\((\w+)\))?[rs]", text))] for text in (english, french))
         assert holes == filled, "a hole of the message is not in its translation"
@@ -92,8 +98,8 @@ def test_the_compiled_catalogue_is_the_one_that_is_read() -> None:
     with (FOLDER / f"{CATALOGUE}.mo").open("rb") as file:
         compiled = gettext.GNUTranslations(file)
     for message in some(messages()):
-        for count, french in zip((1, 2), forms(message.string), strict=False):
-            singular, *plural = forms(message.id)
+        for count, french in zip((1, 2), message.french, strict=False):
+            singular, *plural = message.english
             got = compiled.ngettext(singular, plural[0], count) if plural else compiled.gettext(singular)
             assert got == french, "compile it again: see the head of the .po"
 
@@ -148,9 +154,9 @@ def words(text: str) -> set[str]:
     return set(re.findall(r"\b[a-z]{2,}\b", re.sub(r"--\w+|%\(\w+\)|%[rs]", " ", text)))
 
 
-FRENCH = {word for message in messages() for word in words(" ".join(forms(message.string)))}
+FRENCH = {word for message in messages() for word in words(" ".join(message.french))}
 #: What one types to ask for a skeleton is no word of a sentence.
-ENGLISH = {word for message in messages() for word in words(" ".join(forms(message.id)))} - FRENCH - {*KINDS}
+ENGLISH = {word for message in messages() for word in words(" ".join(message.english))} - FRENCH - {*KINDS}
 
 
 def test_english_is_recognised() -> None:
