@@ -211,7 +211,7 @@ def _row(
     subject: str, measure: Callable[[], Compared], ours: Sequence[str], goal: Goal | None, without_data: bool
 ) -> Row:
     if without_data:
-        return Row.missing(subject, "BALISE_DATA names no folder of data sets", goal)
+        return Row.missing(subject, "neither --data nor BALISE_DATA names a folder of data sets", goal)
     try:
         found = measure()
     except (ImportError, OSError) as error:

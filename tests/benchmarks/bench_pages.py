@@ -13,7 +13,8 @@ import time
 from pathlib import Path
 
 import httpx
-from bench_http import server
+
+from tests.benchmarks.bench_http import server
 
 WARM_UP = 3
 

@@ -19,7 +19,7 @@ from multiprocessing.context import ForkProcess
 from pathlib import Path
 
 from tests.benchmarks.measure import Row, figure, table
-from tests.benchmarks.parts import PARTS, Part, Wanted
+from tests.benchmarks.parts import DATA, PARTS, Part, Wanted
 
 ROOT = Path(__file__).resolve().parents[2]
 HEAD = ("subject", "measured", "normalised", "processor", "limit", "peers", "goal", "met")
@@ -118,13 +118,12 @@ def main(words: Sequence[str] | None = None, description: str = "") -> int:
     parser.add_argument("--only", nargs="+", default=[], metavar="WORD", help=", ".join(part.name for part in PARTS))
     parser.add_argument("--quick", action="store_true", help="fewer rounds, and not what takes more than a minute")
     parser.add_argument("--suite", action="store_true", help="the tests and the checks of the course too: minutes")
-    parser.add_argument("--data", type=Path, default=os.environ.get("BALISE_DATA"), help="public data sets")
+    parser.add_argument("--data", type=Path, default=os.environ.get(DATA), help="public data sets")
     parser.add_argument("--lighthouse", type=Path, help="its cli/index.js, of `npm install lighthouse`")
     asked = parser.parse_args(words)
     os.environ.update(QUIET, PYTHONPATH=os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH")))))
     data = Path(asked.data).resolve() if asked.data else None
-    if data:
-        os.environ["BALISE_DATA"] = str(data)
+    os.environ.pop(DATA, None)  # no setting of the service, which refuses what it does not know
     wanted, failed = Wanted(asked.quick, data, asked.lighthouse), list[str]()
     rows = list(rows_of(chosen(asked.only, quick=asked.quick, suite=asked.suite), wanted, failed))
     print(table(HEAD, map(line, rows)))

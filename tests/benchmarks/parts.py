@@ -17,7 +17,8 @@ from pathlib import Path
 from tests.benchmarks.measure import Goal, Pace, Row, median, p95
 
 ROOT = Path(__file__).resolve().parents[2]
-NO_DATA = "BALISE_DATA names no folder of data sets"
+DATA = "BALISE_DATA"
+NO_DATA = f"neither --data nor {DATA} names a folder of data sets"
 NO_LIGHTHOUSE = "--lighthouse names no cli/index.js (npm install lighthouse)"
 
 
@@ -161,6 +162,8 @@ def pose_graph(wanted: Wanted) -> list[Row]:
 
 
 def maps(wanted: Wanted) -> list[Row]:
+    if wanted.data:
+        os.environ[DATA] = str(wanted.data)
     from tests.benchmarks.bench_maps import rows
 
     return rows(20_000 if wanted.quick else 100_000, wanted.data)
