@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import time
 from collections.abc import Callable
@@ -10,10 +11,12 @@ from pathlib import Path
 
 import pytest
 
+from server.base.paths import ROOT
 from tests.benchmarks import gather
 from tests.benchmarks.euros import Price
 from tests.benchmarks.measure import ADDITIONS, REFERENCE, Goal, Pace, Row
 from tests.benchmarks.parts import PARTS, Part, Wanted
+from tests.benchmarks.region import PAGES_A_SUBMISSION, WRONG, Costs
 
 HERE = Wanted()
 
@@ -130,3 +133,22 @@ def test_what_cannot_be_measured_here_says_why() -> None:
 
 def test_a_million_times_a_tenth_of_a_second_at_three_cents_an_hour() -> None:
     assert Price(0.03, {}).million(0.1) == pytest.approx(100_000 / 3600 * 0.03)
+
+
+def test_the_page_on_costs_multiplies_rightly() -> None:
+    """The euros of its table, from the processor time beside them; what others start, from what was published."""
+    text = (ROOT / "server" / "docs" / "combien_de_machines.md").read_text(encoding="utf-8")
+    told = re.findall(r"^\| ([^|]+) \| [^|]+ \| (\d+) ms \| (\d+,\d\d) \|$", text, re.MULTILINE)
+    taken = {who: float(taken) / 1000 for who, taken, _ in told}
+    price, costs = Price.read(), Costs.read()
+    assert len(taken) == 6
+    for who, _, euros in told:
+        assert float(euros.replace(",", ".")) == pytest.approx(price.million(taken[who]), abs=0.006)
+    pages = PAGES_A_SUBMISSION * costs.request + WRONG * costs.figure
+    assert taken["Balise, un exercice d’un cours"] == pytest.approx(
+        costs.lesson + pages + costs.database + costs.nats, abs=0.001
+    )
+    assert taken["PrairieLearn"] == taken["Artemis"] == price.containers["on an SSD"]
+    disk = price.containers["on a hard disk"]
+    assert f"{1000 * disk:.0f} ms" in text.replace("1 157", "1157")
+    assert f"{price.million(disk):.2f} €".replace(".", ",") in text
