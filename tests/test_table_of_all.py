@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import signal
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -15,7 +16,7 @@ from server.base.paths import ROOT
 from tests.benchmarks import gather
 from tests.benchmarks.euros import Price
 from tests.benchmarks.measure import ADDITIONS, REFERENCE, Goal, Pace, Row
-from tests.benchmarks.parts import PARTS, Part, Wanted
+from tests.benchmarks.parts import PARTS, Part, Wanted, timed
 from tests.benchmarks.region import PAGES_A_SUBMISSION, WRONG, Costs
 
 HERE = Wanted()
@@ -152,3 +153,11 @@ def test_the_page_on_costs_multiplies_rightly() -> None:
     disk = price.containers["on a hard disk"]
     assert f"{1000 * disk:.0f} ms" in text.replace("1 157", "1157")
     assert f"{price.million(disk):.2f} €".replace(".", ",") in text
+
+
+def test_a_command_is_timed_with_its_processor_and_one_that_fails_says_what_it_said() -> None:
+    row = timed("nothing", [sys.executable, "-S", "-c", "pass"], Goal(1000))
+    assert row.met
+    assert 0 < (row.processor or 0.0) < 60
+    with pytest.raises(RuntimeError, match="nothing: it broke"):
+        timed("nothing", [sys.executable, "-S", "-c", "import sys; sys.exit('it broke')"], None)
