@@ -204,19 +204,21 @@ def slam(rounds: int) -> None:
 
 def rows(rounds: int) -> list[Row]:
     """The first contender of each is ours; times are of the processor, and normalised by its clock."""
+    combed, located = resampling_contenders(), localisation_contenders()
+    without = "" if any("filterpy" in one.name for one in combed) else "filterpy is not installed"
     asked = (
-        ("systematic resampling, a million particles", resampling_contenders(), 1, "ns a particle", NS_A_PARTICLE, 8.0),
-        (f"localisation step, {PARTICLES} particles × {BEAMS} beams", localisation_contenders(), 10, "ms", 1.0, 0.25),
+        ("systematic resampling, a million particles", combed, 1, "ns a particle", NS_A_PARTICLE, 8.0, without),
+        (f"localisation step, {PARTICLES} particles × {BEAMS} beams", located, 10, "ms", 1.0, 0.25, ""),
     )
     made = []
-    for subject, contenders, more, unit, scale, goal in asked:
+    for subject, contenders, more, unit, scale, goal, why in asked:
         pace = Pace()
         contenders[0].action = _beside(pace, contenders[0].action)
         interleave(contenders, more * rounds)
         spent = scale * median(contenders[0].own)
         told = ", ".join(f"{one.name} {figure(scale * median(one.own))}" for one in contenders[1:])
         normal = spent * pace.processor
-        made.append(Row(subject, unit, spent, normal, normal, peers=told, goal=Goal(goal)))
+        made.append(Row(subject, unit, spent, normal, normal, peers=told, goal=Goal(goal), why=why))
     return made
 
 

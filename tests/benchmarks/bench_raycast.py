@@ -159,15 +159,16 @@ def places(side: int) -> dict[str, GridMap]:
 
 
 def rows(rounds: int, side: int = 200) -> list[Row]:
-    made = []
+    made, numba_cast = [], compiled()
+    why = "" if numba_cast else "numba is not installed"
     for name, place in places(side).items():
-        found = compare(name, place, rounds, compiled())
+        found = compare(name, place, rounds, numba_cast)
         told = ", ".join(f"{one.name} {figure(median(one.total))} ms" for one in found.contenders)
         naive_one = next(one for one in found.contenders if one.name == "naive Python")
         subject = f"casting, {side} × {side}, {name.lower()}: naive ÷ ours"
         if found.errors[found.contenders[0].name] > EXACT:
             raise ArithmeticError(f"{subject}: {found.errors}")
-        made.append(Row(subject, "×", found.ratio(naive_one), peers=told, goal=FASTER))
+        made.append(Row(subject, "×", found.ratio(naive_one), peers=told, goal=FASTER, why=why))
     return made
 
 

@@ -104,7 +104,8 @@ class Goal:
 @dataclass(frozen=True)
 class Row:
     """One figure of the table of all. `measured`, `normalised`, `processor` (which is normalised) and `limit`, the
-    least that the same run could have taken, are in `unit`; None: there is none. `why`: why it could not be measured.
+    least that the same run could have taken, are in `unit`; None: there is none. `why`: why it could not be measured,
+    or a peer.
     """
 
     subject: str
