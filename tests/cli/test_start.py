@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
 from server.base.paths import ROOT
 from server.base.settings import Settings
+from server.cli.local import load_exercise
 from server.course.memory import MEMORY, Found, Memory, source_of
 from tests.support.quick import migrated, the_course
 
@@ -106,3 +109,20 @@ def test_a_sandbox_comes_up_before_what_grades_is_loaded() -> None:
     assert not {"server.course", "pydantic", "graders.core.code", "graders.core.contract.verdict"} & first
     assert "graders.core.code.grading" in all_of_it
     assert not OF_OTHERS & all_of_it
+
+
+def test_what_an_exercise_s_files_import_is_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    first = load_exercise("l20/poses").version_of("l20/poses")
+    read = Mock(side_effect=AssertionError("read again"))
+    monkeypatch.setattr("server.course.closure._asked", read)
+    assert load_exercise("l20/poses").version_of("l20/poses") == first
+    next(tmp_path.rglob("imports.json")).unlink()
+    with pytest.raises(AssertionError, match="read again"):
+        load_exercise("l20/poses")
+
+
+def test_an_exercise_is_read_where_nothing_may_be_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("no folder")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    assert "l20/poses" in load_exercise("l20/poses").exercises
