@@ -181,6 +181,19 @@ def filters(wanted: Wanted) -> list[Row]:
     return rows(wanted.rounds(30))
 
 
+TWO_PROCESSES, ONE_THREAD = 2, 1
+
+
+def throughput(wanted: Wanted) -> list[Row]:
+    from tests.benchmarks.throughput import EXERCISE, rate
+
+    pace = Pace()
+    pace.sample()
+    done = rate("gradings", TWO_PROCESSES, ONE_THREAD, 2.0 if wanted.quick else 8.0)
+    pace.sample()
+    return [Row(f"gradings of {EXERCISE} by two processes, right ones, no HTTP", "a second", done, done / pace.wall)]
+
+
 def euros(wanted: Wanted) -> list[Row]:
     from tests.benchmarks.euros import rows
 
@@ -215,6 +228,7 @@ def timed(name: str, command: list[str], goal: Goal | None) -> Row:
 PARTS = (
     Part("exchange", exchange),
     Part("http", http),
+    Part("throughput", throughput),
     Part("euros", euros),
     Part("pages", pages),
     Part("scripts", scripts),
