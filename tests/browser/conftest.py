@@ -52,7 +52,8 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 def serving(data: Path) -> Iterator[str]:
     command = [sys.executable, "-m", "server", "serve", "--port", "0", "--data", str(data)]
     machine = {name: value for name, value in os.environ.items() if not name.startswith("BALISE_")}
-    environment = {**machine, "BALISE_WORKERS": "1", "BALISE_WARM_UP": "0", "PYTHONUNBUFFERED": "1"}
+    cold = {"BALISE_WARM_UP": "0", "BALISE_WARM_FIGURES": "0"}
+    environment = {**machine, **cold, "BALISE_WORKERS": "1", "PYTHONUNBUFFERED": "1"}
     log = (data / "log.txt").open("w+")
     process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=log, stderr=subprocess.STDOUT)
     try:
