@@ -52,8 +52,9 @@ def pytest_collection() -> Iterator[None]:
         gc.enable()
 
 
-#: Who grades: their process keeps what known mistakes answer, some ten seconds of the processor for all exercises.
-GRADING = ("tests/graders/", "tests/curriculum/test_course.py", "tests/web/test_verdicts.py")
+#: Who grades, or runs in the course's sandbox: their process keeps what known mistakes answer, some ten seconds of the
+#: processor for all exercises, and its templates, which take two to start.
+GRADING = ("tests/graders/", "tests/curriculum/", "tests/web/test_verdicts.py", "tests/grading/test_hostile.py")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

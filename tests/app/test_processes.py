@@ -29,10 +29,15 @@ def data(tmp_path: Path) -> Iterator[Path]:
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("warm_up", ["0", pytest.param("1", marks=pytest.mark.slow)])
 def test_a_service_in_real_processes(
-    data: Path, tmp_path: Path, course: Course, capsys: pytest.CaptureFixture[str]
+    data: Path, tmp_path: Path, course: Course, capsys: pytest.CaptureFixture[str], warm_up: str
 ) -> None:
-    """One story, as starting a server takes seconds: the terminal, kill -9 of a worker, of the server, a clean stop."""
+    """One story, as starting a server takes seconds: the terminal, kill -9 of a worker, of the server, a clean stop.
+
+    That a worker rehearses each grader, and tells of one that fails, is a test of tests/grading/test_process.py; that
+    what is rehearsed works, of all those that grade it.
+    """
     exercise = course.exercises[EXERCISE]
     live = Live(data, BALISE_WORKERS="1")
     live.sign_up_teacher()
@@ -48,7 +53,7 @@ def test_a_service_in_real_processes(
     sent = send_slow_ones(live, headers, exercise)
     kill_a_worker(live, data)
     kill_the_server(live, data)
-    live = Live(data, BALISE_WORKERS="1", BALISE_WARM_UP="1")
+    live = Live(data, BALISE_WORKERS="1", BALISE_WARM_UP=warm_up)
     assert "/bienvenue/" not in live.output
     until(lambda: count(data, WAITING) == 0, "everything is graded")
     graded = Counter(one for (one,) in rows(data, "SELECT id FROM audit"))

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from unittest.mock import patch
 
+from server.app import Services, create_app
 from server.base.provided import provide, provided, provided_to
 from server.base.settings import Settings
 from server.cells.supervisor import Cells
@@ -43,3 +45,12 @@ def test_nothing_is_left_of_the_test_before(tmp_path: Path, course: Course) -> N
         assert not second.cookies
         with provided_to(app, Database).read() as db:  # type: ignore[arg-type]
             assert db.query(Account).count() == 0
+
+
+def test_the_application_of_tests_alone_starts_without_a_look_at_what_was_left(tmp_path: Path, course: Course) -> None:
+    settings = Settings(data_dir=tmp_path, workers=0)
+    migrated(settings).close()
+    with patch.object(Services, "first_look", autospec=True) as looks:
+        for made, looked in ((standing_app(settings, course), 0), (create_app(settings, course=course), 1)):
+            with TestClient(made):
+                assert looks.call_count == looked

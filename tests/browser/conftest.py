@@ -30,6 +30,14 @@ ROOT = Path(__file__).parents[2]
 #: The shell without a window is the same engine, for a quarter less of the processors' time.
 NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 CHROMIUM = next(filter(None, map(shutil.which, NAMES)), None)
+#: One process shows all pages and another draws them: starting one for each page is a third of what a page costs.
+OPTIONS = (
+    "--no-sandbox",
+    "--in-process-gpu",
+    "--renderer-process-limit=1",
+    "--disable-site-isolation-trials",
+    "--process-per-site",
+)
 START_SECONDS = 60
 EXERCISE = "/l20/exercices/poses"
 
@@ -52,7 +60,8 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 def serving(data: Path) -> Iterator[str]:
     command = [sys.executable, "-m", "server", "serve", "--port", "0", "--data", str(data)]
     machine = {name: value for name, value in os.environ.items() if not name.startswith("BALISE_")}
-    environment = {**machine, "BALISE_WORKERS": "1", "BALISE_WARM_UP": "0", "PYTHONUNBUFFERED": "1"}
+    cold = {"BALISE_WARM_UP": "0", "BALISE_WARM_FIGURES": "0"}
+    environment = {**machine, **cold, "BALISE_WORKERS": "1", "PYTHONUNBUFFERED": "1"}
     log = (data / "log.txt").open("w+")
     process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=log, stderr=subprocess.STDOUT)
     try:
@@ -81,7 +90,7 @@ def browser() -> Iterator[Browser]:
     if CHROMIUM is None:
         pytest.skip("no Chromium on this machine")
     with sync_api.sync_playwright() as playwright:
-        launched = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        launched = playwright.chromium.launch(executable_path=CHROMIUM, args=OPTIONS)
         yield launched
         launched.close()
 

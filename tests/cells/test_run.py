@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
@@ -13,7 +13,6 @@ from PIL import Image
 from server.cells import run as cells
 from server.cells.schemas import RunOut
 from server.sandbox import Sandbox
-from tests.support.quick import the_course
 
 PYPLOT = "import matplotlib.pyplot as plt\n"
 PREFIX = "data:image/png;base64,"
@@ -25,9 +24,8 @@ FAR = replace(cells.POLICY, cpu_seconds=60.0, wall_seconds=300.0)
 
 
 @pytest.fixture(scope="module")
-def run() -> Iterator[Run]:
-    with Sandbox(the_course().kits) as sandbox:
-        yield lambda code: cells.run(sandbox, "l20", code.encode())
+def run(course_sandbox: Sandbox) -> Run:
+    return lambda code: cells.run(course_sandbox, "l20", code.encode())
 
 
 @pytest.fixture(autouse=True)

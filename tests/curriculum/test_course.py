@@ -3,11 +3,13 @@
 import itertools
 from collections.abc import Iterator
 from dataclasses import replace
+from unittest.mock import patch
 
 import pytest
 
 from graders.core.code.grading import CodeGrader
 from graders.core.contract.outcomes import Outcome
+from server.cli import check
 from server.cli.check import Case, cases, examine
 from server.course import Exercise
 from server.grading.joint import Grader
@@ -54,8 +56,9 @@ PARAMETERS = [
 
 
 @pytest.fixture(scope="module")
-def grader(course_sandbox: Sandbox) -> Grader:
-    return Grader(COURSE, course_sandbox)
+def grader(course_sandbox: Sandbox) -> Iterator[Grader]:
+    with patch.object(check, "ENDLESS_SECONDS", 0.1):  # what never ends is stopped all the same
+        yield Grader(COURSE, course_sandbox)
 
 
 def test_the_course_has_its_exercises_and_no_problem() -> None:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from datetime import timedelta
+from pathlib import Path
 from uuid import UUID
 
 import pytest
 from sqlalchemy import create_engine, func, make_url, select, text
 
 from graders.core.contract.verdict import Outcome
+from server.app import Services
 from server.base.request import COOKIE
 from server.base.settings import Settings
 from server.course import Course
@@ -43,29 +45,57 @@ class Upgraded:
     course: Course
 
 
-@pytest.fixture
-def own_url(request: pytest.FixtureRequest, database_url: str | None) -> Iterator[str | None]:
-    """A database of the test's own, as it begins with an older schema."""
-    if database_url is None:
-        yield None
-        return
-    name = f"balise_landed_{os.getpid()}"
-    administration = create_engine(database_url, isolation_level="AUTOCOMMIT")
+def _landed(url: str) -> Landed:
+    """The landed database, filled, and brought to the current schema."""
+    with closing(Database(url)) as database:
+        landed = Landed(database.engine)
+        upgrade(database.engine)
+    return landed
+
+
+@pytest.fixture(scope="module")
+def of_sqlite(tmp_path_factory: pytest.TempPathFactory) -> tuple[Landed, bytes]:
+    path = tmp_path_factory.mktemp("landed") / "database"
+    landed = _landed(f"sqlite:///{path}")
+    assert list(path.parent.iterdir()) == [path], "closing a database leaves one file"
+    return landed, path.read_bytes()
+
+
+@pytest.fixture(scope="module")
+def of_postgresql(postgres_url: str) -> Iterator[tuple[Landed, str]]:
+    with _made(postgres_url, f"balise_landed_{os.getpid()}") as url:
+        yield _landed(url), str(make_url(url).database)
+
+
+@contextmanager
+def _made(url: str, name: str, of: str = "") -> Iterator[str]:
+    """A database of PostgreSQL, a copy of another."""
+    administration = create_engine(url, isolation_level="AUTOCOMMIT")
     with administration.connect() as connection:
-        connection.execute(text(f"CREATE DATABASE {name}"))
-    yield make_url(database_url).set(database=name).render_as_string(hide_password=False)
+        connection.execute(text(f"CREATE DATABASE {name}" + f" TEMPLATE {of}" * bool(of)))
+    yield make_url(url).set(database=name).render_as_string(hide_password=False)
     with administration.connect() as connection:
         connection.execute(text(f"DROP DATABASE {name} WITH (FORCE)"))
     administration.dispose()
 
 
 @pytest.fixture
-def upgraded(settings: Settings, own_url: str | None, course: Course) -> Iterator[Upgraded]:
-    mine = settings.model_copy(update={"database_url": own_url})
-    with closing(Database(mine.url)) as database:
-        landed = Landed(database.engine)
-        upgrade(database.engine)
-        yield Upgraded(database, mine, landed, course)
+def upgraded(
+    request: pytest.FixtureRequest, settings: Settings, database_url: str | None, course: Course
+) -> Iterator[Upgraded]:
+    """A copy of the one that was brought to the current schema, which takes a quarter of a second."""
+    with ExitStack() as stack:
+        if database_url is None:
+            landed, content = request.getfixturevalue("of_sqlite")
+            mine = settings
+            path = Path(str(make_url(mine.url).database))
+            path.parent.mkdir(parents=True)
+            path.write_bytes(content)
+        else:
+            landed, name = request.getfixturevalue("of_postgresql")
+            own = stack.enter_context(_made(database_url, f"{name}_copy", name))
+            mine = settings.model_copy(update={"database_url": own})
+        yield Upgraded(stack.enter_context(closing(Database(mine.url))), mine, landed, course)
 
 
 def test_every_row_is_kept(upgraded: Upgraded) -> None:
@@ -160,6 +190,9 @@ def pages_of(landed: Landed, names: tuple[str, ...]) -> Iterator[tuple[str, UUID
 def test_every_page_shows_what_was_there(upgraded: Upgraded) -> None:
     landed = upgraded.landed
     marks = {"wrong": "10", "right": "20", "late": "5", "answers": "8"}
+    services = Services(upgraded.settings, upgraded.course, ())
+    with closing(services.database):
+        services.first_look()
     app = standing_app(upgraded.settings, upgraded.course)
     with TestClient(app, cookies={COOKIE: "Ada"}) as client:
 

@@ -4,8 +4,16 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any
+
+import pytest
 
 from server.base.paths import ROOT as PROJECT
+from server.course import Course
+from server.grading.process import _warm
+from server.sandbox import SandboxFault
 
 #: Of each statement that a module keeps: its parameters that have no type, and so would reach the driver as they are.
 UNTYPED = """
@@ -28,3 +36,50 @@ def test_the_statements_that_modules_keep_know_their_types_whatever_was_imported
     """A parameter takes the type of its column, which takes that of the table it refers to, if it is there by then."""
     told = subprocess.run([sys.executable, "-c", UNTYPED], cwd=PROJECT, capture_output=True, text=True, check=True)
     assert told.stdout.split() == []
+
+
+class Templates:
+    """Of a sandbox, one set of which does not start."""
+
+    def __init__(self, broken: str) -> None:
+        self._broken, self.warmed = broken, list[str]()
+
+    def warm(self, imports: str) -> None:
+        self.warmed.append(imports)
+        if imports == self._broken:
+            raise SandboxFault("it does not start")
+
+
+class Rehearsed:
+    """A grader that notes that it was rehearsed, and may fail at it."""
+
+    def __init__(self, told: list[str], name: str, *, fails: bool) -> None:
+        self._told, self._name, self._fails = told, name, fails
+
+    def rehearse(self) -> None:
+        self._told.append(self._name)
+        if self._fails:
+            raise ValueError("not this one")
+
+
+def test_a_worker_rehearses_every_grader_and_tells_of_those_that_fail(
+    course: Course, caplog: pytest.LogCaptureFixture
+) -> None:
+    rehearsed, names = list[str](), list(course.exercises)
+    broken, sandbox = names[3], Templates("numpy")
+
+    def noting(exercise: Any) -> Any:
+        grader = Rehearsed(rehearsed, exercise.id, fails=exercise.id == broken)
+        return replace(exercise, make=lambda: grader)
+
+    modules = {
+        slug: replace(module, exercises=tuple(map(noting, module.exercises))) for slug, module in course.modules.items()
+    }
+    with caplog.at_level("WARNING"):
+        _warm(sandbox, replace(course, modules=MappingProxyType(modules)))  # type: ignore[arg-type]
+    assert sandbox.warmed == ["numpy", "scipy"]
+    assert rehearsed == names
+    assert [record.getMessage() for record in caplog.records] == [
+        "the numpy template did not start",
+        f"the grader of {broken} does not work",
+    ]

@@ -15,7 +15,7 @@ from server.base.settings import Settings
 from server.figures.service import Figures
 from server.reading.service import duration, plain
 from tests.support.client import TestClient
-from tests.support.quick import migrated, standing_app, weak_hasher
+from tests.support.quick import migrated, standing_app
 from tests.support.small_course import CourseFolder
 from tests.support.small_site import PAGE, SmallSite, verdict
 from tests.support.texts import with_texts
@@ -24,8 +24,7 @@ READ = "/m9/lire/depart"
 
 
 @pytest.fixture
-def small_site(course_folder: CourseFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[SmallSite]:
-    monkeypatch.setattr("server.identity.secrets._hasher", weak_hasher)
+def small_site(course_folder: CourseFolder, tmp_path: Path) -> Iterator[SmallSite]:
     settings = Settings(data_dir=tmp_path / "data", workers=0)
     database = migrated(settings)
     app = standing_app(settings, with_texts(course_folder.load()))

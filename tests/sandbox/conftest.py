@@ -55,8 +55,9 @@ def without() -> Iterator[Lifting]:
         yield sandbox_of
 
 
-@pytest.fixture(autouse=True)
-def _know_the_others() -> None:
+@pytest.fixture
+def alone() -> None:
+    """For who looks at the processes of a sandbox of its own: those of the others are known."""
     OTHERS.clear()
     OTHERS.update(children(os.getpid()))
 

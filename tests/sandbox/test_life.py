@@ -23,6 +23,8 @@ from server.sandbox.child.namespaces import UNPRIVILEGED
 from .family import OTHERS, children, eventually, running, settle, templates
 from .limits import only
 
+pytestmark = pytest.mark.usefixtures("alone")
+
 SUBMISSIONS = int(os.environ.get("BALISE_TEST_SUBMISSIONS", "2000"))
 FEWER = 150
 SEED = int(os.environ.get("BALISE_TEST_SEED", "3"))

@@ -29,6 +29,8 @@ from .family import (
 )
 from .limits import only
 
+pytestmark = pytest.mark.usefixtures("alone")
+
 PROJECT = Path(__file__).resolve().parents[2]
 
 

@@ -15,6 +15,8 @@ from server.sandbox import Policy, ProgramFault, Sandbox, SandboxFault, vitals
 from .family import LEAVES, OTHERS, SOURCE, answers, children, eventually, root_and_template, running, templates
 from .limits import FAR, only
 
+pytestmark = pytest.mark.usefixtures("alone")
+
 
 @pytest.fixture(autouse=True)
 def _looked_at_often(monkeypatch: pytest.MonkeyPatch) -> None:

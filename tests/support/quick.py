@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
+from unittest.mock import patch
 
 import pytest
 from fastapi import FastAPI
@@ -17,7 +18,7 @@ from pwdlib import PasswordHash
 from pwdlib.hashers.argon2 import Argon2Hasher
 
 from graders.core.code.grading import CodeGrader
-from server.app import create_app
+from server.app import Services, create_app
 from server.base.settings import Settings
 from server.course import Course, Exercise, load
 from server.database import Database
@@ -94,12 +95,21 @@ def _upgrade_once(url: str) -> None:
 _standing: dict[tuple[int, int, str], FastAPI] = {}
 
 
+class _Blind(Services):
+    """Does not look for what an earlier service has left: there was none. The look is a dozen queries."""
+
+    def first_look(self) -> None:
+        pass
+
+
 def standing_app(settings: Settings, course: Course) -> FastAPI:
     """An application whose routes this process puts together only once; it serves one test at a time.
 
-    All that it holds is new: what it was built with, what runs while it serves, and nothing is overridden.
+    All that it holds is new: what it was built with, what runs while it serves, and nothing is overridden. It does not
+    look, as it starts, for what was left behind.
     """
-    new = create_app(settings, course=course)
+    with patch("server.app.Services", _Blind):
+        new = create_app(settings, course=course)
     told = settings.body_bytes, settings.session_days, settings.root_path  # what its middleware was
     app = _standing.setdefault(told, new)
     app.state.provided = new.state.provided

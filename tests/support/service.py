@@ -25,7 +25,7 @@ from server.course import Course
 from server.database import Database
 from server.database import engine as engines
 from server.grading.task import Grade, GradingTask, SentFile
-from server.identity import tokens
+from server.identity import secrets, tokens
 from server.identity.models import Account, Role
 from server.identity.service import Accounts
 from server.queue.port import NoSignals, Queue
@@ -65,15 +65,18 @@ def worker_of(database: Database, settings: Settings, grade: Grade = fake_grade,
     return Worker(database, queue, settings, {GRADE: GradingTask(the_course(), grade)})
 
 
-@pytest.fixture(autouse=True)
-def _no_settings_but_a_test_s_own(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup() -> None:
+    """A test has no settings but its own."""
     for name in [name for name in os.environ if name.startswith("BALISE_")]:
-        monkeypatch.delenv(name)
+        del os.environ[name]
 
 
-@pytest.fixture(autouse=True)
-def _passwords_are_hashed_quickly(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("server.identity.secrets._hasher", weak_hasher)
+@pytest.fixture(autouse=True, scope="session")
+def _passwords_are_hashed_quickly() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(secrets, "_hasher", weak_hasher)
+        yield
 
 
 def _compiling_once(make: Callable[..., Engine]) -> Callable[..., Engine]:

@@ -15,7 +15,7 @@ from graders.discovery import Discovery
 from server.base.settings import Settings
 from server.course import Course, load
 from tests.support.client import TestClient
-from tests.support.quick import migrated, standing_app, weak_hasher
+from tests.support.quick import migrated, standing_app
 from tests.support.small_site import SmallSite
 
 MODULE = 'title = "Un module"\nnumber = "M9"\nsummary = "De quoi essayer."\n'
@@ -85,8 +85,7 @@ def course_folder(tmp_path: Path) -> CourseFolder:
 
 
 @pytest.fixture
-def small_site(course_folder: CourseFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[SmallSite]:
-    monkeypatch.setattr("server.identity.secrets._hasher", weak_hasher)
+def small_site(course_folder: CourseFolder, tmp_path: Path) -> Iterator[SmallSite]:
     settings = Settings(data_dir=tmp_path / "data", workers=0, submission_burst=8, submission_refill_seconds=1000)
     database = migrated(settings)
     app = standing_app(settings, course_folder.load())
