@@ -35,7 +35,7 @@ from scipy import sparse
 from reference.pose_graph.errors import ParameterError, SingularSystemError
 from reference.pose_graph.factor import factorise
 from reference.pose_graph.graph import POINT, Floats, Indices, PoseGraph, checked_landmarks, checked_poses
-from reference.pose_graph.residuals import landmark_residuals, residuals, turned_information
+from reference.pose_graph.residuals import landmark_residuals, planar_information, residuals
 
 Complex = NDArray[np.complex128]
 STATIONARY = 1e-6
@@ -84,7 +84,7 @@ def certify(graph: PoseGraph, poses: ArrayLike, landmarks: ArrayLike | None = No
 
 def _edge_terms(graph: PoseGraph, poses: Floats) -> list[_Terms] | None:
     """The bounds (18) and (19) of the edges; None where an angle is so wrong that (18) has no tangent."""
-    i, j, z, omega = graph.i, graph.j, graph.z_i_j, turned_information(graph)
+    i, j, z, omega = graph.i, graph.j, graph.z_i_j, planar_information(graph).matrices()
     e = residuals(poses[i], poses[j], z)
     tau = _least(omega[:, :2, :2])
     kappa = omega[:, 2, 2].copy()

@@ -75,13 +75,14 @@ def chordal_angles(graph: PoseGraph, held: Floats) -> Floats:
         weight = graph.information[:, 2, 2]
         c, s = weight * np.cos(graph.z_i_j[:, 2]), weight * np.sin(graph.z_i_j[:, 2])
         data, b = np.zeros(pattern.nnz + 1), np.zeros(pattern.size + 1)
+        on, off, rows_i, rows_j = pattern.diagonal(), pattern.off_diagonal(), *map(pattern.unknowns, (graph.i, graph.j))
         for row in range(POINT):
             for ends in (graph.i, graph.j):
-                np.add.at(data, pattern.diagonal(row, row)[ends], weight)
+                np.add.at(data, on[row, row, ends], weight)
         for row, column, term in ((0, 0, -c), (0, 1, -s), (1, 0, s), (1, 1, -c)):
-            np.add.at(data, pattern.off_diagonal(row, column), term)
-            np.add.at(b, pattern.unknowns(graph.i, row), -term * r[graph.j, column])
-            np.add.at(b, pattern.unknowns(graph.j, column), -term * r[graph.i, row])
+            np.add.at(data, off[row, column], term)
+            np.add.at(b, rows_i[row], -term * r[graph.j, column])
+            np.add.at(b, rows_j[column], -term * r[graph.i, row])
         # the diagonal blocks hold (0, 1) too, which is zero
         solved = factorise(pattern.upper(data[:-1])).solve(b[:-1])
         r[sizes > 0] = solved.reshape(-1, POINT)

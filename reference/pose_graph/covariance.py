@@ -152,11 +152,6 @@ def _components(equations: NormalEquations, nodes: Sequence[int]) -> Indices:
     outside = [k for k in nodes if not 0 <= k < graph.n_poses + graph.n_landmarks]
     if outside:
         raise EdgeIndexError("nodes", f"node {outside[0]} does not exist")
-    return np.array(
-        [
-            int(equations.pattern.unknowns(np.array([k]), component)[0])
-            for k in nodes
-            for component in range(BLOCK if k < graph.n_poses else POINT)
-        ],
-        dtype=np.int64,
-    )
+    chosen = np.asarray(nodes, dtype=np.int64)
+    dimensions = np.where(chosen < graph.n_poses, BLOCK, POINT)
+    return equations.pattern.unknowns(chosen).T[np.arange(BLOCK) < dimensions[:, None]]

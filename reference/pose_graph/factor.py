@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse import linalg as sparse_linalg
 
 from reference.pose_graph.errors import SingularSystemError
-from reference.pose_graph.graph import Floats, Indices
+from reference.pose_graph.graph import BLOCK, Floats, Indices
 
 try:
     import qdldl
@@ -53,7 +52,7 @@ class Pattern:
     """Where the upper triangle of a symmetric matrix of blocks is non-zero; columns one after the other.
 
     `sizes` (N,): the size of each node's block, 0 for a node that is held fixed. `a`, `b` (p,): the pairs of nodes that
-    have a block off the diagonal. Entries that belong to a fixed node go to the slot `nnz`, which is cut off.
+    have a block off the diagonal. What is in no block, or below the diagonal, goes to the slot `nnz`, which is cut off.
     """
 
     def __init__(self, sizes: Indices, a: Indices, b: Indices) -> None:
@@ -67,59 +66,71 @@ class Pattern:
     def _pairs(self, a: Indices, b: Indices) -> None:
         """Each distinct block above the diagonal, by columns; `_cell` (p,) says which one each pair falls in."""
         n = len(self.sizes)
-        self._a = a
+        self._a, self._b = a, b
         self._swapped = a > b
-        self._alive = (self.sizes[a] > 0) & (self.sizes[b] > 0)
+        alive = (self.sizes[a] > 0) & (self.sizes[b] > 0)
         keys = np.maximum(a, b) * n + np.minimum(a, b)
-        cells, inverse = np.unique(keys[self._alive], return_inverse=True)
+        cells, inverse = np.unique(keys[alive], return_inverse=True)
         self._cell = np.zeros(len(a), dtype=np.int64)
-        self._cell[self._alive] = inverse
+        self._cell[alive] = inverse
         self._hi, self._lo = np.divmod(cells, max(n, 1))
 
     def _columns(self) -> None:
-        """`starts` (s + 1,) of the columns; `_above` (N,): entries above the diagonal block; `_rank`: those before."""
+        """`starts` (s + 1,) of the columns; for each node, the `_first` of them, and how many entries are `_above`.
+
+        Column c of a node holds the rows above its block, then c + 1 of its own: c columns before it hold
+        c above + c (c + 1) / 2 entries. `_rank`: those above the block of a pair, in a column.
+        """
         heights = self.sizes[self._lo]
         self._above = np.bincount(self._hi, heights, minlength=len(self.sizes)).astype(np.int64)
+        component = np.arange(self.size) - self.offsets[:-1].repeat(self.sizes)
+        self.starts = np.concatenate([[0], np.cumsum(self._above.repeat(self.sizes) + component + 1)])
+        self.nnz = int(self.starts[-1])
+        self._first = self.starts[self.offsets[:-1]]
         before = np.cumsum(heights) - heights
         self._rank = before - (np.cumsum(self._above) - self._above)[self._hi]
-        node = np.repeat(np.arange(len(self.sizes)), self.sizes)
-        lengths = self._above[node] + np.arange(self.size) - self.offsets[node] + 1
-        self.starts = np.concatenate([[0], np.cumsum(lengths)])
-        self.nnz = int(self.starts[-1])
 
     def _rows(self) -> None:
-        """`rows` (nnz,) of the entries."""
-        self.rows: NDArray[np.int32 | np.int64] = np.empty(self.nnz + 1, dtype=np.int64)
-        deepest = int(self.sizes.max(initial=0))
-        for column in range(deepest):
-            for row in range(deepest):
-                inside = (self.sizes[self._lo] > row) & (self.sizes[self._hi] > column)
-                slots = self.starts[self.offsets[self._hi] + column * inside] + self._rank + row
-                self.rows[slots[inside]] = (self.offsets[self._lo] + row)[inside]
-            for row in range(column + 1):
-                self.rows[self.diagonal(row, column)] = self.offsets[:-1] + row
-        self.rows = self.rows[:-1].astype(np.int32)
+        """`rows` (nnz,) of the entries: those of the nodes above each node and its own, cut at the diagonal."""
+        n = len(self.sizes)
+        stacked = np.empty(len(self._lo) + n, dtype=np.int64)
+        stacked[np.arange(len(self._lo)) + self._hi] = self._lo
+        ends = np.bincount(self._hi, minlength=n).cumsum() + np.arange(n)
+        stacked[ends] = np.arange(n)
+        heights = self.sizes[stacked]
+        tops = np.cumsum(heights) - heights
+        unknowns = (self.offsets[stacked] - tops).repeat(heights) + np.arange(heights.sum())
+        top = (tops[ends] - self._above).repeat(self.sizes)
+        lengths = np.diff(self.starts)
+        self.rows = unknowns[(top - self.starts[:-1]).repeat(lengths) + np.arange(self.nnz)].astype(np.int32)
         self.starts = self.starts.astype(np.int32)
 
-    def diagonal(self, row: int, column: int) -> Indices:
-        """The slots (N,) of the entry (row, column), row <= column, of the diagonal block of each node."""
-        free = self.sizes > column
-        slots = self.starts[self.offsets[:-1] + column * free] + self._above + row
-        return np.where(free, slots, self.nnz)
+    def diagonal(self) -> Indices:
+        """The slots [row, column, node] of the entries of the diagonal blocks, where row <= column."""
+        row, column = self._within()
+        slots = self._first + self._above * (column + 1) + (column * (column + 1) // 2 + row)
+        return np.where((row <= column) & (self.sizes > column), slots, self.nnz)
 
-    def off_diagonal(self, row: int, column: int) -> Indices:
-        """The slots (p,) of the entry (row, column) of the blocks of all pairs; row is that of the first node."""
+    def off_diagonal(self) -> Indices:
+        """The slots [row, column, pair] of the entries of the blocks of pairs; row is that of the first node."""
+        row, column = self._within()
         if not len(self._hi):
-            return np.full(len(self._a), self.nnz, dtype=np.int64)
-        inner_row = np.where(self._swapped, column, row)
-        inner_column = np.where(self._swapped, row, column)
-        at = self.offsets[self._hi[self._cell]] + inner_column
-        slots = self.starts[np.minimum(at, self.size)] + self._rank[self._cell] + inner_row
-        return np.where(self._alive, slots, self.nnz)
+            return np.full((len(row), len(row), len(self._a)), self.nnz)
+        above, first = self._above[self._hi], self._first[self._hi] + self._rank
+        below = (first[self._cell] + column * above[self._cell]) + (column * (column + 1) // 2 + row)
+        if self._swapped.any():
+            below = np.where(self._swapped, below.swapaxes(0, 1), below)
+        return np.where((self.sizes[self._a] > row) & (self.sizes[self._b] > column), below, self.nnz)
 
-    def unknowns(self, nodes: Indices, component: int) -> Indices:
-        """The rows of a component of nodes, `size` for fixed ones."""
-        return np.where(self.sizes[nodes] > component, self.offsets[nodes] + component, self.size)
+    def _within(self) -> tuple[Indices, Indices]:
+        """The rows (3, 1, 1) and the columns (3, 1) of a block, as large as any may be."""
+        inner = np.arange(BLOCK)[:, None]
+        return inner[:, None], inner
+
+    def unknowns(self, nodes: Indices) -> Indices:
+        """The rows [component, node] of nodes (k,), `size` for what they have not."""
+        component, _ = self._within()
+        return np.where(self.sizes[nodes] > component[:, 0], self.offsets[nodes] + component[:, 0], self.size)
 
     def upper(self, data: Floats) -> sparse.csc_array:
         """The upper triangle (s, s) whose entries are `data` (nnz,)."""
@@ -130,9 +141,10 @@ class QdldlFactor:
     """LDL' by qdldl, whose ordering and elimination tree serve every matrix of the pattern."""
 
     def __init__(self, upper: sparse.csc_array) -> None:
-        self._upper = upper
+        # of the class that the library knows: another is converted each time
+        self._upper = sparse.csc_matrix(upper)
         try:
-            self._solver = qdldl.Solver(upper, upper=True)
+            self._solver = qdldl.Solver(self._upper, upper=True)
         except RuntimeError as error:
             raise _singular(error) from error
 

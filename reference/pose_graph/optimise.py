@@ -6,6 +6,7 @@ Tingleff, "Methods for Non-Linear Least Squares Problems" (2004), algorithm 3.16
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -89,9 +90,10 @@ class Limits:
 
         The decrease that the step promised is -b' step.
         """
-        if not (np.isfinite(after) and np.all(np.isfinite(step))):
+        longest = float(np.abs(step).max())  # not finite where some component is not
+        if not (math.isfinite(after) and math.isfinite(longest)):
             return Reason.NOT_FINITE
-        if np.max(np.abs(step)) < self.step:
+        if longest < self.step:
             return Reason.SMALL_STEP
         if abs(before - after) < self.chi2 * after or abs(system.b @ step) < ROUNDING * before:
             return Reason.SMALL_DECREASE

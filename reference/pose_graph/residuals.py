@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from reference.pose_graph.graph import BLOCK, POINT, Floats, PoseGraph
+from reference.pose_graph.planar import Planar
 from reference.se2 import wrap_angle
 
 
@@ -71,22 +72,13 @@ def landmark_jacobians(T_w_i: Floats, p_w_l: Floats) -> tuple[Floats, Floats]:
     return by_i[:, :POINT], by_j[:, :POINT, :POINT]
 
 
-def turned_information(graph: PoseGraph) -> Floats:
-    """The matrices (m, 3, 3) that weigh (1) as those of `graph` weigh the residual of its own convention.
+def planar_information(graph: PoseGraph) -> Planar:
+    """The matrices that weigh (1) as those of `graph` weigh the residual of its own convention.
 
-    e2 = Q' e1 with Q = diag(R(theta_z), 1), by (2), so that e2' omega e2 = e1' (Q omega Q') e1            (6)
+    e2 = P' e1 with P = diag(R(theta_z), 1), by (2), so that e2' omega e2 = e1' (P omega P') e1
     """
-    if graph.convention == "difference":
-        return graph.information
-    c, s = np.cos(graph.z_i_j[:, 2]), np.sin(graph.z_i_j[:, 2])
-    (w00, w01, w02), (_, w11, w12), _ = np.moveaxis(graph.information, 0, -1)
-    turned = graph.information.copy()
-    turned[:, 0, 0] = c * c * w00 - 2.0 * c * s * w01 + s * s * w11
-    turned[:, 1, 1] = s * s * w00 + 2.0 * c * s * w01 + c * c * w11
-    turned[:, 0, 1] = turned[:, 1, 0] = c * s * (w00 - w11) + (c * c - s * s) * w01
-    turned[:, 0, 2] = turned[:, 2, 0] = c * w02 - s * w12
-    turned[:, 1, 2] = turned[:, 2, 1] = s * w02 + c * w12
-    return turned
+    omega = Planar.of(graph.information)
+    return omega if graph.convention == "difference" else omega.turned(np.exp(1j * graph.z_i_j[:, 2]))
 
 
 def edge_residuals(graph: PoseGraph, poses: Floats) -> Floats:

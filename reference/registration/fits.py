@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import cmath
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,19 +25,40 @@ def carry(T_q_p: Pose, points: Complexes) -> Complexes:
     return points * cmath.rect(1.0, theta) + complex(x, y)
 
 
-def weighted_fit(p: Complexes, q: Complexes, weights: Floats, T_q_p: Pose) -> Pose:
+class Weighed(NamedTuple):
+    """Points with their weights: the mean, and weight times what is left (n,), with the root of the sum of its squares.
+
+    A cloud that is fitted again and again with all its weights equal is weighed once.
+    """
+
+    mean: complex
+    parts: Complexes
+    size: float
+
+    @classmethod
+    def of(cls, points: Complexes, weights: Floats | None = None) -> Weighed:
+        """Points (n,) and their weights (n,); 1 each, unless given."""
+        if weights is None:
+            mean = complex(np.add.reduce(points)) / len(points)
+            parts = points - mean
+        else:
+            mean = complex(weights @ points) / float(weights.sum())
+            parts = weights * (points - mean)
+        return cls(mean, parts, float(np.vdot(parts, parts).real) ** 0.5)
+
+
+def weighted_fit(p: Weighed, q: Complexes, weights: Floats | None, T_q_p: Pose) -> Pose:
     """The motion that minimises sum w |R p + t - q|^2 over pairs (n,): Theorem 3 in the plane, in closed form.
 
     With centred points, sum w conj(p) q = sum w p . q + i sum w p x q, and R is the turn by its argument: a rotation by
-    construction. Where it is null every turn fits as well, and that of `T_q_p` stays.
+    construction. Where it is null every turn fits as well, and that of `T_q_p` stays. `p` has the same `weights` (n,).
     """
-    total = weights.sum()
-    p_mean, q_mean = complex(weights @ p) / total, complex(weights @ q) / total
-    p_weighted, q_centred = weights * (p - p_mean), q - q_mean
-    z = complex(np.vdot(p_weighted, q_centred))
-    size = float(np.vdot(p_weighted, p_weighted).real * np.vdot(q_centred, q_centred).real) ** 0.5
+    mean = complex(np.add.reduce(q)) / len(q) if weights is None else complex(weights @ q) / float(weights.sum())
+    centred = q - mean
+    z = complex(np.vdot(p.parts, centred))
+    size = p.size * float(np.vdot(centred, centred).real) ** 0.5
     theta = cmath.phase(z) if abs(z) > ROUNDING * size else float(T_q_p[2])
-    t = q_mean - cmath.rect(1.0, theta) * p_mean
+    t = mean - cmath.rect(1.0, theta) * p.mean
     return np.array([t.real, t.imag, theta])
 
 

@@ -18,13 +18,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from reference.errors import InvalidArgumentError
 from reference.registration.acceleration import Extrapolation
-from reference.registration.fits import carry, slide, weighted_fit
+from reference.registration.fits import Weighed, carry, slide, weighted_fit
 from reference.registration.kernels import Kernel, LeastSquares
 from reference.registration.nearest import Complexes, NearestPoints
 from reference.registration.normals import plane_cloud
@@ -33,7 +35,7 @@ from reference.se2 import Pose, rotation, wrap_angle
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
-Fit = Callable[[Pose, Complexes, Indices, Floats], Pose]
+Fit = Callable[[Pose, Complexes, Indices, Floats | None], Pose]
 
 IDENTITY = (0.0, 0.0, 0.0)
 
@@ -56,18 +58,17 @@ class Pairing:
         if not 0.0 < self.keep <= 1.0:
             raise IcpError("keep", f"{self.keep} is not a share in ]0, 1]")
 
-    @property
+    @cached_property
     def plain(self) -> bool:
         return isinstance(self.kernel, LeastSquares) and self.max_distance == np.inf and self.keep == 1.0
 
-    def judge(self, squares: Floats, nearness: Floats) -> tuple[float, Floats]:
-        """The cost (1) of pairs with squared gaps (n,), and the weight (n,) of each in the next fit.
+    def judge(self, gaps: Floats, distances: Floats) -> tuple[float, Floats | None]:
+        """The cost (1) of pairs with gaps (n,), and the weight (n,) of each in the next fit; None: all count alike.
 
-        `nearness` (n,): their squared distances, by which they are rejected; the same as their gaps, but for lines.
+        `distances` (n,): theirs, by which they are rejected; the same as their gaps, but for lines.
         """
         if self.plain:
-            return float(squares.sum()), np.ones(len(squares))
-        gaps, distances = np.sqrt(squares), np.sqrt(nearness)
+            return float(gaps @ gaps), None
         far = distances > self.max_distance
         costs = self.kernel.cost(np.where(far, self.max_distance, gaps))
         weights = np.where(far, 0.0, self.kernel.weight(gaps))
@@ -135,14 +136,15 @@ def icp(
     InvalidCloudError, also when every point of P is the same one, or no pair is near enough to count.
     """
     p, q = _distinct("P", P), _plane("Q", Q)
+    alike = Weighed.of(p)
 
-    def fit(T: Pose, moved: Complexes, pairs: Indices, weights: Floats) -> Pose:
-        return weighted_fit(p, q[pairs], weights, T)
+    def fit(T: Pose, moved: Complexes, pairs: Indices, weights: Floats | None) -> Pose:
+        return weighted_fit(alike if weights is None else Weighed.of(p, weights), q[pairs], weights, T)
 
-    def squares(moved: Complexes, nearest: Floats, pairs: Indices) -> Floats:
-        return nearest
+    def gaps(moved: Complexes, distances: Floats, pairs: Indices) -> Floats:
+        return distances
 
-    search = _Search(p, NearestPoints(q), fit, squares, pairing or Pairing(), max_iterations, tolerance)
+    search = _Search(p, NearestPoints(q), fit, gaps, pairing or Pairing(), max_iterations, tolerance)
     return search.run(_pose(T_q_p), Extrapolation(float(np.std(p))) if accelerated else None)
 
 
@@ -166,43 +168,42 @@ def icp_to_lines(
     if not np.any(n):
         raise InvalidCloudError("normals", "are all null: Q follows no line")
 
-    def fit(T: Pose, moved: Complexes, pairs: Indices, weights: Floats) -> Pose:
-        return slide(T, moved, q[pairs], n[pairs], weights)
+    def fit(T: Pose, moved: Complexes, pairs: Indices, weights: Floats | None) -> Pose:
+        return slide(T, moved, q[pairs], n[pairs], np.ones(len(p)) if weights is None else weights)
 
-    def squares(moved: Complexes, nearest: Floats, pairs: Indices) -> Floats:
-        return np.square((np.conj(n[pairs]) * (moved - q[pairs])).real)
+    def gaps(moved: Complexes, distances: Floats, pairs: Indices) -> Floats:
+        return np.abs((np.conj(n[pairs]) * (moved - q[pairs])).real)
 
-    search = _Search(p, NearestPoints(q), fit, squares, pairing or Pairing(), max_iterations, tolerance)
+    search = _Search(p, NearestPoints(q), fit, gaps, pairing or Pairing(), max_iterations, tolerance)
     return search.run(_pose(T_q_p))
 
 
-@dataclass(frozen=True)
-class _State:
-    """All points paired at a pose: where they are, their pairs, squared gaps and weights, and what it all costs."""
+class _State(NamedTuple):
+    """All points paired at a pose: where they are, their pairs, gaps and weights, and what it all costs."""
 
     T_q_p: Pose
     moved: Complexes
     pairs: Indices
-    squares: Floats
+    gaps: Floats
     cost: float
-    weights: Floats
+    weights: Floats | None
 
 
 def _counting(state: _State) -> _State:
     """The state, in which some pair counts; or IcpError."""
-    if not state.weights.any():
+    if state.weights is not None and not state.weights.any():
         raise IcpError("pairing", "no pair is near enough to count")
     return state
 
 
 @dataclass(frozen=True)
 class _Search:
-    """Pairing and fitting in turn; `squares_of` tells the squared gaps that `fit` minimises."""
+    """Pairing and fitting in turn; `gaps_of` tells the gaps whose squares `fit` minimises."""
 
     p: Complexes
     nearest: NearestPoints
     fit: Fit
-    squares_of: Callable[[Complexes, Floats, Indices], Floats]
+    gaps_of: Callable[[Complexes, Floats, Indices], Floats]
     pairing: Pairing
     max_iterations: int
     tolerance: float
@@ -215,7 +216,8 @@ class _Search:
             converged = self._is_still(state.T_q_p, T)
             state = _counting(self._jump(state, T, extrapolate) if extrapolate and not converged else self._pair(T))
             errors.append(state.cost)
-        return IcpResult(state.T_q_p, np.array(errors), state.pairs, np.sqrt(state.squares), state.weights, converged)
+        weights = np.ones(len(self.p)) if state.weights is None else state.weights
+        return IcpResult(state.T_q_p, np.array(errors), state.pairs, state.gaps, weights, converged)
 
     def _jump(self, state: _State, T_fitted: Pose, extrapolate: Extrapolation) -> _State:
         """Where the sequence is heading, if that is lower than where it is; its next pose otherwise."""
@@ -228,10 +230,10 @@ class _Search:
 
     def _pair(self, T: Pose) -> _State:
         moved = carry(T, self.p)
-        nearness, pairs = self.nearest.find(moved)
-        squares = self.squares_of(moved, nearness, pairs)
-        cost, weights = self.pairing.judge(squares, nearness)
-        return _State(T, moved, pairs, squares, cost, weights)
+        distances, pairs = self.nearest.find(moved)
+        gaps = self.gaps_of(moved, distances, pairs)
+        cost, weights = self.pairing.judge(gaps, distances)
+        return _State(T, moved, pairs, gaps, cost, weights)
 
     def _is_still(self, T: Pose, T_next: Pose) -> bool:
         dx, dy, turn = (T_next - T).tolist()

@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 Indices = NDArray[np.int64]
 
-KEPT = 6
+KEPT = 8
 SLACK = 1.0 - 1e-12
 
 
@@ -23,41 +23,42 @@ class NearestPoints:
     """The one of `targets` (m,) nearest to each of n points that are shown again and again as they move: x + i y."""
 
     def __init__(self, targets: Complexes) -> None:
-        self._targets = targets
-        self._tree = cKDTree(as_rows(targets))
-        self._kept = min(KEPT, len(targets))
+        self._tree = cKDTree(as_rows(targets), balanced_tree=False)
+        self._targets = np.append(targets, np.inf)  # the row m stands where there are fewer than K
         self._asked_at: Complexes | None = None
         self.searches = 0
 
     def find(self, points: Complexes) -> tuple[Floats, Indices]:
-        """Squared distances (n,) to the nearest targets, and their rows (n,), for points (n,), the same n each time."""
+        """Distances (n,) to the nearest targets, and their rows (n,), for points (n,), the same n each time."""
         if self._asked_at is None:
-            self._asked_at = points.copy()
-            self._candidates, self._beyond = self._search(points)
-            self._all = np.arange(len(points))
-        moved = np.abs(points - self._asked_at)
-        squares, best = self._best(points, self._candidates)
-        doubtful = np.flatnonzero(np.sqrt(squares) > SLACK * (self._beyond - moved))
+            return self._begin(points)
+        gaps = np.abs(self._around - points[:, None])
+        nearest = gaps.argmin(axis=1)
+        nearest += self._first
+        distances, pairs = gaps.take(nearest), self._rows.take(nearest)
+        doubtful = np.flatnonzero(distances > self._beyond - np.abs(points - self._asked_at))
         if doubtful.size:
             asked = points[doubtful]
-            found, beyond = self._search(asked)
-            self._asked_at[doubtful], self._candidates[doubtful], self._beyond[doubtful] = asked, found, beyond
-            gaps = asked - self._targets[found[:, 0]]
-            squares[doubtful], best[doubtful] = squared(gaps), found[:, 0]
-        return squares, best
+            found, rows = self._search(asked)
+            self._asked_at[doubtful], self._rows[doubtful] = asked, rows
+            self._around[doubtful] = self._targets[rows]
+            self._beyond[doubtful] = SLACK * found[:, -1]
+            distances[doubtful], pairs[doubtful] = found[:, 0], rows[:, 0]
+        return distances, pairs
 
-    def _best(self, points: Complexes, candidates: Indices) -> tuple[Floats, Indices]:
-        squares = squared(self._targets[candidates] - points[:, None])
-        best = squares.argmin(axis=1)
-        return squares[self._all, best], candidates[self._all, best]
+    def _begin(self, points: Complexes) -> tuple[Floats, Indices]:
+        """The first search, of all points; `_beyond` (n,): how far every target that is not among the K is at least."""
+        found, self._rows = self._search(points)
+        self._asked_at, self._around = points.copy(), self._targets[self._rows]
+        self._beyond = SLACK * found[:, -1]
+        self._first = np.arange(len(points)) * KEPT
+        return found[:, 0].copy(), self._rows[:, 0].copy()
 
-    def _search(self, points: Complexes) -> tuple[Indices, Floats]:
-        """The rows (n, K) of the nearest targets, nearest first, and how far (n,) every other target is at least."""
+    def _search(self, points: Complexes) -> tuple[Floats, Indices]:
+        """Distances (n, K) to the nearest targets, nearest first, and their rows (n, K); infinity and m for none."""
         self.searches += len(points)
-        found = self._tree.query(as_rows(points), k=self._kept)
-        distances, rows = (np.asarray(part).reshape(len(points), -1) for part in found)
-        beyond = distances[:, -1] if self._kept < len(self._targets) else np.full(len(points), np.inf)
-        return rows, beyond
+        distances, rows = self._tree.query(as_rows(points), k=KEPT)
+        return np.asarray(distances), np.asarray(rows, dtype=np.int64)
 
 
 def as_rows(points: Complexes) -> Floats:

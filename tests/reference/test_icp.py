@@ -23,6 +23,7 @@ from reference.registration import (
     Kernel,
     LeastSquares,
     Pairing,
+    RigidAlignment,
     Tukey,
     icp,
     icp_to_lines,
@@ -30,7 +31,7 @@ from reference.registration import (
     normals_by_beams,
     normals_by_neighbours,
 )
-from reference.registration.fits import weighted_fit
+from reference.registration.fits import Weighed, weighted_fit
 from reference.registration.nearest import NearestPoints
 from reference.registration.observability import observability
 from reference.se2 import compose, inverse, rotation, wrap_angle
@@ -144,9 +145,9 @@ def test_neighbours_that_were_not_searched_again_are_still_the_nearest(seed: int
     points, nearest = rng.normal(size=(n, 2)), NearestPoints(targets @ [1, 1j])
     for scale in (1.0, 0.3, 0.1, 0.03, 0.01, 0.0, 2.0):
         points = points + scale * rng.normal(size=(n, 2))
-        squares, pairs = nearest.find(points @ [1, 1j])
+        distances, pairs = nearest.find(points @ [1, 1j])
         wanted = cdist(points, targets)
-        np.testing.assert_allclose(np.sqrt(squares), wanted.min(axis=1), atol=1e-12)
+        np.testing.assert_allclose(distances, wanted.min(axis=1), atol=1e-12)
         np.testing.assert_allclose(wanted[np.arange(n), pairs], wanted.min(axis=1), atol=1e-12)
 
 
@@ -196,7 +197,12 @@ def test_the_closed_form_is_kabsch_with_weights(seed: int, n: int) -> None:
     rng = np.random.default_rng(seed)
     P, Q, copies = rng.normal(size=(n, 2)), rng.normal(size=(n, 2)), rng.integers(1, 4, n)
     wanted = kabsch(np.repeat(P, copies, axis=0), np.repeat(Q, copies, axis=0))
-    T = weighted_fit(P @ [1, 1j], Q @ [1, 1j], copies.astype(float), np.zeros(3))
+    p, q = P @ [1, 1j], Q @ [1, 1j]
+    assert_is(wanted, weighted_fit(Weighed.of(p, copies.astype(float)), q, copies.astype(float), np.zeros(3)))
+    assert_is(kabsch(P, Q), weighted_fit(Weighed.of(p), q, None, np.zeros(3)))
+
+
+def assert_is(wanted: RigidAlignment, T: Floats) -> None:
     if wanted.unique:
         np.testing.assert_allclose(rotation(T[2]), wanted.R_q_p, atol=1e-6)
         np.testing.assert_allclose(T[:2], wanted.t_q_p, atol=1e-6)

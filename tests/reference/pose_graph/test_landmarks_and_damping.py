@@ -81,6 +81,31 @@ def test_the_normal_equations_are_those_of_the_dense_jacobian(convention: str, n
     assert system.chi2 == pytest.approx(e @ e) == pytest.approx(chi2(graph, poses, landmarks))
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_any_graph_has_its_entries_where_they_belong(seed: int) -> None:
+    """Edges that are repeated or run backwards, several poses fixed, landmarks seen from fixed and from free poses."""
+    rng, n, n_landmarks = np.random.default_rng(seed), 7, 2
+    pairs = [(k, k + 1) for k in range(n - 1)] + [rng.permutation(n)[:2].tolist() for _ in range(9)]
+    edges = [(i, j, rng.normal(size=3), some_information(rng, 3)) for i, j in [*pairs, pairs[-1], pairs[-1][::-1]]]
+    seen = [(i, k, rng.normal(size=2), some_information(rng, 2)) for k in range(n_landmarks) for i in (0, 3, 3, 6)]
+    fixed = tuple(rng.permutation(n)[: 1 + seed % 3].tolist())
+    sightings = Sightings.from_edges(n_landmarks, seen)
+    graph = PoseGraph.from_edges(n, edges, sightings=sightings, fixed=fixed, convention="g2o")
+    poses, landmarks = rng.normal(size=(n, 3)), rng.normal(size=(n_landmarks, 2))
+    whole, held = NormalEquations(graph, free_gauge=True), NormalEquations(graph)
+    J, e = dense_jacobian(graph, poses, landmarks), whitened(graph, poses, landmarks)
+    for equations, kept in ((whole, slice(None)), (held, held.free)):
+        system = equations.assemble(equations.state(poses, landmarks))
+        H = (J.T @ J)[kept][:, kept]
+        np.testing.assert_allclose(equations.pattern.upper(system.data).toarray(), np.triu(H), atol=5e-6)
+        np.testing.assert_allclose(system.b, (J.T @ e)[kept], atol=5e-6)
+
+
+def some_information(rng: np.random.Generator, size: int) -> np.ndarray:
+    root = rng.normal(size=(size, size)) + 2 * np.eye(size)
+    return root @ root.T
+
+
 @pytest.mark.parametrize("n_landmarks", [0, 3])
 def test_without_a_fixed_pose_three_directions_are_free_and_no_other(n_landmarks: int) -> None:
     """Course, challenge 3: H has a null space of dimension 3, spanned by two translations and a rotation."""
