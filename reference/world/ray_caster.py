@@ -225,7 +225,7 @@ class RayCaster:
         left = len(places)
         while left:
             columns = self.table.take(places)
-            left = np.count_nonzero(columns)
+            left = int(np.count_nonzero(columns))
             few = left * longest <= LAST_PLACES
             if few or left <= COMPACTION * columns.size:
                 flying = columns > 0
@@ -272,7 +272,7 @@ def _climbs(first: Floats, speed: Floats, steep: NDArray[np.bool_], spare: Float
 
 def _places(height: int, width: int) -> Floats:
     """RayCaster's `place`, for a map that takes height x width cells with its frame."""
-    found = []
+    found: list[tuple[int, int, int]] = []
     for steep, back_y, back_x in product((False, True), repeat=3):
         by_x, by_y = (2, 2 * width) if steep else (2 * height, 2)
         # Behind its frame, cell x has number x + 1, or width - 2 - x from the other end.
