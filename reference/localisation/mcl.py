@@ -143,8 +143,7 @@ class MonteCarloLocalization(ParticleFilter[Scan]):
         return clusters(self.states, self.weights)
 
     def _share(self, evidence: float, scan: Scan) -> float:
-        hits = int(np.count_nonzero(scan.hits))
-        if self.injection is None or hits == 0:
+        if self.injection is None or not (hits := int(np.count_nonzero(scan.hits))):
             return 0.0
         return self.averages.share(float(np.exp(evidence / hits)), self.injection)
 

@@ -1,127 +1,149 @@
-"""Fast exact ray casting on one map: rays leap through empty rectangles and land on grid lines.
+"""Fast exact ray casting on one map: rays leap through clear cones, from one grid line to another.
 
 As in `raycast`, whose answers these are: cell (row, column) = (y, x) covers [x, x + 1[ x [y, y + 1[, lengths are in
 cells, whatever lies outside the grid is wall. The map is prepared once, for as many rays as there will be.
 
+Each ray is seen in a mirror in which it goes towards greater columns and rows, and is no steeper than one row a column:
+the axis along which it runs faster stands for columns. It is then known by the rows in which it crosses the lines
+between columns: in a column, it stays in one row or goes on to the next one. Those rows are computed without rounding,
+so that no ray slips between two walls that touch at a corner; distances are those of the line that a ray ends on.
+
 Sources: Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing" (1987), for the crossing of grid lines;
 Cohen and Sheffer, "Proximity clouds: an acceleration technique for 3D grid traversal" (1994), for leaps taken from a
-distance map. Here the leaps are one-sided rectangles, and end on the line where the walk would have come, so that no
-walk has to finish them.
+distance map. Here the leaps are told by direction, and end where the walk would have come, so that no walk has to
+finish them.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import TypeVar
+from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference.world.empty_rectangles import empty_squares, stretched_widths
+from reference.world.clear_cones import leaps
 from reference.world.raycast import Floats, Grid, RaycastError, checked_rays
 
-T = TypeVar("T", bound=np.generic)
+Integers = NDArray[np.int64]
 
 MAX_SIDE = 2**15 - 3
-# Half of a word for each side of a rectangle: one look-up finds both.
-HALF, MASK = 16, 2**16 - 1
-# A direction along an axis crosses no line of the other: its first crossing is put off, but stays a number.
-LEAST_SLOPE = 1e-300
+# Ranges of slopes that are told apart within an eighth of a turn: more of them leap further, and fill more memory.
+SECTORS = 2
+# Rows in units of 2^-46: those of the largest map fit in a word, and over its length slopes err by less than 1e-9.
+UNIT = 46
+ONE = 2**UNIT
 # As many rays as the nearest memory holds well, however many there are to cast.
-BLOCK = 5000
+BLOCK = 16384
 # Rays that have landed are carried along until so many have: moving the others has a price too.
-COMPACTION = 0.8
+COMPACTION = 0.6
+# The last rays go on to the end of the map at once, when that makes no more places than so many: leaping one by one
+# along a wall, they would keep all the others waiting.
+LAST_PLACES = 8192
 
 
 @dataclass
 class _Rays:
-    """Rays in flight, each seen in the mirror where it goes towards +x and +y.
+    """Rays in flight, each where it comes into a column of its mirror. All have shape (n,).
 
-    In that mirror, lines 0, 1, 2… of x are those ahead of the start, the first at a distance `first_x` in [0, 1] along
-    x; `line_x` is the last that was crossed, -1 before any. `cell` is the place in the caster's table of the cell
-    behind line 0 of both axes, `time` the length run, `number` whose ray it is. All have shape (n,).
+    `height` is how far it then is above the row of its start, in units; `slope` how much it rises in a column,
+    likewise; `origin` the place in the caster's table of that column and of the start's row; `stride` how many places
+    further the next column is; `number` whose ray it is.
     """
 
-    first_x: Floats
-    first_y: Floats
-    slope_x: Floats
-    slope_y: Floats
-    inverse_x: Floats
-    inverse_y: Floats
-    line_x: Floats
-    line_y: Floats
-    time: Floats
-    cell: NDArray[np.int64]
-    number: NDArray[np.int64]
+    height: Integers
+    slope: Integers
+    origin: Integers
+    stride: Integers
+    number: Integers
 
-    def only(self, kept: NDArray[np.int64]) -> _Rays:
+    def only(self, kept: Integers) -> _Rays:
         return _Rays(*(getattr(self, field.name).take(kept) for field in fields(self)))
 
-    def places(self, stride: int) -> NDArray[np.int64]:
-        """Where the table tells of the cells (n,) that the rays are in."""
-        offsets = (self.line_y * stride + self.line_x).astype(np.int64)
-        offsets += self.cell
-        return offsets
+    def leap(self, columns: Integers) -> None:
+        """Go on by so many columns (n,), an array that is spent on it."""
+        self.height += columns * self.slope
+        columns *= self.stride
+        self.origin += columns
 
-    def leap(self, widths: NDArray[np.int32], heights: NDArray[np.int32]) -> None:
-        """Run to the first line beyond the empty rectangle of `widths` x `heights` (n,) that starts in the ray's cell.
+    def places(self) -> Integers:
+        """Where the table tells of the columns (n,) that the rays come into.
 
-        Line j of x is crossed at time (first_x + j) / slope_x. On the axis whose line is met, that line follows from
-        the rectangle; on the other, it is the last one crossed by then, decided by comparing those very times: a ray
-        cannot slip between two walls that touch at a corner. A tie enters the neighbour in y first. A ray in a wall,
-        where sides are 0, stays as it is.
+        It has two places for each row of a column, one for rays that stay in it and one for those that go on to the
+        next: the rows at both ends of the column, summed, tell which.
         """
-        exit_x, exit_y = self.line_x + widths, self.line_y + heights
-        time_x, time_y = self.first_x + exit_x, self.first_y + exit_y
-        time_x *= self.inverse_x
-        time_y *= self.inverse_y
-        through_x = (time_x < time_y) & (widths > 0)
-        time = np.maximum(self.time, np.minimum(time_x, time_y, out=time_x), out=self.time)
-        # Sums of truth values stand for choices: a processor cannot foresee these, and would stumble at every second.
-        passed_x, at_x = _nearest_lines(time, self.first_x, self.slope_x, self.inverse_x)
-        passed_x -= at_x >= time
-        np.maximum(self.line_x, passed_x, out=self.line_x)
-        self.line_x += through_x
-        passed_y, at_y = _nearest_lines(time, self.first_y, self.slope_y, self.inverse_y)
-        passed_y -= at_y > time
-        np.maximum(self.line_y, passed_y, out=self.line_y)
+        found = self.height + self.slope
+        found >>= UNIT
+        found += self.height >> UNIT
+        found += self.origin
+        return found
+
+    def ways(self, columns: int) -> Integers:
+        """The places (n, columns) of the next columns on the rays' ways, whether they get there or not."""
+        ahead = np.arange(columns + 1)
+        rows = self.height[:, None] + self.slope[:, None] * ahead
+        rows >>= UNIT
+        found = rows[:, 1:] + rows[:, :-1]
+        found += self.stride[:, None] * ahead[:-1]
+        found += self.origin[:, None]
+        return found
 
 
-def _nearest_lines(time: Floats, first: Floats, slope: Floats, inverse: Floats) -> tuple[Floats, Floats]:
-    """The lines of one axis that rays are nearest to at `time` (n,), and the times at which they cross them."""
-    lines = time * slope
-    lines -= first
-    np.rint(lines, out=lines)
-    crossed_at = first + lines
-    crossed_at *= inverse
-    return lines, crossed_at
+@dataclass(frozen=True)
+class _Starts:
+    """Where rays start from. Pairs (2, n) tell of the lines between columns of the mirror, then of those between rows.
+
+    `first` is how far the first line ahead is, along its axis, and `speed` how fast the ray nears it; `origin` and
+    `stride` (n,) are those of the rays.
+    """
+
+    first: Floats
+    speed: Floats
+    origin: Integers
+    stride: Integers
+
+    def distances(self, places: Integers, above: NDArray[np.bool_]) -> Floats:
+        """How far rays (n,) run to the column of a place, or to the row above it. Line j is met at (first + j) / speed.
+
+        A start in its own column has gone over no line, one in the next over line 0.
+        """
+        away = places - self.origin
+        columns = np.floor((away + 0.5) / self.stride)
+        rows = away - columns * self.stride
+        rows *= 0.5
+        np.floor(rows, out=rows)
+        columns -= 1.0
+        rows += self.first[1]
+        columns += self.first[0]
+        lines = np.where(above, rows, columns)
+        lines /= np.where(above, self.speed[1], self.speed[0])
+        return lines
 
 
 @dataclass(frozen=True, eq=False)
 class RayCaster:
-    """A map `free` (H, W) made ready for casting. `table` holds, for each of 8 directions and each cell of the map
-    framed by walls, the sides of an empty rectangle, packed as width * 2^16 + height."""
+    """A map `free` (H, W) made ready for casting.
+
+    `table` holds what `clear_cones.leaps` tells of its mirrors, framed by walls: of four whose columns are the map's,
+    then of four whose columns are its rows. `place` (3, 8) tells, for each mirror, where cell (x, y) of the map is in
+    the table: place[0] x + place[1] y + place[2].
+    """
 
     free: Grid
-    table: NDArray[np.int32]
+    table: NDArray[np.uint8]
+    place: Floats
 
     @classmethod
     def of(cls, free: ArrayLike) -> RayCaster:
-        """Prepare the map `free` (H, W), up to 32,765 cells a side, into 32 bytes a cell. Raises RaycastError.
-
-        Four mirrors make every direction one towards +x and +y; in each, rectangles are wide for rays that are nearer
-        to the x axis and tall for the others.
-        """
+        """Prepare the map `free` (H, W), up to 32,765 cells a side, into 32 bytes a cell. Raises RaycastError."""
         grid = np.array(free, dtype=np.bool_)
         if grid.ndim != 2 or grid.size == 0 or max(grid.shape) > MAX_SIDE:
             raise RaycastError("free", f"has shape {grid.shape}, not (H, W) with sides from 1 to {MAX_SIDE}")
         wall = np.pad(~grid, 1, constant_values=True)
-        mirrors = np.stack([wall[::step_y, ::step_x] for step_y in (1, -1) for step_x in (1, -1)])
-        sides = empty_squares(mirrors)
-        wide = stretched_widths(mirrors, sides)
-        tall = stretched_widths(_turned(mirrors), _turned(sides)).swapaxes(1, 2)
-        table = np.stack([(wide << HALF) | sides, (sides << HALF) | tall], axis=1)
-        return cls(grid, table.ravel())
+        steep = np.stack([wall[::step_y, ::step_x] for step_y in (1, -1) for step_x in (1, -1)])
+        shallow = np.ascontiguousarray(steep.swapaxes(1, 2))
+        table = np.concatenate([leaps(maps, SECTORS).ravel() for maps in (shallow, steep)])
+        return cls(grid, table, _places(*wall.shape))
 
     def cast(self, origins: ArrayLike, angles: ArrayLike, max_range: float) -> Floats:
         """Distances (n,) to the first wall from origins (n, 2) = (x, y) at angles (n,) in radians, at most `max_range`.
@@ -130,25 +152,7 @@ class RayCaster:
         neighbour comes first. From inside a wall, or from outside the grid, a ray reads 0. Raises RaycastError.
         """
         _, starts, headings = checked_rays(self.free, origins, angles, max_range)
-        distances = np.zeros(len(headings))
-        standing = self._standing(starts)
-        for first in range(0, len(standing), BLOCK):
-            block = standing[first : first + BLOCK]
-            x, y = starts[:, 0].take(block), starts[:, 1].take(block)
-            self._fly(self._launch(x, y, headings.take(block), block), max_range, distances)
-        return distances
-
-    def _fly(self, rays: _Rays, max_range: float, distances: Floats) -> None:
-        """Let rays leap until all have landed, and write down the distances that they reached."""
-        while rays.number.size:
-            sides = self.table.take(rays.places(self.free.shape[1] + 2))
-            flying = (sides > 0) & (rays.time < max_range)
-            left = np.count_nonzero(flying)
-            if left <= COMPACTION * flying.size:
-                landed = np.flatnonzero(~flying)
-                distances[rays.number[landed]] = np.minimum(rays.time[landed], max_range)
-                rays, sides = rays.only(kept := np.flatnonzero(flying)), sides.take(kept)
-            rays.leap(sides >> HALF, sides & MASK)
+        return self._cast(starts.T, np.stack([np.cos(headings), np.sin(headings)]), max_range)
 
     def scans(self, poses: ArrayLike, angles: ArrayLike, max_range: float) -> Floats:
         """What a lidar at poses (m, 3), in cells, reads along `angles` (n,) from its heading: (m, n).
@@ -158,44 +162,121 @@ class RayCaster:
         frames, beams = np.asarray(poses, dtype=np.float64), np.asarray(angles, dtype=np.float64)
         if frames.ndim != 2 or frames.shape[1] != 3:
             raise RaycastError("poses", f"has shape {frames.shape}, not (m, 3)")
-        if beams.ndim != 1:
-            raise RaycastError("angles", f"has shape {beams.shape}, not (n,)")
-        headings = (frames[:, 2:] + beams).ravel()
-        origins = np.repeat(frames[:, :2], beams.size, axis=0)
-        return self.cast(origins, headings, max_range).reshape(len(frames), beams.size)
+        if beams.ndim != 1 or not np.all(np.isfinite(beams)):
+            raise RaycastError("angles", f"of shape {beams.shape} is not an array (n,) of finite numbers")
+        _, starts, headings = checked_rays(self.free, frames[:, :2], frames[:, 2], max_range)
+        points = np.repeat(starts.T, beams.size, axis=1)
+        # exp(i (heading + beam)) = exp(i heading) exp(i beam): far fewer cosines than rays.
+        ways = np.outer(np.exp(1j * headings), np.exp(1j * beams)).ravel()
+        return self._cast(points, np.stack([ways.real, ways.imag]), max_range).reshape(len(frames), beams.size)
 
-    def _standing(self, starts: Floats) -> NDArray[np.int64]:
-        """Which origins lie on a free cell: their indices (k,)."""
+    def _cast(self, points: Floats, directions: Floats, max_range: float) -> Floats:
+        """Distances (n,) from points (2, n) in unit directions (2, n), at most `max_range`."""
+        distances = np.empty(points.shape[1])
+        for first in range(0, len(distances), BLOCK):
+            block = slice(first, first + BLOCK)
+            distances[block] = self._distances(points[:, block], directions[:, block])
+        return np.minimum(distances, max_range, out=distances)
+
+    def _distances(self, points: Floats, directions: Floats) -> Floats:
+        """How far the walls are (n,) from points (2, n) = (x, y); 0 from a point that is not on a free cell."""
+        cells = np.floor(points)
+        inside = points - cells
         height, width = self.free.shape
-        x, y = np.floor(starts[:, 0]).astype(np.int64), np.floor(starts[:, 1]).astype(np.int64)
-        inside = np.flatnonzero((x >= 0) & (x < width) & (y >= 0) & (y < height))
-        return inside[self.free[y[inside], x[inside]]]
+        # Off the map, the nearest cell of its frame is as good a wall.
+        np.clip(cells, -1.0, [[width], [height]], out=cells)
+        starts, rays, places = self._launch(cells, inside, directions)
+        ends = self._fly(rays, places)
+        # The wall is in the row above when the column could be crossed without going there.
+        above = (ends & 1).astype(np.bool_)
+        above &= self.table.take(ends & -2) > 0
+        distances = starts.distances(ends, above)
+        distances *= self.table.take(starts.origin) > 0
+        return distances
 
-    def _launch(self, x: Floats, y: Floats, headings: Floats, numbers: NDArray[np.int64]) -> _Rays:
-        height, width = self.free.shape
-        first_x, slope_x, column, left = _mirrored(x, np.cos(headings), width)
-        first_y, slope_y, row, down = _mirrored(y, np.sin(headings), height)
-        row += (4 * (height + 2)) * down
-        row += (2 * (height + 2)) * left
-        row += (height + 2) * (slope_y > slope_x)
-        # One more row and column: the map is framed by walls, and the start lies before line 0 of both axes.
-        cell = ((row + 2.0) * (width + 2) + column + 2.0).astype(np.int64)
-        inverse_x, inverse_y, time = 1.0 / slope_x, 1.0 / slope_y, np.zeros(len(numbers))
-        line_x, line_y = time - 1.0, time - 1.0
-        return _Rays(
-            first_x, first_y, slope_x, slope_y, inverse_x, inverse_y, line_x, line_y, time, cell, numbers
-        )  # fmt: skip
+    def _launch(self, cells: Floats, inside: Floats, directions: Floats) -> tuple[_Starts, _Rays, Integers]:
+        """Rays from cells (2, n), at a point `inside` each of them (2, n), about to leap from the columns of their
+        starts; and those columns' places."""
+        ways, back = np.empty((2, *cells.shape)), directions < 0.0
+        np.subtract(inside, ~back, out=ways[0])
+        ways[1] = directions
+        np.abs(ways, out=ways)
+        steep = ways[1, 1] > ways[1, 0]
+        first, speed = np.where(steep, ways[:, ::-1], ways)
+        height, slope, sector = _climbs(first, speed, steep, ways)
+        mirror = (4 * steep.view(np.uint8) + 2 * back[1].view(np.uint8) + back[0].view(np.uint8)).astype(np.int64)
+        place, term = np.multiply(sector, self.table.size // (8 * SECTORS), out=sector), ways[0, 0]
+        for steps, along in zip(self.place, (cells[0], cells[1], 1.0), strict=True):
+            np.take(steps, mirror, out=term, mode="clip")
+            term *= along
+            place += term
+        origin = place.astype(np.int64)
+        stride = np.where(steep, 2 * self.free.shape[1] + 4, 2 * self.free.shape[0] + 4)
+        places = height >> UNIT
+        places += origin
+        # As if they had come into the columns that they start in.
+        height -= slope
+        rays = _Rays(height, slope, origin.copy(), stride, np.arange(len(origin)))
+        return _Starts(first, speed, origin, stride), rays, places
+
+    def _fly(self, rays: _Rays, places: Integers) -> Integers:
+        """Let rays leap from their first `places` (n,) until all have landed; where they have."""
+        ends, longest = places.copy(), max(self.free.shape) + 2
+        left = len(places)
+        while left:
+            columns = self.table.take(places)
+            left = int(np.count_nonzero(columns))
+            few = left * longest <= LAST_PLACES
+            if few or left <= COMPACTION * columns.size:
+                flying = columns > 0
+                landed, kept = np.flatnonzero(~flying), np.flatnonzero(flying)
+                ends[rays.number.take(landed)] = places.take(landed)
+                rays, columns = rays.only(kept), columns.take(kept)
+            rays.leap(columns.astype(np.int64))
+            if few:
+                ends[rays.number] = self._finish(rays.ways(longest))
+                break
+            places = rays.places()
+        return ends
+
+    def _finish(self, ways: Integers) -> Integers:
+        """The places (n,) at which ways (n, columns) meet a wall."""
+        where = self.table.take(ways, mode="clip").argmin(axis=1)
+        return np.take_along_axis(ways, where[:, None], axis=1)[:, 0]
 
 
-def _turned(maps: NDArray[T]) -> NDArray[T]:
-    """The maps (m, H, W) with rows for columns, (m, W, H)."""
-    return np.ascontiguousarray(maps.swapaxes(1, 2))
+def _climbs(first: Floats, speed: Floats, steep: NDArray[np.bool_], spare: Floats) -> tuple[Integers, Integers, Floats]:
+    """How high rays (n,) are above the row of their start when they leave its column, and how much they rise in a
+    column, both in units; and the sector of that slope, in `spare` (2, 2, n).
+
+    Fresh memory costs more than what is computed here: arrays that are done with take the results.
+    """
+    (_, height), (slope, sector) = spare
+    # Slopes are rounded up: a ray that rises at all does so before the next line, however little.
+    np.divide(speed[1], speed[0], out=slope)
+    slope *= ONE
+    np.ceil(slope, out=slope)
+    np.multiply(slope, first[0], out=height)
+    np.ceil(height, out=height)
+    # Rays through a corner enter the neighbour in y first: in steep mirrors, a line belongs to the row below it.
+    height -= steep
+    np.subtract(1.0, first[1], out=sector)
+    sector *= ONE
+    height += sector
+    # From one corner to another, rounding leaves the choice: a column is left by its first row or by the next one.
+    np.clip(height, 0.0, 2.0 * ONE - 1.0, out=height)
+    np.multiply(slope, SECTORS / ONE, out=sector)
+    np.minimum(np.floor(sector, out=sector), SECTORS - 1.0, out=sector)
+    return height.astype(np.int64), slope.astype(np.int64), sector
 
 
-def _mirrored(start: Floats, slope: Floats, size: int) -> tuple[Floats, Floats, Floats, NDArray[np.bool_]]:
-    """Along one axis: distance to the first line, slope, cell in the mirror, and whether the axis is turned around."""
-    cell = np.floor(start)
-    backward = slope < 0
-    first = np.abs(cell + (slope >= 0) - start)
-    mirrored = np.abs(cell - (size - 1.0) * backward)
-    return first, np.maximum(np.abs(slope), LEAST_SLOPE), mirrored, backward
+def _places(height: int, width: int) -> Floats:
+    """RayCaster's `place`, for a map that takes height x width cells with its frame."""
+    found: list[tuple[int, int, int]] = []
+    for steep, back_y, back_x in product((False, True), repeat=3):
+        by_x, by_y = (2, 2 * width) if steep else (2 * height, 2)
+        # Behind its frame, cell x has number x + 1, or width - 2 - x from the other end.
+        start = 2 * height * width * SECTORS * len(found)
+        start += by_x * (width - 2 if back_x else 1) + by_y * (height - 2 if back_y else 1)
+        found.append((-by_x if back_x else by_x, -by_y if back_y else by_y, start))
+    return np.array(found, dtype=np.float64).T.copy()

@@ -66,7 +66,8 @@ class Scan:
 
     def points(self) -> Floats:
         """Where the beams that hit something ended, (k, 2) = (x, y) in the robot's frame, in the order of the beams."""
-        ranges, angles = self.ranges[self.hits], self.angles[self.hits]
+        hits = self.hits
+        ranges, angles = self.ranges[hits], self.angles[hits]
         return np.column_stack([ranges * np.cos(angles), ranges * np.sin(angles)])
 
     def every(self, step: int) -> Scan:

@@ -1,14 +1,17 @@
-"""The fast ray caster: against the walk from cell to cell, a naive one, and rectangles counted by hand."""
+"""The fast ray caster: against the walk from cell to cell, a naive one, and clear cones counted one cell at a time."""
 
 import math
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.ndimage import label
 
-from reference.world.empty_rectangles import empty_squares, stretched_widths
+from reference.world import ray_caster
+from reference.world.clear_cones import MOST, cones, leaps
 from reference.world.ray_caster import RayCaster
 from reference.world.raycast import RaycastError, cast_rays, cast_scans
 
@@ -34,13 +37,17 @@ def naive(free: np.ndarray, x: float, y: float, angle: float, max_range: float) 
 
 
 @settings(deadline=None)
-@given(seeds, st.floats(0.0, 0.6), st.sampled_from([3.0, 11.0, 60.0]))
-def test_distances_are_those_of_the_walks(seed: int, walls: float, max_range: float) -> None:
+@given(seeds, st.floats(0.0, 0.6), st.sampled_from([3.0, 11.0, 60.0]), st.sampled_from([0, 200, 8192]))
+def test_distances_are_those_of_the_walks(seed: int, walls: float, max_range: float, last: int) -> None:
+    """However many rays are left to the end, and in however many blocks."""
     rng = np.random.default_rng(seed)
     free = rng.random((rng.integers(1, 25), rng.integers(1, 25))) >= walls
     origins = rng.uniform(-1.0, 1.0 + np.array(free.shape[::-1]), (60, 2))
     angles = rng.uniform(-math.pi, math.pi, 60)
-    found = RayCaster.of(free).cast(origins, angles, max_range)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ray_caster, "LAST_PLACES", last)
+        patch.setattr(ray_caster, "BLOCK", 25 if last else 16384)
+        found = RayCaster.of(free).cast(origins, angles, max_range)
     np.testing.assert_allclose(found, cast_rays(free, origins, angles, max_range), atol=1e-9)
     walked = [naive(free, x, y, angle, max_range) for (x, y), angle in zip(origins, angles, strict=True)]
     np.testing.assert_allclose(found, walked, atol=1e-9)
@@ -105,31 +112,83 @@ def test_rays_nearly_along_an_axis_lose_no_digit() -> None:
     np.testing.assert_allclose(RayCaster.of(free).cast(origins, angles, 1e4), expected, rtol=1e-14)
 
 
-@given(seeds)
-def test_rectangles_are_empty_and_as_large_as_they_say(seed: int) -> None:
+@settings(deadline=None)
+@given(seeds, st.sampled_from([0, 8192]))
+def test_no_ray_leaves_the_cells_that_sides_join_to_its_own(seed: int, last: int) -> None:
+    """From corners, middles of sides and centres of cells, towards other such points: nothing but ties."""
     rng = np.random.default_rng(seed)
-    wall = rng.random((2, rng.integers(1, 9), rng.integers(1, 12))) < 0.2
-    sides = empty_squares(wall)
-    widths = stretched_widths(wall, sides)
-    for m, y, x in np.ndindex(*wall.shape):
-        k, w = int(sides[m, y, x]), int(widths[m, y, x])
-        assert k == largest_square(wall[m], y, x)
-        if k:
-            assert w >= k
-            assert not wall[m, y : y + k, x : x + w].any()
-            assert x + w == wall.shape[2] or wall[m, y : y + k, x + w].any()
-        else:
-            assert w == 0
+    free = rng.random((10, 13)) > 0.45
+    origins = rng.integers(0, [26, 20], (80, 2)) / 2.0
+    aims = rng.integers(1, 5, (80, 2)) * rng.choice([-1, 1], (80, 2))
+    angles = np.arctan2(aims[:, 1], aims[:, 0])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ray_caster, "LAST_PLACES", last)
+        found = RayCaster.of(free).cast(origins, angles, 99.0)
+    assert np.array_equal(found > 0.0, cast_rays(free, origins, angles, 99.0) > 0.0)
+    rooms, _ = label(free)
+    directions = np.column_stack([np.cos(angles), np.sin(angles)])
+    for origin, end in zip(origins, origins + found[:, None] * directions, strict=True):
+        column, row = np.floor(origin).astype(int)
+        if free[row, column]:
+            corners = np.argwhere(rooms == rooms[row, column])[:, ::-1]
+            off = np.maximum(corners - end, end - (corners + 1)).max(axis=1)
+            assert off.min() < 1e-9
 
 
-def largest_square(wall: np.ndarray, y: int, x: int) -> int:
-    side = 0
-    while (
-        max(y, x - wall.shape[1] + wall.shape[0]) + side < wall.shape[0]
-        and not wall[y : y + side + 1, x : x + side + 1].any()
-    ):
-        side += 1
-    return side
+def test_leaps_longer_than_a_count_holds_and_walls_one_cell_thick() -> None:
+    """A corridor of 2000 cells whose walls are a step away, along both axes, and a comb of walls with gaps in it."""
+    rng = np.random.default_rng(6)
+    corridor, comb = np.ones((5, 2000), dtype=bool), np.ones((60, 60), dtype=bool)
+    corridor[2, 1990] = False
+    comb[::4], comb[np.arange(0, 60, 4), rng.integers(0, 60, 15)] = False, True
+    for free in (corridor, corridor.T, comb, comb.T):
+        origins = rng.uniform(0.0, free.shape[::-1], (300, 2))
+        angles = rng.choice(4, 300) * math.pi / 2 + rng.normal(0.0, 0.02, 300)
+        expected = [naive(free, x, y, angle, 1e4) for (x, y), angle in zip(origins, angles, strict=True)]
+        np.testing.assert_allclose(RayCaster.of(free).cast(origins, angles, 1e4), expected, rtol=1e-13)
+
+
+@given(seeds, st.integers(1, 4))
+def test_cones_are_empty_and_as_long_as_they_say(seed: int, sectors: int) -> None:
+    rng = np.random.default_rng(seed)
+    wall = rng.random((2, rng.integers(1, 9), rng.integers(1, 9))) < 0.12
+    for k in range(sectors):
+        found = cones(wall, k, sectors)
+        for m, i, r in np.ndindex(*wall.shape):
+            assert found[m, i, r] == empty_columns(wall[m], i, r, Fraction(k, sectors), Fraction(k + 1, sectors))
+
+
+def empty_columns(wall: np.ndarray, i: int, r: int, least: Fraction, greatest: Fraction) -> int:
+    """Column by column: rays from the foot of a cell's side with the least slope, from its top with the greatest."""
+    count, almost = 0, 1 - Fraction(1, 1000)
+    while i + count < len(wall):
+        rows = range(r + math.floor(count * least), r + math.floor(almost + (count + 1) * greatest) + 1)
+        if any(row >= wall.shape[1] or wall[i + count, row] for row in rows):
+            break
+        count += 1
+    return count
+
+
+@given(seeds)
+def test_leaps_are_of_rays_that_stay_in_a_row_and_of_rays_that_leave_it(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    wall = np.pad(rng.random((1, 5, 6)) < 0.15, ((0, 0), (1, 1), (1, 1)), constant_values=True)
+    found = leaps(wall, 2)[0]
+    for k, i, r, rises in np.ndindex(2, 6, 7, 2):
+        stopped = wall[0, i, r] or (rises and wall[0, i, r + 1])
+        further = empty_columns(wall[0], i + 1, r + rises, Fraction(k, 2), Fraction(k + 1, 2))
+        assert found[k, i, r, rises] == (0 if stopped else 1 + further)
+
+
+def test_counts_stop_where_a_byte_does() -> None:
+    for sectors in (1, 2, 3):
+        found = leaps(
+            np.pad(np.zeros((1, 700, 700), dtype=bool), ((0, 0), (1, 1), (1, 1)), constant_values=True), sectors
+        )
+        assert MOST - sectors <= found.max() <= MOST
+        assert found[0, 0, 1, 1, 0] == found.max()
+        assert not found[:, :, [0, -1]].any()
+        assert found[0, 0, 698, 1].tolist() == [3, 3]
 
 
 def test_no_ray_and_no_pose() -> None:

@@ -248,6 +248,15 @@ def test_large_sets_are_the_same_as_one_search() -> None:
         assert moved.size < 5
 
 
+@pytest.mark.parametrize("k", [0, 5, 15])
+def test_large_sets_keep_the_teeth_that_fall_on_boundaries(k: int) -> None:
+    """Whole numbers that sum to twice their count, a power of two: nothing rounds, and many teeth are on boundaries."""
+    n = 2**18
+    weights = np.random.default_rng(k).permutation(np.repeat([0, 1, 3, 4], n // 4))
+    ends = np.cumsum(weights) / 2
+    assert comb(weights, k / 16).ancestors.tolist() == np.searchsorted(ends, np.arange(n) + k / 16, "right").tolist()
+
+
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_counts_and_weights_without_meaning_are_refused(scheme: Scheme) -> None:
     rng = np.random.default_rng(0)
