@@ -160,7 +160,7 @@ class NormalEquations:
         D, (p, q, k, w) = terms.D, terms.W
         r = 1j * (p * D - q * D.conj()) + k
         q2 = _cross(D, k) + w
-        H_jj, H_ii, H_ij = np.split(self._numbers, (6, 12))
+        H_jj, H_ii, H_ij = self._numbers[:6], self._numbers[6:12], self._numbers[12:]
         np.add(p, q.real, out=H_jj[0])
         H_jj[1] = q.imag
         np.subtract(p, q.real, out=H_jj[2])
