@@ -30,9 +30,9 @@ Integers = NDArray[np.int64]
 MAX_SIDE = 2**15 - 3
 # Ranges of slopes that are told apart within an eighth of a turn: more of them leap further, and fill more memory.
 SECTORS = 2
-# Rows in units of 2^-46: those of the largest map fit in a word, and over its length slopes err by less than 1e-9.
-UNIT = 46
-ONE = 2**UNIT
+# Heights are whole numbers of 2^-unit rows, in words that hold so many bits of them: 46 are left to the unit of the
+# largest map, over which slopes then err by less than 1e-9, and 53, as in a number between 0.5 and 1, at 200 cells.
+BITS = 61
 # As many rays as the nearest memory holds well, however many there are to cast.
 BLOCK = 16384
 # Rays that have landed are carried along until so many have: moving the others has a price too.
@@ -66,23 +66,23 @@ class _Rays:
         columns *= self.stride
         self.origin += columns
 
-    def places(self) -> Integers:
+    def places(self, unit: int) -> Integers:
         """Where the table tells of the columns (n,) that the rays come into.
 
         It has two places for each row of a column, one for rays that stay in it and one for those that go on to the
         next: the rows at both ends of the column, summed, tell which.
         """
         found = self.height + self.slope
-        found >>= UNIT
-        found += self.height >> UNIT
+        found >>= unit
+        found += self.height >> unit
         found += self.origin
         return found
 
-    def ways(self, columns: int) -> Integers:
+    def ways(self, unit: int, columns: int) -> Integers:
         """The places (n, columns) of the next columns on the rays' ways, whether they get there or not."""
         ahead = np.arange(columns + 1)
         rows = self.height[:, None] + self.slope[:, None] * ahead
-        rows >>= UNIT
+        rows >>= unit
         found = rows[:, 1:] + rows[:, :-1]
         found += self.stride[:, None] * ahead[:-1]
         found += self.origin[:, None]
@@ -126,12 +126,13 @@ class RayCaster:
 
     `table` holds what `clear_cones.leaps` tells of its mirrors, framed by walls: of four whose columns are the map's,
     then of four whose columns are its rows. `place` (3, 8) tells, for each mirror, where cell (x, y) of the map is in
-    the table: place[0] x + place[1] y + place[2].
+    the table: place[0] x + place[1] y + place[2]. Heights are in units of 2^-`unit` rows.
     """
 
     free: Grid
     table: NDArray[np.uint8]
     place: Floats
+    unit: int
 
     @classmethod
     def of(cls, free: ArrayLike) -> RayCaster:
@@ -143,7 +144,7 @@ class RayCaster:
         steep = np.stack([wall[::step_y, ::step_x] for step_y in (1, -1) for step_x in (1, -1)])
         shallow = np.ascontiguousarray(steep.swapaxes(1, 2))
         table = np.concatenate([leaps(maps, SECTORS).ravel() for maps in (shallow, steep)])
-        return cls(grid, table, _places(*wall.shape))
+        return cls(grid, table, _places(*wall.shape), BITS - max(wall.shape).bit_length())
 
     def cast(self, origins: ArrayLike, angles: ArrayLike, max_range: float) -> Floats:
         """Distances (n,) to the first wall from origins (n, 2) = (x, y) at angles (n,) in radians, at most `max_range`.
@@ -203,7 +204,7 @@ class RayCaster:
         np.abs(ways, out=ways)
         steep = ways[1, 1] > ways[1, 0]
         first, speed = np.where(steep, ways[:, ::-1], ways)
-        height, slope, sector = _climbs(first, speed, steep, ways)
+        height, slope, sector = _climbs(first, speed, steep, 2**self.unit, ways)
         mirror = (4 * steep.view(np.uint8) + 2 * back[1].view(np.uint8) + back[0].view(np.uint8)).astype(np.int64)
         place, term = np.multiply(sector, self.table.size // (8 * SECTORS), out=sector), ways[0, 0]
         for steps, along in zip(self.place, (cells[0], cells[1], 1.0), strict=True):
@@ -212,7 +213,7 @@ class RayCaster:
             place += term
         origin = place.astype(np.int64)
         stride = np.where(steep, 2 * self.free.shape[1] + 4, 2 * self.free.shape[0] + 4)
-        places = height >> UNIT
+        places = height >> self.unit
         places += origin
         # As if they had come into the columns that they start in.
         height -= slope
@@ -234,9 +235,9 @@ class RayCaster:
                 rays, columns = rays.only(kept), columns.take(kept)
             rays.leap(columns.astype(np.int64))
             if few:
-                ends[rays.number] = self._finish(rays.ways(longest))
+                ends[rays.number] = self._finish(rays.ways(self.unit, longest))
                 break
-            places = rays.places()
+            places = rays.places(self.unit)
         return ends
 
     def _finish(self, ways: Integers) -> Integers:
@@ -245,29 +246,35 @@ class RayCaster:
         return np.take_along_axis(ways, where[:, None], axis=1)[:, 0]
 
 
-def _climbs(first: Floats, speed: Floats, steep: NDArray[np.bool_], spare: Floats) -> tuple[Integers, Integers, Floats]:
+def _climbs(
+    first: Floats, speed: Floats, steep: NDArray[np.bool_], one: int, spare: Floats
+) -> tuple[Integers, Integers, Floats]:
     """How high rays (n,) are above the row of their start when they leave its column, and how much they rise in a
-    column, both in units; and the sector of that slope, in `spare` (2, 2, n).
+    column, both in units, of which `one` make a row; and the sector of that slope, in `spare` (2, 2, n).
 
     Fresh memory costs more than what is computed here: arrays that are done with take the results.
     """
     (_, height), (slope, sector) = spare
-    # Slopes are rounded up: a ray that rises at all does so before the next line, however little.
+    # A ray through a corner enters the neighbour in y first. So, in steep mirrors, a line belongs to the row below it
+    # and what is rounded is rounded up, elsewhere down: rounding makes corners of near misses, never near misses of
+    # corners, nor does it change the neighbour that comes first.
     np.divide(speed[1], speed[0], out=slope)
-    slope *= ONE
-    np.ceil(slope, out=slope)
+    slope *= np.where(steep, -float(one), float(one))
+    np.floor(slope, out=slope)
     np.multiply(slope, first[0], out=height)
-    np.ceil(height, out=height)
-    # Rays through a corner enter the neighbour in y first: in steep mirrors, a line belongs to the row below it.
-    height -= steep
+    np.floor(height, out=height)
+    np.abs(slope, out=slope)
+    np.abs(height, out=height)
     np.subtract(1.0, first[1], out=sector)
-    sector *= ONE
-    height += sector
+    sector *= one
+    climbed = height.astype(np.int64)
+    climbed -= steep
+    climbed += sector.astype(np.int64)
     # From one corner to another, rounding leaves the choice: a column is left by its first row or by the next one.
-    np.clip(height, 0.0, 2.0 * ONE - 1.0, out=height)
-    np.multiply(slope, SECTORS / ONE, out=sector)
+    np.clip(climbed, 0, 2 * one - 1, out=climbed)
+    np.multiply(slope, SECTORS / one, out=sector)
     np.minimum(np.floor(sector, out=sector), SECTORS - 1.0, out=sector)
-    return height.astype(np.int64), slope.astype(np.int64), sector
+    return climbed, slope.astype(np.int64), sector
 
 
 def _places(height: int, width: int) -> Floats:

@@ -64,9 +64,13 @@ def test_fifteen_thousand_rays_in_rooms_of_two_hundred_cells() -> None:
     np.testing.assert_allclose(found, cast_scans(free, poses, 30, 300.0), atol=1e-9)
 
 
+@pytest.mark.parametrize("bits", [ray_caster.BITS, 50])
 @pytest.mark.parametrize("angle", [k * math.pi / 2 for k in range(-3, 5)] + [0.0, -0.0])
-def test_along_the_axes_even_from_the_lines_themselves(angle: float) -> None:
-    """From corners and sides of cells too, where rays run along a line: as the walk has it."""
+def test_along_the_axes_even_from_the_lines_themselves(
+    angle: float, bits: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From corners and sides of cells too, where rays run along a line: as the walk has it, in coarse units too."""
+    monkeypatch.setattr(ray_caster, "BITS", bits)
     rng = np.random.default_rng(9)
     free = rng.random((9, 12)) > 0.2
     origins = np.stack(np.meshgrid(np.arange(0, 12, 0.5), np.arange(0, 9, 0.5)), axis=-1).reshape(-1, 2)
@@ -110,6 +114,40 @@ def test_rays_nearly_along_an_axis_lose_no_digit() -> None:
     origins = np.column_stack([np.where(np.abs(angles) < 1, 1e-5, 2999.99999), np.full(6, 1.3)])
     expected = [naive(free, x, y, angle, 1e4) for (x, y), angle in zip(origins, angles, strict=True)]
     np.testing.assert_allclose(RayCaster.of(free).cast(origins, angles, 1e4), expected, rtol=1e-14)
+    # Just above a line that is crossed soon, with a wall further on in the one row and not in the other.
+    hall = np.ones((9, 20), dtype=bool)
+    hall[7, 12] = False
+    assert RayCaster.of(hall).cast([[3.5, 7.000000000000002]], [-1.2722218725854067e-14], 99.0)[0] == pytest.approx(
+        16.5
+    )
+
+
+@pytest.mark.parametrize("bits", [ray_caster.BITS, 50])
+def test_diagonals_take_the_neighbours_of_their_exact_lines(bits: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From centres, sides and corners of cells: their sine and cosine differ by one digit, which tells who is first."""
+    monkeypatch.setattr(ray_caster, "BITS", bits)
+    rng = np.random.default_rng(12)
+    free = rng.random((12, 16)) > 0.2
+    origins = rng.integers(0, [32, 24], (150, 2)) / 2.0
+    angles = rng.choice([-3, -1, 1, 3, 5], 150) * math.pi / 4
+    rays = zip(origins.tolist(), angles.tolist(), strict=True)
+    expected = [float(exact(free, Fraction(x), Fraction(y), angle)) for (x, y), angle in rays]
+    np.testing.assert_allclose(RayCaster.of(free).cast(origins, angles, 50.0), expected, atol=1e-12)
+
+
+def exact(free: np.ndarray, x: Fraction, y: Fraction, angle: float) -> Fraction:
+    """The naive walk in fractions, along the direction that the computer's cosine and sine are."""
+    column, row = math.floor(x), math.floor(y)
+    dx, dy = Fraction(math.cos(angle)), Fraction(math.sin(angle))
+    time = Fraction(0)
+    while 0 <= row < free.shape[0] and 0 <= column < free.shape[1] and free[row, column]:
+        to_x, to_y = (column + (dx > 0) - x) / dx, (row + (dy > 0) - y) / dy
+        time = min(to_x, to_y)
+        if to_x < to_y:
+            column += 1 if dx > 0 else -1
+        else:
+            row += 1 if dy > 0 else -1
+    return time
 
 
 @settings(deadline=None)
