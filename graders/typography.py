@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from functools import lru_cache
 
 NARROW, WIDE = "\u202f", "\u00a0"
 
 
+@lru_cache(maxsize=16384)
 def french(text: str) -> str:
     """Make the spaces before `; ! ? : »` and after `«` unbreakable, and curve the apostrophes."""
     text = re.sub(r"(?<=\w)'(?=\w)", "’", text)

@@ -129,10 +129,19 @@ class Database:
         self._reads = sessionmaker(self.engine, expire_on_commit=False)
         self._writes = sessionmaker(self.engine.execution_options(immediate=True), expire_on_commit=False)
 
+    @property
+    def is_near(self) -> bool:
+        """Whether it is a file: nothing is waited for where nothing is read or written."""
+        return self.engine.dialect.name == "sqlite"
+
+    def reading(self) -> Session:
+        """A session whose changes are dropped, which the caller closes."""
+        return self._reads()
+
     @contextmanager
     def read(self) -> Iterator[Session]:
         """A session whose changes are dropped."""
-        with self._reads() as db:
+        with self.reading() as db:
             yield db
 
     @contextmanager

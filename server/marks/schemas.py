@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
+from functools import cached_property
 from uuid import UUID
 
 from server.assignments.counting import Mark
@@ -61,7 +62,7 @@ class ExerciseMark:
     attempts: int
     override: Set | None
 
-    @property
+    @cached_property
     def in_force(self) -> InForce:
         return InForce(None if self.counted is None else self.counted.points, self.override)
 
@@ -106,7 +107,7 @@ class AssignmentMark:
     exercises: tuple[ExerciseMark, ...]
     ended: bool = False
 
-    @property
+    @cached_property
     def points(self) -> float | None:
         """The weighted mean of its exercises, excused ones left out; None where there is nothing to say."""
         if self.state is State.excused:
@@ -149,7 +150,7 @@ class Row:
     marks: tuple[AssignmentMark, ...]
     weights: tuple[float, ...]
 
-    @property
+    @cached_property
     def average(self) -> float | None:
         """The weighted mean of the assignments that are over, those excused left out."""
         known = [(mark.in_average, weight) for mark, weight in zip(self.marks, self.weights, strict=True)]
@@ -190,7 +191,7 @@ class Book:
         sent = [mark.points for mark in marks if mark.state in {State.done, State.open}]
         return summary([points for points in sent if points is not None])
 
-    @property
+    @cached_property
     def averages(self) -> Summary:
         return summary([row.average for row in self.rows if row.average is not None])
 

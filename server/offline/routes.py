@@ -8,6 +8,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Request
 from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse
+from starlette.concurrency import run_in_threadpool
 
 from server.base.provided import provided
 from server.offline.schemas import OfflinePage
@@ -29,7 +30,8 @@ async def offline(request: Request, archives: ArchivesOf, reader: Reading, modul
     course_module = archives.module(module)
     view = shown(module_link(course_module), await archives.look(course_module))
     headers = {"Refresh": str(REFRESH)} if view.state == "making" else {}
-    return page(request, "offline/page.html", reader.account, headers=headers, page=view)
+    account = await run_in_threadpool(reader.who)
+    return page(request, "offline/page.html", account, headers=headers, page=view)
 
 
 @router.post("/{module:module}/hors-ligne")

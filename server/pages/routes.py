@@ -86,7 +86,7 @@ def exercise(
         account = account_or_guest(request, reader.account, accounts)
         seed = deals.seed_to_show(database, account, exercise.id)
         taken = service.attempt_at(reader, exercise, reprendre) if reprendre else None
-        return exercise_page(request, replace(reader, account=account), database, exercise, seed, taken)
+        return exercise_page(request, replace(reader, who=lambda: account), database, exercise, seed, taken)
     taken = service.attempt_at(reader, exercise, reprendre) if reprendre else None
     return exercise_page(request, reader, database, exercise, None, taken)
 

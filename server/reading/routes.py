@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from http import HTTPStatus
 from typing import Annotated, Literal
 
@@ -22,6 +22,7 @@ from server.reading import service
 from server.reading.downloads import Downloads
 from server.reading.schemas import NewAnswer
 from server.web.dependencies import Reading
+from server.web.packing import PLACE
 from server.web.rendering import once, page
 from server.web.views import find_module, lesson_href
 
@@ -45,7 +46,8 @@ def lesson(request: Request, module: str, slug: str, reader: Reading, ouvrir: Li
     course_module = find_module(reader.course, module)
     found = service.find_lesson(course_module, slug)
     view = service.lesson_page(reader, course_module, found, past_warning=bool(ouvrir))
-    return page(request, "reading/lesson.html", reader.account, page=view)
+    shown = replace(view, html=PLACE)
+    return page(request, "reading/lesson.html", reader.account, page=shown, steady=view.html)
 
 
 @router.post("/{module:module}/lire/{slug}/corrige")

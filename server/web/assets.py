@@ -31,7 +31,7 @@ class _Packed(StaticFiles):
     def file_response(
         self, full_path: str | os.PathLike[str], stat_result: os.stat_result, scope: Scope, status_code: int = 200
     ) -> Response:
-        for encoding in _accepted(Headers(scope=scope).get("accept-encoding", "")):
+        for encoding in accepted(Headers(scope=scope).get("accept-encoding", "")):
             packed = f"{os.fspath(full_path)}{PACKED[encoding]}"
             if os.path.isfile(packed):
                 answer = super().file_response(packed, os.stat(packed), scope, status_code)
@@ -44,7 +44,7 @@ class _Packed(StaticFiles):
         return answer
 
 
-def _accepted(header: str) -> Iterator[str]:
+def accepted(header: str) -> Iterator[str]:
     """Of our encodings those that the browser takes, in our order."""
     taken = {
         name.strip(): options.replace(" ", "") for name, _, options in (one.partition(";") for one in header.split(","))

@@ -11,8 +11,9 @@ from server.base.request import SAFE_METHODS
 from server.classes.dependencies import PresenceOf
 from server.course.dependencies import CourseOf
 from server.course.editions import MODULE
-from server.database.dependencies import Db
-from server.identity.dependencies import OptionalAccount
+from server.database.dependencies import DatabaseOf, Db
+from server.identity.dependencies import account_of
+from server.identity.models import Account
 from server.submissions.dependencies import SubmissionsOf
 from server.web.views import Reader
 
@@ -32,17 +33,21 @@ class ModuleConvertor(Convertor[str]):
 register_url_convertor("module", ModuleConvertor())
 
 
-def _reader(
+async def _reader(
     request: Request,
     db: Db,
+    database: DatabaseOf,
     course: CourseOf,
     submissions: SubmissionsOf,
-    account: OptionalAccount,
     presence: PresenceOf,
 ) -> Reader:
-    if request.method in SAFE_METHODS:  # `db` only reads
-        presence.note(db, account)
-    return Reader(db, course, submissions, account)
+    def who() -> Account | None:
+        account = account_of(request, database)
+        if request.method in SAFE_METHODS:  # `db` only reads
+            presence.note(db, account)
+        return account
+
+    return Reader(db, course, submissions, who)
 
 
 Reading = Annotated[Reader, Depends(_reader)]

@@ -24,7 +24,7 @@ from server.text.highlight import highlight
 from server.text.plain import visible
 from server.text.said import said
 from server.text.spoken import spoken
-from server.web import assets, school_time, words
+from server.web import assets, packing, school_time, words
 from server.web.schemas import AccountView, HereView
 
 
@@ -109,9 +109,13 @@ def page(
     *,
     status: int = 200,
     headers: Mapping[str, str] | None = None,
+    steady: str = "",
     **context: Any,
 ) -> HTMLResponse:
-    """A whole page: `template` extends `base.html`, which shows `account` and the modules of the course."""
+    """A whole page: `template` extends `base.html`, which shows `account` and the modules of the course.
+
+    `steady` is what comes at `packing.PLACE`: HTML that is long, and the same for many pages.
+    """
     course = provided_to(request.app, Course)
     surroundings = {
         "modules": _modules(request, course),
@@ -119,11 +123,21 @@ def page(
         "path": request.url.path,
         "back": _back(request, context),
     }
-    body = environment().get_template(template).render(account=account_view(account), **surroundings, **context)
+    html = environment().get_template(template).render(account=account_view(account), **surroundings, **context)
     # A page shows one person's own work: nobody else's cache may keep it.
-    all_headers = {"Cache-Control": "private, no-cache", **(headers or {})}
-    answer = HTMLResponse(root.written(body), status, headers=all_headers)
-    return once(request, answer) if request.method == "GET" and status == HTTPStatus.OK else answer
+    all_headers = {"Cache-Control": "private, no-cache", "Vary": "Accept-Encoding", **(headers or {})}
+    return _sent(request, packing.page(html, steady), status, all_headers)
+
+
+def _sent(request: Request, written: packing.Page, status: int, headers: dict[str, str]) -> HTMLResponse:
+    """Compressed here, in the thread that wrote it: in the loop, everybody would wait for it."""
+    if request.method == "GET" and status == HTTPStatus.OK:
+        headers["ETag"] = written.tag
+        if headers["ETag"] in request.headers.get("if-none-match", ""):
+            return HTMLResponse(None, HTTPStatus.NOT_MODIFIED, headers)
+    if "gzip" not in assets.accepted(request.headers.get("accept-encoding", "")):
+        return HTMLResponse(written.plain, status, headers)
+    return HTMLResponse(written.packed, status, {**headers, "Content-Encoding": "gzip"})
 
 
 Answer = TypeVar("Answer", bound=Response)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from sqlalchemy.orm import Session
 
@@ -21,12 +22,19 @@ from server.web.words import mark
 
 @dataclass(frozen=True)
 class Reader:
-    """Who looks, at which course and which submissions, through which transaction."""
+    """Who looks, at which course and which submissions, through which transaction.
+
+    The database is asked who it is (`who`) when this is first wanted: in the thread of the request's function.
+    """
 
     db: Session
     course: Course
     submissions: Submissions
-    account: Account | None
+    who: Callable[[], Account | None]
+
+    @cached_property
+    def account(self) -> Account | None:
+        return self.who()
 
 
 def find_module(course: Course, slug: str) -> Module:

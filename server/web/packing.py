@@ -1,0 +1,100 @@
+"""Pages of which a long part is the same for all who read: it is compressed once, and what is written for one reader is
+put around it.
+
+A stream of gzip may be cut wherever its compressor forgets what came before (`Z_FULL_FLUSH`), so that the parts need
+only stand one after the other. What a browser gets is one ordinary member, and its checksum is that of the whole page.
+"""
+
+from __future__ import annotations
+
+import secrets
+import struct
+import zlib
+from dataclasses import dataclass
+from functools import lru_cache
+from hashlib import blake2b
+
+from markupsafe import Markup
+
+from server.base import root
+
+#: Stands in a page where the long part comes. Nobody can write it: it is another one in each process.
+PLACE = Markup(f"<!--{secrets.token_hex(16)}-->")
+LEVEL, STEADY_LEVEL = 4, 9  # what is compressed for each reader, and what is compressed once
+RAW = -zlib.MAX_WBITS
+HEAD = b"\x1f\x8b\x08\x00\x00\x00\x00\x00\x00\xff"  # deflated, without a name, a time, or a system
+WORD = 0xFFFFFFFF
+MOST_KEPT = 512
+
+
+@dataclass(frozen=True)
+class Steady:
+    """The long part, packed. `crc` is its checksum, and `shift` what a checksum of what stands before it becomes, by
+    each of its bits: the checksum of both is linear in it."""
+
+    packed: bytes
+    length: int
+    digest: bytes
+    crc: int
+    shift: tuple[int, ...]
+
+    def after(self, crc: int) -> int:
+        """The checksum of something that has this one, followed by the part."""
+        found = self.crc
+        for place, moved in enumerate(self.shift):
+            if crc >> place & 1:
+                found ^= moved
+        return found
+
+
+@lru_cache(maxsize=MOST_KEPT)
+def steady(html: str) -> Steady:
+    """Of the HTML of the part, whose addresses are still the service's own."""
+    content = root.written(html).encode()
+    packer = zlib.compressobj(STEADY_LEVEL, zlib.DEFLATED, RAW)
+    packed = packer.compress(content) + packer.flush(zlib.Z_FULL_FLUSH)
+    crc = zlib.crc32(content)
+    shift = tuple(zlib.crc32(content, 1 << place) ^ crc for place in range(32))
+    return Steady(packed, len(content), blake2b(content, digest_size=12).digest(), crc, shift)
+
+
+@dataclass(frozen=True)
+class Page:
+    """What is sent of a page; `long` is the HTML of its long part, as `steady` wants it, if it has one."""
+
+    before: bytes
+    long: str | None = None
+    after: bytes = b""
+
+    @property
+    def tag(self) -> str:
+        """Of its content, whoever compresses it."""
+        told = blake2b(self.before, digest_size=12)
+        if self.long is not None:
+            told.update(steady(self.long).digest)
+            told.update(self.after)
+        return f'W/"{told.hexdigest()}"'
+
+    @property
+    def plain(self) -> bytes:
+        return self.before if self.long is None else self.before + root.written(self.long).encode() + self.after
+
+    @property
+    def packed(self) -> bytes:
+        """As gzip."""
+        packer = zlib.compressobj(LEVEL, zlib.DEFLATED, RAW)
+        if self.long is None:
+            body = packer.compress(self.before) + packer.flush()
+            return HEAD + body + struct.pack("<II", zlib.crc32(self.before), len(self.before) & WORD)
+        part = steady(self.long)
+        first = packer.compress(self.before) + packer.flush(zlib.Z_FULL_FLUSH)
+        last = packer.compress(self.after) + packer.flush()
+        crc = zlib.crc32(self.after, part.after(zlib.crc32(self.before)))
+        length = len(self.before) + part.length + len(self.after)
+        return b"".join((HEAD, first, part.packed, last, struct.pack("<II", crc, length & WORD)))
+
+
+def page(html: str, long: str) -> Page:
+    """A page as its template wrote it, and what comes in it at `PLACE`, if that stands there."""
+    before, place, after = root.written(html).partition(PLACE)
+    return Page(before.encode(), long, after.encode()) if place else Page(before.encode())
