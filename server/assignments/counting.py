@@ -44,7 +44,7 @@ def result(rules: Rules, counts: Counts, attempts: Iterable[Sent]) -> Result:
 
     Of equals the earliest counts as best. An attempt outside the dates is as if it had not been sent.
     """
-    marks = _marks(rules, sorted(attempts, key=lambda one: (one.sent_at, str(one.id))))
+    marks = _marks(rules, sorted(attempts, key=lambda one: (one.sent_at, one.id.int)))
     on_time = _best([mark for mark in marks if not mark.days_late])
     if counts is Counts.last:
         counted = marks[-1] if marks else None

@@ -5,11 +5,12 @@ from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import delete, func, select, update
+from sqlalchemy import Select, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise, Assignment, Exemption
 from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.database import prepared
 
 
 def by_id(db: Session, class_id: UUID, assignment_id: UUID) -> Assignment | None:
@@ -24,20 +25,30 @@ def of_class(db: Session, class_id: UUID) -> Sequence[Assignment]:
     return db.execute(query.order_by(Assignment.opens_at, Assignment.title, Assignment.id)).scalars().all()
 
 
+@prepared
+def _exercises(assignments: Collection[UUID]) -> Select[AssignedExercise]:
+    query = select(AssignedExercise).where(AssignedExercise.assignment_id.in_(assignments))
+    return query.order_by(AssignedExercise.position)
+
+
 def exercises(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[AssignedExercise]]:
     """Those of each assignment, in order."""
-    query = select(AssignedExercise).where(AssignedExercise.assignment_id.in_(assignments))
     found: dict[UUID, list[AssignedExercise]] = defaultdict(list)
-    for one in db.execute(query.order_by(AssignedExercise.position)).scalars():
+    for one in db.execute(*_exercises(assignments)).scalars():
         found[one.assignment_id].append(one)
     return found
 
 
+@prepared
+def _exemptions(assignments: Collection[UUID]) -> Select[Exemption]:
+    query = select(Exemption).where(Exemption.assignment_id.in_(assignments), Exemption.revoked_at.is_(None))
+    return query.order_by(Exemption.created_at, Exemption.id)
+
+
 def exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[Exemption]]:
     """Those of each assignment that are not revoked, oldest first."""
-    query = select(Exemption).where(Exemption.assignment_id.in_(assignments), Exemption.revoked_at.is_(None))
     found: dict[UUID, list[Exemption]] = defaultdict(list)
-    for one in db.execute(query.order_by(Exemption.created_at, Exemption.id)).scalars():
+    for one in db.execute(*_exemptions(assignments)).scalars():
         found[one.assignment_id].append(one)
     return found
 
@@ -82,13 +93,10 @@ def counted_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UU
     return {row[0]: row[1] for row in db.execute(query.group_by(Exemption.assignment_id))}
 
 
-def given_to(
-    db: Session, account_id: UUID, opened_by: datetime, exercise: str | None = None
-) -> Sequence[tuple[Assignment, Membership]]:
-    """The assignments of the classes where this account learns, with their membership, but of archived classes.
-
-    Those that an exemption may have opened by then already, with `exercise` those that ask for it.
-    """
+@prepared
+def _given_to(
+    account_id: UUID, opened_by: datetime, exercise: str, *, everything: bool
+) -> Select[Assignment, Membership]:
     earlier = select(Exemption.assignment_id).where(Exemption.opens_at <= opened_by, Exemption.revoked_at.is_(None))
     query = (
         select(Assignment, Membership)
@@ -103,10 +111,19 @@ def given_to(
         )
         .order_by(Assignment.opens_at, Assignment.title, Assignment.id)
     )
-    if exercise is not None:
-        asking = select(AssignedExercise.assignment_id).where(AssignedExercise.exercise == exercise)
-        query = query.where(Assignment.id.in_(asking))
-    return [(assignment, membership) for assignment, membership in db.execute(query)]
+    asking = select(AssignedExercise.assignment_id).where(AssignedExercise.exercise == exercise)
+    return query if everything else query.where(Assignment.id.in_(asking))
+
+
+def given_to(
+    db: Session, account_id: UUID, opened_by: datetime, exercise: str | None = None
+) -> Sequence[tuple[Assignment, Membership]]:
+    """The assignments of the classes where this account learns, with their membership, but of archived classes.
+
+    Those that an exemption may have opened by then already, with `exercise` those that ask for it.
+    """
+    found = db.execute(*_given_to(account_id, opened_by, exercise or "", everything=exercise is None))
+    return [(assignment, membership) for assignment, membership in found]
 
 
 def exemptions_of(db: Session, account_id: UUID, class_id: UUID) -> Sequence[tuple[str, Exemption]]:

@@ -12,7 +12,7 @@ from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
 from server.behaviour.schemas import Asked, MemberLine
 from server.classes.models import Membership, SchoolClass, Seat, Status
-from server.database import upserting, utc_now
+from server.database import prepared, upserting, utc_now
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -107,9 +107,9 @@ def near(db: Session, exercise: str, version: str, structure: str, projection: f
         yield group.id, group.answers
 
 
-def name_for(db: Session, account_id: UUID, grading_id: UUID) -> BehaviourName | None:
-    """What a teacher of the author's calls the behaviour of this grading's program; the newest name of several."""
-    query = (
+@prepared
+def _name_for(account_id: UUID, grading_id: UUID) -> Select[BehaviourName]:
+    return (
         select(BehaviourName)
         .join(Fingerprint, Fingerprint.group_id == BehaviourName.group_id)
         .join(Membership, Membership.class_id == BehaviourName.class_id)
@@ -122,7 +122,11 @@ def name_for(db: Session, account_id: UUID, grading_id: UUID) -> BehaviourName |
         .order_by(BehaviourName.named_at.desc(), BehaviourName.class_id)
         .limit(1)
     )
-    return db.execute(query).scalar_one_or_none()
+
+
+def name_for(db: Session, account_id: UUID, grading_id: UUID) -> BehaviourName | None:
+    """What a teacher of the author's calls the behaviour of this grading's program; the newest name of several."""
+    return db.execute(*_name_for(account_id, grading_id)).scalar_one_or_none()
 
 
 def group(db: Session, group_id: str) -> BehaviourGroup | None:

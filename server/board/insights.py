@@ -7,9 +7,8 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from datetime import datetime, timedelta
 from itertools import pairwise
+from statistics import correlation
 from uuid import UUID
-
-import numpy as np
 
 from server.board.schemas import (
     FEWEST_FOR_A_CORRELATION,
@@ -82,10 +81,10 @@ def item_rest(mine: Mapping[UUID, float], whole: Mapping[UUID, Whole]) -> tuple[
             pairs.append((score, (total - score) / (count - 1)))
     if len(pairs) < FEWEST_FOR_A_CORRELATION:
         return None, len(pairs)
-    here, elsewhere = np.array(pairs).T
-    if np.ptp(here) < DUST or np.ptp(elsewhere) < DUST:
+    here, elsewhere = zip(*pairs, strict=True)
+    if max(here) - min(here) < DUST or max(elsewhere) - min(elsewhere) < DUST:
         return None, len(pairs)
-    return round(float(np.corrcoef(here, elsewhere)[0, 1]), 3), len(pairs)
+    return round(correlation(here, elsewhere), 3), len(pairs)
 
 
 def helped(misconceptions: Sequence[Misconception]) -> tuple[Helped, ...]:

@@ -78,7 +78,7 @@ def _history() -> Select[Any]:
 
 def history(db: Session, scope: Scope) -> Sequence[Sent]:
     """Every attempt that counts: by student, then by exercise, in the order in which they were sent."""
-    return [Sent._make(row) for row in db.execute(_history(), scope())]
+    return list(map(Sent._make, db.execute(_history(), scope()).all()))
 
 
 @cache

@@ -86,7 +86,8 @@ class Board:
     @cached_property
     def version(self) -> str:
         """The same for two boards that show the same, whenever they were read."""
-        shown = (self.students_shown, self.exercises, list(self.cells.values()), self.counts, self.misconceptions)
+        cells = [(one.points, one.attempts, one.state.value, one.misconception) for one in self.cells.values()]
+        shown = (self.students_shown, self.exercises, cells, self.counts, self.misconceptions)
         return blake2b(repr(shown).encode(), digest_size=12).hexdigest()
 
     def changed_since(self, before: Board) -> Sequence[Cell]:

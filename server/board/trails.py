@@ -9,7 +9,7 @@ from uuid import UUID
 
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.board.repository import Sent
-from server.gradebook.standings import Counted, Sums, sums_of
+from server.gradebook.standings import Sums, sums_of
 
 FAILURES = frozenset(one.value for one in blamed_on(Blame.STUDENT))
 #: Failures that have a behaviour: a program that runs, and answers wrongly.
@@ -26,7 +26,7 @@ def trails(history: Sequence[Sent]) -> Trails:
 
 
 def sums(trail: Trail) -> Sums:
-    return sums_of([Counted(one.sent_at, one.outcome, one.score, one.diagnosis) for one in trail])
+    return sums_of(trail)
 
 
 @dataclass(frozen=True, slots=True)

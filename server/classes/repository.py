@@ -9,6 +9,7 @@ from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.classes.schemas import Joined, Member
+from server.database import prepared
 from server.identity.models import Account
 
 STAFF = (Seat.assistant, Seat.teacher)
@@ -67,10 +68,15 @@ def membership(db: Session, class_id: UUID, account_id: UUID) -> Membership | No
     return db.get(Membership, (class_id, account_id))
 
 
+@prepared
+def _members(class_id: UUID) -> Select[Membership, Account]:
+    query = select(Membership, Account).join(Account, Account.id == Membership.account_id)
+    return query.where(Membership.class_id == class_id)
+
+
 def members(db: Session, class_id: UUID) -> Sequence[Member]:
     """All that ever were, in the order of a list of names."""
-    query = select(Membership, Account).join(Account, Account.id == Membership.account_id)
-    found = [Member(*row) for row in db.execute(query.where(Membership.class_id == class_id))]
+    found = [Member(*row) for row in db.execute(*_members(class_id))]
     return sorted(found, key=lambda member: (*member.sorted_by, str(member.id)))
 
 

@@ -4,12 +4,13 @@ from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, and_, func, or_, select, tuple_, update
+from sqlalchemy import ColumnElement, Select, and_, func, or_, select, tuple_, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.comments.models import Message, State, Thread
 from server.comments.schemas import News, Said
+from server.database import prepared
 from server.identity.models import Account
 from server.submissions.models import Submission
 
@@ -88,10 +89,15 @@ def sources(db: Session, submissions: Collection[UUID]) -> Mapping[UUID, Submiss
     return {one.id: one for one in db.execute(query).scalars()}
 
 
+@prepared
+def _on_page(account_id: UUID, exercise: str) -> Select[Thread]:
+    query = select(Thread).where(_of(account_id, exercise), or_(Thread.submission_id.is_(None), _is_new()))
+    return query.order_by(Thread.created_at, Thread.id).limit(MOST_SHOWN)
+
+
 def on_page(db: Session, account_id: UUID, exercise: str) -> Sequence[Thread]:
     """The threads on an exercise as a whole, and those that its student has not read, oldest first."""
-    query = select(Thread).where(_of(account_id, exercise), or_(Thread.submission_id.is_(None), _is_new()))
-    return db.execute(query.order_by(Thread.created_at, Thread.id).limit(MOST_SHOWN)).scalars().all()
+    return db.execute(*_on_page(account_id, exercise)).scalars().all()
 
 
 def _is_new() -> ColumnElement[bool]:

@@ -4,14 +4,14 @@ from collections.abc import Collection, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import and_, case, delete, func, insert, select, update
+from sqlalchemy import Select, and_, case, delete, func, insert, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, Seat, Status
 from server.classes.schemas import Member
 from server.comments.models import Note, NoteReader, Phrase
 from server.comments.schemas import Told, Word
-from server.database import table_of
+from server.database import prepared, table_of
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -112,8 +112,10 @@ def tell(db: Session, note: Note, readers: Collection[UUID]) -> None:
     db.execute(insert(table_of(NoteReader)), rows)
 
 
-def words(db: Session, account_id: UUID, exercise: str | None = None, *, unread: bool = False) -> Sequence[Word]:
-    """What somebody was told with others, newest first: on one exercise, or on all."""
+@prepared
+def _words(
+    account_id: UUID, exercise: str, *, everywhere: bool, unread: bool
+) -> Select[Note, str | None, datetime | None]:
     query = (
         select(Note, Account.name, NoteReader.seen_at)
         .join(NoteReader, NoteReader.note_id == Note.id)
@@ -121,9 +123,14 @@ def words(db: Session, account_id: UUID, exercise: str | None = None, *, unread:
         .where(NoteReader.account_id == account_id)
         .order_by(Note.created_at.desc(), Note.id)
     )
-    query = query if exercise is None else query.where(Note.exercise == exercise)
-    query = query.where(NoteReader.seen_at.is_(None)) if unread else query
-    return [Word(note, name or "", seen_at) for note, name, seen_at in db.execute(query.limit(MOST_WORDS))]
+    query = query if everywhere else query.where(Note.exercise == exercise)
+    return (query.where(NoteReader.seen_at.is_(None)) if unread else query).limit(MOST_WORDS)
+
+
+def words(db: Session, account_id: UUID, exercise: str | None = None, *, unread: bool = False) -> Sequence[Word]:
+    """What somebody was told with others, newest first: on one exercise, or on all."""
+    found = db.execute(*_words(account_id, exercise or "", everywhere=exercise is None, unread=unread))
+    return [Word(note, name or "", seen_at) for note, name, seen_at in found]
 
 
 def all_words(db: Session, account_id: UUID) -> Sequence[Word]:

@@ -10,6 +10,7 @@ from server.database.engine import (
     is_locked,
     upserting,
 )
+from server.database.prepared import prepared
 
 __all__ = [
     "MOST_CONNECTIONS",
@@ -20,6 +21,7 @@ __all__ = [
     "after_commit",
     "is_away",
     "is_locked",
+    "prepared",
     "table_of",
     "upserting",
     "utc_now",

@@ -1,24 +1,26 @@
 """Queries on gradings, attempts and open solutions. Lists never read a source, a verdict, a figure or a film."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import UTC, datetime
 from typing import Any
 from uuid import UUID, uuid4
 
-from sqlalchemy import ColumnElement, Row, and_, bindparam, exists, func, insert, or_, select, tuple_, update
+from sqlalchemy import ColumnElement, Row, Select, and_, bindparam, exists, func, insert, or_, select, tuple_, update
 from sqlalchemy.orm import Session, defer, undefer
 
 from graders.core.contract.bounds import bounded
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.classes.models import Membership, Status
-from server.database import table_of
+from server.database import prepared, table_of
 from server.gradebook.models import ClassOpening, Grading, SolutionOpening
 from server.gradebook.schemas import Graded
 from server.identity.models import Account
 from server.submissions.models import Submission
 
 _submissions = table_of(Submission)
+NEWEST_FIRST = (Submission.created_at.desc(), Submission.id.desc())
+NEVER = datetime(9999, 1, 1, tzinfo=UTC)
 
 #: What is on the way to a verdict is made once.
 LOCK = (
@@ -40,28 +42,31 @@ def attempt(db: Session, submission_id: UUID) -> Row[Submission, Grading | None]
     return db.execute(query).one_or_none()
 
 
+@prepared
+def _latest(account_id: UUID, exercise: str) -> Select[Submission, Grading | None]:
+    query = select(Submission, Grading).outerjoin(Grading, Grading.id == Submission.grading_id)
+    return query.where(_of(account_id, exercise)).order_by(*NEWEST_FIRST).limit(1)
+
+
 def latest(db: Session, account_id: UUID, exercise: str) -> Row[Submission, Grading | None] | None:
-    query = (
-        select(Submission, Grading)
-        .outerjoin(Grading, Grading.id == Submission.grading_id)
-        .where(_of(account_id, exercise))
-        .order_by(Submission.created_at.desc(), Submission.id.desc())
-    )
-    return db.execute(query.limit(1)).one_or_none()
+    return db.execute(*_latest(account_id, exercise)).one_or_none()
+
+
+@prepared
+def _attempts(
+    account_id: UUID, exercise: str, skipped: int, *, most: int
+) -> Select[int, UUID, datetime, str | None, float | None]:
+    total = select(func.count()).select_from(Submission).where(_of(account_id, exercise)).scalar_subquery()
+    query = select(total, Submission.id, Submission.created_at, Grading.outcome, Grading.score)
+    query = query.outerjoin(Grading, Grading.id == Submission.grading_id).where(_of(account_id, exercise))
+    return query.order_by(*NEWEST_FIRST).limit(most).offset(skipped)
 
 
 def attempts(
     db: Session, account_id: UUID, exercise: str, *, most: int, skipped: int
 ) -> Sequence[Row[int, UUID, datetime, str | None, float | None]]:
     """How many attempts there are; identity, time, outcome and score of some, newest first."""
-    total = select(func.count()).select_from(Submission).where(_of(account_id, exercise)).scalar_subquery()
-    query = (
-        select(total, Submission.id, Submission.created_at, Grading.outcome, Grading.score)
-        .outerjoin(Grading, Grading.id == Submission.grading_id)
-        .where(_of(account_id, exercise))
-        .order_by(Submission.created_at.desc(), Submission.id.desc())
-    )
-    return db.execute(query.limit(most).offset(skipped)).all()
+    return db.execute(*_attempts(account_id, exercise, skipped, most=most)).all()
 
 
 def count_until(db: Session, submission: Submission) -> int:
@@ -130,17 +135,25 @@ def _of(account_id: UUID, exercise: str) -> ColumnElement[bool]:
     return and_(Submission.account_id == account_id, Submission.exercise == exercise)
 
 
-def failed_digests(
-    db: Session, account_id: UUID, exercise: str, besides: Collection[str], until: datetime | None = None
-) -> int:
-    """How many different codes were graded and failed, of those sent before `until`."""
+@prepared
+def _failed_digests(
+    account_id: UUID, exercise: str, besides: Collection[str], until: datetime, *, all_times: bool
+) -> Select[int]:
     query = (
         select(func.count(Submission.digest.distinct()))
         .join(Grading, Grading.id == Submission.grading_id)
         .where(_of(account_id, exercise), Grading.outcome.in_(FAILURES), Submission.digest.not_in(besides))
     )
-    query = query if until is None else query.where(Submission.created_at < until)
-    return db.execute(query).scalar_one()
+    return query if all_times else query.where(Submission.created_at < until)
+
+
+def failed_digests(
+    db: Session, account_id: UUID, exercise: str, besides: Collection[str], until: datetime | None = None
+) -> int:
+    """How many different codes were graded and failed, of those sent before `until`."""
+    asked = _failed_digests(account_id, exercise, besides, until or NEVER, all_times=until is None)
+    found: int = db.execute(*asked).scalar_one()
+    return found
 
 
 def locked(db: Session, submission_id: UUID) -> Row[UUID, str, datetime, UUID | None] | None:
@@ -232,8 +245,10 @@ def class_opening(db: Session, class_id: UUID, exercise: str) -> ClassOpening | 
     return db.get(ClassOpening, (class_id, exercise))
 
 
-def access(db: Session, account_id: UUID, exercise: str, teaching: ColumnElement[bool]) -> Row[bool, bool, bool]:
-    """Whether the solution is open to everyone; to a class that this account is in; and `teaching`."""
+@prepared
+def _access(
+    account_id: UUID, exercise: str, module: str, *, teaching: Callable[[UUID, str], ColumnElement[bool]]
+) -> Select[bool, bool, bool]:
     to_all = exists().where(SolutionOpening.exercise == exercise)
     to_class = exists().where(
         ClassOpening.exercise == exercise,
@@ -241,7 +256,15 @@ def access(db: Session, account_id: UUID, exercise: str, teaching: ColumnElement
         Membership.account_id == account_id,
         Membership.status == Status.active,
     )
-    return db.execute(select(to_all, to_class, teaching)).one()
+    return select(to_all, to_class, teaching(account_id, module))
+
+
+def access(
+    db: Session, account_id: UUID, exercise: str, module: str, teaching: Callable[[UUID, str], ColumnElement[bool]]
+) -> Row[bool, bool, bool]:
+    """Whether the solution is open to everyone; to a class that this account is in; and `teaching`, of the account and
+    the module."""
+    return db.execute(*_access(account_id, exercise, module, teaching=teaching)).one()
 
 
 def classes_opened(db: Session, exercise: str, classes: Collection[UUID]) -> frozenset[UUID]:

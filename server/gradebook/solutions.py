@@ -74,8 +74,8 @@ def access(db: Session, account: Account | None, exercise_id: str) -> Access:
     """In one query, besides what is held back."""
     if account is None:
         return Access(repository.opening(db, exercise_id) is not None, False, False)
-    teaching = rights.teaching(account.id, rights.module_of(exercise_id))
-    to_all, to_class, teaches = repository.access(db, account.id, exercise_id, teaching)
+    module = rights.module_of(exercise_id)
+    to_all, to_class, teaches = repository.access(db, account.id, exercise_id, module, rights.teaching)
     known = feedback.of(db, account.id, exercise_id)
     return Access(to_all, to_class, teaches or account.is_teacher, known.hints, known.solution)
 

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass, fields
 from datetime import datetime
 from functools import cache
 from itertools import groupby
+from typing import Protocol
 from uuid import UUID
 
 from sqlalchemy import Insert, Select, and_, case, delete, func, or_, select, union
@@ -12,7 +13,7 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
-from server.database import table_of, upserting
+from server.database import prepared, table_of, upserting
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -24,6 +25,22 @@ Rows = Select[UUID, str, float, int, str, str | None, datetime | None, datetime]
 
 
 Standings = Mapping[tuple[UUID, str], "Sums"]
+
+
+class Countable(Protocol):
+    """What tells as much as `Counted`."""
+
+    @property
+    def sent_at(self) -> datetime: ...
+
+    @property
+    def outcome(self) -> str: ...
+
+    @property
+    def score(self) -> float: ...
+
+    @property
+    def diagnosis(self) -> str | None: ...
 
 
 @dataclass(frozen=True)
@@ -51,7 +68,7 @@ class Sums:
 SUMMED = tuple(field.name for field in fields(Sums))
 
 
-def sums_of(counted: Sequence[Counted]) -> Sums:
+def sums_of(counted: Sequence[Countable]) -> Sums:
     """Of attempts in the order in which they were sent, one at least."""
     successes = [attempt.sent_at for attempt in counted if attempt.outcome == Outcome.OK]
     last = counted[-1]
@@ -187,11 +204,16 @@ def _by_key(db: Session, query: Rows) -> Standings:
     return {(row[0], row[1]): Sums(*row[2:]) for row in db.execute(query)}
 
 
+@prepared
+def _of_account(account_id: UUID, exercise: str, *, everywhere: bool) -> Rows:
+    query = _rows().where(Standing.account_id == account_id)
+    return query if everywhere else query.where(Standing.exercise == exercise)
+
+
 def of_account(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, Sums]:
     """An account's standings, by exercise."""
-    query = _rows().where(Standing.account_id == account_id)
-    query = query if exercise is None else query.where(Standing.exercise == exercise)
-    return {row[1]: Sums(*row[2:]) for row in db.execute(query)}
+    found = db.execute(*_of_account(account_id, exercise or "", everywhere=exercise is None))
+    return {row[1]: Sums(*row[2:]) for row in found}
 
 
 def of_class(db: Session, accounts: Collection[UUID], exercises: Collection[str]) -> Standings:

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, and_, delete, func, or_, select, update
+from sqlalchemy import ColumnElement, Select, and_, delete, func, or_, select, update
 from sqlalchemy.orm import Session
 
-from server.database import upserting, utc_now
+from server.database import prepared, upserting, utc_now
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, PasswordLink, Role
 
 _enabled = Account.disabled_at.is_(None)
@@ -21,13 +21,17 @@ def by_login(db: Session, login: str) -> Account | None:
     return db.execute(select(Account).where(Account.login == login)).scalar_one_or_none()
 
 
-def by_session(db: Session, token_digest: str, now: datetime) -> Account | None:
-    query = (
+@prepared
+def _by_session(token_digest: str, now: datetime) -> Select[Account]:
+    return (
         select(Account)
         .join(BrowserSession, BrowserSession.account_id == Account.id)
         .where(BrowserSession.token_digest == token_digest, BrowserSession.expires_at > now, _enabled)
     )
-    return db.execute(query).scalar_one_or_none()
+
+
+def by_session(db: Session, token_digest: str, now: datetime) -> Account | None:
+    return db.execute(*_by_session(token_digest, now)).scalar_one_or_none()
 
 
 def by_api_token(db: Session, token_digest: str, now: datetime) -> tuple[Account, datetime | None] | None:

@@ -65,7 +65,7 @@ def graded(
     query = query if until is None else query.where(Submission.created_at <= until)
     sent: dict[Key, list[Sent]] = defaultdict(list)
     gradings: dict[UUID, str] = {}
-    for account_id, exercise, name, at, score, grading_id in db.execute(query):
+    for account_id, exercise, name, at, score, grading_id in db.execute(query).all():
         sent[account_id, exercise].append(Sent(name, at, score))
         gradings[name] = str(grading_id)
     return sent, gradings

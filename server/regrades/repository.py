@@ -6,12 +6,12 @@ from datetime import datetime
 from typing import Any
 from uuid import UUID, uuid4
 
-from sqlalchemy import Row, bindparam, func, insert, select, tuple_, update
+from sqlalchemy import Row, Select, bindparam, func, insert, select, tuple_, update
 from sqlalchemy.orm import Session, aliased
 
 from graders.core.contract.outcomes import Outcome
 from server.classes.models import Membership, Seat, Status
-from server.database import table_of
+from server.database import prepared, table_of
 from server.gradebook.models import Grading
 from server.regrades.models import Regrade, RegradeItem
 from server.regrades.schemas import Copy, Outdated, Told
@@ -171,9 +171,9 @@ def sent_since(db: Session, accounts: Collection[UUID], exercise: str, when: dat
     return dict(db.execute(query).all())
 
 
-def told(db: Session, grading_id: UUID) -> Told | None:
-    """Of the regrade that is applied, and has this grading count."""
-    query = (
+@prepared
+def _told(grading_id: UUID) -> Select[datetime | None, float | None, float | None, Any]:
+    return (
         select(Regrade.applied_at, _before.score, _after.score, RegradeItem.why)
         .select_from(RegradeItem)
         .join(Regrade, Regrade.id == RegradeItem.regrade_id)
@@ -181,7 +181,11 @@ def told(db: Session, grading_id: UUID) -> Told | None:
         .join(_after, _after.id == RegradeItem.after_id)
         .where(RegradeItem.after_id == grading_id, RegradeItem.moved, Regrade.undone_at.is_(None))
     )
-    row = db.execute(query).one_or_none()
+
+
+def told(db: Session, grading_id: UUID) -> Told | None:
+    """Of the regrade that is applied, and has this grading count."""
+    row = db.execute(*_told(grading_id)).one_or_none()
     if row is None or row[0] is None:
         return None
     return Told(row[0], row[1], row[2], tuple(map(Reason.from_json, row[3])))

@@ -9,6 +9,7 @@ from sqlalchemy.orm import Session, aliased
 
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.classes.schemas import Member
+from server.database import prepared
 from server.identity.models import Account
 
 STAFF = (Seat.assistant, Seat.teacher)
@@ -63,10 +64,10 @@ def seen_through(db: Session, reader: UUID | None, author: UUID, module: str) ->
     return None if row is None else Member(*row)
 
 
-def has_readers(db: Session, author: UUID, module: str) -> bool:
-    """Is there somebody to read what is sent now: who teaches or helps in an open class in which the author learns?"""
+@prepared
+def _has_readers(author: UUID, module: str) -> Select[UUID]:
     staff = aliased(Membership)
-    query = (
+    return (
         select(SchoolClass.id)
         .join(Membership, Membership.class_id == SchoolClass.id)
         .join(staff, staff.class_id == SchoolClass.id)
@@ -78,8 +79,13 @@ def has_readers(db: Session, author: UUID, module: str) -> bool:
             staff.role.in_(STAFF),
             staff.status == Status.active,
         )
+        .limit(1)
     )
-    return db.execute(query.limit(1)).first() is not None
+
+
+def has_readers(db: Session, author: UUID, module: str) -> bool:
+    """Is there somebody to read what is sent now: who teaches or helps in an open class in which the author learns?"""
+    return db.execute(*_has_readers(author, module)).first() is not None
 
 
 def teaching(account_id: UUID, module: str) -> ColumnElement[bool]:

@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, and_, func, or_, select, update
+from sqlalchemy import ColumnElement, Select, and_, func, or_, select, update
 from sqlalchemy.orm import Session, defer
 
-from server.database import upserting, utc_now
+from server.database import prepared, upserting, utc_now
 from server.submissions.models import Deal, Submission
 
 
@@ -21,15 +21,19 @@ def ungraded(db: Session) -> Sequence[Submission]:
     return db.execute(query.order_by(Submission.created_at, Submission.id)).scalars().all()
 
 
-def waiting(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, int]:
-    """How many of an account's submissions wait for their first grading, by exercise (in all, or in one alone)."""
+@prepared
+def _waiting(account_id: UUID, exercise: str, *, everywhere: bool) -> Select[str, int]:
     query = (
         select(Submission.exercise, func.count())
         .where(Submission.account_id == account_id, Submission.grading_id.is_(None))
         .group_by(Submission.exercise)
     )
-    query = query if exercise is None else query.where(Submission.exercise == exercise)
-    return dict(db.execute(query).all())
+    return query if everywhere else query.where(Submission.exercise == exercise)
+
+
+def waiting(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, int]:
+    """How many of an account's submissions wait for their first grading, by exercise (in all, or in one alone)."""
+    return dict(db.execute(*_waiting(account_id, exercise or "", everywhere=exercise is None)).all())
 
 
 def waiting_or_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:

@@ -2,11 +2,11 @@
 
     PYTHONPATH=. python tests/benchmarks/bench_paint.py [--rounds 3] [--devtools]
 
-Over `balise serve` as it starts, with a processor that is held back fourfold and the network of *slow 4G*: the figures of
-Lighthouse (1.6 Mbit/s down, 750 kbit/s up, 150 ms for a round trip), or with `--devtools` those of the preset of that name
-in Chromium's tools (the same lines at nine tenths, 562.5 ms a request, which imitates that each takes several round
-trips). Cold: nothing is kept of an earlier visit; warm: the page was read before. `answer`: from a key (in the editor), or
-else a click (on the button of the theme), until what it changed is painted, by the browser's own Event Timing.
+Over `balise serve` as it starts, with a processor that is held back fourfold and the network of *slow 4G*: the figures
+of Lighthouse (1.6 Mbit/s down, 750 kbit/s up, 150 ms for a round trip), or with `--devtools` those of the preset of
+that name in Chromium's tools (nine tenths of these lines and 562.5 ms a request, as each takes several round trips).
+Cold: nothing is kept of an earlier visit; warm: the page was read before. `answer`: from a key (in the editor), or else
+a click (on the button of the theme), until what it changed is painted, by the browser's own Event Timing.
 
 Goals: a first paint within 1.8 s cold, which Lighthouse calls good, and 1 s warm; an answer within 100 ms. Medians, raw
 and normalised: what the page waits of the network does not change with the machine, so that they tell the most and the

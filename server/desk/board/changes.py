@@ -11,7 +11,7 @@ from server.board.schemas import Board
 from server.course import Course
 from server.desk.board.schemas import CountsView
 from server.desk.board.shown import Shown
-from server.desk.board.views import cell_view, mistake_rows
+from server.desk.board.views import cell_html, key_of, mistake_rows
 from server.submissions.events import sse
 from server.web.rendering import environment
 
@@ -45,8 +45,8 @@ def _parts(view: Page, before: Board, shown: Board) -> list[tuple[str, str]]:
     macros: Any = environment().get_template("classes/board_parts.html").module
     told = []
     for cell in shown.changed_since(before):
-        one = cell_view(view.href, cell, shown.titles)
-        told.append(("cell", json.dumps({"key": one.key, "html": root.written(str(macros.cell(one)))})))
+        html = root.written(str(cell_html(view.href, cell, shown.titles)))
+        told.append(("cell", json.dumps({"key": key_of(cell), "html": html})))
     if before.counts != shown.counts:
         told.append(("counts", root.written(str(macros.counts(CountsView(**vars(shown.counts)))))))
     if before.misconceptions != shown.misconceptions:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from markupsafe import Markup
+
 from server.desk.schemas import ClassHead, CodeView
 
 
@@ -26,7 +28,7 @@ class RowView:
     href: str
     groups: tuple[str, ...]
     solved: int
-    cells: tuple[CellView, ...]
+    cells: tuple[Markup, ...]
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
 from urllib.parse import urlencode
+
+from markupsafe import Markup
 
 from server.board import service
 from server.board.schemas import Cell, Misconception, State, Student
@@ -17,11 +21,13 @@ from server.desk.board.shown import Shown, mistake_href, work_href
 from server.desk.views import code_view, group_counts, head, href_of
 from server.rights.models import Right
 from server.rights.service import Place
+from server.web.rendering import environment
 from server.web.views import Reader
 from server.web.words import mark, moment, moment_text, plural, points
 
 STUDENTS_A_PAGE = 60
 MISTAKES_AT_FIRST = 12
+MOST_CELLS = 16_384  # kept as they were drawn
 BY_NAME, BY_SUCCESS, BY_TROUBLE = "nom", "reussis", "bloques"
 SIGNS = {State.none: "·", State.trying: "…", State.stuck: "!", State.solved: "✓"}
 WORDS = {
@@ -156,24 +162,41 @@ def _row(shown: Shown, student: Student) -> RowView:
         href=f"{shown.href}/eleves/{student.id}",
         groups=student.groups,
         solved=_solved(cells),
-        cells=tuple(cell_view(shown.href, cell, shown.board.titles) for cell in cells),
+        cells=tuple(cell_html(shown.href, cell, shown.board.titles) for cell in cells),
     )
 
 
-def cell_view(class_href: str, cell: Cell, titles: Mapping[tuple[str, str], str]) -> CellView:
-    """`titles`: those of misconceptions, by exercise and id."""
+def cell_html(class_href: str, cell: Cell, titles: Mapping[tuple[str, str], str]) -> Markup:
+    """The cell as the page and its stream show it; `titles`: those of misconceptions, by exercise and id."""
+    name = cell.misconception
+    return _drawn(class_href, cell, "" if name is None else titles.get((cell.exercise, name), name))
+
+
+@lru_cache(maxsize=MOST_CELLS)
+def _drawn(class_href: str, cell: Cell, title: str) -> Markup:
+    """Most cells of a board are what they were a moment ago, and drawing all of them is most of what it costs."""
+    macros: Any = environment().get_template("classes/board_parts.html").module
+    return Markup(macros.cell(cell_view(class_href, cell, title)))
+
+
+def cell_view(class_href: str, cell: Cell, title: str) -> CellView:
+    """`title` is that of its misconception, if it has one."""
     tried = cell.attempts > 0
     label = WORDS[cell.state] + (f", {plural(cell.attempts, 'essai')}" if tried else "")
     if cell.misconception is not None and cell.state is not State.solved:
-        label += f" : {titles.get((cell.exercise, cell.misconception), cell.misconception)}"
+        label += f" : {title}"
     return CellView(
-        key=f"{cell.student} {cell.exercise}",
+        key=key_of(cell),
         kind=cell.state.value,
         sign=SIGNS[cell.state],
         text="" if cell.points is None else mark(cell.points),
         label=label,
         href=work_href(class_href, cell.student, cell.exercise) if tried else "",
     )
+
+
+def key_of(cell: Cell) -> str:
+    return f"{cell.student} {cell.exercise}"
 
 
 def mistake_rows(shown: Shown, *, everything: bool) -> tuple[MistakeRow, ...]:
