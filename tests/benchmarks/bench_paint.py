@@ -8,9 +8,9 @@ that name in Chromium's tools (nine tenths of these lines and 562.5 ms a request
 Cold: nothing is kept of an earlier visit; warm: the page was read before. `answer`: from a key (in the editor), or else
 a click (on the button of the theme), until what it changed is painted, by the browser's own Event Timing.
 
-Goals: a first paint within 1.8 s cold, which Lighthouse calls good, and 1 s warm; an answer within 100 ms. Medians, raw
-and normalised: what the page waits of the network does not change with the machine, so that they tell the most and the
-least that it could be.
+Goals: a first paint within 1.8 s cold, which Lighthouse calls good, and 1 s warm; what is typed within 100 ms, a click
+within 200, which Chromium calls good. Medians, raw and normalised: what is waited for of the network does not change
+with the machine, so that these are the two ends between which the truth is.
 """
 
 from __future__ import annotations
@@ -32,10 +32,11 @@ LIGHTHOUSE = {"latency": 150, "downloadThroughput": 1.6e6 / 8, "uploadThroughput
 DEVTOOLS = {"latency": 562.5, "downloadThroughput": 0.9 * 1.6e6 / 8, "uploadThroughput": 0.9 * 750e3 / 8}
 SLOWER = 4
 TELEPHONE = {"width": 390, "height": 844}
-COLD_GOAL, WARM_GOAL, ANSWER_GOAL = 1800.0, 1000.0, 100.0
+COLD_GOAL, WARM_GOAL = 1800.0, 1000.0
+TYPED_GOAL, CLICKED_GOAL = 100.0, 200.0
 REFERENCE = 500.0  # milliseconds that ten million additions take on the machine that normalised figures are of
 MEASURED, TIMES = 1_000_000, 10
-EDITOR = ".cm-content"
+EDITOR, READY = ".cm-content", "html.has-editor"  # what is typed into; by what the page says that it may be
 #: Notes what the browser measures itself, from its first moment.
 WATCH = """
 window.seen = { largest: 0, editor: 0, shift: 0, answers: [] };
@@ -47,11 +48,11 @@ watch("event", (one) => {
   if (["keydown", "pointerup", "click"].includes(one.name)) window.seen.answers.push(one.duration);
 }, { durationThreshold: 16 });
 new MutationObserver((_, self) => {
-  if (!document.querySelector("EDITOR")) return;
+  if (!document.querySelector("READY")) return;
   window.seen.editor = performance.now();
   self.disconnect();
-}).observe(document, { childList: true, subtree: true });
-""".replace("EDITOR", EDITOR)
+}).observe(document, { childList: true, subtree: true, attributeFilter: ["class"] });
+""".replace("READY", READY)
 FIRST = "performance.getEntriesByName('first-contentful-paint')[0]?.startTime ?? 0"
 
 
@@ -72,8 +73,12 @@ class Visit:
         return WARM_GOAL if self.warm else COLD_GOAL
 
     @property
+    def answer_goal(self) -> float:
+        return TYPED_GOAL if self.editor else CLICKED_GOAL
+
+    @property
     def met(self) -> bool:
-        return median(self.first) <= self.goal and median(self.answer) <= ANSWER_GOAL
+        return median(self.first) <= self.goal and median(self.answer) <= self.answer_goal
 
 
 @dataclass(frozen=True)
@@ -98,7 +103,7 @@ def visit(context: BrowserContext, address: str, into: Visit, network: dict[str,
     page.goto(address, wait_until="load", timeout=120_000)
     edits = "/exercices/" in address
     if edits:
-        page.wait_for_selector(EDITOR, timeout=120_000)
+        page.wait_for_selector(READY, timeout=120_000)
     page.wait_for_function(f"({FIRST}) > 0")
     page.wait_for_timeout(300)
     seen = page.evaluate("window.seen")
@@ -155,7 +160,13 @@ def row(one: Visit, unit: float) -> list[str]:
     raw = [median(one.first), median(one.largest), median(one.editor) if one.editor else None, median(one.answer)]
     cells = ["" if value is None else f"{figure(value)} ({figure(value * REFERENCE / unit)})" for value in raw]
     name = f"{one.name}, {'warm' if one.warm else 'cold'}"
-    return [name, *cells, figure(median(one.shift)), figure(one.goal), "met" if one.met else "not met"]
+    return [
+        name,
+        *cells,
+        figure(median(one.shift)),
+        f"{one.goal:.0f}, {one.answer_goal:.0f}",
+        "met" if one.met else "not met",
+    ]
 
 
 def main() -> None:
@@ -164,9 +175,9 @@ def main() -> None:
     parser.add_argument("--devtools", action="store_true")
     arguments = parser.parse_args()
     found = measured(arguments.rounds, DEVTOOLS if arguments.devtools else LIGHTHOUSE)
-    head = ["page", "first paint, ms (norm.)", "largest", "editor", "answer", "shift", "goal of the first", ""]
+    head = ["page", "first paint, ms (norm.)", "largest", "editor", "answer", "shift", "goals: first, answer", ""]
     print(table(head, [row(one, found.unit) for one in found.visits]))
-    print(f"additions: {found.unit:.0f} ms; an answer's goal: {ANSWER_GOAL:.0f} ms")
+    print(f"additions: {found.unit:.0f} ms")
 
 
 if __name__ == "__main__":

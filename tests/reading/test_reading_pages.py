@@ -109,6 +109,52 @@ def test_a_page_that_has_not_changed_is_not_sent_again(small_site: SmallSite) ->
     assert small_site.client.get(READ, headers={"If-None-Match": tag}).status_code == 200
 
 
+OWN, PACKED = "private, no-cache", "Accept-Encoding"
+#: Of each kind of answer: how long it may be kept, what it depends on beside its address, and whether it has a tag.
+KEPT = {
+    **dict.fromkeys(("/", "/m9", READ, "/m9/glossaire", PAGE, f"{PAGE}/essais", "{attempt}"), (OWN, PACKED, True)),
+    "/m9/recherche?q=pose": (OWN, PACKED, True),
+    "/m9/lire/rien": (OWN, PACKED, False),
+    "{attempt}/verdict": ("private, no-store", PACKED, False),
+    "{attempt}/evenements": ("no-store", None, False),
+    "/m9/fichiers/rien.zip": (OWN, PACKED, False),
+    "/static/old/img/favicon.svg": ("no-cache", PACKED, True),
+}
+
+
+def test_what_may_be_kept_of_each_answer(small_site: SmallSite) -> None:
+    attempt = small_site.attempt("x = 1", verdict())
+    found = {path: small_site.client.get(path.format(attempt=attempt)).headers for path in KEPT}
+    told = {path: (one.get("cache-control"), one.get("vary"), "etag" in one) for path, one in found.items()}
+    assert told == KEPT
+
+
+def test_nobody_is_sent_what_another_was(small_site: SmallSite) -> None:
+    """Whoever shares a browser, or knows the tag of somebody's page, is shown their own."""
+    attempt = small_site.attempt("x = 'à moi'", verdict())
+    form = {"name": "Ada Lovelace", "login": "ada", "password": "une phrase assez longue"}
+    small_site.client.post("/inscription", data=form)
+    other = small_site.another()
+    for path in ("/", "/m9", READ, PAGE, f"{PAGE}/essais"):
+        mine = small_site.client.get(path)
+        theirs = other.client.get(path, headers={"If-None-Match": mine.headers["etag"]})
+        assert "Ada Lovelace" in mine.text
+        assert theirs.status_code == 200
+        assert "Ada Lovelace" not in theirs.text
+        assert "à moi" not in theirs.text
+        assert small_site.client.get(path, headers={"If-None-Match": mine.headers["etag"]}).status_code == 304
+    assert other.client.get(attempt).status_code == 404
+
+
+def test_a_lesson_is_the_same_however_it_travels(small_site: SmallSite) -> None:
+    plain = small_site.client.get(READ, headers={"Accept-Encoding": "identity"})
+    packed = small_site.client.get(READ, headers={"Accept-Encoding": "gzip"})
+    assert [one.headers.get("content-encoding") for one in (plain, packed)] == [None, "gzip"]
+    assert plain.text == packed.text
+    assert plain.headers["etag"] == packed.headers["etag"]
+    assert "<!--" not in plain.text
+
+
 def test_a_drawing_that_one_has_is_not_sent_again(small_site: SmallSite) -> None:
     class Drawn:
         async def of_lesson(self, *_: str) -> bytes:

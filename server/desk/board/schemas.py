@@ -28,7 +28,7 @@ class RowView:
     href: str
     groups: tuple[str, ...]
     solved: int
-    cells: tuple[Markup, ...]
+    cells: Markup
 
 
 @dataclass(frozen=True)

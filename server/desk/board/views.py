@@ -162,7 +162,7 @@ def _row(shown: Shown, student: Student) -> RowView:
         href=f"{shown.href}/eleves/{student.id}",
         groups=student.groups,
         solved=_solved(cells),
-        cells=tuple(cell_html(shown.href, cell, shown.board.titles) for cell in cells),
+        cells=Markup("".join(cell_html(shown.href, cell, shown.board.titles) for cell in cells)),
     )
 
 

@@ -1,0 +1,41 @@
+"""Pages that are put together from what was compressed once and what is compressed each time."""
+
+from __future__ import annotations
+
+import gzip
+import zlib
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from markupsafe import Markup
+
+from server.web import packing
+
+TEXT = st.text(max_size=60) | st.text(max_size=3).map(lambda text: text * 9000)
+
+
+@settings(max_examples=25)
+@given(before=TEXT, long=TEXT, after=TEXT)
+def test_what_is_unpacked_is_the_page(before: str, long: str, after: str) -> None:
+    whole = (before + long + after).encode()
+    page = packing.page(f"{before}{packing.PLACE}{after}", long)
+    reader = zlib.decompressobj(16 + zlib.MAX_WBITS)
+    assert reader.decompress(page.packed) == whole, "as a browser reads it: one member, whose checksum is right"
+    assert (reader.eof, reader.unused_data) == (True, b"")
+    assert page.plain == whole
+    alone = packing.page(whole.decode(), "elsewhere")
+    assert (alone.plain, gzip.decompress(alone.packed)) == (whole, whole), "nothing comes where it has no place"
+
+
+def test_a_tag_is_of_all_that_is_sent() -> None:
+    place = packing.PLACE
+    pages = [packing.page(html, long) for html, long in ((f"a{place}b", "x"), (f"a{place}b", "y"), (f"a{place}c", "x"))]
+    pages += [packing.page(html, "x") for html in (f"d{place}b", "ab", "axb")]
+    assert len({page.tag for page in pages}) == len(pages)
+    assert packing.page(f"a{place}b", "x").tag == pages[0].tag
+
+
+def test_nobody_can_write_where_the_long_part_comes() -> None:
+    place = str(packing.PLACE)
+    assert len(place) > 32, "it cannot be guessed"
+    assert place not in Markup("<p>%s</p>") % place
