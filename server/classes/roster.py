@@ -6,6 +6,7 @@ import re
 import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from server.base.errors import Invalid
 from server.classes.models import EMAIL_LENGTH, NAME_LENGTH
@@ -69,6 +70,7 @@ class Roster:
     has_groups: bool
 
 
+@lru_cache(maxsize=8192)
 def folded(text: str) -> str:
     """Without accents, case and signs: what makes two spellings of a name the same."""
     plain = "".join(sign for sign in unicodedata.normalize("NFKD", text) if not unicodedata.combining(sign))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from datetime import datetime
-from functools import partial
+from functools import lru_cache, partial
 from urllib.parse import urlencode
 
 from markupsafe import Markup
@@ -125,7 +125,13 @@ def code_view(school_class: SchoolClass, base: str) -> CodeView | None:
     if code is None or until is None:
         return None
     address = f"{base}/rejoindre/{code}"
-    return CodeView(shown_code(code), address, qr(address), moment(until), moment_text(until))
+    return CodeView(shown_code(code), address, _qr_of_class(address), moment(until), moment_text(until))
+
+
+@lru_cache(maxsize=128)
+def _qr_of_class(address: str) -> str:
+    """It stands beside the list of the students; links of one person are not kept."""
+    return qr(address)
 
 
 def qr(address: str) -> str:

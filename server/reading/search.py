@@ -112,7 +112,9 @@ class Index:
         every = " AND ".join(map(_any, kin))
         family = " AND ".join(self._family(word, alike) for word, alike in zip(terms, kin, strict=True))
         hits: dict[int, HitView] = {}
-        for match in (phrases, every, family):
+        for match in dict.fromkeys((phrases, every, family)):
+            if len(hits) >= most:
+                break  # what comes later only follows
             hits = hits | {place: hit for place, hit in self._hits(match, most).items() if place not in hits}
         return tuple((hits or self._hits(" OR ".join(map(_any, kin)), most)).values())[:most]
 

@@ -15,10 +15,8 @@ from server.identity.models import Account
 STAFF = (Seat.assistant, Seat.teacher)
 
 
-def reads_work(
-    db: Session, reader: UUID, author: UUID, module: str, sent_at: datetime, seats: Sequence[Seat] = STAFF
-) -> bool:
-    """Has the reader one of these seats in a class of this module in which the author is, or was at that time?"""
+@prepared
+def _reads_work(reader: UUID, author: UUID, module: str, sent_at: datetime, *, seats: tuple[Seat, ...]) -> Select[UUID]:
     staff, student = aliased(Membership), aliased(Membership)
     query = (
         select(SchoolClass.id)
@@ -41,7 +39,14 @@ def reads_work(
             ),
         )
     )
-    return db.execute(query.limit(1)).first() is not None
+    return query.limit(1)
+
+
+def reads_work(
+    db: Session, reader: UUID, author: UUID, module: str, sent_at: datetime, seats: Sequence[Seat] = STAFF
+) -> bool:
+    """Has the reader one of these seats in a class of this module in which the author is, or was at that time?"""
+    return db.execute(*_reads_work(reader, author, module, sent_at, seats=tuple(seats))).first() is not None
 
 
 def seen_through(db: Session, reader: UUID | None, author: UUID, module: str) -> Member | None:

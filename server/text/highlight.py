@@ -11,6 +11,13 @@ from pygments.lexer import Lexer
 from pygments.lexers import get_lexer_by_name
 from pygments.util import ClassNotFound
 
+from server.base.caches import Lately
+
+FORMATTER = HtmlFormatter(nowrap=True)
+MOST_DRAWN = 2_000_000  # characters of HTML
+#: The attempt that one looks at is looked at again, and the solution of an exercise by all.
+_drawn: Lately[tuple[str, str], str] = Lately(MOST_DRAWN, len)
+
 
 def highlight(code: str, language: str = "python") -> str:
     """A whole `<pre>` element; plain where the language is unknown or not said."""
@@ -33,7 +40,8 @@ def _body(code: str, language: str) -> str:
     lexer = _lexer(language)
     if lexer is None:
         return html.escape(code)
-    return str(draw(code, lexer, HtmlFormatter(nowrap=True)))
+    known = _drawn.get((code, language))
+    return known if known is not None else _drawn.put((code, language), str(draw(code, lexer, FORMATTER)))
 
 
 @lru_cache(maxsize=16)
