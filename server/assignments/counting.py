@@ -39,11 +39,16 @@ class Result:
     attempts: int
 
 
-def result(rules: Rules, counts: Counts, attempts: Iterable[Sent]) -> Result:
+NOTHING = Result(None, None, 0)
+
+
+def result(rules: Rules, counts: Counts, attempts: Sequence[Sent]) -> Result:
     """Of a student's attempts at one exercise, in any order, but errors of ours.
 
     Of equals the earliest counts as best. An attempt outside the dates is as if it had not been sent.
     """
+    if not attempts:
+        return NOTHING
     marks = _marks(rules, sorted(attempts, key=lambda one: (one.sent_at, one.id.int)))
     on_time = _best([mark for mark in marks if not mark.days_late])
     if counts is Counts.last:

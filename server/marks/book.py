@@ -134,17 +134,31 @@ class _Material:
     ) -> None:
         self.exercises, self.exemptions, self.sittings, self.now = exercises, exemptions, sittings, now
 
+        self._asked = {
+            assignment: [(one.exercise, one.weight) for one in asked] for assignment, asked in exercises.items()
+        }
+        self._common: dict[UUID, Rules] = {}
+
     def mark(self, assignment: Assignment, member: Member, found: _Found) -> AssignmentMark:
-        rules = in_force(assignment, self.exemptions.get(assignment.id, ()), member.id, member.groups)
+        rules, student = self._rules(assignment, member), member.id
         counts = Counts(assignment.counts)
         marks = tuple(
-            found.at(key, self._sent(assignment, key, found), one.weight, rules, counts)
-            for one in self.exercises.get(assignment.id, ())
-            for key in [(member.id, one.exercise)]
+            found.at(key, self._sent(assignment, key, found), weight, rules, counts)
+            for exercise, weight in self._asked.get(assignment.id, ())
+            for key in [(student, exercise)]
         )
         sat = (assignment.id, member.id) in self.sittings
         ended = self._ended(assignment, rules, member.id)
         return AssignmentMark(rules, state_of(rules, marks, self.now, sat=sat, ended=ended), marks, ended)
+
+    def _rules(self, assignment: Assignment, member: Member) -> Rules:
+        """The same ones for all where nobody has an exemption."""
+        exemptions = self.exemptions.get(assignment.id, ())
+        if exemptions:
+            return in_force(assignment, exemptions, member.id, member.groups)
+        if assignment.id not in self._common:
+            self._common[assignment.id] = in_force(assignment, (), member.id, ())
+        return self._common[assignment.id]
 
     def _ended(self, assignment: Assignment, rules: Rules, student: UUID) -> bool:
         """Whether it is a test in which this student can send nothing any more, whatever its dates: they have handed
