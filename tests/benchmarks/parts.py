@@ -102,21 +102,19 @@ def http(wanted: Wanted) -> list[Row]:
 
 
 def pages(wanted: Wanted) -> list[Row]:
-    import httpx
+    from tests.benchmarks import bench_pages
 
-    from tests.benchmarks import bench_http, bench_pages
+    return bench_pages.rows(wanted.rounds(30))
 
-    found, pace = [], Pace()
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        bench_http.server(Path(folder)) as address,
-        httpx.Client(base_url=address, timeout=60) as client,
-    ):
-        for path in bench_pages.pages(client, "l20"):
-            pace.sample()
-            found.append((bench_pages.timed(client, path, wanted.rounds(50), {})[1], path))
-    slowest, path = max(found)
-    return [Row(f"the page that takes longest, over HTTP: {path}", "ms", slowest, slowest * pace.wall, goal=Goal(5))]
+
+def paint(wanted: Wanted) -> list[Row]:
+    try:
+        from tests.benchmarks import bench_paint as bench
+    except ImportError as error:
+        return [Row.missing("first paint on slow 4G", str(error))]
+    if bench.chromium() is None:
+        return [Row.missing("first paint on slow 4G", "Chromium is not installed", bench.COLD_GOAL)]
+    return bench.rows(wanted.rounds(5))
 
 
 def scripts(_: Wanted) -> list[Row]:
@@ -231,6 +229,7 @@ PARTS = (
     Part("throughput", throughput),
     Part("euros", euros),
     Part("pages", pages),
+    Part("paint", paint, slow=True),
     Part("scripts", scripts),
     Part("lighthouse", lighthouse, patience=900.0, slow=True),
     Part("start", start),
