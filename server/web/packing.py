@@ -47,10 +47,18 @@ class Steady:
         return found
 
 
-@lru_cache(maxsize=MOST_KEPT)
+def _written(html: str) -> bytes:
+    return root.written(str(html)).encode()  # as plain text: what is put into markup is escaped
+
+
 def steady(html: str) -> Steady:
     """Of the HTML of the part, whose addresses are still the service's own."""
-    content = root.written(html).encode()
+    return _steady(html, root.root())
+
+
+@lru_cache(maxsize=MOST_KEPT)
+def _steady(html: str, _root: str) -> Steady:
+    content = _written(html)
     packer = zlib.compressobj(STEADY_LEVEL, zlib.DEFLATED, RAW)
     packed = packer.compress(content) + packer.flush(zlib.Z_FULL_FLUSH)
     crc = zlib.crc32(content)
@@ -77,7 +85,7 @@ class Page:
 
     @property
     def plain(self) -> bytes:
-        return self.before if self.long is None else self.before + root.written(self.long).encode() + self.after
+        return self.before if self.long is None else self.before + _written(self.long) + self.after
 
     @property
     def packed(self) -> bytes:

@@ -211,7 +211,7 @@ def test_our_own_failure_is_told_as_elsewhere_and_its_address_in_no_log(
         raise RuntimeError("ours")
 
     client = TestClient(site.app, follow_redirects=False, raise_server_exceptions=False)
-    monkeypatch.setattr(Database, "read", fail)
+    monkeypatch.setattr(Database, "reading", fail)
     page = client.get("/balise/l20/lire/le-secret-du-lien")
     assert page.status_code == 500
     assert "frame-ancestors 'none'" in page.headers["content-security-policy"]

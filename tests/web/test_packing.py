@@ -5,10 +5,12 @@ from __future__ import annotations
 import gzip
 import zlib
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from markupsafe import Markup
 
+from server.base import root
 from server.web import packing
 
 TEXT = st.text(max_size=60) | st.text(max_size=3).map(lambda text: text * 9000)
@@ -33,6 +35,15 @@ def test_a_tag_is_of_all_that_is_sent() -> None:
     pages += [packing.page(html, "x") for html in (f"d{place}b", "ab", "axb")]
     assert len({page.tag for page in pages}) == len(pages)
     assert packing.page(f"a{place}b", "x").tag == pages[0].tag
+
+
+def test_addresses_go_out_under_the_path_of_the_service(monkeypatch: pytest.MonkeyPatch) -> None:
+    long, place = Markup('<a href="/l20">é</a>'), packing.PLACE
+    for path in ("", "/balise"):
+        monkeypatch.setattr(root, "_roots", [path])
+        page = packing.page(f'<p data-steps="/x">{place}', long)
+        written = f'<p data-steps="{path}/x"><a href="{path}/l20">é</a>'
+        assert (page.plain.decode(), gzip.decompress(page.packed).decode()) == (written, written)
 
 
 def test_nobody_can_write_where_the_long_part_comes() -> None:
