@@ -243,14 +243,16 @@ def measured(rounds: int, only: str = "") -> Figures:
 
 
 def rows(rounds: int) -> list[Row]:
-    """The page that takes longest, of each who reads."""
+    """The page that takes longest, of each who reads, by the processor: a page waits for nothing else, but for others
+    on the machine."""
     found = measured(rounds)
     made = []
     for who in dict.fromkeys(page.who for page in found.pages):
-        longest = max((page for page in found.pages if page.who == who), key=lambda page: median(page.wall))
-        wall, processor = median(longest.wall), median(longest.processor)
+        longest = max((page for page in found.pages if page.who == who), key=lambda page: median(page.processor))
+        spent = median(longest.processor)
         subject = f"the page that takes a {who} longest: {longest.name}"
-        made.append(Row(subject, "ms", wall, wall * found.pace.wall, processor * found.pace.processor, goal=GOAL))
+        normal = spent * found.pace.processor
+        made.append(Row(subject, "ms", spent, normal, normal, goal=GOAL))
     return made
 
 
@@ -276,8 +278,9 @@ def main() -> None:
     found = measured(arguments.rounds, arguments.only)
     ordered = sorted(found.pages, key=lambda one: -median(one.processor))
     print(table(HEAD, [row(page, found.pace) for page in ordered]))
-    met = sum(GOAL.met(median(page.wall) * found.pace.wall) for page in found.pages)
-    print(f"{met} of {len(found.pages)} pages within {GOAL} ms; ten million additions: {0.5 / found.pace.wall:.3f} s")
+    met = sum(GOAL.met(median(page.processor) * found.pace.processor) for page in found.pages)
+    print(f"{met} of {len(found.pages)} pages take {GOAL} ms of the processor, normalised")
+    print(f"ten million additions: {0.5 / found.pace.wall:.3f} s")
 
 
 if __name__ == "__main__":
