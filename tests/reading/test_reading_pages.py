@@ -6,12 +6,15 @@ import re
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
+import anyio.to_thread
 import pytest
 
 from server.app import create_app
 from server.base.provided import provided
 from server.base.settings import Settings
+from server.database import Database
 from server.figures.service import Figures
 from server.reading.service import duration, plain
 from tests.support.client import TestClient
@@ -144,6 +147,30 @@ def test_nobody_is_sent_what_another_was(small_site: SmallSite) -> None:
         assert "à moi" not in theirs.text
         assert small_site.client.get(path, headers={"If-None-Match": mine.headers["etag"]}).status_code == 304
     assert other.client.get(attempt).status_code == 404
+
+
+@pytest.mark.parametrize(("near", "crossings"), [(True, 1), (False, 2)], ids=["a file", "a server of databases"])
+def test_a_page_is_made_in_one_thread(
+    small_site: SmallSite, monkeypatch: pytest.MonkeyPatch, near: bool, crossings: int
+) -> None:
+    """Crossing to a thread costs more than a statement; a connection to another machine is given back in one too."""
+    small_site.attempt("x = 1", verdict())
+    crossed: list[object] = []
+    run = anyio.to_thread.run_sync
+
+    async def counted(function: Any, *arguments: Any, **options: Any) -> Any:
+        crossed.append(function)
+        return await run(function, *arguments, **options)
+
+    for path in ("/", READ, PAGE):
+        small_site.client.get(path)
+    for module in ("anyio.to_thread", "server.database.dependencies"):
+        monkeypatch.setattr(f"{module}.run_sync", counted)
+    monkeypatch.setattr(Database, "is_near", near)
+    for path in ("/", READ, PAGE):
+        crossed.clear()
+        assert small_site.client.get(path).status_code == 200
+        assert len(crossed) == crossings, (path, crossed)
 
 
 def test_a_lesson_is_the_same_however_it_travels(small_site: SmallSite) -> None:
