@@ -18,6 +18,7 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection
 from graders.core.code.exercise import CodeDefinition
 from graders.core.code.runner import Runner
+from graders.core.code.simplifying import run_alone
 from graders.core.compare.words import to_jsonable
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, Foreseen, KitSettings, Program, Programs, Reply, StudentFault
@@ -68,7 +69,7 @@ def find(
 
 def _run(check: Check, bench: Bench, noted: _Noted) -> None:
     try:
-        check.run(bench)
+        run_alone(check.run, bench)
     except Rejection as rejection:
         if rejection.call is not None and _same(rejection.inputs or {}, noted.inputs):
             noted.settle(*rejection.call)

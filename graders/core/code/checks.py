@@ -10,18 +10,20 @@ import itertools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Protocol
+from functools import partial
+from typing import Any, ClassVar, NoReturn, Protocol
 
 import numpy as np
 
 from graders.core.code.at_once import all_right, plain_answers, value_of
 from graders.core.code.bench import Bench
+from graders.core.code.simplifying import reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Comparator, Mismatch
-from graders.core.compare.shrinking import Shrinker, shrink_failure
+from graders.core.compare.shrinking import Shrinker, neighbours
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Foreseen, Reply, StudentFault
+from graders.core.contract.program import Answer, Foreseen, StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, same_value
 
 # A function that raised that often has shown enough; each fault may have cost a large part of its time limit.
@@ -232,7 +234,7 @@ class Cases(Check):
                 bench.observe(self.function, answer.value, ok=failure is None)
             first = first or failure
         if first is not None and not bench.runner.reenacting:
-            raise self._rejection(self._shrunk(bench, first))
+            self._reject(bench, first)
 
     def _judged(self, args: Arguments, answer: Answer) -> Failure | None:
         expected = self.expected(*args)
@@ -241,17 +243,18 @@ class Cases(Check):
         mismatch = self.compare(expected, answer.value)
         return Failure(args, expected, answer.value, mismatch, None) if mismatch else None
 
-    def _shrunk(self, bench: Bench, failure: Failure) -> Failure:
-        if not self.shrinkers or (failure.fault and failure.fault.fatal):
-            return failure
+    def _reject(self, bench: Bench, failure: Failure) -> NoReturn:
+        if not self.shrinkers:
+            raise self._rejection(failure)
 
-        def again(last: Failure, args: Arguments) -> Failure | None:
-            if (last.fault and last.fault.fatal) or not self.valid(args):
-                return None
-            simpler = self._judged(args, _answer(bench, self.function, args))
+        def judge(args: Arguments, answer: Answer) -> Failure | None:
+            simpler = self._judged(args, answer)
             return simpler if simpler is not None and same_kind(failure, simpler) else None
 
-        return shrink_failure(failure, failure.args, self.shrinkers, again, bench.runner.budget)
+        reject(
+            bench, self.function, failure, failure.args, partial(neighbours, self.shrinkers), judge, self._rejection,
+            arguments=lambda args: args, fair=self.valid, stops=lambda one: one.fault is not None and one.fault.fatal,
+        )  # fmt: skip
 
     def _rejection(self, failure: Failure) -> Rejection:
         inputs = dict(zip(self.names, failure.args, strict=True))
@@ -276,13 +279,6 @@ class Cases(Check):
     def drawn(self, args: Arguments, expected: Value, got: Value) -> FigureData | None:
         """The data of the figure for one answer; None where there is nothing to draw."""
         return None if self.figure is None else self.figure(args, expected, _drawable_as(expected, got))
-
-
-def _answer(bench: Bench, function: str, args: Arguments) -> Answer:
-    try:
-        return Reply(bench.call(function, *args))
-    except StudentFault as fault:
-        return fault
 
 
 def _drawable_as(expected: Value, got: Value) -> Floats | tuple[Floats, ...] | None:

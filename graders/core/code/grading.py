@@ -17,6 +17,7 @@ from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.prober import Prober
 from graders.core.code.reenacting import Reenactor
 from graders.core.code.runner import DEFAULT_BUDGET, Observation, Runner
+from graders.core.code.simplifying import Unsimplified, run_alone, simplify
 from graders.core.compare.shrinking import Budget
 from graders.core.compare.slips import SLIPS
 from graders.core.compare.words import tidy, to_jsonable, whole_jsonable
@@ -188,7 +189,7 @@ def _always(source: bytes) -> Callable[[int], bytes]:
 def run_checks(checks: Sequence[Check], runner: Runner, kit: KitSettings, seed: int) -> list[Finding]:
     """What each of the checks finds of the runner's program, with the same draws for the same seed."""
     benches = [Bench(check.id, runner, stream(seed, check.id), kit) for check in checks]
-    findings: list[Finding] = []
+    found: list[Finding | Unsimplified] = []
     for begins, ends in _spans(checks):
         plan = _foreseen(checks[begins:ends], benches[begins:ends])
         if begins:
@@ -199,9 +200,16 @@ def run_checks(checks: Sequence[Check], runner: Runner, kit: KitSettings, seed: 
             except StudentFault as fault:
                 return [_finding(check, fault_rejection(fault, inputs=None)) for check in checks]
         for check, bench in zip(checks[begins:ends], benches[begins:ends], strict=True):
-            findings.append(run_check(check, bench))
-            if not findings[-1].passed:
+            found.append(_found(check, bench))
+            if isinstance(found[-1], Unsimplified) or not found[-1].passed:
                 runner.failed.add(check.id)
+    if failed := [one for one in found if isinstance(one, Unsimplified)]:
+        runner.keep_what_was_printed()
+        simplify(runner, failed, runner.answered)
+    findings = [
+        _told(check, one, bench) if isinstance(one, Unsimplified) else one
+        for check, one, bench in zip(checks, found, benches, strict=True)
+    ]
     return [_unless_alone(check, finding, checks, findings) for check, finding in zip(checks, findings, strict=True)]
 
 
@@ -237,8 +245,29 @@ def _unless_alone(check: Check, finding: Finding, checks: Sequence[Check], findi
 
 def run_check(check: Check, bench: Bench) -> Finding:
     """Run one check and put what it found in words."""
+    return _judged(check, lambda: run_alone(check.run, bench), bench)
+
+
+def _found(check: Check, bench: Bench) -> Finding | Unsimplified:
+    """As `run_check`, of one that does not simplify what it fails on."""
     try:
-        check.run(bench)
+        return _judged(check, lambda: check.run(bench), bench)
+    except Unsimplified as unsimplified:
+        return unsimplified
+
+
+def _told(check: Check, unsimplified: Unsimplified, bench: Bench) -> Finding:
+    """What a check that has failed holds against the program, on the simplest input that was found."""
+
+    def tell() -> None:
+        raise unsimplified.rejection()
+
+    return _judged(check, tell, bench)
+
+
+def _judged(check: Check, run: Callable[[], None], bench: Bench) -> Finding:
+    try:
+        run()
     except Rejection as rejection:
         return _finding(check, rejection)
     except StudentFault as fault:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -50,7 +51,8 @@ class Runner:
         budget: Budget = DEFAULT_BUDGET,
     ) -> None:
         self.reenacting = reenacting
-        self._budget = budget
+        self.budget = budget
+        self._begun, self._told = time.perf_counter(), 0
         self._programs = programs
         self._source = source
         self._kit = kit
@@ -80,10 +82,14 @@ class Runner:
         return self._programs.open(self._source, kit, ahead)
 
     @property
-    def budget(self) -> Budget:
-        """What simplifying one counterexample may cost. What was asked ahead is answered first: it takes no part."""
-        self._settle()
-        return self._budget
+    def pace(self) -> float:
+        """Seconds that a call has taken so far, with all that was done of its answer."""
+        return (time.perf_counter() - self._begun) / max(1, self._told)
+
+    def answered(self, asked: Sequence[Foreseen]) -> Sequence[Sequence[Answer]]:
+        """The answers of the main program to all of these calls, which are asked together, as far as there are any."""
+        self.foresee(asked)
+        return [list(self.answers(one)) for one in asked]
 
     def foresee(self, plan: Sequence[Foreseen]) -> None:
         """What the next checks will ask of the main program, in this order and nothing else in between."""
@@ -114,6 +120,7 @@ class Runner:
             answer = ready.popleft()
             if isinstance(answer, StudentFault) and answer.fatal:
                 self._dead[asked.function] = answer
+            self._told += 1
             yield answer
 
     def _asked_now(self, asked: Foreseen) -> Iterator[Answer]:
@@ -150,6 +157,7 @@ class Runner:
             raise refused
         if program is None:
             self._settle()
+        self._told += 1
         try:
             return (program or self.program).call(function, *args, return_arguments=keep)
         except StudentFault as fault:
@@ -167,6 +175,7 @@ class Runner:
         for answer in answers:
             if isinstance(answer, StudentFault):
                 self._mourn(program, function, answer)
+            self._told += 1
             yield answer
 
     def calls(self, function: str) -> bool:
@@ -211,6 +220,12 @@ class Runner:
             yield program
         finally:
             program.close()
+
+    def keep_what_was_printed(self) -> None:
+        """What is printed from here on is not shown, unless nothing was before."""
+        self._settle()
+        if self._program is not None:
+            self.stdout = self.stdout or self._program.stdout()
 
     def close(self) -> None:
         """Keep what was printed and give the main program back."""

@@ -1,7 +1,7 @@
 """Shrinking: from an input that fails to a simpler one that still fails.
 
-A shrinker proposes simpler values of one argument, the simplest first. `shrink` walks greedily through these while the
-failure lasts, within a bounded number of calls and a bounded time: a counterexample is read, not proved minimal.
+A shrinker proposes simpler values of one argument, the simplest first. A `Search` walks greedily through these while
+the failure lasts, within a bounded number of calls and a bounded time: a counterexample is read, not proved minimal.
 """
 
 from __future__ import annotations
@@ -10,14 +10,12 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 
 from graders.core.contract.values import Arguments, Value
 
 Shrinker = Callable[[Value], Iterator[Value]]
-FailureT = TypeVar("FailureT")
 
 
 @dataclass(frozen=True)
@@ -62,53 +60,8 @@ def shrink_array(value: Value) -> Iterator[Value]:
             yield simpler
 
 
-def shrink(
-    arguments: Arguments,
-    shrinkers: Sequence[Shrinker],
-    still_fails: Callable[[Arguments], bool],
-    budget: Budget,
-) -> Arguments:
-    """The simplest arguments found for which `still_fails` holds; `arguments` themselves are known to fail."""
-    deadline = budget.clock() + budget.seconds
-    calls = 0
-    improved = True
-    while improved:
-        improved = False
-        for candidate in _neighbours(arguments, shrinkers):
-            if calls >= budget.calls or budget.clock() > deadline:
-                return arguments
-            calls += 1
-            if still_fails(candidate):
-                arguments, improved = candidate, True
-                break
-    return arguments
-
-
-def shrink_failure(
-    failure: FailureT,
-    arguments: Arguments,
-    shrinkers: Sequence[Shrinker],
-    again: Callable[[FailureT, Arguments], FailureT | None],
-    budget: Budget,
-) -> FailureT:
-    """The failure on the simplest arguments found, where `failure` is the one on `arguments`.
-
-    `again` gets the simplest failure so far and simpler arguments: the failure on these, None where they are no example
-    of the same mistake or the program is not to be called any more.
-    """
-    simplest = failure
-
-    def still_fails(candidate: Arguments) -> bool:
-        nonlocal simplest
-        simpler = again(simplest, candidate)
-        simplest = simplest if simpler is None else simpler
-        return simpler is not None
-
-    shrink(arguments, shrinkers, still_fails, budget)
-    return simplest
-
-
-def _neighbours(arguments: Arguments, shrinkers: Sequence[Shrinker]) -> Iterator[Arguments]:
+def neighbours(shrinkers: Sequence[Shrinker], arguments: Arguments) -> Iterator[Arguments]:
+    """The arguments with one of them simpler."""
     for position, shrinker in enumerate(shrinkers):
         for candidate in shrinker(arguments[position]):
             yield (*arguments[:position], candidate, *arguments[position + 1 :])

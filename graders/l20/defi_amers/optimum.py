@@ -7,18 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import NoReturn
 
 import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, fault_rejection, same_kind
+from graders.core.code.simplifying import reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
-from graders.core.compare.shrinking import shrink_failure
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import StudentFault
-from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
+from graders.core.contract.program import Answer, StudentFault
+from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from graders.l20.defi_amers.described import described
 from graders.l20.defi_amers.maps import Failure, Map
 from graders.l20.defi_amers.simpler import simpler_maps
@@ -128,32 +129,32 @@ class Optimum(Check):
     def run(self, bench: Bench) -> None:
         first: Failure | None = None
         for k, one in enumerate(self.maps(bench.rng)):
-            failure, got = failure_on(bench, one, record=True)
+            failure, got = failure_on(bench, one)
             if self.filmed and k == 0 and not bench.runner.reenacting:
                 _film(bench, one, got, passed=failure is None)
             first = first or failure
             if failure and failure.fault and _hopeless(failure.fault):
                 break
         if first is not None:
-            raise Rejection("") if bench.runner.reenacting else rejection(_shrunk(bench, first))
+            if bench.runner.reenacting:
+                raise Rejection("")
+            _reject(bench, first)
 
 
 def _hopeless(fault: StudentFault) -> bool:
     return fault.fatal or fault.outcome is Outcome.MISSING_FUNCTION
 
 
-def failure_on(bench: Bench, one: Map, *, record: bool) -> tuple[Failure | None, Value]:
+def failure_on(bench: Bench, one: Map) -> tuple[Failure | None, Value]:
     """How one call on one map fails, None when it does not; and what came back."""
     try:
         with np.errstate(all="ignore"):  # a mistake that diverges, run in this process for a diagnosis
             got = bench.call(FUNCTION, *one.inputs.values())
     except StudentFault as fault:
-        if record:
-            _observe_fault(bench, fault)
+        _observe_fault(bench, fault)
         return Failure(one, None, None, fault), None
     mismatch = judge(one, got)
-    if record:
-        bench.observe(FUNCTION, fingerprint(one, got), ok=mismatch is None)
+    bench.observe(FUNCTION, fingerprint(one, got), ok=mismatch is None)
     return (Failure(one, got, mismatch, None) if mismatch else None), got
 
 
@@ -206,17 +207,21 @@ def _drawable(one: Map, found: Found) -> bool:
     return bool(np.abs(found.poses).max() < FAR and np.abs(found.landmarks).max() < FAR)
 
 
-def _shrunk(bench: Bench, failure: Failure) -> Failure:
-    if failure.fault and _hopeless(failure.fault):
-        return failure
-
-    def again(last: Failure, arguments: Arguments) -> Failure | None:
-        if last.fault and _hopeless(last.fault):
+def _reject(bench: Bench, failure: Failure) -> NoReturn:
+    def judged(one: Map, answer: Answer) -> Failure | None:
+        if isinstance(answer, StudentFault):
+            simpler = Failure(one, None, None, answer)
+        elif (mismatch := judge(one, answer.value)) is not None:
+            simpler = Failure(one, answer.value, mismatch, None)
+        else:
             return None
-        simpler, _ = failure_on(bench, arguments[0], record=False)
-        return simpler if simpler is not None and same_kind(failure, simpler) else None
+        return simpler if same_kind(failure, simpler) else None
 
-    return shrink_failure(failure, (failure.one,), (simpler_maps,), again, bench.runner.budget)
+    reject(
+        bench, FUNCTION, failure, failure.one, simpler_maps, judged, rejection,
+        arguments=lambda one: tuple(one.inputs.values()), costly=True,
+        stops=lambda one: one.fault is not None and _hopeless(one.fault),
+    )  # fmt: skip
 
 
 def rejection(failure: Failure) -> Rejection:

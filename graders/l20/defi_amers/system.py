@@ -7,18 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NoReturn
 
 import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection, same_kind
+from graders.core.code.simplifying import reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Mismatch, unreadable, wrong_shape
-from graders.core.compare.shrinking import shrink_failure
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Reply, StudentFault
-from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
+from graders.core.contract.program import Answer, StudentFault
+from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from graders.l20.defi_amers.described import described
 from graders.l20.defi_amers.maps import Failure, Map
 from graders.l20.defi_amers.simpler import simpler_points
@@ -134,7 +135,9 @@ class Systems(Check):
                 bench.observe(FUNCTION, fingerprint(one, answer.value), ok=failure is None)
             first = first or failure
         if first is not None:
-            raise Rejection("") if bench.runner.reenacting else rejection(_shrunk(bench, first))
+            if bench.runner.reenacting:
+                raise Rejection("")
+            _reject(bench, first)
 
 
 def failure_of(one: Map, answer: Answer) -> Failure | None:
@@ -144,22 +147,16 @@ def failure_of(one: Map, answer: Answer) -> Failure | None:
     return Failure(one, answer.value, mismatch, None) if mismatch else None
 
 
-def _shrunk(bench: Bench, failure: Failure) -> Failure:
-    if failure.fault and failure.fault.fatal:
-        return failure
-
-    def again(last: Failure, arguments: Arguments) -> Failure | None:
-        if last.fault and last.fault.fatal:
-            return None
-        one = arguments[0]
-        try:
-            answer: Answer = Reply(bench.call(FUNCTION, *one.at.values()))
-        except StudentFault as fault:
-            answer = fault
+def _reject(bench: Bench, failure: Failure) -> NoReturn:
+    def judged(one: Map, answer: Answer) -> Failure | None:
         simpler = failure_of(one, answer)
         return simpler if simpler is not None and same_kind(failure, simpler) else None
 
-    return shrink_failure(failure, (failure.one,), (simpler_points,), again, bench.runner.budget)
+    reject(
+        bench, FUNCTION, failure, failure.one, simpler_points, judged, rejection,
+        arguments=lambda one: tuple(one.at.values()), costly=True,
+        stops=lambda one: one.fault is not None and one.fault.fatal,
+    )  # fmt: skip
 
 
 def rejection(failure: Failure) -> Rejection:

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import NoReturn
 
 import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection, foreseen_of
+from graders.core.code.simplifying import reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Mismatch
-from graders.core.compare.shrinking import shrink_failure
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, Foreseen, Reply, StudentFault
-from graders.core.contract.values import Arguments, Floats, Value
+from graders.core.contract.values import Floats, Value
 from graders.l20.icp.cases import NOWHERE, STILL, Draw
 from graders.l20.icp.descent import Registration, descend, fair, staircase
 from graders.l20.icp.judge import misjudged, misplaced, read, unread
@@ -75,18 +76,23 @@ class Registrations(Check):
             bench.observe(FUNCTION, value, ok=failure is None, fault=fault)
             first = first or failure
         if first is not None:
-            raise rejection(first if bench.runner.reenacting else self._shrunk(bench, first), self.judge)
+            self._reject(bench, first)
 
-    def _shrunk(self, bench: Bench, failure: Failure) -> Failure:
-        def again(last: Failure, arguments: Arguments) -> Failure | None:
-            case: Registration = arguments[0]
-            too_short = case.iterations > 1 and len(descend(*case[:4], case.iterations)) < 2
-            if last.stops or too_short or not fair(case):
-                return None
-            simpler = judged(case, answer_to(bench, case), self.judge)
+    def _reject(self, bench: Bench, failure: Failure) -> NoReturn:
+        def judge(case: Registration, answer: Answer) -> Failure | None:
+            simpler = judged(case, answer, self.judge)
             return simpler if simpler is not None and simpler.kind == failure.kind else None
 
-        return shrink_failure(failure, (failure.case,), (simpler_cases,), again, bench.runner.budget)
+        reject(
+            bench, FUNCTION, failure, failure.case, simpler_cases, judge, lambda one: rejection(one, self.judge),
+            arguments=lambda case: case.arguments, fair=long_enough, stops=lambda one: one.stops, costly=True,
+        )  # fmt: skip
+
+
+def long_enough(case: Registration) -> bool:
+    """Is it fair, and is one step not enough where several are asked for?"""
+    too_short = case.iterations > 1 and len(descend(*case[:4], case.iterations)) < 2
+    return not too_short and fair(case)
 
 
 def answer_to(bench: Bench, case: Registration) -> Answer:

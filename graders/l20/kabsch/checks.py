@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, fault_rejection, foreseen_of
-from graders.core.compare.shrinking import shrink_failure, shrink_number
+from graders.core.code.simplifying import reject
+from graders.core.compare.shrinking import shrink_number
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Foreseen, StudentFault
-from graders.core.contract.values import Arguments, Floats, Value
+from graders.core.contract.program import Answer, Foreseen, Reply, StudentFault
+from graders.core.contract.values import Floats, Value
 from graders.l20.kabsch.best import best_of
 from graders.l20.kabsch.judge import Assessment, judge
 from reference.registration import RigidAlignment
@@ -93,29 +94,28 @@ class Alignments(Check):
         first: Failure | None = None
         (asked,) = foreseen_of(self, bench)
         for question in asked.about:
-            observed = question.pairing.observed
-            if bench.runner.reenacting and not observed:
+            if bench.runner.reenacting and not question.pairing.observed:
                 continue
-            failure = failure_on(bench, question, record=observed)
+            failure = failure_on(bench, question)
             first = first or failure
             if failure is not None and failure.stops:
                 break
         if first is not None:
-            raise rejection(self._shrunk(bench, first))
+            self._reject(bench, first)
 
     @staticmethod
-    def _shrunk(bench: Bench, failure: Failure) -> Failure:
-        if bench.runner.reenacting or failure.stops or failure.pairing.is_whole or not failure.best.unique:
-            return failure
+    def _reject(bench: Bench, failure: Failure) -> NoReturn:
+        if failure.pairing.is_whole or not failure.best.unique:
+            raise rejection(failure)
 
-        def again(last: Failure, arguments: Arguments) -> Failure | None:
-            question = Question.about(arguments[0])
-            if last.stops or not question.best.unique:
-                return None
-            simpler = failure_on(bench, question, record=False)
+        def judged(question: Question, answer: Answer) -> Failure | None:
+            simpler = failure_of(question, answer)[0]
             return simpler if simpler is not None and simpler.kind == failure.kind else None
 
-        return shrink_failure(failure, (failure.pairing,), (simpler_pairings,), again, bench.runner.budget)
+        reject(
+            bench, "kabsch", failure, Question(failure.pairing, failure.best), simpler_questions, judged, rejection,
+            arguments=lambda one: one.pairing[:2], fair=lambda one: one.best.unique, stops=lambda one: one.stops,
+        )  # fmt: skip
 
 
 @lru_cache(maxsize=64)
@@ -124,20 +124,26 @@ def drawn(pairings: Drawing, seed: int) -> tuple[Question, ...]:
     return tuple(Question.about(pairing) for pairing in pairings(np.random.default_rng(seed)))
 
 
-def failure_on(bench: Bench, question: Question, *, record: bool) -> Failure | None:
+def failure_on(bench: Bench, question: Question) -> Failure | None:
     """How `kabsch` fails on one pairing; None when its answer is right."""
-    pairing, best = question
-    P, Q, _ = pairing
     try:
-        value = bench.call("kabsch", P, Q)
+        answer: Answer = Reply(bench.call("kabsch", *question.pairing[:2]))
     except StudentFault as fault:
-        if record:
-            bench.observe("kabsch", None, ok=False, fault=fault)
-        return Failure(pairing, best, None, None, fault)
-    assessment = judge(P, Q, best, value)
-    if record:
-        bench.observe("kabsch", assessment.observed, ok=assessment.mismatch is None)
-    return Failure(pairing, best, value, assessment, None) if assessment.mismatch else None
+        answer = fault
+    failure, observed = failure_of(question, answer)
+    if question.pairing.observed:
+        bench.observe("kabsch", observed, ok=failure is None, fault=failure.fault if failure else None)
+    return failure
+
+
+def failure_of(question: Question, answer: Answer) -> tuple[Failure | None, Value]:
+    """How an answer fails, None when it is right; and what is to be written down of it."""
+    pairing, best = question
+    if isinstance(answer, StudentFault):
+        return Failure(pairing, best, None, None, answer), None
+    assessment = judge(pairing.P, pairing.Q, best, answer.value)
+    failure = Failure(pairing, best, answer.value, assessment, None) if assessment.mismatch else None
+    return failure, assessment.observed
 
 
 def rejection(failure: Failure) -> Rejection:
@@ -170,6 +176,10 @@ def clouds_figure(P: Floats, Q: Floats, best: RigidAlignment, assessment: Assess
         moved = moved if float(np.max(np.abs(moved))) <= reach else None
     expected = P @ best.R_q_p.T + best.t_q_p
     return {"kind": "clouds", "P": P, "Q": Q, "expected": expected, "got": moved, "unique": best.unique}
+
+
+def simpler_questions(question: Question) -> Iterator[Question]:
+    return map(Question.about, simpler_pairings(question.pairing))
 
 
 def simpler_pairings(pairing: Pairing) -> Iterator[Pairing]:

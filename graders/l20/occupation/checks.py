@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NoReturn
 
 import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import MAX_FAULTS, Check, Rejection, drawable, fault_rejection
+from graders.core.code.simplifying import reject
 from graders.core.compare import words as render
-from graders.core.compare.shrinking import shrink_failure
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, KitSettings, Reply, StudentFault
-from graders.core.contract.values import Arguments, Floats, Value
+from graders.core.contract.program import Answer, KitSettings, StudentFault
+from graders.core.contract.values import Floats, Value
 from graders.l20.occupation.cases import Draw
 from graders.l20.occupation.cells import Mask
 from graders.l20.occupation.judge import Integration, Wrong, after, judge
@@ -75,7 +76,7 @@ class Integrations(Check):
             bench.observe(FUNCTION, value, ok=failure is None, fault=fault)
             first = first or failure
         if first is not None:
-            raise rejection(first if bench.runner.reenacting else _shrunk(bench, first))
+            _reject(bench, first)
 
 
 def _judged(case: Integration, answer: Answer) -> Failure | None:
@@ -85,22 +86,22 @@ def _judged(case: Integration, answer: Answer) -> Failure | None:
     return Failure(case, answer.value, wrong, None) if wrong else None
 
 
-def _shrunk(bench: Bench, failure: Failure) -> Failure:
-    """The same mistake on an empty grid, from the centre of a cell, along an axis, if it can be seen there."""
+def _reject(bench: Bench, failure: Failure) -> NoReturn:
+    """With the same mistake on an empty grid, from the centre of a cell, along an axis, if it can be seen there."""
 
-    def again(last: Failure, arguments: Arguments) -> Failure | None:
-        case: Integration = arguments[0]
-        seen = case.told
-        if last.stops or (seen.crossed | seen.stopped | seen.either).sum() < FEWEST:
-            return None
-        try:
-            answer: Answer = Reply(bench.call(FUNCTION, *case))
-        except StudentFault as fault:
-            answer = fault
+    def judged(case: Integration, answer: Answer) -> Failure | None:
         simpler = _judged(case, answer)
         return simpler if simpler is not None and simpler.kind == failure.kind else None
 
-    return shrink_failure(failure, (failure.case,), (simpler_cases,), again, bench.runner.budget)
+    reject(
+        bench, FUNCTION, failure, failure.case, simpler_cases, judged, rejection,
+        arguments=tuple, fair=_tells_enough, stops=lambda one: one.stops,
+    )  # fmt: skip
+
+
+def _tells_enough(case: Integration) -> bool:
+    seen = case.told
+    return bool((seen.crossed | seen.stopped | seen.either).sum() >= FEWEST)
 
 
 def simpler_cases(case: Integration) -> Iterator[Integration]:

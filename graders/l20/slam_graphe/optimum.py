@@ -8,18 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NoReturn
 
 import numpy as np
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Check, Rejection, drawable, fault_rejection, foreseen_of, same_kind
+from graders.core.code.simplifying import reject
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
-from graders.core.compare.shrinking import shrink_failure
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Foreseen, StudentFault
-from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
+from graders.core.contract.program import Answer, Foreseen, StudentFault
+from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 from graders.l20.slam_graphe.filming import STEPS, film
 from graders.l20.slam_graphe.graphs import EIGHTH, QUARTER, Graph, settles
 from reference.pose_graph import DisconnectedGraphError
@@ -148,7 +149,7 @@ class Optimum(Check):
         first: Answered | None = None
         graphs = foreseen_of(self, bench)[0].about
         for graph in _brief(graphs) if bench.runner.reenacting else graphs:
-            answer = answered(bench, graph, record=True)
+            answer = answered(bench, graph)
             if answer.failed and graph.judged:
                 first = first or answer
             elif graph.judged:
@@ -163,10 +164,7 @@ class Optimum(Check):
             largest = max(right, key=lambda answer: len(answer.graph.edges))
             bench.film(film(largest.graph, largest.got, [], right=True))
         else:
-            shrunk = _shrunk(bench, first)
-            steps = [] if shrunk.fault else _first_steps(bench, shrunk.graph)
-            bench.film(film(shrunk.graph, shrunk.got, steps, right=False))
-            raise rejection(shrunk)
+            _reject(bench, first)
 
 
 def _brief(graphs: Sequence[Graph]) -> Sequence[Graph]:
@@ -178,19 +176,17 @@ def _hopeless(fault: StudentFault) -> bool:
     return fault.fatal or fault.outcome is Outcome.MISSING_FUNCTION
 
 
-def answered(bench: Bench, graph: Graph, *, record: bool) -> Answered:
+def answered(bench: Bench, graph: Graph) -> Answered:
     """What one call on one graph gives, and how it fails if it does."""
     try:
         with np.errstate(all="ignore"):  # a mistake that diverges, run in this process for a diagnosis
             got = bench.call(FUNCTION, *graph.inputs.values())
     except StudentFault as fault:
-        if record:
-            _observe_fault(bench, fault)
+        _observe_fault(bench, fault)
         return Answered(graph, None, None, fault)
     mismatch = judge(graph, got)
-    if record:
-        right = mismatch is None if graph.judged else half_way(graph, got)
-        bench.observe(FUNCTION, fingerprint(graph, got), ok=right)
+    right = mismatch is None if graph.judged else half_way(graph, got)
+    bench.observe(FUNCTION, fingerprint(graph, got), ok=right)
     return Answered(graph, got, mismatch, None)
 
 
@@ -213,17 +209,24 @@ def _observe_fault(bench: Bench, fault: StudentFault) -> None:
         bench.observe(FUNCTION, None, ok=False, fault=fault)
 
 
-def _shrunk(bench: Bench, failure: Answered) -> Answered:
-    if failure.fault and _hopeless(failure.fault):
-        return failure
-
-    def again(last: Answered, arguments: Arguments) -> Answered | None:
-        if last.fault and _hopeless(last.fault):
-            return None
-        simpler = answered(bench, arguments[0], record=False)
+def _reject(bench: Bench, failure: Answered) -> NoReturn:
+    def judged(graph: Graph, answer: Answer) -> Answered | None:
+        if isinstance(answer, StudentFault):
+            simpler = Answered(graph, None, None, answer)
+        else:
+            simpler = Answered(graph, answer.value, judge(graph, answer.value), None)
         return simpler if simpler.failed and same_kind(failure, simpler) else None
 
-    return shrink_failure(failure, (failure.graph,), (simpler_graphs,), again, bench.runner.budget)
+    def told(shown: Answered) -> Rejection:
+        steps = [] if shown.fault else _first_steps(bench, shown.graph)
+        bench.film(film(shown.graph, shown.got, steps, right=False))
+        return rejection(shown)
+
+    reject(
+        bench, FUNCTION, failure, failure.graph, simpler_graphs, judged, told,
+        arguments=lambda graph: tuple(graph.inputs.values()), costly=True,
+        stops=lambda one: one.fault is not None and _hopeless(one.fault),
+    )  # fmt: skip
 
 
 def simpler_graphs(graph: Graph) -> Iterator[Graph]:

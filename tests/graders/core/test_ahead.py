@@ -43,7 +43,7 @@ class Watched:
 
     def __init__(self, deadly: int = -1) -> None:
         self.calls: list[Call] = []
-        self.launches = 0
+        self.launches = self.exchanges = 0
         self.deadly = deadly
 
     def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
@@ -66,6 +66,7 @@ class _Watched:
         return one_by_one(self, function, calls, faults)
 
     def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+        self._watched.exchanges += 1
         return in_turn(self, asked)
 
     def stdout(self) -> str:
@@ -142,18 +143,28 @@ def test_checks_find_the_same_whether_they_are_asked_ahead_or_in_their_turn(sour
     assert watched[0].launches == watched[1].launches
 
 
-def test_what_a_death_met_while_a_counterexample_is_simplified_is_told_of_its_own_check() -> None:
-    """The first check fails, and what is asked of the program meanwhile ends it in the second one."""
-    watched = Watched(deadly=9)
+@pytest.mark.parametrize("deadly", [1, 2, 5])
+def test_a_death_met_while_a_counterexample_is_simplified_costs_no_check_anything(deadly: int) -> None:
+    """All checks are judged before; what was found until then is shown."""
+    alive = Watched()
     source = RIGHT.replace("2 * x", "3 * x").encode()
-    runner = Runner(watched, source, KIT, budget=Budget(calls=20, seconds=math.inf))
-    found = run_checks(CHECKS, runner, KIT, 1)
-    assert [finding.cause for finding in found] == [
-        *(Outcome.WRONG_ANSWER, Outcome.TIMEOUT, Outcome.WRONG_ANSWER, Outcome.TIMEOUT, Outcome.TIMEOUT),
-    ]  # fmt: skip
-    assert found[0].result.counterexample is not None
-    assert found[0].result.counterexample.inputs["x"] == [0.0, 1.0]
-    assert watched.launches == 2
+    budget = Budget(calls=20, seconds=math.inf)
+    as_found = run_checks(CHECKS, Runner(alive, source, KIT, budget=Budget(calls=0)), KIT, 1)
+    watched = Watched(len(alive.calls) + deadly)
+    found = run_checks(CHECKS, Runner(watched, source, KIT, budget=budget), KIT, 1)
+    assert len(watched.calls) >= watched.deadly
+    assert [one.cause for one in found] == [one.cause for one in as_found]
+    assert Outcome.TIMEOUT not in [one.cause for one in found]
+    assert all((one.result.counterexample is None) == one.passed for one in found)
+
+
+def test_what_several_checks_failed_on_is_simplified_in_a_few_exchanges() -> None:
+    watched = Watched()
+    source = RIGHT.replace("2 * x", "3 * x").replace("x * x", "x * x * x").encode()
+    found = run_checks(CHECKS, Runner(watched, source, KIT, budget=Budget(calls=20, seconds=math.inf)), KIT, 1)
+    shown = [one.result.counterexample.inputs.get("x") for one in found if one.result.counterexample]
+    assert shown[:4] == [[0.0, 1.0], [0.0, 2.0], [0.0, 1.0], [0.0, 2.0]]
+    assert watched.exchanges <= 5
 
 
 @pytest.mark.parametrize(

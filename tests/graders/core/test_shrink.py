@@ -1,16 +1,37 @@
 """Shrinking keeps the failure, simplifies, and stops."""
 
 import math
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graders.core.compare.shrinking import Budget, complexity, shrink, shrink_array
+from graders.core.compare.search import Search
+from graders.core.compare.shrinking import Budget, Shrinker, complexity, neighbours, shrink_array
+from graders.core.contract.values import Arguments
 from graders.robotics.poses import angle_complexity, shrink_pose
 from tests.graders.reenactments import CALLS_ONLY
 
 poses = st.tuples(st.floats(-50, 50), st.floats(-50, 50), st.floats(-math.pi, math.pi)).map(np.array)
+
+
+def shrink(
+    arguments: Arguments,
+    shrinkers: Sequence[Shrinker],
+    still_fails: Callable[[Arguments], bool],
+    budget: Budget,
+    ahead: int = 1,
+) -> Arguments:
+    """The simplest arguments found on which a program still fails."""
+    search: Search[Arguments, bool, Arguments] = Search(
+        arguments, arguments, partial(neighbours, shrinkers), lambda args, fails: args if fails else None,
+        budget=budget, ahead=ahead,
+    )  # fmt: skip
+    while asked := search.questions():
+        search.take([still_fails(one) for one in asked])
+    return search.simplest
 
 
 @given(poses)

@@ -1,0 +1,100 @@
+"""Simplifying what several checks have failed on: what each of them asks next travels together.
+
+A check that has failed says what it looks for; it is looked for once all checks have been run, so that what is asked
+meanwhile costs none of them anything, and so that as few exchanges as possible are waited for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NoReturn, TypeVar
+
+from graders.core.code.bench import Bench
+from graders.core.code.runner import Runner
+from graders.core.compare.search import Search
+from graders.core.contract.program import Answer, Foreseen
+from graders.core.contract.values import Arguments
+
+CaseT = TypeVar("CaseT")
+FailureT = TypeVar("FailureT")
+#: Inputs that are asked together, of a program that answers in no time; seconds of calls that a slow one is asked.
+AHEAD, PATIENCE = 24, 0.02
+
+
+class Unsimplified(Exception):
+    """A check has failed on an input that may be simplified: `search` seeks a simpler one, which `function` is called
+    on with the `arguments` of it, and `told` says what is shown of the simplest."""
+
+    def __init__(
+        self,
+        function: str,
+        arguments: Callable[[Any], Arguments],
+        search: Search[Any, Answer, Any],
+        told: Callable[[Any], Exception],
+    ) -> None:
+        super().__init__(function)
+        self.function, self.search, self._arguments, self._told = function, search, arguments, told
+
+    def asked(self, most: int) -> Foreseen | None:
+        """What is to be asked next; None when the simplest is found."""
+        cases = self.search.questions(most)
+        return Foreseen(self.function, list(map(self._arguments, cases))) if cases else None
+
+    def rejection(self) -> Exception:
+        """What is held against the program, on the simplest input found."""
+        return self._told(self.search.simplest)
+
+
+def reject(
+    bench: Bench,
+    function: str,
+    failure: FailureT,
+    case: CaseT,
+    neighbours: Callable[[CaseT], Iterator[CaseT]],
+    judge: Callable[[CaseT, Answer], FailureT | None],
+    told: Callable[[FailureT], Exception],
+    *,
+    arguments: Callable[[CaseT], Arguments],
+    stops: Callable[[FailureT], bool],
+    fair: Callable[[CaseT], bool] = lambda case: True,
+    costly: bool = False,
+) -> NoReturn:
+    """Raises what `told` says of the simplest failure that is found, `failure` being the one on `case`; see `Search`.
+
+    On the main program it is looked for once all checks are run; on another, which goes with its check, at once. A
+    re-enacted mistake has nobody to show a simple case to. Where it is `costly` to make a simpler case, none is made
+    that may not be needed.
+    """
+    if bench.runner.reenacting or stops(failure):
+        raise told(failure)
+    budget, ahead = bench.runner.budget, 1 if costly else AHEAD
+    search = Search(failure, case, neighbours, judge, budget=budget, fair=fair, stops=stops, ahead=ahead)
+    unsimplified = Unsimplified(function, arguments, search, told)
+    if bench.program is None:
+        raise unsimplified
+    simplify(bench.runner, [unsimplified], bench.answered)
+    raise unsimplified.rejection()
+
+
+def simplify(
+    runner: Runner,
+    failed: Sequence[Unsimplified],
+    answered: Callable[[Sequence[Foreseen]], Sequence[Sequence[Answer]]],
+) -> None:
+    """Looks for the simplest input of each, as far as their budgets go; `answered` has several calls made."""
+    while True:
+        most = max(1, min(AHEAD, int(PATIENCE / runner.pace)))
+        due = [(one, asked) for one in failed if (asked := one.asked(most)) is not None]
+        if not due:
+            return
+        for (one, _), answers in zip(due, answered([asked for _, asked in due]), strict=True):
+            one.search.take(answers)
+
+
+def run_alone(run: Callable[[Bench], None], bench: Bench) -> None:
+    """Runs a check by itself: what it fails on is simplified before it raises what it finds."""
+    try:
+        run(bench)
+    except Unsimplified as unsimplified:
+        simplify(bench.runner, [unsimplified], bench.answered)
+        raise unsimplified.rejection() from None

@@ -1,0 +1,161 @@
+"""The search for the simplest input that fails, which asks several at once: an exchange costs more than a call.
+
+What is found is what would be if each input were asked in its turn: simpler inputs are tried in their order, and the
+first that fails is gone on from. Beside the one that is due, those are asked that are likely to come next: simpler ones
+of it should it fail, its neighbours should it not.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
+
+from graders.core.compare.shrinking import Budget
+
+CaseT = TypeVar("CaseT")
+AnswerT = TypeVar("AnswerT")
+FailureT = TypeVar("FailureT")
+
+#: How likely a simpler input fails too; and one that did not before something else was simplified.
+FAILS, FAILS_THEN = 0.65, 0.05
+#: How likely it must be that an input is come to for it to be asked ahead.
+LEAST = 0.12
+#: How many inputs are asked in all for one that the budget lets be tried; how many are looked at for one asked ahead.
+ASKED_FOR_ONE, LOOKED_AT_FOR_ONE = 2, 4
+
+
+@dataclass
+class _Tried(Generic[CaseT, AnswerT, FailureT]):
+    """An input, those that are simpler than it as far as they have been looked for, and what is known of it.
+
+    `passed` is the number of its parent's neighbours that stand before it, which did not fail.
+    """
+
+    case: CaseT
+    passed: int
+    more: Iterator[CaseT]
+    simpler: list[_Tried[CaseT, AnswerT, FailureT]] = field(default_factory=list)
+    fair: bool | None = None
+    answers: Sequence[AnswerT] = ()
+    failures: Sequence[FailureT | None] = ()
+
+
+class Search(Generic[CaseT, AnswerT, FailureT]):
+    """Simplifies one failing input. `simplest` is the failure on the simplest input found so far.
+
+    `neighbours` gives simpler inputs, the simplest first; `fair` says whether one may be asked; `judge`, the failure
+    that an answer is, None where it is no example of the same mistake; `stops`, whether nothing is to be asked after
+    such a failure. `ahead`: how many inputs may be asked together.
+    """
+
+    def __init__(
+        self,
+        failure: FailureT,
+        case: CaseT,
+        neighbours: Callable[[CaseT], Iterator[CaseT]],
+        judge: Callable[[CaseT, AnswerT], FailureT | None],
+        *,
+        budget: Budget,
+        fair: Callable[[CaseT], bool] = lambda case: True,
+        stops: Callable[[FailureT], bool] = lambda failure: False,
+        ahead: int = 1,
+    ) -> None:
+        self.simplest, self.case = failure, case
+        self._neighbours, self._judge, self._fair, self._stops = neighbours, judge, fair, stops
+        self._budget, self._ahead = budget, ahead
+        self._here: _Tried[CaseT, AnswerT, FailureT] = self._tried(case, 0)
+        self._at = self._spent = self._asked = 0
+        self._over, self._arrived = False, False
+        self._deadline: float | None = None
+        self._questions: list[_Tried[CaseT, AnswerT, FailureT]] = []
+
+    def questions(self, most: int = 1 << 30) -> list[CaseT]:
+        """What is to be asked next, `most` inputs at most; none when the search is over."""
+        if self._deadline is None:
+            self._deadline = self._budget.clock() + self._budget.seconds
+        due = self._due()
+        if due is None:
+            return []
+        most = min(most, self._ahead, self._budget.calls - self._spent)
+        if self._asked >= ASKED_FOR_ONE * self._budget.calls:
+            most = 1
+        self._questions = self._likely(max(1, most))
+        self._asked += len(self._questions)
+        return [one.case for one in self._questions]
+
+    def take(self, answers: Sequence[AnswerT]) -> None:
+        """The answers to these questions, in their order; where the first is lacking, the search is over."""
+        for one, answer in zip(self._questions, answers, strict=False):
+            one.answers = (answer,)
+        self._over = self._over or not answers
+
+    def _due(self) -> _Tried[CaseT, AnswerT, FailureT] | None:
+        """The first input to be tried whose answer is not known; None when none is to be tried any more."""
+        while not self._over:
+            candidate = self._simpler(self._here, self._at)
+            if candidate is None or not (self._arrived or self._may_go_on()):
+                self._over = True
+                break
+            self._arrived = True
+            if self._is_fair(candidate) and not candidate.answers:
+                return candidate
+            self._arrived = False
+            self._spent += 1
+            failure = self._failure(candidate) if candidate.fair else None
+            if failure is None:
+                self._at += 1
+            else:
+                self.simplest, self.case, self._here, self._at = failure, candidate.case, candidate, 0
+                self._over = self._stops(failure)
+        return None
+
+    def _may_go_on(self) -> bool:
+        assert self._deadline is not None
+        return self._spent < self._budget.calls and self._budget.clock() <= self._deadline
+
+    def _likely(self, most: int) -> list[_Tried[CaseT, AnswerT, FailureT]]:
+        """The inputs that are the most likely to be come to from here and are not known: first the one that is."""
+        numbers, looked = itertools.count(), itertools.count()
+        ways = [(-1.0, next(numbers), self._here, self._at)]
+        found: list[_Tried[CaseT, AnswerT, FailureT]] = []
+        while ways and len(found) < most and next(looked) < LOOKED_AT_FOR_ONE * most:
+            chance, _, parent, k = heapq.heappop(ways)
+            candidate = self._simpler(parent, k) if -chance >= LEAST else None
+            if candidate is None:
+                continue
+            fails = FAILS if k >= parent.passed else FAILS_THEN
+            if not self._is_fair(candidate):
+                fails = 0.0
+            elif not candidate.answers:
+                found.append(candidate)
+            else:
+                fails = 0.0 if self._failure(candidate) is None else 1.0
+            heapq.heappush(ways, (chance * fails, next(numbers), candidate, 0))
+            heapq.heappush(ways, (chance * (1.0 - fails), next(numbers), parent, k + 1))
+        return found
+
+    def _tried(self, case: CaseT, passed: int) -> _Tried[CaseT, AnswerT, FailureT]:
+        return _Tried(case, passed, iter(self._neighbours(case)))
+
+    def _simpler(self, parent: _Tried[CaseT, AnswerT, FailureT], k: int) -> _Tried[CaseT, AnswerT, FailureT] | None:
+        """The k-th of the inputs that are simpler than this one; None where there are not so many."""
+        while len(parent.simpler) <= k:
+            for case in itertools.islice(parent.more, 1):
+                parent.simpler.append(self._tried(case, len(parent.simpler)))
+                break
+            else:
+                return None
+        return parent.simpler[k]
+
+    def _is_fair(self, one: _Tried[CaseT, AnswerT, FailureT]) -> bool:
+        if one.fair is None:
+            one.fair = self._fair(one.case)
+        return one.fair
+
+    def _failure(self, one: _Tried[CaseT, AnswerT, FailureT]) -> FailureT | None:
+        if not one.failures:
+            one.failures = (self._judge(one.case, one.answers[0]),)
+        return one.failures[0]
