@@ -95,9 +95,15 @@ class SandboxPrograms:
         self._sandbox, self._policy, self._patience = sandbox, policy, Patience(policy)
         self._library = tuple(library)
 
+    def prepare(self, source: bytes, kit: KitSettings) -> None:
+        self._sandbox.prepare(source, kit=self._kit(kit), policy=self._policy)
+
+    def _kit(self, kit: KitSettings) -> Kit:
+        return Kit(kit.module, dict(kit.parameters), kit.without, self._library)
+
     def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> SandboxProgram:
         self._patience.must_last()
-        settings = Kit(kit.module, dict(kit.parameters), kit.without, self._library)
+        settings = self._kit(kit)
         try:
             session = self._sandbox.open(
                 source, kit=settings, policy=self._policy, filename=FILENAME, ahead=list(map(_calls, ahead))

@@ -135,6 +135,14 @@ class Sandbox:
         except TemplateFault as error:
             raise SandboxFault(str(error)) from error
 
+    def prepare(self, source: bytes, *, kit: Kit | None = None, policy: Policy | None = None) -> None:
+        """Has a child made ready, unless one is, for a file that is about to be opened again: nothing is waited for."""
+        policy = policy or self.policy
+        slot = self._slots[import_set(b"".join((source, *_imported(source, kit))), drawing=False)]
+        with slot.lock, contextlib.suppress(TemplateFault):  # `open` replaces a template that has failed
+            if slot.template is not None and not slot.spares.get(policy):
+                slot.spares.setdefault(policy, deque()).append(slot.template.fork(policy))
+
     def close(self) -> None:
         """Ends every template and every session; returns when their processes are gone."""
         self._closing.set()

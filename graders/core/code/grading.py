@@ -72,7 +72,8 @@ class CodeGrader:
         kit = self.kit(stream(seed, "kit"))
         runner = Runner(programs, source, kit, budget=self.budget)
         try:
-            findings = run_checks(self.checks, runner, kit, seed)
+            # What names a mistake asks a program launched afresh: it comes up while the checks go on.
+            findings = run_checks(self.checks, runner, kit, seed, runner.prepare if self.prober else lambda: None)
             checked = time.perf_counter()
             diagnosis = self._diagnosis(findings, runner, kit, seed)
         finally:
@@ -186,7 +187,13 @@ def _always(source: bytes) -> Callable[[int], bytes]:
     return lambda _seed: source
 
 
-def run_checks(checks: Sequence[Check], runner: Runner, kit: KitSettings, seed: int) -> list[Finding]:
+def run_checks(
+    checks: Sequence[Check],
+    runner: Runner,
+    kit: KitSettings,
+    seed: int,
+    when_one_fails: Callable[[], None] = lambda: None,
+) -> list[Finding]:
     """What each of the checks finds of the runner's program, with the same draws for the same seed."""
     benches = [Bench(check.id, runner, stream(seed, check.id), kit) for check in checks]
     found: list[Finding | Unsimplified] = []
@@ -202,6 +209,8 @@ def run_checks(checks: Sequence[Check], runner: Runner, kit: KitSettings, seed: 
         for check, bench in zip(checks[begins:ends], benches[begins:ends], strict=True):
             found.append(_found(check, bench))
             if isinstance(found[-1], Unsimplified) or not found[-1].passed:
+                if not runner.failed:
+                    when_one_fails()
                 runner.failed.add(check.id)
     if failed := [one for one in found if isinstance(one, Unsimplified)]:
         runner.keep_what_was_printed()

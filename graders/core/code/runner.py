@@ -12,7 +12,16 @@ from graders.core.code.ahead import Ahead
 from graders.core.compare.shrinking import Budget
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Foreseen, KitSettings, Program, Programs, Reply, StudentFault
+from graders.core.contract.program import (
+    Answer,
+    Foreseen,
+    KitSettings,
+    Preparing,
+    Program,
+    Programs,
+    Reply,
+    StudentFault,
+)
 from graders.core.contract.values import Arguments, Value
 
 #: How often the main program may be started anew, and how many others, one for each map or each run of a closed loop.
@@ -173,10 +182,14 @@ class Runner:
     def told(self, program: Program | None, function: str, answers: Iterator[Answer]) -> Iterator[Answer]:
         """The same answers; what they say of the program's end is noted."""
         for answer in answers:
-            if isinstance(answer, StudentFault):
-                self._mourn(program, function, answer)
-            self._told += 1
+            self.note(program, function, answer)
             yield answer
+
+    def note(self, program: Program | None, function: str, answer: Answer) -> None:
+        """What an answer of a program says of its end."""
+        self._told += 1
+        if isinstance(answer, StudentFault):
+            self._mourn(program, function, answer)
 
     def calls(self, function: str) -> bool:
         """Whether a function is still called."""
@@ -210,6 +223,11 @@ class Runner:
     def _drop(self, program: Program | None) -> None:
         if self._program is not None and program in (None, self._program):
             self.close()
+
+    def prepare(self) -> None:
+        """The file is about to be started once more."""
+        if isinstance(self._programs, Preparing):
+            self._programs.prepare(self._source, self._kit)
 
     @contextmanager
     def other(self, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Iterator[Program]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Arguments, Value
@@ -126,6 +126,15 @@ def one_by_one(
             left = None if left is None else left - 1
             if left == 0 or fault.fatal or fault.outcome is Outcome.MISSING_FUNCTION:
                 return
+
+
+@runtime_checkable
+class Preparing(Protocol):
+    """Programs that are started sooner where it is said before that they will be."""
+
+    def prepare(self, source: bytes, kit: KitSettings) -> None:
+        """A file is about to be started once more."""
+        ...
 
 
 class Programs(Protocol):

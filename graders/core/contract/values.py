@@ -166,14 +166,14 @@ def same_value(left: Value, right: Value, *, tolerance: float = 1e-7) -> bool:
         a, b = read_array(left), read_array(right)
     except UnreadableError:
         return _same_items(left, right)
-    return a.shape == b.shape and _close(a, b, tolerance)
+    return a.shape == b.shape and bool(near(a, b, tolerance).all())
 
 
-def _close(a: Floats, b: Floats, tolerance: float) -> bool:
-    """`np.allclose(a, b, tolerance, tolerance, equal_nan=True)`, much faster on the small arrays of a diagnosis."""
+def near(a: Floats, b: Floats, tolerance: float) -> NDArray[np.bool_]:
+    """`np.isclose(a, b, tolerance, tolerance, equal_nan=True)`, much faster on the small arrays of a diagnosis."""
     with np.errstate(invalid="ignore", over="ignore"):
-        near = (np.abs(a - b) <= tolerance + tolerance * np.abs(b)) & np.isfinite(b)
-    return bool((near | (a == b) | (np.isnan(a) & np.isnan(b))).all())
+        close = (np.abs(a - b) <= tolerance + tolerance * np.abs(b)) & np.isfinite(b)
+    return np.asarray(close | (a == b) | (np.isnan(a) & np.isnan(b)))
 
 
 def _same_items(left: Value, right: Value) -> bool:

@@ -1,0 +1,185 @@
+"""What the mutants of an exercise answer to its probes: kept, since it never changes."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from types import CodeType
+from typing import Any
+
+import numpy as np
+
+from graders.core.code.mutations import Edit, Model, Mutant
+from graders.core.code.packed import Column, Packed
+from graders.core.code.probes import Facet, Fault, Probes, Seen, same_seen
+from graders.core.contract.local import called, kit_names
+from graders.core.contract.values import Arguments
+
+#: How many mistakes are sought together; one more where a facet tells two of them already.
+DEEP = 2
+#: Of how many programs with several mistakes, each of which is tried once in the life of a process (0.2 to 0.5 ms).
+MOST_TOGETHER = 1500
+#: In how many of its ways each mistake is tried beside another.
+USUAL_WAYS = 2
+MOST_EXTENDED = 20
+
+
+@dataclass
+class Row:
+    """A mutant and its answers so far."""
+
+    mutant: Mutant
+    answers: list[Seen] = field(default_factory=list)
+    rest: Iterator[Seen] | None = None
+    #: All of them, once they are there.
+    packed: Packed | None = None
+
+
+class Mutants:
+    """The programs with some mistakes of a `model`, and those of `whole`, as far as they have been asked the probes."""
+
+    def __init__(self, model: Model, probes: Sequence[Probes], whole: Sequence[Mutant]) -> None:
+        self.model, self.whole, self.probes = model, tuple(whole), tuple(probes)
+        self._rows: dict[tuple[int, int], list[Row]] = {}
+        self._firsts: dict[tuple[int, int], Column] = {}
+        self._made: dict[tuple[int, tuple[str, ...]], list[Row]] = {}
+        self._edits: dict[int, list[Edit]] = {}
+
+    def agreeing(self, index: int, row: Row, packed: Packed) -> int:
+        """To how many probes a mutant answers so."""
+        probes, count = self.probes[index], len(packed.answers)
+        if probes.same is not same_seen or count < len(probes.calls):
+            return sum(probes.same(self._answer(index, row, k), one) for k, one in enumerate(packed.answers))
+        if row.packed is None:
+            row.packed = Packed([self._answer(index, row, k) for k in range(count)])
+        return sum(row.packed.agreeing(packed))
+
+    def beginning(self, index: int, mistakes: int, answer: Seen) -> Sequence[Row]:
+        """The mutants with so many mistakes, but for those that do not answer the first probe so."""
+        rows, probes, key = self.all(index, mistakes), self.probes[index], (index, mistakes)
+        if probes.same is not same_seen or probes.compared == 0:
+            return rows
+        if key not in self._firsts:
+            self._firsts[key] = Column([self._answer(index, row, 0) for row in rows])
+        return [rows[place] for place in self._firsts[key].same_as(answer)]
+
+    def fits(self, index: int, row: Row, answers: Sequence[Seen], facet: Facet | None = None) -> bool:
+        """Does the mutant answer every probe so (in this facet alone)?"""
+        for k, answer in enumerate(answers[: self.probes[index].compared]):
+            one, other = self._answer(index, row, k), answer
+            if facet is not None:
+                one, other = facet(self.probes[index].calls[k], one), facet(self.probes[index].calls[k], other)
+            if not self.probes[index].same(one, other):
+                return False
+        return True
+
+    def all(self, index: int, mistakes: int) -> list[Row]:
+        key = (index, mistakes)
+        if key not in self._rows:
+            if mistakes == 0:
+                made = self.model.right()
+            elif mistakes == 1:
+                made = itertools.chain(self.model.mutants(self.model.edits, 1), self.whole)
+            else:
+                made = itertools.islice(self._together(index, mistakes), MOST_TOGETHER)
+            self._rows[key] = [Row(mutant) for mutant in made]
+        return self._rows[key]
+
+    def _together(self, index: int, mistakes: int) -> Iterator[Mutant]:
+        """Programs with several mistakes, each made in its most usual ways, those of the catalogue's head first."""
+        taken: Counter[str] = Counter()
+        usual = []
+        for edit in self._telling(index):
+            taken[edit.id] += 1
+            if taken[edit.id] <= USUAL_WAYS:
+                usual.append(edit)
+        styles = [row.mutant for row in self.all(index, 0)]
+        for _, chosen in sorted(
+            (
+                (sum(places), [usual[k] for k in places])
+                for places in itertools.combinations(range(len(usual)), mistakes)
+            ),
+            key=lambda pair: pair[0],
+        ):
+            yield from self.model.together(styles, chosen)
+
+    def _telling(self, index: int) -> list[Edit]:
+        """The edits that change an answer to these probes."""
+        if index not in self._edits:
+            calls = range(len(self.probes[index].calls))
+            rights = [[self._answer(index, row, k) for k in calls] for row in self.all(index, 0)]
+            telling = {
+                row.mutant.edits
+                for row in self.all(index, 1)
+                if row.mutant.edits and not any(self.fits(index, row, right) for right in rights)
+            }
+            self._edits[index] = [edit for edit in self.model.edits if (edit,) in telling]
+        return self._edits[index]
+
+    def making(self, index: int, ids: Sequence[str]) -> Sequence[Row]:
+        """The mutants that make just these mistakes."""
+        key = index, tuple(ids)
+        if key not in self._made:
+            edits = [edit for edit in self.model.edits if edit.id in ids]
+            self._made[key] = [Row(mutant) for mutant in self.model.mutants(edits, len(ids))]
+        return self._made[key]
+
+    def extended(self, index: int, answers: Sequence[Seen]) -> Iterator[Row]:
+        """The mutants of a facet that fits, with one mistake more."""
+        facet = self.probes[index].facet
+        if facet is None:
+            return
+        begun = [row for row in self.all(index, DEEP) if self.fits(index, row, answers, facet)]
+        for row in begun[:MOST_EXTENDED]:
+            yield from (Row(mutant) for mutant in self.model.extended(row.mutant, self._telling(index)))
+
+    def _answer(self, index: int, row: Row, k: int) -> Seen:
+        """What a mutant answers to probe k, having answered those before."""
+        probes = self.probes[index]
+        if k == 0 and not row.answers:  # of most mutants no more is asked: nothing is kept to go on with
+            row.answers = list(_answers(row.mutant, probes, probes.calls[:1]))
+        while len(row.answers) <= k:
+            if row.rest is None:
+                row.rest = itertools.islice(_answers(row.mutant, probes, probes.calls), len(row.answers), None)
+            row.answers.append(next(row.rest))
+        return row.answers[k]
+
+
+def _answers(mutant: Mutant, probes: Probes, calls: Sequence[Arguments]) -> Iterator[Seen]:
+    """What a mutant, which is our own code, answers; it shares the kit with the others."""
+    names = _kit(probes) if probes.random else dict(_kit(probes))
+    for piece in mutant.text.split(BETWEEN):
+        exec(_compiled(piece), names)
+    for args in calls:
+        given = copy.deepcopy(args)
+        try:
+            with np.errstate(all="ignore"):
+                value = called(names, probes.function, given)
+        except Exception as error:
+            yield Fault(type(error).__name__)
+        else:
+            yield probes.read(args, value)
+
+
+#: Between the functions of a model.
+BETWEEN = "\n\n\n"
+
+
+@lru_cache(maxsize=4096)
+def _compiled(piece: str) -> CodeType:
+    """One function of a model, which most of its mutants share."""
+    return compile(piece, "<mutant>", "exec", dont_inherit=True)
+
+
+_kits: dict[int, dict[str, Any]] = {}
+
+
+def _kit(probes: Probes) -> dict[str, Any]:
+    """The names that the mutants find, made once for all of them unless they draw at random."""
+    if probes.random or id(probes) not in _kits:
+        _kits[id(probes)] = {"__name__": "mutant", **kit_names(probes.kit), **probes.given}
+    return _kits[id(probes)]

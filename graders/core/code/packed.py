@@ -1,0 +1,87 @@
+"""Answers read once, so that many are compared in a few operations of arrays: as `same_seen` would one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graders.core.code.probes import TOLERANCE, Fault, Seen, same_seen
+from graders.core.contract.values import Floats, UnreadableError, near, read_array
+
+Shape = tuple[int, ...]
+
+
+class Packed:
+    """Answers one after the other: the numbers of all, where each can be read as such."""
+
+    def __init__(self, answers: Sequence[Seen]) -> None:
+        self.answers = answers
+        self.read = list(map(_read, answers))
+
+    @cached_property
+    def _shapes(self) -> tuple[Shape, ...] | None:
+        """None where some answer is no array of numbers, or holds none."""
+        shapes = tuple(one.shape for one in self.read if one is not None and one.size)
+        return shapes if len(shapes) == len(self.read) else None
+
+    @cached_property
+    def _numbers(self) -> Floats:
+        return np.concatenate([one.ravel() for one in self.read if one is not None])
+
+    @cached_property
+    def _begins(self) -> NDArray[np.int64]:
+        return np.cumsum([0, *(one.size for one in self.read[:-1] if one is not None)])
+
+    def agreeing(self, other: Packed) -> list[bool]:
+        """Which of these answers are the same as the other's at their place."""
+        count = min(len(self.read), len(other.read))
+        if not count or self._shapes is None or self._shapes != other._shapes:
+            return [self._same(other, k) for k in range(count)]
+        same = near(self._numbers, other._numbers, TOLERANCE)
+        return list(map(bool, np.logical_and.reduceat(same, self._begins)))
+
+    def _same(self, other: Packed, k: int) -> bool:
+        one, its = self.read[k], other.read[k]
+        if one is not None and its is not None:
+            return one.shape == its.shape and bool(near(one, its, TOLERANCE).all())
+        return one is its and same_seen(self.answers[k], other.answers[k])
+
+
+class Column:
+    """What many programs answer to one call: those that answer the same are found at once."""
+
+    def __init__(self, answers: Sequence[Seen]) -> None:
+        self._answers = answers
+        self._unread: list[int] = []
+        self._places: dict[Shape, list[int]] = {}
+        read = list(map(_read, answers))
+        for place, one in enumerate(read):
+            (self._unread if one is None else self._places.setdefault(one.shape, [])).append(place)
+        self._rows = {
+            shape: np.array([read[place] for place in places], dtype=np.float64).reshape(len(places), -1)
+            for shape, places in self._places.items()
+        }
+
+    def same_as(self, answer: Seen) -> list[int]:
+        """The places of those that are the same as this one."""
+        one = _read(answer)
+        if one is None:
+            return [place for place in self._unread if same_seen(self._answers[place], answer)]
+        if one.shape not in self._rows:
+            return []
+        places = self._places[one.shape]
+        same = near(self._rows[one.shape], one.ravel(), TOLERANCE).all(axis=1)
+        return [places[k] for k in np.flatnonzero(same)]
+
+
+def _read(answer: Seen) -> Floats | None:
+    """None of what is no array of numbers."""
+    if isinstance(answer, Fault):
+        return None
+    try:
+        return read_array(answer)
+    except UnreadableError:
+        return None
