@@ -95,8 +95,8 @@ class SandboxPrograms:
         self._sandbox, self._policy, self._patience = sandbox, policy, Patience(policy)
         self._library = tuple(library)
 
-    def prepare(self, source: bytes, kit: KitSettings) -> None:
-        self._sandbox.prepare(source, kit=self._kit(kit), policy=self._policy)
+    def prepare(self, source: bytes, kit: KitSettings, launches: int) -> None:
+        self._sandbox.prepare(source, launches, kit=self._kit(kit), policy=self._policy)
 
     def _kit(self, kit: KitSettings) -> Kit:
         return Kit(kit.module, dict(kit.parameters), kit.without, self._library)

@@ -26,6 +26,8 @@ from server.sandbox.values import MENTION, Calls, Kit
 _log = logging.getLogger(__name__)
 #: Policies for which a template keeps spare children: the last ones used.
 _POLICIES = 3
+#: Children that stand ready for one submission, at most.
+_PREPARED = 3
 #: Seconds before another try at a worn template's successor, which could not be started.
 _PAUSE = 30.0
 #: Seconds between the end of a session and the fork of the next spare.
@@ -135,13 +137,14 @@ class Sandbox:
         except TemplateFault as error:
             raise SandboxFault(str(error)) from error
 
-    def prepare(self, source: bytes, *, kit: Kit | None = None, policy: Policy | None = None) -> None:
-        """Has a child made ready, unless one is, for a file that is about to be opened again: nothing is waited for."""
+    def prepare(self, source: bytes, children: int, *, kit: Kit | None = None, policy: Policy | None = None) -> None:
+        """Has so many children made ready for a file that is about to be opened as often; nothing is waited for."""
         policy = policy or self.policy
         slot = self._slots[import_set(b"".join((source, *_imported(source, kit))), drawing=False)]
         with slot.lock, contextlib.suppress(TemplateFault):  # `open` replaces a template that has failed
-            if slot.template is not None and not slot.spares.get(policy):
-                slot.spares.setdefault(policy, deque()).append(slot.template.fork(policy))
+            waiting = slot.spares.setdefault(policy, deque())
+            while slot.template is not None and len(waiting) < min(children, _PREPARED):
+                waiting.append(slot.template.fork(policy))
 
     def close(self) -> None:
         """Ends every template and every session; returns when their processes are gone."""

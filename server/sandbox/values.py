@@ -6,6 +6,7 @@ import marshal
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -67,8 +68,7 @@ class Calls:
     return_arguments: bool = False
 
 
-@dataclass(frozen=True)
-class Reply:
+class Reply(NamedTuple):
     """What a call returned; `arguments` are the arguments as they are after the call, when they were asked for."""
 
     value: Value

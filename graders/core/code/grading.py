@@ -73,7 +73,7 @@ class CodeGrader:
         runner = Runner(programs, source, kit, budget=self.budget)
         try:
             # What names a mistake asks a program launched afresh: it comes up while the checks go on.
-            findings = run_checks(self.checks, runner, kit, seed, runner.prepare if self.prober else lambda: None)
+            findings = run_checks(self.checks, runner, kit, seed, launches_if_failed=1 if self.prober else 0)
             checked = time.perf_counter()
             diagnosis = self._diagnosis(findings, runner, kit, seed)
         finally:
@@ -192,9 +192,13 @@ def run_checks(
     runner: Runner,
     kit: KitSettings,
     seed: int,
-    when_one_fails: Callable[[], None] = lambda: None,
+    *,
+    launches_if_failed: int = 0,
 ) -> list[Finding]:
-    """What each of the checks finds of the runner's program, with the same draws for the same seed."""
+    """What each of the checks finds of the runner's program, with the same draws for the same seed.
+
+    Once one has failed, the file is about to be started so many times more.
+    """
     benches = [Bench(check.id, runner, stream(seed, check.id), kit) for check in checks]
     found: list[Finding | Unsimplified] = []
     for begins, ends in _spans(checks):
@@ -206,11 +210,12 @@ def run_checks(
                 runner.start(plan)
             except StudentFault as fault:
                 return [_finding(check, fault_rejection(fault, inputs=None)) for check in checks]
+            runner.expect(sum(check.launches for check in checks))
         for check, bench in zip(checks[begins:ends], benches[begins:ends], strict=True):
             found.append(_found(check, bench))
             if isinstance(found[-1], Unsimplified) or not found[-1].passed:
                 if not runner.failed:
-                    when_one_fails()
+                    runner.expect(launches_if_failed)
                 runner.failed.add(check.id)
     if failed := [one for one in found if isinstance(one, Unsimplified)]:
         runner.keep_what_was_printed()

@@ -30,7 +30,7 @@ MAX_OTHERS = 64
 DEFAULT_BUDGET = Budget()
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Observation:
     """What a function gave on one graded input (a value, or the name of the fault), and whether that was right."""
 
@@ -66,7 +66,7 @@ class Runner:
         self._source = source
         self._kit = kit
         self._launches = 0
-        self._others = 0
+        self._others = self._expected = 0
         self._program: Program | None = None
         self._dead: dict[str, StudentFault] = {}
         self._ahead = Ahead()
@@ -224,15 +224,17 @@ class Runner:
         if self._program is not None and program in (None, self._program):
             self.close()
 
-    def prepare(self) -> None:
-        """The file is about to be started once more."""
-        if isinstance(self._programs, Preparing):
-            self._programs.prepare(self._source, self._kit)
+    def expect(self, launches: int) -> None:
+        """The file is about to be started so many times more."""
+        self._expected += launches
+        if self._expected and isinstance(self._programs, Preparing):
+            self._programs.prepare(self._source, self._kit, self._expected)
 
     @contextmanager
     def other(self, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Iterator[Program]:
         """The same file started on another map, for as long as the block lasts; what is asked `ahead` goes with it."""
         self._others += 1
+        self._expected = max(0, self._expected - 1)
         program = self._start(kit, self._others, MAX_OTHERS, ahead)
         try:
             yield program

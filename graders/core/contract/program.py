@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.values import Arguments, Value
@@ -25,8 +25,7 @@ class KitSettings:
     without: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
-class Reply:
+class Reply(NamedTuple):
     """What a call returned and, where asked for, its arguments as they are afterwards."""
 
     value: Value
@@ -132,8 +131,8 @@ def one_by_one(
 class Preparing(Protocol):
     """Programs that are started sooner where it is said before that they will be."""
 
-    def prepare(self, source: bytes, kit: KitSettings) -> None:
-        """A file is about to be started once more."""
+    def prepare(self, source: bytes, kit: KitSettings, launches: int) -> None:
+        """A file is about to be started so many times more."""
         ...
 
 

@@ -14,7 +14,7 @@ from graders.core.code.simplifying import reject
 from graders.core.compare import words as render
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, KitSettings, StudentFault
+from graders.core.contract.program import Answer, Foreseen, KitSettings, StudentFault
 from graders.core.contract.values import Floats, Value
 from graders.l20.occupation.cases import Draw
 from graders.l20.occupation.cells import Mask
@@ -58,18 +58,27 @@ class Integrations(Check):
     cases: Draw
     kit: KitSettings
 
+    @property
+    def asks_on(self) -> bool:
+        return False
+
+    @property
+    def launches(self) -> int:
+        return 1
+
     def run(self, bench: Bench) -> None:
+        asked = Foreseen(FUNCTION, tuple(map(tuple, self.cases(bench.rng))), faults=MAX_FAULTS)
         try:
-            with bench.on(self.kit) as other:
-                self._run(other)
+            with bench.on(self.kit, asked) as other:
+                self._run(other, asked)
         except StudentFault as fault:
             shape = np.shape(self.kit.parameters["libres"])
             message = f"Relancé sur une autre carte (H = {shape[0]}, W = {shape[1]}), votre fichier s’arrête : "
             raise Rejection(message + fault.message, inputs={}, got=fault.message, cause=fault.outcome) from fault
 
-    def _run(self, bench: Bench) -> None:
+    def _run(self, bench: Bench, asked: Foreseen) -> None:
         first: Failure | None = None
-        for args, answer in bench.call_many(FUNCTION, map(tuple, self.cases(bench.rng)), faults=MAX_FAULTS):
+        for args, answer in bench.answers(asked):
             failure = _judged(Integration(*args), answer)
             fault = answer if isinstance(answer, StudentFault) else None
             value = None if fault is not None or isinstance(answer, StudentFault) else answer.value

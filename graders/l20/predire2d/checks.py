@@ -107,6 +107,10 @@ class OnGrid(Check):
     def asks_on(self) -> bool:
         return False
 
+    @property
+    def launches(self) -> int:
+        return 0 if self.draw is None else 1
+
     def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
         return self._on(module_world()).foreseen(bench) if self.draw is None else ()
 
