@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from graders.core.compare import words as render
-from graders.core.compare.comparison import TOLERANCE, WELL_WITHIN, Mismatch, close, unreadable, wrong_shape
+from graders.core.compare.comparison import (
+    TOLERANCE,
+    WELL_BEYOND,
+    WELL_WITHIN,
+    Mismatch,
+    OfRows,
+    close,
+    row_gaps,
+    unreadable,
+    wrong_shape,
+)
 from graders.core.compare.shrinking import shrink_number
 from graders.core.contract.values import Floats, UnreadableError, Value, read_array
 
@@ -18,7 +29,7 @@ FEW_TURNS = 20.0
 
 
 @dataclass(frozen=True)
-class SamePose:
+class SamePose(OfRows):
     """Poses (3,): x and y within the tolerance, theta modulo 2 pi but brought back to [-pi, pi].
 
     With `any_turn`, an angle out of this range is let pass: for checks of a formula, beside one of the range.
@@ -38,18 +49,22 @@ class SamePose:
         if not np.isfinite(pose).all():
             return Mismatch("Une des coordonnées n'est pas un nombre fini.", "nan")
         if not close(wanted[:2], pose[:2], self.tolerance):
-            return Mismatch(self._position_message(wanted, pose))
+            return Mismatch(lambda: self._position_message(wanted, pose))
         return self._angle_mismatch(float(wanted[2]), float(pose[2]))
 
-    def surely(self, expected: Floats, got: Floats) -> bool:
-        within = WELL_WITHIN * self.tolerance
-        if got.ndim != 2 or got.shape[1] != 3 or not close(expected[:, :2], got[:, :2], within):
-            return False
-        turns = (got[:, 2] - expected[:, 2]) / math.tau
-        farthest = FEW_TURNS if self.any_turn else math.pi + WELL_WITHIN * TOLERANCE
-        return bool(
-            (np.abs(got[:, 2]) <= farthest).all() and (np.abs(turns - np.round(turns)) * math.tau <= within).all()
-        )
+    def gaps(self, expected: Floats, got: Floats) -> Floats | None:
+        if got.ndim != 2 or got.shape[1] != 3:
+            return None
+        apart, theta = row_gaps(expected[:, :2], got[:, :2], self.tolerance), np.abs(got[:, 2])
+        with np.errstate(invalid="ignore", over="ignore"):
+            turns = (got[:, 2] - expected[:, 2]) / math.tau
+            off = np.abs(turns - np.round(turns)) * math.tau / self.tolerance
+            beyond = (theta - math.pi) / TOLERANCE
+        # Of more than a few turns, and of a range all but left, nothing is seen from here.
+        unsure = theta > FEW_TURNS if self.any_turn else (beyond > WELL_WITHIN) & (beyond < WELL_BEYOND)
+        out = np.isnan(off) if self.any_turn else np.isnan(off) | (beyond >= WELL_BEYOND)
+        gaps = np.maximum(apart, np.where(out, np.inf, off))
+        return np.asarray(np.where(unsure & (apart < WELL_BEYOND), 1.0, gaps))
 
     @staticmethod
     def _position_message(wanted: Floats, pose: Floats) -> str:
@@ -62,7 +77,10 @@ class SamePose:
             if self.any_turn or abs(theta) <= math.pi + TOLERANCE:
                 return None
             return Mismatch(f"L'angle {render.angle(theta)} sort de l'intervalle [−π, π].", "angle_non_ramene")
-        gap = f"Le cap est faux : {render.angle(theta)} au lieu de {render.angle(wanted)}."
+
+        def gap() -> str:
+            return f"Le cap est faux : {render.angle(theta)} au lieu de {render.angle(wanted)}."
+
         is_degrees = abs(math.remainder(math.radians(theta) - wanted, math.tau)) <= 1e-6
         return Mismatch(gap, "degres" if is_degrees else "oppose" if abs(theta + wanted) <= self.tolerance else None)
 
@@ -79,9 +97,13 @@ def shrink_pose(value: Value) -> Iterator[Value]:
 
 def shrink_angle(value: float) -> Iterator[float]:
     """0, then the nearest multiples of a quarter, an eighth and a twelfth of a turn."""
-    for candidate in (0.0, *(_nearest(value, math.pi / k) for k in (2, 4, 6))):
-        if angle_complexity(candidate) < angle_complexity(value):
-            yield candidate
+    return iter(_simpler_angles(value))
+
+
+@lru_cache(maxsize=4096)
+def _simpler_angles(value: float) -> Sequence[float]:
+    angles = (0.0, *(_nearest(value, math.pi / k) for k in (2, 4, 6)))
+    return [angle for angle in angles if angle_complexity(angle) < angle_complexity(value)]
 
 
 def _nearest(value: float, step: float) -> float:

@@ -1,6 +1,6 @@
-"""Right answers seen at once: of many cases whose answers are plain, all are compared in a few operations of arrays.
+"""Answers judged at once: of many cases whose answers are plain, all are compared in a few operations of arrays.
 
-What does not show at once to be right, well within the tolerance, is judged case by case.
+What does not show at once to be right, well within the tolerance, or wrong, well beyond, is judged case by case.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from graders.core.compare.comparison import Comparator
+from graders.core.compare.comparison import WELL_BEYOND, WELL_WITHIN, Comparator, OfRows
 from graders.core.contract.program import Answer, Foreseen, Reply
 from graders.core.contract.values import Arguments, Value
 
@@ -28,17 +28,24 @@ def plain_answers(answers: Iterator[Answered]) -> list[Answered]:
     return plain
 
 
-def all_right(asked: Foreseen, plain: Sequence[Answered], expected: Callable[..., Value], compare: Comparator) -> bool:
-    """Whether all answers are there and can be seen to be right; `expected` takes arrays, one case a row."""
-    surely = getattr(compare, "surely", None)
-    if surely is None or not 0 < len(asked.calls) == len(plain) or not _is_plain(plain[-1][1]):
-        return False
+def seen_at_once(
+    asked: Foreseen, plain: Sequence[Answered], expected: Callable[..., Value], compare: Comparator
+) -> Sequence[bool | None]:
+    """Which of all the answers can be seen to be right, or wrong; None for one that must be judged by itself.
+
+    Empty where they must all be. `expected` takes arrays, one case a row.
+    """
+    if not isinstance(compare, OfRows) or not 0 < len(asked.calls) == len(plain) or not _is_plain(plain[-1][1]):
+        return ()
     values = [value_of(answer) for _, answer in plain]
-    if len({np.shape(value) for value in values}) > 1:
-        return False
+    if len(set(map(np.shape, values))) > 1:
+        return ()
     wanted = np.asarray(expected(*map(np.array, zip(*asked.calls, strict=True))))
     got = np.array(values)
-    return wanted.shape == got.shape and bool(surely(wanted, got))
+    gaps = compare.gaps(wanted, got) if wanted.shape == got.shape else None
+    if gaps is None:
+        return ()
+    return [True if gap <= WELL_WITHIN else False if gap >= WELL_BEYOND else None for gap in gaps.tolist()]
 
 
 def value_of(answer: Answer) -> Value:

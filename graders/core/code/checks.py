@@ -15,7 +15,7 @@ from typing import Any, ClassVar, NoReturn, Protocol
 
 import numpy as np
 
-from graders.core.code.at_once import all_right, plain_answers, value_of
+from graders.core.code.at_once import plain_answers, seen_at_once, value_of
 from graders.core.code.bench import Bench
 from graders.core.code.simplifying import reject
 from graders.core.compare import words as render
@@ -84,6 +84,11 @@ class Check(ABC):
     def asks_on(self) -> bool:
         """Whether a right program is asked more than what is foreseen: what later checks ask must wait for that."""
         return True
+
+    @property
+    def launches(self) -> int:
+        """How often it is known to start the file anew, as on another map."""
+        return 0
 
     @abstractmethod
     def run(self, bench: Bench) -> None:
@@ -192,8 +197,8 @@ class Cases(Check):
     `shrinkers`, one for each argument, simplify a failing case as long as `valid` holds of it;
     `figure(args, expected, got)` makes the data of a drawing, or None where there is nothing to draw; `got` is None
     unless it has the expected shape, a tuple of arrays where a tuple of arrays is expected. With
-    `rows`, `expected` takes arrays of arguments too, one case a row, and right answers are seen at once where `compare`
-    has a method `surely`: what else `_judged` might hold against one is not asked.
+    `rows`, `expected` takes arrays of arguments too, one case a row, and answers are seen to be right or wrong at once
+    where `compare` is one of rows: what else `_judged` might hold against one is not asked.
     """
 
     tells_call: ClassVar[bool] = True
@@ -223,15 +228,16 @@ class Cases(Check):
         asked = foreseen_of(self, bench)[-1]
         answers = bench.answers(asked)
         plain = plain_answers(answers) if self.rows else []
-        if all_right(asked, plain, self.expected, self.compare):
+        at_once = seen_at_once(asked, plain, self.expected, self.compare) if plain else ()
+        if at_once and all(at_once):
             bench.observe_right(self.function, [value_of(answer) for _, answer in plain])
             return
-        for args, answer in itertools.chain(plain, answers):
-            failure = self._judged(args, answer)
+        for (args, answer), right in itertools.zip_longest(itertools.chain(plain, answers), at_once):
+            failure = self._judged(args, answer) if right is None or not (right or first) else None
             if isinstance(answer, StudentFault):
                 bench.observe(self.function, None, ok=False, fault=answer)
             else:
-                bench.observe(self.function, answer.value, ok=failure is None)
+                bench.observe(self.function, answer.value, ok=failure is None if right is None else right)
             first = first or failure
         if first is not None and not bench.runner.reenacting:
             self._reject(bench, first)

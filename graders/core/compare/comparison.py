@@ -6,8 +6,10 @@ what differs. It never raises for a value that a student returned.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -21,20 +23,49 @@ TOLERANCE = 1e-9
 
 @dataclass(frozen=True)
 class Mismatch:
-    """Why two values differ: a French sentence, the slip that it looks like, the outcome that it stands for."""
+    """Why two values differ: a French sentence, the slip that it looks like, the outcome that it stands for.
 
-    message: str
+    `words` are the sentence, or make it once somebody reads it: of most mismatches nobody does.
+    """
+
+    words: str | Callable[[], str]
     slip: str | None = None
     cause: Outcome = Outcome.WRONG_ANSWER
+
+    @cached_property
+    def message(self) -> str:
+        return self.words if isinstance(self.words, str) else self.words()
 
 
 Comparator = Callable[[Value, Value], Mismatch | None]
 
 
-#: Comparators of numbers have a method `surely` beside: of two arrays of one shape, a case a row, whether all surely
-#: agree. They then do one by one: this is how far within its tolerance what is seen at once must be, and rounding makes
-#: far less.
-WELL_WITHIN = 0.5
+#: How far within its tolerance, and how far beyond, what is seen at once must be: rounding makes far less.
+WELL_WITHIN, WELL_BEYOND = 0.5, 2.0
+
+
+class OfRows(ABC):
+    """A comparator of numbers that also compares many cases at once."""
+
+    @abstractmethod
+    def gaps(self, expected: Floats, got: Floats) -> Floats | None:
+        """Of two arrays of one shape, a case a row (n, …): how far apart each row is, its tolerance being 1 (n,).
+
+        A row that is WELL_WITHIN agrees when it is compared alone, one WELL_BEYOND does not. None where rows must be.
+        """
+
+    def surely(self, expected: Floats, got: Floats) -> bool:
+        """Do all rows agree?"""
+        gaps = self.gaps(expected, got)
+        return gaps is not None and bool((gaps <= WELL_WITHIN).all())
+
+
+def row_gaps(expected: Floats, got: Floats, tolerance: float) -> Floats:
+    """How far apart rows are, as `close` would have it; infinitely where something is no number."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        gaps = np.abs(got - expected) / (tolerance * np.maximum(1.0, np.abs(expected)))
+    gaps[np.isnan(gaps)] = np.inf
+    return np.asarray(gaps.reshape(len(gaps), -1).max(axis=1, initial=0.0))
 
 
 def unreadable(error: UnreadableError) -> Mismatch:
@@ -50,7 +81,7 @@ def close(expected: Floats, got: Floats, tolerance: float = TOLERANCE) -> bool:
 
 
 @dataclass(frozen=True)
-class CloseTo:
+class CloseTo(OfRows):
     """Arrays or numbers of the same shape and, within the tolerance, the same values."""
 
     tolerance: float = TOLERANCE
@@ -65,14 +96,14 @@ class CloseTo:
             return wrong_shape(wanted, array)
         if close(wanted, array, self.tolerance):
             return None
-        return Mismatch(worst_difference(wanted, array), value_slip(wanted, array))
+        return Mismatch(lambda: worst_difference(wanted, array), value_slip(wanted, array))
 
-    def surely(self, expected: Floats, got: Floats) -> bool:
-        return close(expected, got, WELL_WITHIN * self.tolerance)
+    def gaps(self, expected: Floats, got: Floats) -> Floats | None:
+        return row_gaps(expected, got, self.tolerance)
 
 
 @dataclass(frozen=True)
-class ScalarCloseTo:
+class ScalarCloseTo(OfRows):
     """One number (a float, an int, a numpy scalar, a 0-d array) within the tolerance."""
 
     tolerance: float = TOLERANCE
@@ -84,8 +115,8 @@ class ScalarCloseTo:
             return unreadable(error)
         return CloseTo(self.tolerance)(float(expected), value)
 
-    def surely(self, expected: Floats, got: Floats) -> bool:
-        return got.ndim == 1 and close(expected, got, WELL_WITHIN * self.tolerance)
+    def gaps(self, expected: Floats, got: Floats) -> Floats | None:
+        return row_gaps(expected, got, self.tolerance) if got.ndim == 1 else None
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -34,9 +35,13 @@ def keep(value: Value) -> Iterator[Value]:
 
 def shrink_number(value: float) -> Iterator[float]:
     """0, 1, then the same number with fewer digits."""
-    for candidate in (0.0, 1.0, float(round(value)), round(2.0 * value) / 2.0, round(value, 1)):
-        if complexity(candidate) < complexity(value):
-            yield candidate
+    return iter(_simpler_numbers(value))
+
+
+@lru_cache(maxsize=4096)
+def _simpler_numbers(value: float) -> Sequence[float]:
+    numbers = (0.0, 1.0, float(round(value)), round(2.0 * value) / 2.0, round(value, 1))
+    return [number for number in numbers if complexity(number) < complexity(value)]
 
 
 def complexity(value: float) -> float:

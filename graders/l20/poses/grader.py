@@ -30,10 +30,14 @@ def pose(x: float, y: float, theta: float) -> Floats:
     return np.array([x, y, theta], dtype=np.float64)
 
 
-def random_pose(rng: np.random.Generator, reach: float = 10.0) -> Floats:
-    """A pose (3,) with x, y in [-reach, reach] and theta in [-pi, pi]."""
+def random_poses(rng: np.random.Generator, count: int, reach: float = 10.0) -> Floats:
+    """Poses (count, 3) with x, y in [-reach, reach] and theta in [-pi, pi]."""
     limits = pose(reach, reach, math.pi)
-    return -limits + 2.0 * limits * rng.random(3)
+    return np.asarray(-limits + 2.0 * limits * rng.random((count, 3)))
+
+
+def random_pose(rng: np.random.Generator, reach: float = 10.0) -> Floats:
+    return np.asarray(random_poses(rng, 1, reach)[0])
 
 
 def simple_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
@@ -55,10 +59,9 @@ def random_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
     """Any two poses whose angles add up, and subtract, to less than half a turn: first to more than a quarter."""
     yield pose(1.5, -2.25, 1.2), pose(0.75, 2.5, 0.9)
     yield pose(-3.5, 1.25, -0.8), pose(2.75, -1.5, -1.3)
-    for _ in range(12):
-        a, b = random_pose(rng), random_pose(rng)
-        a[2], b[2] = a[2] / 2.1, b[2] / 2.1
-        yield a, b
+    drawn = random_poses(rng, 24)
+    drawn[:, 2] /= 2.1
+    yield from zip(drawn[::2], drawn[1::2], strict=True)
 
 
 def wrapping_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
@@ -79,8 +82,7 @@ def single_poses(rng: np.random.Generator) -> Iterator[Arguments]:
     yield (pose(0, 0, QUARTER),)
     yield (pose(2, 1, -QUARTER),)
     yield (pose(1, 2, math.pi),)
-    for _ in range(10):
-        yield (random_pose(rng),)
+    yield from ((drawn,) for drawn in random_poses(rng, 10))
 
 
 def relative_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
@@ -88,8 +90,8 @@ def relative_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
     yield pose(1, 2, 0), pose(1, 2, 0)
     yield pose(1, 2, 0), pose(3, 5, QUARTER)
     yield pose(2, 1, -QUARTER), pose(0, 1, 0)
-    for _ in range(10):
-        yield random_pose(rng), random_pose(rng)
+    drawn = random_poses(rng, 20)
+    yield from zip(drawn[::2], drawn[1::2], strict=True)
     for sign in (1, -1):
         yield pose(1, 1, 3.0 * sign), pose(-2, 4, -3.0 * sign)
 
@@ -123,7 +125,8 @@ def identity_calls(bench: Bench) -> Sequence[Foreseen]:
         (pose(2, 1, -2.9), pose(-1, 3, 2.6), pose(1, 1, 0.5)),
         (pose(0, -2, 2.8), pose(3, 1, -2.5), pose(1, -1, -0.5)),
     ]
-    triples += [tuple(np.round(random_pose(bench.rng, 5.0), 0 if k < 2 else 6) for _ in range(3)) for k in range(5)]
+    drawn = random_poses(bench.rng, 15, 5.0).reshape(5, 3, 3)
+    triples += [tuple(one) for one in (*np.round(drawn[:2]), *np.round(drawn[2:], 6))]
     return [
         Foreseen("inverse", [(a,) for a, _, _ in triples], faults=1),
         Foreseen("relatif", [(a, b) for a, b, _ in triples], faults=1),

@@ -14,7 +14,7 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Cases, Check, Untouched
 from graders.core.code.grading import run_check, run_checks
 from graders.core.code.runner import Runner
-from graders.core.compare.comparison import CloseTo, Comparator, ScalarCloseTo
+from graders.core.compare.comparison import WELL_BEYOND, WELL_WITHIN, CloseTo, OfRows, ScalarCloseTo
 from graders.core.compare.shrinking import Budget, shrink_array
 from graders.core.contract.findings import Finding
 from graders.core.contract.local import LocalProgram
@@ -172,19 +172,22 @@ def test_what_several_checks_failed_on_is_simplified_in_a_few_exchanges() -> Non
     [(SamePose(), (3,)), (SamePose(any_turn=True), (3,)), (SamePose(tolerance=1e-7), (3,)), (CloseTo(), (2, 2)),
      (ScalarCloseTo(), ())],
 )  # fmt: skip
-def test_what_is_seen_to_be_right_at_once_is_right_one_by_one(compare: Comparator, shape: tuple[int, ...]) -> None:
-    """Answers off by about the tolerance, by whole turns, by what is no number; both verdicts come up."""
+def test_what_is_seen_at_once_is_seen_one_by_one(compare: OfRows, shape: tuple[int, ...]) -> None:
+    """Answers off by about the tolerance, by whole turns, by what is no number; all verdicts come up."""
     rng, seen = np.random.default_rng(7), set()
     for _ in range(600):
         expected = rng.uniform(-3.2, 3.2, (3, *shape)) * rng.choice([1.0, 1e3, 1e-3])
-        got = expected + compare.tolerance * rng.choice([0.1, 0.6, 1.5]) * rng.normal(size=expected.shape)  # type: ignore[attr-defined]
+        got = expected + compare.tolerance * rng.choice([0.1, 0.6, 1.5, 4.0]) * rng.normal(size=expected.shape)  # type: ignore[attr-defined]
         if shape == (3,):
             got[:, 2] += rng.choice([0.0, 0.0, math.tau, -math.tau, 40 * math.tau])
         if rng.random() < 0.05:
             got.flat[0] = rng.choice([np.nan, np.inf, -np.inf])
-        surely = compare.surely(expected, got)  # type: ignore[attr-defined]
-        seen.add(surely)
-        if surely:
-            each = zip(expected.tolist(), got.tolist(), strict=True)
-            assert all(compare(np.array(one), np.array(other)) is None for one, other in each)
-    assert seen == {True, False}
+        gaps = compare.gaps(expected, got)
+        assert gaps is not None
+        assert compare.surely(expected, got) == all(gaps <= WELL_WITHIN)
+        for one, other, gap in zip(expected.tolist(), got.tolist(), gaps, strict=True):
+            sure = True if gap <= WELL_WITHIN else False if gap >= WELL_BEYOND else None
+            seen.add(sure)
+            if sure is not None:
+                assert (compare(np.array(one), np.array(other)) is None) == sure  # type: ignore[operator]
+    assert seen == {True, False, None}
