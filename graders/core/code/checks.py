@@ -11,20 +11,21 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, ClassVar, NoReturn, Protocol
+from typing import Any, ClassVar, NoReturn
 
 import numpy as np
 
 from graders.core.code.at_once import plain_answers, seen_at_once, value_of
 from graders.core.code.bench import Bench
-from graders.core.code.simplifying import reject
+from graders.core.code.drawable import drawable_as
+from graders.core.code.simplifying import reject, same_kind
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Comparator, Mismatch
 from graders.core.compare.shrinking import Shrinker, neighbours
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, Foreseen, StudentFault
-from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array, same_value
+from graders.core.contract.values import Arguments, Value, same_value
 
 # A function that raised that often has shown enough; each fault may have cost a large part of its time limit.
 MAX_FAULTS = 4
@@ -284,27 +285,7 @@ class Cases(Check):
 
     def drawn(self, args: Arguments, expected: Value, got: Value) -> FigureData | None:
         """The data of the figure for one answer; None where there is nothing to draw."""
-        return None if self.figure is None else self.figure(args, expected, _drawable_as(expected, got))
-
-
-def _drawable_as(expected: Value, got: Value) -> Floats | tuple[Floats, ...] | None:
-    """`drawable` in the shape of what is expected; item by item for a tuple of arrays, of which every one must be."""
-    if not isinstance(expected, tuple) or not any(isinstance(one, np.ndarray) for one in expected):
-        return drawable(got, np.shape(expected))
-    if not isinstance(got, tuple | list) or len(got) != len(expected):
-        return None
-    items = [drawable(value, np.shape(one)) for value, one in zip(got, expected, strict=True)]
-    found = tuple(one for one in items if one is not None)
-    return found if len(found) == len(items) else None
-
-
-def drawable(value: Value, shape: tuple[int, ...]) -> Floats | None:
-    """The value as an array when it has the shape that a drawing needs and only sane numbers, else None."""
-    try:
-        array = read_array(value)
-    except UnreadableError:
-        return None
-    return array if array.shape == shape and bool(np.all(np.abs(array) < 1e9)) else None
+        return None if self.figure is None else self.figure(args, expected, drawable_as(expected, got))
 
 
 def fault_rejection(
@@ -318,22 +299,3 @@ def fault_rejection(
     where = "".join(f"\n  {frame}" for frame in fault.frames)
     got = f"aucune valeur ({fault.exception})" if fault.exception else "aucune valeur"
     return Rejection(fault.message + where, inputs=inputs, expected=expected, got=got, cause=fault.outcome, call=call)
-
-
-class Told(Protocol):
-    """Why an answer is held against a submission: a mismatch, or a fault."""
-
-    @property
-    def mismatch(self) -> Mismatch | None: ...
-
-    @property
-    def fault(self) -> StudentFault | None: ...
-
-
-def same_kind(first: Told, other: Told) -> bool:
-    """A shrunk case must fail as the first one did: by the same exception, or by a wrong value of the same cause."""
-    if first.fault or other.fault:
-        return bool(first.fault and other.fault) and first.fault.exception == other.fault.exception  # type: ignore[union-attr]
-    assert first.mismatch is not None
-    assert other.mismatch is not None
-    return (first.mismatch.slip, first.mismatch.cause) == (other.mismatch.slip, other.mismatch.cause)

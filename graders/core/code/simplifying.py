@@ -7,18 +7,38 @@ meanwhile costs none of them anything, and so that as few exchanges as possible 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NoReturn, TypeVar
+from typing import Any, NoReturn, Protocol, TypeVar
 
 from graders.core.code.bench import Bench
 from graders.core.code.runner import Runner
+from graders.core.compare.comparison import Mismatch
 from graders.core.compare.search import Search
-from graders.core.contract.program import Answer, Foreseen
+from graders.core.contract.program import Answer, Foreseen, StudentFault
 from graders.core.contract.values import Arguments
 
 CaseT = TypeVar("CaseT")
 FailureT = TypeVar("FailureT")
 #: Inputs that are asked together, of a program that answers in no time; seconds of calls that a slow one is asked.
 AHEAD, PATIENCE = 24, 0.02
+
+
+class Told(Protocol):
+    """Why an answer is held against a submission: a mismatch, or a fault."""
+
+    @property
+    def mismatch(self) -> Mismatch | None: ...
+
+    @property
+    def fault(self) -> StudentFault | None: ...
+
+
+def same_kind(first: Told, other: Told) -> bool:
+    """A shrunk case must fail as the first one did: by the same exception, or by a wrong value of the same cause."""
+    if first.fault or other.fault:
+        return bool(first.fault and other.fault) and first.fault.exception == other.fault.exception  # type: ignore[union-attr]
+    assert first.mismatch is not None
+    assert other.mismatch is not None
+    return (first.mismatch.slip, first.mismatch.cause) == (other.mismatch.slip, other.mismatch.cause)
 
 
 class Unsimplified(Exception):

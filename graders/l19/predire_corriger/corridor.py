@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Rejection, drawable
+from graders.core.code.checks import Rejection
+from graders.core.code.drawable import drawable
 from graders.core.compare import words as render
 from graders.core.contract.values import Value
 from graders.l19.pairs import SamePair, read_pair

@@ -12,8 +12,8 @@ from typing import NoReturn
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection, same_kind
-from graders.core.code.simplifying import reject
+from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection
+from graders.core.code.simplifying import reject, same_kind
 from graders.core.compare import words as render
 from graders.core.compare.comparison import Mismatch, unreadable, wrong_shape
 from graders.core.contract.findings import FigureData

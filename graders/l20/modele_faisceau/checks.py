@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graders.core.code.checks import Cases, Failure, Rejection, drawable
+from graders.core.code.checks import Cases, Failure, Rejection
+from graders.core.code.drawable import drawable
 from graders.core.compare import words as render
 from graders.core.compare.comparison import CloseTo, Mismatch, ScalarCloseTo
 from graders.core.contract.findings import FigureData

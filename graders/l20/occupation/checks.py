@@ -9,7 +9,8 @@ from typing import NoReturn
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import MAX_FAULTS, Check, Rejection, drawable, fault_rejection
+from graders.core.code.checks import MAX_FAULTS, Check, Rejection, fault_rejection
+from graders.core.code.drawable import drawable
 from graders.core.code.simplifying import reject
 from graders.core.compare import words as render
 from graders.core.contract.findings import FigureData

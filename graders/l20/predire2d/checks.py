@@ -10,7 +10,8 @@ from typing import ClassVar
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Cases, Check, Failure, Rejection, drawable
+from graders.core.code.checks import Cases, Check, Failure, Rejection
+from graders.core.code.drawable import drawable
 from graders.core.compare import words as render
 from graders.core.compare.shrinking import keep
 from graders.core.contract.findings import FigureData

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from graders.core.code.at_once import value_of
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Rejection, drawable
+from graders.core.code.checks import Rejection
+from graders.core.code.drawable import drawable
 from graders.core.compare.comparison import Mismatch, unreadable, wrong_shape
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from graders.core.code.checks import drawable
+from graders.core.code.drawable import drawable
 from graders.core.contract.findings import FigureData
 from graders.core.contract.values import Value
 from graders.l20.slam_graphe.graphs import Graph

@@ -13,8 +13,9 @@ from typing import NoReturn
 import numpy as np
 
 from graders.core.code.bench import Bench
-from graders.core.code.checks import Check, Rejection, drawable, fault_rejection, foreseen_of, same_kind
-from graders.core.code.simplifying import reject
+from graders.core.code.checks import Check, Rejection, fault_rejection, foreseen_of
+from graders.core.code.drawable import drawable
+from graders.core.code.simplifying import reject, same_kind
 from graders.core.compare import words as render
 from graders.core.compare.comparison import TOLERANCE, Mismatch, unreadable, wrong_shape
 from graders.core.contract.findings import FigureData
