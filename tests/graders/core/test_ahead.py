@@ -12,8 +12,8 @@ import pytest
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Cases, Check, Untouched
-from graders.core.code.grading import run_check, run_checks
 from graders.core.code.runner import Runner
+from graders.core.code.running import run_check, run_checks
 from graders.core.compare.comparison import WELL_BEYOND, WELL_WITHIN, CloseTo, OfRows, ScalarCloseTo
 from graders.core.compare.shrinking import Budget, shrink_array
 from graders.core.contract.findings import Finding

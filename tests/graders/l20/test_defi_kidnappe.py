@@ -11,9 +11,9 @@ import pytest
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
-from graders.core.code.grading import run_checks
 from graders.core.code.loops import ClosedLoop, Run
 from graders.core.code.runner import Runner
+from graders.core.code.running import run_checks
 from graders.core.contract.local import LOCAL
 from graders.core.contract.streams import stream
 from graders.l20 import journeys, world

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from graders.core.code.grading import run_checks
 from graders.core.code.runner import Runner
+from graders.core.code.running import run_checks
 from graders.core.contract.bounds import weight
 from graders.core.contract.films import plain
 from graders.core.contract.local import LOCAL

@@ -11,9 +11,10 @@ from collections.abc import Iterator
 import pytest
 
 from graders.core.code.checks import Check, Trial
-from graders.core.code.grading import CodeGrader, run_checks
+from graders.core.code.grading import CodeGrader
 from graders.core.code.loops import ClosedLoop
 from graders.core.code.runner import Runner
+from graders.core.code.running import run_checks
 from graders.core.compare.shrinking import Budget
 from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome

@@ -13,9 +13,9 @@ from scipy import stats
 
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
-from graders.core.code.grading import run_checks
 from graders.core.code.loops import ClosedLoop, Run
 from graders.core.code.runner import Runner
+from graders.core.code.running import run_checks
 from graders.core.contract.local import LOCAL, kit_names
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import StudentFault
