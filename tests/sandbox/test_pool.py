@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -27,7 +28,7 @@ from .family import (
     settle,
     templates,
 )
-from .limits import only
+from .limits import FAR, only
 
 pytestmark = pytest.mark.usefixtures("alone")
 
@@ -165,6 +166,21 @@ def test_a_spare_child_that_died_waiting_costs_no_template() -> None:
         assert eventually(killed)
         answers(sandbox)
         assert root_and_template() == family
+
+
+def test_children_are_made_ready_for_a_file_that_is_opened_again(sandbox: Sandbox) -> None:
+    policy = replace(FAR, stdout_bytes=FAR.stdout_bytes - 1)
+    sandbox.open(SOURCE, policy=policy).close()
+    sandbox.prepare(SOURCE, 2, policy=policy)
+    waiting = sandbox._slots["numpy"].spares[policy]
+    ready = list(waiting)
+    sandbox.prepare(SOURCE, 2, policy=policy)
+    assert list(waiting) == ready
+    assert len(ready) == 2
+    with sandbox.open(SOURCE, policy=policy) as first, sandbox.open(SOURCE, policy=policy) as second:
+        assert [first._child, second._child] == ready
+    sandbox.prepare(SOURCE, 100, policy=policy)
+    assert len(waiting) == 3
 
 
 def test_threads_share_a_sandbox() -> None:

@@ -86,3 +86,40 @@ def test_shrinking_stops_when_its_time_is_over_and_keeps_what_it_has() -> None:
     (found,) = shrink((np.array([2.7]),), (shrink_array,), fails, budget)
     assert calls == [3.0, 0.0, 1.0]
     assert np.array_equal(found, [3.0])
+
+
+@given(poses, poses, st.integers(0, 6), st.floats(-3, 3))
+def test_what_is_asked_ahead_changes_nothing_of_what_is_found(
+    one: np.ndarray, other: np.ndarray, which: int, least: float
+) -> None:
+    """Whatever makes an input fail, and whatever was asked that turns out not to be needed."""
+
+    def fails(args: Arguments) -> bool:
+        numbers = [*args[0], *args[1]]
+        return bool(sum(numbers[k] for k in range(6) if k != which) > least or numbers[which % 6] > 1.2)
+
+    asked: list[int] = []
+
+    def counted(args: Arguments) -> bool:
+        asked.append(1)
+        return fails(args)
+
+    budget = Budget(calls=30, seconds=math.inf)
+    if fails((one, other)):
+        shrinkers = (shrink_pose, shrink_pose)
+        found = [shrink((one, other), shrinkers, counted, budget, ahead) for ahead in (1, 24)]
+        assert np.array_equal(found[0], found[1])
+        assert len(asked) <= budget.calls + (2 * budget.calls + 24) + budget.calls
+
+
+def test_a_search_is_over_where_the_program_answers_no_more() -> None:
+    search: Search[float, bool, float] = Search(
+        2.5, 2.5, lambda x: iter([x / 2, x / 4]), lambda x, fails: x if fails else None,
+        budget=Budget(calls=9, seconds=math.inf), ahead=6,
+    )  # fmt: skip
+    assert search.questions()[0] == 1.25
+    search.take([True])
+    assert search.questions()
+    search.take([])
+    assert search.questions() == []
+    assert search.simplest == 1.25
