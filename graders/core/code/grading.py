@@ -14,7 +14,7 @@ from graders.core.code.bench import Bench
 from graders.core.code.checks import Check
 from graders.core.code.diagnosis import combined, diagnose, slip_diagnosis
 from graders.core.code.folder import Misconception, Specimen, read_specimens
-from graders.core.code.prober import Prober
+from graders.core.code.prober import Prober, Recognised
 from graders.core.code.reenacting import Reenactor
 from graders.core.code.runner import DEFAULT_BUDGET, Observation, Runner
 from graders.core.code.running import run_check, run_checks
@@ -117,8 +117,9 @@ class CodeGrader:
         blamed = _blamed([check for check, _ in pairs])
         asked = [function for function in self.functions if function in blamed]
         alone = {check.functions[0] for check, _ in pairs if len(check.functions) == 1}
-        ids, last = self.prober.recognise(runner, asked, alone) if self.prober else ((), ())
-        ids = (*ids, *self._reenacted(ids, alone if ids else blamed, runner.observations, kit, seed)) or last
+        ids, last, follow = self.prober.recognise(runner, asked, alone) if self.prober else Recognised()
+        left = (alone if ids else blamed) - set(follow)
+        ids = (*ids, *self._reenacted(ids, left, runner.observations, kit, seed)) or last
         if ids:
             touched = {TOUCHED} & {finding.slip for _, finding in pairs} - set(ids)
             return combined((*ids, *touched), self.misconceptions)

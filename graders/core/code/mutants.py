@@ -35,8 +35,8 @@ class Row:
     mutant: Mutant
     answers: list[Seen] = field(default_factory=list)
     rest: Iterator[Seen] | None = None
-    #: All of them, once they are there.
-    packed: Packed | None = None
+    #: As far as they are there, read.
+    packed: Packed = field(default_factory=Packed)
 
 
 class Mutants:
@@ -54,9 +54,13 @@ class Mutants:
         probes, count = self.probes[index], len(packed.answers)
         if probes.same is not same_seen or count < len(probes.calls):
             return sum(probes.same(self._answer(index, row, k), one) for k, one in enumerate(packed.answers))
-        if row.packed is None:
-            row.packed = Packed([self._answer(index, row, k) for k in range(count)])
-        return sum(row.packed.agreeing(packed))
+        return sum(self._read(index, row, count).agreeing(packed))
+
+    def _read(self, index: int, row: Row, count: int) -> Packed:
+        """So many of its answers at least, where it has so many to give."""
+        for k in range(len(row.packed.answers), count):
+            row.packed.add(self._answer(index, row, k))
+        return row.packed
 
     def beginning(self, index: int, mistakes: int, answer: Seen) -> Sequence[Row]:
         """The mutants with so many mistakes, but for those that do not answer the first probe so."""
@@ -67,15 +71,20 @@ class Mutants:
             self._firsts[key] = Column([self._answer(index, row, 0) for row in rows])
         return [rows[place] for place in self._firsts[key].same_as(answer)]
 
-    def fits(self, index: int, row: Row, answers: Sequence[Seen], facet: Facet | None = None) -> bool:
-        """Does the mutant answer every probe so (in this facet alone)?"""
-        for k, answer in enumerate(answers[: self.probes[index].compared]):
-            one, other = self._answer(index, row, k), answer
-            if facet is not None:
-                one, other = facet(self.probes[index].calls[k], one), facet(self.probes[index].calls[k], other)
-            if not self.probes[index].same(one, other):
-                return False
-        return True
+    def fits(self, index: int, row: Row, packed: Packed) -> bool:
+        """Does the mutant answer every probe so?"""
+        probes, answers = self.probes[index], packed.answers[: self.probes[index].compared]
+        if probes.same is not same_seen:
+            return all(probes.same(self._answer(index, row, k), answer) for k, answer in enumerate(answers))
+        return all(self._read(index, row, k + 1).same(packed, k) for k in range(len(answers)))
+
+    def _fits_in(self, facet: Facet, index: int, row: Row, answers: Sequence[Seen]) -> bool:
+        """Does the mutant answer every probe so, in this facet?"""
+        probes = self.probes[index]
+        return all(
+            probes.same(facet(probes.calls[k], self._answer(index, row, k)), facet(probes.calls[k], answer))
+            for k, answer in enumerate(answers[: probes.compared])
+        )
 
     def all(self, index: int, mistakes: int) -> list[Row]:
         key = (index, mistakes)
@@ -111,7 +120,7 @@ class Mutants:
         """The edits that change an answer to these probes."""
         if index not in self._edits:
             calls = range(len(self.probes[index].calls))
-            rights = [[self._answer(index, row, k) for k in calls] for row in self.all(index, 0)]
+            rights = [Packed([self._answer(index, row, k) for k in calls]) for row in self.all(index, 0)]
             telling = {
                 row.mutant.edits
                 for row in self.all(index, 1)
@@ -133,7 +142,7 @@ class Mutants:
         facet = self.probes[index].facet
         if facet is None:
             return
-        begun = [row for row in self.all(index, DEEP) if self.fits(index, row, answers, facet)]
+        begun = [row for row in self.all(index, DEEP) if self._fits_in(facet, index, row, answers)]
         for row in begun[:MOST_EXTENDED]:
             yield from (Row(mutant) for mutant in self.model.extended(row.mutant, self._telling(index)))
 

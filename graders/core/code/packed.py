@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -17,9 +17,17 @@ Shape = tuple[int, ...]
 class Packed:
     """Answers one after the other: the numbers of all, where each can be read as such."""
 
-    def __init__(self, answers: Sequence[Seen]) -> None:
-        self.answers = answers
-        self.read = list(map(_read, answers))
+    def __init__(self, answers: Iterable[Seen] = ()) -> None:
+        self.answers: list[Seen] = []
+        self.read: list[Floats | None] = []
+        for answer in answers:
+            self.add(answer)
+
+    def add(self, answer: Seen) -> None:
+        self.answers.append(answer)
+        self.read.append(_read(answer))
+        for known in ("_shapes", "_numbers", "_begins"):
+            self.__dict__.pop(known, None)
 
     @cached_property
     def _shapes(self) -> tuple[Shape, ...] | None:
@@ -39,11 +47,12 @@ class Packed:
         """Which of these answers are the same as the other's at their place."""
         count = min(len(self.read), len(other.read))
         if not count or self._shapes is None or self._shapes != other._shapes:
-            return [self._same(other, k) for k in range(count)]
+            return [self.same(other, k) for k in range(count)]
         same = near(self._numbers, other._numbers, TOLERANCE)
         return list(map(bool, np.logical_and.reduceat(same, self._begins)))
 
-    def _same(self, other: Packed, k: int) -> bool:
+    def same(self, other: Packed, k: int) -> bool:
+        """Is the k-th of these the same as the other's?"""
         one, its = self.read[k], other.read[k]
         if one is not None and its is not None:
             return one.shape == its.shape and bool(near(one, its, TOLERANCE).all())

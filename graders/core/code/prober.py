@@ -14,6 +14,7 @@ import threading
 import time
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 from graders.core.code.mutants import DEEP, Mutants, Row
 from graders.core.code.mutations import Model, Mutant
@@ -28,6 +29,15 @@ MEMORY, CHANCE = "memoire", "hasard"
 OTHER_SEED = 1
 #: Seconds that all the probes may take a program: one that is slower is not named by them.
 LONGEST = 2.0
+
+
+class Recognised(NamedTuple):
+    """The ids of the mistakes found, the first one first; those of the last rules, for when nothing else finds a name;
+    and the functions whose wrong answers follow from mistakes found in others."""
+
+    found: tuple[str, ...] = ()
+    last: tuple[str, ...] = ()
+    follow: tuple[str, ...] = ()
 
 
 class Prober:
@@ -46,37 +56,48 @@ class Prober:
     def functions(self) -> frozenset[str]:
         return frozenset(probes.function for probes in self.probes)
 
-    def recognise(
-        self, runner: Runner, functions: Collection[str], alone: Collection[str]
-    ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """The ids of the mistakes that the program makes in these functions, the first one first; none when unsure.
+    def recognise(self, runner: Runner, functions: Collection[str], alone: Collection[str]) -> Recognised:
+        """The mistakes that the program makes in these functions; none when unsure.
 
         `alone` are the functions that failed a check of their own.
-        Then those of the last rules, for when nothing else finds a name.
         """
         found: list[str] = []
         last: list[str] = []
+        follow: list[str] = []
         for index, answers, unlike in self._asked(runner, functions, alone):
             if unlike is not None:
                 found += [one for one in (unlike,) if one not in found]
                 continue
             with self._lock:
-                names = self._explained(index, answers, found, functions)
+                packed = Packed(answers)
+                if found and self._follows(index, packed, found):
+                    follow.append(self.probes[index].function)
+                    last += self._last(index, packed)
+                    continue
+                names = self._explained(index, packed, functions)
                 found += [one for one in names if one not in found]
                 if not names:
-                    last += self._last(index, answers)
-        return tuple(found), tuple(last)
+                    last += self._last(index, packed)
+        return Recognised(tuple(found), tuple(last), tuple(follow))
+
+    def _follows(self, index: int, packed: Packed, found: Sequence[str]) -> bool:
+        """Are the mistakes found in other functions all that there is to wrong answers of this one?"""
+        if self._right(index, packed) is None:
+            return False
+        return any(self._mutants.fits(index, row, packed) for row in self._mutants.making(index, found))
 
     def nearest(self, index: int, answers: Sequence[Seen]) -> Sequence[Seen]:
         """What is right, in the style that is nearest to these answers to the probes of that number."""
         with self._lock:
-            right = self._right(index, answers)
+            right = self._right(index, Packed(answers))
         return answers if right is None else right
 
-    def _last(self, index: int, answers: Sequence[Seen]) -> Sequence[str]:
+    def _last(self, index: int, packed: Packed) -> Sequence[str]:
         probes = self.probes[index]
-        right = self._right(index, answers)
-        return () if right is None else _ruled(probes.last_rules, Shown(probes.calls, answers, right, probes.same))
+        right = self._right(index, packed)
+        if right is None:
+            return ()
+        return _ruled(probes.last_rules, Shown(probes.calls, packed.answers, right, probes.same))
 
     def _asked(
         self, runner: Runner, functions: Collection[str], alone: Collection[str]
@@ -105,22 +126,18 @@ class Prober:
                     again = retold[k] if retold and unlike[k] else ()
                     yield indices[k], answers[:-1], _reason(answers, again)
 
-    def _explained(
-        self, index: int, answers: list[Seen], known: Sequence[str], blamed: Collection[str]
-    ) -> Sequence[str]:
-        probes = self.probes[index]
-        right = self._right(index, answers)
+    def _explained(self, index: int, packed: Packed, blamed: Collection[str]) -> Sequence[str]:
+        probes, answers = self.probes[index], packed.answers
+        right = self._right(index, packed)
         if right is None:
             return ()
-        if known and any(self._mutants.fits(index, row, answers) for row in self._mutants.making(index, known)):
-            return ()  # a mistake found in another function is all that there is to this one
         shown = Shown(probes.calls, answers, right, probes.same)
         told = [k for k in shown.wrong() if probes.compared is None or k < probes.compared]
         fails = all(isinstance(answer, Fault | str | None) for answer in answers)
         for mistakes, rows in enumerate(self._candidates(index, answers) if told else (), 1):
             if fails and mistakes > 1:
                 break  # exceptions and no value alone tell too little: some pair of mistakes always gives the same ones
-            fits = [row for row in rows if row.mutant.speaks_of(blamed) and self._mutants.fits(index, row, answers)]
+            fits = [row for row in rows if row.mutant.speaks_of(blamed) and self._mutants.fits(index, row, packed)]
             if fits:
                 return _agreed(fits) or _ruled(probes.rules, shown)
         return _ruled(probes.rules, shown)
@@ -131,13 +148,12 @@ class Prober:
             yield self._mutants.beginning(index, mistakes, answers[0])
         yield self._mutants.extended(index, answers)
 
-    def _right(self, index: int, answers: Sequence[Seen]) -> Sequence[Seen] | None:
+    def _right(self, index: int, packed: Packed) -> Sequence[Seen] | None:
         """What is right, in the nearest style; None when the answers are."""
         rows = self._mutants.all(index, 0)
-        packed = Packed(answers)
         agreeing = [self._mutants.agreeing(index, row, packed) for row in rows]
         best = agreeing.index(max(agreeing))
-        return None if agreeing[best] == len(answers) else rows[best].answers
+        return None if agreeing[best] == len(packed.answers) else rows[best].answers
 
 
 def _ruled(rules: Sequence[Rule], shown: Shown) -> Sequence[str]:

@@ -102,6 +102,8 @@ def simplify(
     answered: Callable[[Sequence[Foreseen]], Sequence[Sequence[Answer]]],
 ) -> None:
     """Looks for the simplest input of each, as far as their budgets go; `answered` has several calls made."""
+    for one in failed:
+        one.search.seconds *= len(failed)  # they share their time
     while True:
         most = max(1, min(AHEAD, int(PATIENCE / runner.pace)))
         due = [(one, asked) for one in failed if (asked := one.asked(most)) is not None]

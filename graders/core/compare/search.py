@@ -66,6 +66,8 @@ class Search(Generic[CaseT, AnswerT, FailureT]):
         self.simplest, self.case = failure, case
         self._neighbours, self._judge, self._fair, self._stops = neighbours, judge, fair, stops
         self._budget, self._ahead = budget, ahead
+        #: From the first question on.
+        self.seconds = budget.seconds
         self._here: _Tried[CaseT, AnswerT, FailureT] = self._tried(case, 0)
         self._at = self._spent = self._asked = 0
         self._over, self._arrived = False, False
@@ -75,7 +77,7 @@ class Search(Generic[CaseT, AnswerT, FailureT]):
     def questions(self, most: int = 1 << 30) -> list[CaseT]:
         """What is to be asked next, `most` inputs at most; none when the search is over."""
         if self._deadline is None:
-            self._deadline = self._budget.clock() + self._budget.seconds
+            self._deadline = self._budget.clock() + self.seconds
         due = self._due()
         if due is None:
             return []

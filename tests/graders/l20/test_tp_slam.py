@@ -59,7 +59,7 @@ def test_every_mistake_is_named(edit: object) -> None:
     model = GRADER.prober.model
     (mutant,) = model.together([next(model.right())], [edit])
     runner = Runner(LOCAL, mutant.text.encode(), GRADER.kit(stream(1, "kit")))
-    ids, _ = GRADER.prober.recognise(runner, list(edit.functions), edit.functions)
+    ids, *_ = GRADER.prober.recognise(runner, list(edit.functions), edit.functions)
     runner.close()
     assert ids == (edit.id,)
 
