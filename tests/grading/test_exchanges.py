@@ -4,25 +4,42 @@ from __future__ import annotations
 
 import pytest
 
+from graders.core.code.grading import CodeGrader
 from server.course.models import Course
 from server.grading.joint import Grader
 from server.sandbox import Sandbox
 from server.sandbox.wire import Wire
 
 
-@pytest.mark.parametrize(("exercise", "most"), [("l20/poses", 3), ("l20/kabsch", 1)])
-def test_a_right_answer_is_asked_few_questions(
-    course_sandbox: Sandbox, course: Course, monkeypatch: pytest.MonkeyPatch, exercise: str, most: int
-) -> None:
-    asked = 0
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """The tokens of the questions that wires carry."""
+    asked: list[int] = []
     ask = Wire.ask
 
     def counted(wire: Wire, token: int, kind: int, payload: bytes, deadline: float) -> None:
-        nonlocal asked
-        asked += 1
+        asked.append(token)
         ask(wire, token, kind, payload, deadline)
 
     monkeypatch.setattr(Wire, "ask", counted)
+    return asked
+
+
+@pytest.mark.parametrize(("exercise", "most"), [("l20/poses", 1), ("l20/kabsch", 1), ("l20/predire2d", 3)])
+def test_a_right_answer_is_asked_few_questions(
+    course_sandbox: Sandbox, course: Course, asked: list[int], exercise: str, most: int
+) -> None:
     source = course.exercises[exercise].solution.encode()
     assert Grader(course, course_sandbox).grade(exercise, source, 5).verdict.score == 1
-    assert asked == most
+    assert len(asked) == most
+
+
+def test_a_wrong_answer_is_asked_few_more(course_sandbox: Sandbox, course: Course, asked: list[int]) -> None:
+    """What four checks failed on is simplified in three or four exchanges, and what names it is one more."""
+    grader = course.exercises["l20/poses"].grader
+    assert isinstance(grader, CodeGrader)
+    mistake = grader.misconceptions[0]
+    verdict = Grader(course, course_sandbox).grade("l20/poses", mistake.source.encode(), 5).verdict
+    assert verdict.diagnosis is not None
+    assert verdict.diagnosis.id == mistake.id
+    assert len(asked) <= 8
