@@ -5,6 +5,7 @@
 Progress goes to the error stream, the table to the output. Exit status 1 where a benchmark failed.
 """
 
+import signal
 import sys
 from pathlib import Path
 
@@ -13,4 +14,5 @@ if __name__ == "__main__":
     sys.path[0] = str(Path(__file__).resolve().parents[2])
     from tests.benchmarks.gather import main
 
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))  # with all that it has started
     sys.exit(main(description=__doc__ or ""))

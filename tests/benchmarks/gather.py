@@ -125,7 +125,10 @@ def main(words: Sequence[str] | None = None, description: str = "") -> int:
     data = Path(asked.data).resolve() if asked.data else None
     os.environ.pop(DATA, None)  # no setting of the service, which refuses what it does not know
     wanted, failed = Wanted(asked.quick, data, asked.lighthouse), list[str]()
-    rows = list(rows_of(chosen(asked.only, quick=asked.quick, suite=asked.suite), wanted, failed))
-    print(table(HEAD, map(line, rows)))
-    print(summary(rows))
+    rows = []
+    print(table(HEAD, []), end="")
+    for row in rows_of(chosen(asked.only, quick=asked.quick, suite=asked.suite), wanted, failed):
+        print(f"| {' | '.join(line(row))} |", flush=True)  # at once: what is stopped has told what it knows
+        rows.append(row)
+    print(f"\n{summary(rows)}")
     return 1 if failed else 0

@@ -74,7 +74,7 @@ def test_a_wrong_file_is_explained_in_french(tmp_path: Path, course: Course, cap
 def test_what_cannot_be_graded_has_its_own_status(right: Path, tmp_path: Path, monkeypatch: Any, capsys: Any) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     stands = WallReport("seccomp", WallStatus.STANDING, "", required=True)
-    monkeypatch.setattr("server.cli.local.probe", lambda **_: [stands])
+    monkeypatch.setattr("server.cli.sandboxes.probe", lambda **_: [stands])
     assert main(["grade", "l20/inconnu", str(right)]) == 2
     assert "n’existe pas" in capsys.readouterr().err
     assert main(["grade", "../x", str(right)]) == 2
