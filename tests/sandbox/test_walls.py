@@ -12,6 +12,7 @@ import pytest
 from server.sandbox import Sandbox, WallReport, WallStatus, probe, safe_to_serve
 from server.sandbox.assaults import ASSAULTS, Assault
 from server.sandbox.child import landlock, libc, seccomp, syscalls
+from server.sandbox.child.imports import AtForks
 from server.sandbox.child.walls import WALLS
 from server.sandbox.probe import crossing
 
@@ -173,6 +174,15 @@ def test_the_filter_looks_at_arguments(monkeypatch: pytest.MonkeyPatch, machine:
         assert (answer("prctl", 15), answer("prctl", 22)) == (seccomp.ALLOW, refused)
     if machine == "x86_64":
         assert run_filter(program, machine, 0x40000000 | 39) == seccomp.KILL
+
+
+@pytest.mark.parametrize(("importer", "asked"), [("threading", False), ("matplotlib.font_manager", True)])
+def test_a_fork_is_told_to_what_asks_for_it_but_the_standard_library(importer: str, asked: bool) -> None:
+    before = os.register_at_fork
+    at_forks = AtForks()
+    exec("import os\nos.register_at_fork(before=int)", {"__name__": importer})
+    assert at_forks.asked() == asked
+    assert os.register_at_fork is before
 
 
 def test_a_filter_fits_the_kernel() -> None:

@@ -68,6 +68,6 @@ def _allow(rules: int, path: str, rights: int) -> None:
         os.close(descriptor)
 
 
-def restrict(rules: int) -> None:
+def restricting(rules: int) -> libc.Call:
     """Puts the calling thread under the rules, for ever. Needs no_new_privs."""
-    libc.syscall("landlock_restrict_self", _RESTRICT, rules, 0)
+    return libc.system_call("landlock_restrict_self", _RESTRICT, rules, 0)

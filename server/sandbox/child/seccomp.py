@@ -145,6 +145,6 @@ class _Program(ctypes.Structure):
     _fields_ = (("length", ctypes.c_ushort), ("filter", ctypes.c_char_p))
 
 
-def install(program: bytes) -> None:
+def installing(program: bytes) -> libc.Call:
     """Puts the filter on the calling thread, for ever. Needs no_new_privs."""
-    libc.prctl(libc.PR_SET_SECCOMP, 2, _Program(len(program) // 8, program))
+    return libc.process_control(libc.PR_SET_SECCOMP, 2, _Program(len(program) // 8, program))
