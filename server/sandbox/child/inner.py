@@ -160,12 +160,14 @@ def own_memory(account: int) -> int:
     return (int(resident) - int(shared)) * mmap.PAGESIZE
 
 
-def filters(lifted: Collection[str], *, folder: bool) -> dict[bool, Calls]:
-    """What puts up seccomp's wall in a fork, by whether threads are allowed.
+def filters(lifted: Collection[str], *, folder: bool) -> tuple[Calls, dict[bool, Calls]]:
+    """What puts up seccomp's wall: in the template, then in each fork by whether threads are allowed.
 
     `folder` tells that there is a place to write in.
     """
     if "seccomp" in lifted:
-        return {False: (), True: ()}
-    programs = {threads: seccomp.assemble(threads=threads, folder=folder) for threads in (False, True)}
-    return {threads: (seccomp.installing(program),) for threads, program in programs.items()}
+        return (), {False: (), True: ()}
+    of_forks: dict[bool, Calls] = {
+        threads: (seccomp.installing(seccomp.second(threads=threads)),) for threads in (False, True)
+    }
+    return (seccomp.installing(seccomp.first(folder=folder)),), of_forks

@@ -12,7 +12,7 @@ import signal
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from . import libc
+from . import landlock, libc
 
 NEWNS, NEWCGROUP, NEWUTS, NEWIPC, NEWUSER, NEWPID, NEWNET = (
     0x00020000, 0x02000000, 0x04000000, 0x08000000, 0x10000000, 0x20000000, 0x40000000,
@@ -31,6 +31,16 @@ _BY_WALL = {"view": NEWNS, "uts": NEWUTS, "ipc": NEWIPC, "pid": NEWPID, "network
 def flags(lifted: Collection[str]) -> int:
     """The namespaces of all walls but those left down, the user's apart."""
     return NEWCGROUP | sum(flag for wall, flag in _BY_WALL.items() if wall not in lifted)
+
+
+def of_forks(lifted: Collection[str]) -> int:
+    """Those that a fork gets of its own.
+
+    It shares the network of its template, where there is nothing, as long as it can neither make a socket (a filter of
+    the template's, and its own) nor reach another's (Landlock): making a network costs as much as all other walls.
+    """
+    shares = landlock.scopes_sockets() and not {"seccomp", "landlock"} & set(lifted)
+    return NEWUSER | flags({*lifted, "network"} if shares else lifted)
 
 
 def can_become_unprivileged() -> bool:

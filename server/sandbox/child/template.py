@@ -57,11 +57,12 @@ class Template:
             os.environ.clear()
         rehearsal.warm_up(self._kits)
         nest, self._refusal = self._tried(processes)
-        filters = inner.filters(self._lifted, folder=nest is not None and nest.folder)
+        stage, filters = inner.filters(self._lifted, folder=nest is not None and nest.folder)
         self._nest, self._mason = nest, inner.Masonry(nest, filters, self._lifted, rules=rules)
         self._mason.base_memory = inner.address_space(self._account)
         self._child = serve.Child(self._kits, self._mason.reserve.close)
         prepare_interpreter(__package__)
+        libc.make(stage)
 
     def _enclose(self) -> bool:
         """Leaves the host behind; returns whether there are Landlock rules for the forks, at their descriptor."""
@@ -89,7 +90,7 @@ class Template:
         if not self._configuration["namespaces"] or "user" in self._lifted:
             return None, "the template has no namespaces either"
         libc.prctl(libc.PR_SET_DUMPABLE, 1)  # or a child could not write its own map of identities
-        clone = namespaces.cloning(namespaces.NEWUSER | namespaces.flags(self._lifted))
+        clone = namespaces.cloning(namespaces.of_forks(self._lifted))
         nest = namespaces.Nest(processes, clone, self._own_view, self._tells)
         if refusal := nest.refused():
             libc.prctl(libc.PR_SET_DUMPABLE, 0)
