@@ -28,6 +28,8 @@ ALLOWANCE = RESERVE + 48 * MIB
 #: A seat that holds on to more than that is not used again.
 _LEFT_OVER = 4 * MIB
 _PERIOD = 100_000
+#: More bytes than a file of the kernel's on a seat holds.
+_ACCOUNT = 4096
 _WANTED = frozenset({"memory", "pids", "cpu"})
 _CLOSING_SECONDS = 5.0
 
@@ -58,38 +60,39 @@ class Hierarchy:
             }
         return {name: text for controller in sorted(self.controllers) for name, text in files[controller].items()}
 
-    def memory(self, seat: str) -> int:
-        """Bytes charged to a seat."""
-        name = "memory.usage_in_bytes" if self.version == 1 else "memory.current"
-        return int((self.folder / seat / name).read_text())
-
-    def deaths(self, seat: str) -> int:
-        """How many processes the kernel has ended in this seat for lack of memory."""
-        name = "memory.oom_control" if self.version == 1 else "memory.events"
-        lines = (self.folder / seat / name).read_text().splitlines()
-        return sum(int(line.split()[1]) for line in lines if line.startswith("oom_kill "))
+    @property
+    def accounts(self) -> tuple[str, str]:
+        """The files that tell what is charged to a seat, and how its processes have ended."""
+        if self.version == 1:
+            return "memory.usage_in_bytes", "memory.oom_control"
+        return "memory.current", "memory.events"
 
 
 class Seat:
-    """One group in each hierarchy. `descriptors` are where a process writes 0 to join it."""
+    """One group in each hierarchy. `descriptors` are where a process writes 0 to join it.
+
+    What is asked of it after each process is read from files that stay open.
+    """
 
     def __init__(self, name: str, hierarchies: Sequence[Hierarchy]) -> None:
         self._name, self._hierarchies = name, hierarchies
         self._policy: Policy | None = None
-        self._memory = next((h for h in hierarchies if "memory" in h.controllers), None)
         self._deaths = 0
         self.descriptors: tuple[int, ...] = ()
+        self._accounts: tuple[int, ...] = ()
         try:
             for hierarchy in hierarchies:
-                (hierarchy.folder / name).mkdir()
-                self.descriptors += (os.open(hierarchy.folder / name / "cgroup.procs", os.O_WRONLY),)
+                folder = hierarchy.folder / name
+                folder.mkdir()
+                self.descriptors += (os.open(folder / "cgroup.procs", os.O_WRONLY),)
+                if "memory" in hierarchy.controllers:
+                    self._accounts = tuple(os.open(folder / file, os.O_RDONLY) for file in hierarchy.accounts)
         except OSError:
             self.remove()
             raise
 
     def bind(self, policy: Policy) -> None:
         """Gives the seat the limits of a policy. Raises OSError."""
-        self._deaths = self._memory.deaths(self._name) if self._memory else 0
         if policy == self._policy:
             return
         for hierarchy in self._hierarchies:
@@ -100,18 +103,26 @@ class Seat:
         self._policy = policy
 
     def ran_out_of_memory(self) -> bool:
-        """Whether the kernel has ended a process here for lack of memory since `bind`."""
-        return self._memory is not None and self._memory.deaths(self._name) > self._deaths
+        """Whether the kernel has ended a process here for lack of memory since it was asked, after each SIGKILL."""
+        if not self._accounts:
+            return False
+        lines = os.pread(self._accounts[1], _ACCOUNT, 0).splitlines()
+        before = self._deaths
+        self._deaths = sum(int(line.split()[1]) for line in lines if line.startswith(b"oom_kill "))
+        return self._deaths > before
 
     def clean(self) -> bool:
         """Whether nothing of its last process weighs on the next."""
-        return self._memory is None or self._memory.memory(self._name) <= _LEFT_OVER
+        return not self._accounts or int(os.pread(self._accounts[0], _ACCOUNT, 0)) <= _LEFT_OVER
 
     def remove(self) -> None:
         """Raises OSError while a process is still in it."""
         while self.descriptors:
             os.close(self.descriptors[0])
             self.descriptors = self.descriptors[1:]
+        while self._accounts:
+            os.close(self._accounts[0])
+            self._accounts = self._accounts[1:]
         for hierarchy in self._hierarchies:
             with contextlib.suppress(FileNotFoundError):
                 (hierarchy.folder / self._name).rmdir()

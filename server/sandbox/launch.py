@@ -19,6 +19,7 @@ _BOOT = (
 _ENVIRONMENT = {
     **dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"), "1"),
     "LC_ALL": "C.UTF-8",
+    "LD_BIND_NOW": "1",  # once in the template, rather than in each fork the functions that it comes to call
     "PYTHONHASHSEED": "0",  # a set of strings has the same order for every submission
 }
 

@@ -14,13 +14,12 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 from server.sandbox import vitals
 from server.sandbox.cgroups import Seat, Seats
-from server.sandbox.child import codec, inner, outer
-from server.sandbox.child.codec import Value
+from server.sandbox.child import codec, orders, outer
 from server.sandbox.child.template import CONTROL
 from server.sandbox.faults import NamespacesRefused, TemplateFault
 from server.sandbox.launch import Setting, launch
@@ -55,11 +54,14 @@ class Child:
         self._template, self._number = template, number
         self.wire, self.output = wire, output
         self._ending: Future[Ending] = template.ending(number)
+        self._killed = False
         #: Called once it is closed.
         self.when_closed: Callable[[], object] = lambda: None
 
     def kill(self) -> None:
-        self._template.kill(self._number)
+        if not (self._killed or self.ended()):
+            self._killed = True
+            self._template.kill(self._number)
 
     def ending(self, timeout: float) -> Ending:
         """Raises TemplateFault when the template is gone and nobody can tell, TimeoutError when it still lives."""
@@ -174,7 +176,7 @@ class TemplateProcess:
         try:
             with theirs:
                 descriptors = [theirs.fileno(), output.fileno(), output.words, *(seat.descriptors if seat else ())]
-                self._order(_fork_order(number, policy), descriptors)
+                self._order(orders.fork(number, _limits(policy)), descriptors)
         except TemplateFault:
             child.close()
             self._forget(number)
@@ -196,10 +198,9 @@ class TemplateProcess:
             known = number in self._endings and not self._dead
         if known:
             with contextlib.suppress(TemplateFault):  # a dead template has taken its children along
-                self._order({"do": "kill", "id": number}, [])
+                self._order(orders.kill(number), [])
 
-    def _order(self, message: dict[str, Value], descriptors: list[int]) -> None:
-        data = codec.encode(message, CONTROL)
+    def _order(self, data: bytes, descriptors: list[int]) -> None:
         with self._sending:  # not the other lock: a template that takes no order must not keep anyone from learning it
             if self._dead:
                 raise TemplateFault("the template is gone")
@@ -219,7 +220,7 @@ class TemplateProcess:
         try:
             watch = vitals.Watch()
             while data := self._received(watch):
-                self._note(codec.decode(data, CONTROL))
+                self._note(orders.reported(data))
                 self._when_idle(self)
         except Exception:
             _log.exception("a template reports nonsense, and is ended")
@@ -240,13 +241,10 @@ class TemplateProcess:
         except OSError:
             return b""
 
-    def _note(self, report: Any) -> None:
-        match report:
-            case {"do": "exited", "id": int(number), "status": int(status), "cpu": float(cpu), "rss": int(rss)}:
-                ending = Ending(status, cpu, rss, self._leave_seat(number, status))
-            case _:
-                raise ValueError(f"no report of an end: {report!r:.500}")
-        self.growth = report["memory"] - self.hello["memory"]
+    def _note(self, report: orders.Report) -> None:
+        number, status = report.number, report.status
+        ending = Ending(status, report.cpu_seconds, report.max_rss_bytes, self._leave_seat(number, status))
+        self.growth = report.memory - self.hello["memory"]
         with self._lock:
             known = self._endings.pop(number)
         known.set_result(ending)
@@ -289,8 +287,17 @@ class TemplateProcess:
             self._listener.join()
 
 
-def _fork_order(number: int, policy: Policy) -> dict[str, Value]:
-    order: dict[str, Value] = {"do": "fork", "id": number, "stdout_bytes": policy.stdout_bytes}
-    order |= {field.name: getattr(policy, field.name) for field in fields(inner.Limits)}
+def _limits(policy: Policy) -> orders.Limits:
     answer = policy.answer
-    return order | {"frame_bytes": answer.size, "depth": answer.depth, "items": answer.items}
+    return orders.Limits(
+        cpu_seconds=policy.cpu_seconds,
+        memory_bytes=policy.memory_bytes,
+        files=policy.files,
+        file_bytes=policy.file_bytes,
+        folder_bytes=policy.folder_bytes,
+        threads=policy.threads,
+        stdout_bytes=policy.stdout_bytes,
+        frame_bytes=answer.size,
+        depth=answer.depth,
+        items=answer.items,
+    )

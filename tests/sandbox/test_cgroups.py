@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from server.sandbox import Policy, ProgramFault, Sandbox
-from server.sandbox.cgroups import Hierarchy, Seats, _candidates, hierarchies
+from server.sandbox.cgroups import Hierarchy, Seat, Seats, _candidates, hierarchies
 
 from .family import settle
 from .limits import only
@@ -141,14 +141,32 @@ def test_limits_say_what_the_policy_says(tmp_path: Path, version: int) -> None:
     assert ("300000" in limits["cpu.cfs_quota_us"]) if version == 1 else limits["cpu.max"] == "300000 100000"
 
 
-def test_deaths_and_memory_are_read_from_both_versions(tmp_path: Path) -> None:
-    for name, text in (
-        ("memory.oom_control", "oom_kill_disable 0\nunder_oom 0\noom_kill 2\n"),
-        ("memory.events", "low 0\nmax 7\noom 3\noom_kill 3\noom_group_kill 0\n"),
-        ("memory.usage_in_bytes", "4096\n"),
-        ("memory.current", "8192\n"),
-    ):
-        (tmp_path / name).write_text(text)
-    one, two = (Hierarchy(tmp_path, version, frozenset({"memory"})) for version in (1, 2))
-    assert (one.deaths("."), two.deaths(".")) == (2, 3)
-    assert (one.memory("."), two.memory(".")) == (4096, 8192)
+@pytest.mark.parametrize(
+    ("version", "usage", "events", "before", "after"),
+    [
+        (1, "memory.usage_in_bytes", "memory.oom_control", "oom_kill_disable 1\noom_kill 0\n", "oom_kill 2\n"),
+        (2, "memory.current", "memory.events", "oom 3\noom_kill 0\noom_group_kill 7\n", "max 9\noom_kill 1\n"),
+    ],
+)
+def test_a_seat_tells_what_weighs_on_it_and_each_lack_of_memory_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, version: int, usage: str, events: str, before: str, after: str
+) -> None:
+    def made(folder: Path) -> None:
+        os.mkdir(folder)
+        for name, text in (("cgroup.procs", ""), (usage, "4096\n"), (events, before)):
+            (folder / name).write_text(text)
+
+    monkeypatch.setattr(Path, "mkdir", made)
+    seat = Seat("place", [Hierarchy(tmp_path, version, frozenset({"memory"}))])
+    assert seat.clean()
+    assert not seat.ran_out_of_memory()
+    (tmp_path / "place" / events).write_text(after)
+    (tmp_path / "place" / usage).write_text(f"{64 << 20}\n")
+    assert (seat.ran_out_of_memory(), seat.ran_out_of_memory()) == (True, False)
+    assert not seat.clean()
+    for file in (tmp_path / "place").iterdir():
+        file.unlink()
+    opened = len(os.listdir("/proc/self/fd"))
+    seat.remove()
+    assert len(os.listdir("/proc/self/fd")) == opened - 3
+    assert not (tmp_path / "place").exists()

@@ -107,7 +107,7 @@ def test_a_template_that_hangs_while_it_starts_is_given_up() -> None:
 
 #: A kit, which is ours, that does at a fork what no template should do; it knows its end of the control socket.
 SPOILT = """
-import gc, os, socket, sys
+import gc, os, socket, struct, sys
 codec = sys.modules["child.codec"]
 def is_control(number):
     try:
@@ -125,10 +125,10 @@ def say(message):
 """
 STRANGE = {
     "no frame at all": "b'\\xff' * 40",
-    "no dictionary": "[1, 2]",
-    "no number": "{'do': 'exited', 'id': 'un', 'status': 0, 'cpu': 0.0, 'rss': 0, 'memory': 0}",
-    "an unknown child": "{'do': 'exited', 'id': 10**6, 'status': 0, 'cpu': 0.0, 'rss': 0, 'memory': 0}",
-    "half a report": "{'do': 'exited', 'id': 1, 'status': 0, 'cpu': 0.0, 'rss': 0}",
+    "another frame": "[1, 2]",
+    "an unknown child": "struct.pack('<Qidqq', 10**6, 0, 0.0, 0, 0)",
+    "half a report": "struct.pack('<Qid', 1, 0, 0.0)",
+    "more than a report": "struct.pack('<Qidqqq', 1, 0, 0.0, 0, 0, 0)",
 }
 
 

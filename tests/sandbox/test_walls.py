@@ -11,12 +11,13 @@ import pytest
 
 from server.sandbox import Sandbox, WallReport, WallStatus, probe, safe_to_serve
 from server.sandbox.assaults import ASSAULTS, Assault
-from server.sandbox.child import landlock, libc, seccomp, syscalls
+from server.sandbox.child import landlock, libc, namespaces, seccomp, syscalls
+from server.sandbox.child.imports import AtForks
 from server.sandbox.child.walls import WALLS
 from server.sandbox.probe import crossing
 
 from .conftest import Lifting
-from .family import probed, template_of
+from .family import descendants, probed, template_of
 
 
 def test_every_wall_that_must_stand_stands_here(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -133,12 +134,19 @@ def run_filter(program: bytes, machine: str, number: int, *arguments: int) -> in
             at += then if taken else otherwise
 
 
+def answered(parts: tuple[bytes, ...], machine: str, number: int, *arguments: int) -> int:
+    """Of several filters the kernel obeys the strictest."""
+    answers = {run_filter(part, machine, number, *arguments) for part in parts}
+    refusals = {answer for answer in answers if answer >> 16 == seccomp.ERRNO >> 16}
+    return seccomp.KILL if seccomp.KILL in answers else max(refusals, default=seccomp.ALLOW)
+
+
 @pytest.mark.parametrize("folder", [False, True])
 @pytest.mark.parametrize("machine", ["x86_64", "aarch64"])
 def test_the_filter_answers_as_the_tables_say(monkeypatch: pytest.MonkeyPatch, machine: str, folder: bool) -> None:
     monkeypatch.setattr(libc, "MACHINE", machine)
     column = libc.column()
-    program = seccomp.assemble(threads=False, folder=folder)
+    parts = seccomp.first(folder=folder), seccomp.second(threads=False)
     expected = dict.fromkeys(range(syscalls.LAST_KNOWN + 1), seccomp.KILL)
     expected |= dict.fromkeys(syscalls.numbers(syscalls.ALLOWED, column), seccomp.ALLOW)
     expected |= dict.fromkeys(syscalls.numbers(syscalls.REFUSED, column), seccomp.ERRNO | seccomp.EPERM)
@@ -148,9 +156,11 @@ def test_the_filter_answers_as_the_tables_say(monkeypatch: pytest.MonkeyPatch, m
     expected |= dict.fromkeys(range(syscalls.LAST_KNOWN + 1, 2000), seccomp.ERRNO | seccomp.ENOSYS)
     for number in syscalls.numbers(syscalls.CONDITIONAL, column):
         del expected[number]
-    assert {number: run_filter(program, machine, number) for number in expected} == expected
+    assert {number: answered(parts, machine, number) for number in expected} == expected
     other = "aarch64" if machine == "x86_64" else "x86_64"
-    assert run_filter(program, other, 0) == seccomp.KILL
+    assert [run_filter(part, other, 0) for part in parts] == [seccomp.KILL] * 2
+    spared = {number for number in expected if run_filter(parts[0], machine, number) != expected[number]}
+    assert spared <= set(syscalls.numbers(syscalls.SETTING_UP, column)), "a template is refused all the rest too"
 
 
 @pytest.mark.parametrize("machine", ["x86_64", "aarch64"])
@@ -158,12 +168,12 @@ def test_the_filter_looks_at_arguments(monkeypatch: pytest.MonkeyPatch, machine:
     monkeypatch.setattr(libc, "MACHINE", machine)
     refused, thread, process, namespace = seccomp.ERRNO | seccomp.EPERM, 0x003D0F00, 0x01200011, 0x10000011
     for threads in (False, True):
-        program = seccomp.assemble(threads=threads, folder=False)
+        parts = seccomp.first(folder=False), seccomp.second(threads=threads)
 
-        def answer(name: str, *arguments: int, program: bytes = program) -> int:
+        def answer(name: str, *arguments: int, parts: tuple[bytes, ...] = parts) -> int:
             number = syscalls.number(name, libc.column())
             assert number is not None
-            return run_filter(program, machine, number, *arguments)
+            return answered(parts, machine, number, *arguments)
 
         assert answer("clone", thread) == (seccomp.ALLOW if threads else refused)
         assert answer("clone", process) == refused
@@ -171,12 +181,64 @@ def test_the_filter_looks_at_arguments(monkeypatch: pytest.MonkeyPatch, machine:
         assert (answer("prlimit64", 0), answer("prlimit64", 1)) == (seccomp.ALLOW, refused)
         assert (answer("ioctl", 1, 0x5401), answer("ioctl", 1, 0x5412)) == (seccomp.ALLOW, refused)
         assert (answer("prctl", 15), answer("prctl", 22)) == (seccomp.ALLOW, refused)
+        assert (answer("futex", 0, 128), answer("futex", 0, 0)) == (
+            seccomp.ALLOW,
+            seccomp.ALLOW if threads else refused,
+        )
     if machine == "x86_64":
-        assert run_filter(program, machine, 0x40000000 | 39) == seccomp.KILL
+        assert [run_filter(part, machine, 0x40000000 | 39) for part in parts] == [seccomp.KILL] * 2
+
+
+@pytest.mark.parametrize(
+    ("lifted", "scopes", "shares"),
+    [((), True, True), ((), False, False), (("seccomp",), True, False), (("landlock",), True, False)],
+)
+def test_forks_share_their_template_s_network_only_behind_two_other_walls(
+    monkeypatch: pytest.MonkeyPatch, lifted: tuple[str, ...], scopes: bool, shares: bool
+) -> None:
+    monkeypatch.setattr(landlock, "scopes_sockets", lambda: scopes)
+    assert bool(namespaces.of_forks(lifted) & namespaces.NEWNET) != shares
+    assert namespaces.of_forks(lifted) | namespaces.NEWNET == namespaces.NEWUSER | namespaces.flags(lifted)
+
+
+def test_a_template_is_filtered_too_and_its_forks_twice(without: Lifting) -> None:
+    with without(frozenset()).open(b"") as session:
+        template = template_of(without(frozenset()))._life.pid
+        forks = [pid for pid in descendants(template) if pid != template]
+        assert session.functions == frozenset()
+        status = [Path(f"/proc/{pid}/status").read_text().splitlines() for pid in (template, *forks)]
+    counted = [int(line.split()[1]) for lines in status for line in lines if line.startswith("Seccomp_filters")]
+    own, *theirs = counted or [1, 2]  # an old kernel does not count them
+    assert own + 1 in theirs
+    assert set(theirs) <= {own, own + 1}, "a spare may be on its way"
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root sees the namespaces of others")
+def test_no_fork_has_a_network_of_the_machine_nor_one_that_is_its_own_for_nothing(without: Lifting) -> None:
+    sandbox = without(frozenset())
+    with sandbox.open(b""):
+        serving = template_of(sandbox)
+        if not serving.namespaces:
+            pytest.skip("no namespaces on this machine")
+        family = [serving._life.pid, *descendants(serving._life.pid)]
+        networks = {os.readlink(f"/proc/{pid}/ns/net") for pid in family}
+        mine = os.readlink("/proc/self/ns/net")
+    assert len(family) > 1
+    assert mine not in networks
+    assert (len(networks) == 1) == landlock.scopes_sockets()
+
+
+@pytest.mark.parametrize(("importer", "asked"), [("threading", False), ("matplotlib.font_manager", True)])
+def test_a_fork_is_told_to_what_asks_for_it_but_the_standard_library(importer: str, asked: bool) -> None:
+    before = os.register_at_fork
+    at_forks = AtForks()
+    exec("import os\nos.register_at_fork(before=int)", {"__name__": importer})
+    assert at_forks.asked() == asked
+    assert os.register_at_fork is before
 
 
 def test_a_filter_fits_the_kernel() -> None:
-    program = seccomp.assemble(threads=False, folder=False)
-    assert len(program) % 8 == 0
-    assert len(program) // 8 <= 4096
+    for program in (seccomp.first(folder=False), seccomp.second(threads=False)):
+        assert len(program) % 8 == 0
+        assert len(program) // 8 <= 4096
     assert landlock.version() >= 1

@@ -7,6 +7,7 @@ import signal
 import sys
 
 from . import outer
+from .imports import AtForks
 
 
 def main(control: int, configuration: int, parent: int, namespaces: bool, lifted: list[str], sites: list[str]) -> None:
@@ -18,9 +19,10 @@ def main(control: int, configuration: int, parent: int, namespaces: bool, lifted
         sys.path += sites
         with open(configuration, "rb", closefd=True) as file:
             data = file.read()
+        at_forks = AtForks()
         from . import template
 
-        template.start(control, data)
+        template.start(control, data, at_forks)
 
     if namespaces:
         code = outer.split_off(inside, control, lifted)

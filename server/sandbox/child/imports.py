@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import sys
+from collections.abc import Callable
+
 #: The standard modules that students use, and the encodings that a source or a text may need.
 _USUAL = """
 __future__ abc array bisect cmath collections collections.abc contextlib copy dataclasses datetime decimal enum
@@ -28,3 +32,21 @@ _SETS = {
 def modules(imports: str) -> list[str]:
     """Names of the modules of an import set."""
     return _SETS[imports].split()
+
+
+class AtForks:
+    """Notes whether anything that is imported from now on, but the standard library, asks to be told of forks."""
+
+    def __init__(self) -> None:
+        self._register, self._asked = os.register_at_fork, False
+        os.register_at_fork = self._noted  # type: ignore[assignment]
+
+    def _noted(self, **hooks: Callable[[], object]) -> None:
+        importer = str(sys._getframe(1).f_globals.get("__name__", ""))
+        self._asked |= importer.partition(".")[0] not in sys.stdlib_module_names
+        self._register(**hooks)
+
+    def asked(self) -> bool:
+        """It is noted no longer."""
+        os.register_at_fork = self._register
+        return self._asked

@@ -6,132 +6,142 @@ import mmap
 import os
 import resource
 import signal
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 from . import landlock, libc, seccomp
 from .namespaces import Nest
+from .orders import Limits
 
-WIRE, WORDS = 230, 229
+Calls = tuple[libc.Call, ...]
+
+WIRE, WORDS, RULES = 230, 229, 228
+#: A fork is handed a wire, an output and last words; and of how many control groups a seat may be made.
+ENDS, MAX_SEATS = 3, 3
 #: Address space that only the report of a lack of memory may use.
 RESERVE = 16 << 20
 STACK = 64 << 20
+#: What a template bounds for its forks, whatever their policy; the rest is theirs.
+_OF_A_TEMPLATE = (
+    (resource.RLIMIT_CORE, 0),
+    (resource.RLIMIT_STACK, STACK),
+    (resource.RLIMIT_MEMLOCK, 0),
+    (resource.RLIMIT_MSGQUEUE, 0),
+)
 
 
-@dataclass(frozen=True)
-class Prepared:
-    """What the template makes ready once for all its forks: `base_memory` is its own address space in bytes."""
-
-    rules: int | None
-    filters: dict[bool, bytes]
-    base_memory: int
-    parent: int
-    nest: Nest | None
-    lifted: frozenset[str]
-
-
-@dataclass(frozen=True)
 class Ends:
-    """The descriptors that a fork is handed; `seats` are the lists of processes of control groups, which it joins."""
+    """The descriptors that a fork is handed, in the places from which its calls take them."""
 
-    wire: int
-    output: int
-    words: int
-    seats: Sequence[int]
+    def __init__(self) -> None:
+        self.wire, self.output, self.words = (libc.number() for _ in range(3))
+        self.seats = tuple(libc.number() for _ in range(MAX_SEATS))
+
+    def take(self, wire: int, output: int, words: int, *seats: int) -> None:
+        """`seats` are the lists of processes of control groups, which the next fork joins."""
+        self.wire.value, self.output.value, self.words.value = wire, output, words
+        for place, seat in zip(self.seats, seats, strict=False):
+            place.value = seat
 
 
 @dataclass(frozen=True)
-class Limits:
-    """The part of the policy that the kernel enforces."""
+class Walls:
+    """What a fork under one policy does before any line of the student runs: calls that the template has made ready.
 
-    cpu_seconds: float
-    memory_bytes: int
-    files: int
-    file_bytes: int
-    folder_bytes: int
-    threads: int
-
-
-def raise_walls(prepared: Prepared, limits: Limits, ends: Ends) -> mmap.mmap:
-    """Leaves fds 0 (null), 1 and 2 (output), WIRE and WORDS, and all walls up; returns the reserve of memory."""
-    lifted = prepared.lifted
-    for seat in ends.seats:
-        os.write(seat, b"0")
-    _tie_to_parent(prepared)
-    if prepared.nest:
-        prepared.nest.settle(limits.folder_bytes)
-    _keep_descriptors(ends, prepared.rules, others="descriptors" in lifted)
-    reserve = mmap.mmap(-1, RESERVE, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
-    if "capabilities" not in lifted:
-        libc.drop_capabilities()
-    libc.prctl(libc.PR_SET_DUMPABLE, int("dumpable" in lifted))
-    libc.prctl(libc.PR_SET_NO_NEW_PRIVS, 1)
-    if "rlimits" not in lifted:
-        _bound_resources(limits, prepared.base_memory + RESERVE)
-    if prepared.rules is not None:
-        if "landlock" not in lifted:
-            landlock.restrict(prepared.rules)
-        os.close(prepared.rules)
-    if "seccomp" not in lifted:
-        seccomp.install(prepared.filters[limits.threads > 1])
-    return reserve
-
-
-def _tie_to_parent(prepared: Prepared) -> None:
-    """Dies with the template; a template that died in between is noticed by the changed parent.
-
-    (In a process namespace of its own, a fork does not see its parent: the end of the template's ends it.)
+    It joins its seats between the first and the last.
     """
-    libc.prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL)
-    if os.getppid() not in (prepared.parent, 0):
-        os._exit(70)
+
+    first: Calls
+    seats: Calls
+    nest: Nest | None
+    last: Calls
+    parent: int
+
+    def stand(self, seats: int) -> None:
+        """Leaves fds 0 (null), 1 and 2 (output), WIRE and WORDS, and all walls up. Raises OSError.
+
+        It dies with the template; a template that died in between is noticed by the changed parent. (In a process
+        namespace of its own, a fork does not see its parent: the end of the template's ends it.)
+        """
+        libc.make(self.first)
+        if os.getppid() not in (self.parent, 0):
+            os._exit(70)
+        libc.make(self.seats[:seats])
+        if self.nest:
+            self.nest.settle()
+        libc.make(self.last)
 
 
-def _keep_descriptors(ends: Ends, rules: int | None, *, others: bool) -> None:
-    kept = sorted({WIRE, WORDS} | ({rules} if rules is not None else set()))
-    os.dup2(ends.output, 1)
-    os.dup2(ends.output, 2)
-    os.dup2(ends.wire, WIRE, inheritable=False)
-    os.dup2(ends.words, WORDS, inheritable=False)
-    if others:
-        return
-    low = 3
-    for descriptor in kept:
-        _close(low, descriptor - 1)
-        low = descriptor + 1
-    _close(low, 2**32 - 1)
+def connected(ends: Ends) -> Calls:
+    """First of all: whatever fails afterwards can be told."""
+    places = (ends.wire, WIRE), (ends.words, WORDS), (ends.output, 1), (ends.output, 2)
+    return (*(libc.duplicating(*each) for each in places), libc.process_control(libc.PR_SET_PDEATHSIG, signal.SIGKILL))
 
 
-def _close(first: int, last: int) -> None:
-    if first <= last:
-        libc.syscall("close_range", 436, first, last, 0)
+class Masonry:
+    """Makes the walls of each policy ready, in the template.
+
+    `base_memory` is the template's own address space in bytes, once the reserve is there.
+    """
+
+    def __init__(self, nest: Nest | None, filters: dict[bool, Calls], lifted: Collection[str], *, rules: bool) -> None:
+        """`rules` tells that those of Landlock are at the descriptor RULES, `filters` what ends with seccomp's wall, by
+        whether threads are allowed."""
+        self._nest, self._filters, self._lifted, self._rules = nest, filters, lifted, rules
+        self.ends = Ends()
+        self.reserve = mmap.mmap(-1, RESERVE, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
+        self.base_memory = 0
+
+    def walls(self, limits: Limits) -> Walls:
+        folder = self._nest.furnish(limits.folder_bytes) if self._nest else ()
+        seats = tuple(libc.writing(seat, b"0") for seat in self.ends.seats)
+        last = (*folder, *self._humble(), *self._bounds(limits), *self._ruled(), *self._filters[limits.threads > 1])
+        return Walls(connected(self.ends), seats, self._nest, last, os.getpid())
+
+    def _humble(self) -> Iterator[libc.Call]:
+        if "descriptors" not in self._lifted:
+            yield libc.closing(3, (RULES if self._rules else WORDS) - 1)
+            yield libc.closing(WIRE + 1, 2**32 - 1)
+        if "capabilities" not in self._lifted:
+            yield from libc.dropping_capabilities()
+        yield libc.process_control(libc.PR_SET_DUMPABLE, int("dumpable" in self._lifted))
+        yield libc.process_control(libc.PR_SET_NO_NEW_PRIVS, 1)
+
+    def _bounds(self, limits: Limits) -> Iterator[libc.Call]:
+        if "rlimits" in self._lifted:
+            return
+        seconds = int(limits.cpu_seconds) + 1  # the kernel counts whole seconds; the child's own timer comes first
+        memory = self.base_memory + limits.memory_bytes
+        for kind, soft, hard in (
+            (resource.RLIMIT_AS, memory, memory),
+            (resource.RLIMIT_CPU, seconds, seconds + 1),
+            (resource.RLIMIT_FSIZE, limits.file_bytes, limits.file_bytes),
+            (resource.RLIMIT_NOFILE, limits.files, limits.files),
+            (resource.RLIMIT_NPROC, 0, 0),
+        ):
+            if kind == resource.RLIMIT_NPROC and limits.threads > 1:
+                continue
+            ceiling = _ceiling(kind)
+            yield libc.bounding(kind, min(soft, ceiling), min(hard, ceiling))
+
+    def _ruled(self) -> Iterator[libc.Call]:
+        if self._rules:
+            if "landlock" not in self._lifted:
+                yield landlock.restricting(RULES)
+            yield libc.closing(RULES, RULES)
 
 
-def _bound_resources(limits: Limits, base_memory: int) -> None:
-    seconds = int(limits.cpu_seconds) + 1  # the kernel counts whole seconds; the child's own timer comes first
-    memory = base_memory + limits.memory_bytes
-    for kind, soft, hard in (
-        (resource.RLIMIT_AS, memory, memory),
-        (resource.RLIMIT_CPU, seconds, seconds + 1),
-        (resource.RLIMIT_FSIZE, limits.file_bytes, limits.file_bytes),
-        (resource.RLIMIT_NOFILE, limits.files, limits.files),
-        (resource.RLIMIT_CORE, 0, 0),
-        (resource.RLIMIT_STACK, STACK, STACK),
-        (resource.RLIMIT_MEMLOCK, 0, 0),
-        (resource.RLIMIT_MSGQUEUE, 0, 0),
-        (resource.RLIMIT_NPROC, 0, 0),
-    ):
-        if kind == resource.RLIMIT_NPROC and limits.threads > 1:
-            continue
-        _bound(kind, soft, hard)
+def bound_template() -> None:
+    """The limits that hold for all forks."""
+    for kind, most in _OF_A_TEMPLATE:
+        least = min(most, _ceiling(kind))
+        resource.setrlimit(kind, (least, least))
 
 
-def _bound(kind: int, soft: int, hard: int) -> None:
-    """Never above the limit that is already there."""
-    _, ceiling = resource.getrlimit(kind)
-    if ceiling != resource.RLIM_INFINITY:
-        soft, hard = min(soft, ceiling), min(hard, ceiling)
-    resource.setrlimit(kind, (soft, hard))
+def _ceiling(kind: int) -> int:
+    """The hard limit of this process; where there is none, more than any other."""
+    _, hard = resource.getrlimit(kind)
+    return 2**62 if hard == resource.RLIM_INFINITY else hard
 
 
 def open_account() -> int:
@@ -150,6 +160,14 @@ def own_memory(account: int) -> int:
     return (int(resident) - int(shared)) * mmap.PAGESIZE
 
 
-def filters(*, folder: bool) -> dict[bool, bytes]:
-    """Seccomp programs by whether threads are allowed; `folder` tells that there is a place to write in."""
-    return {threads: seccomp.assemble(threads=threads, folder=folder) for threads in (False, True)}
+def filters(lifted: Collection[str], *, folder: bool) -> tuple[Calls, dict[bool, Calls]]:
+    """What puts up seccomp's wall: in the template, then in each fork by whether threads are allowed.
+
+    `folder` tells that there is a place to write in.
+    """
+    if "seccomp" in lifted:
+        return (), {False: (), True: ()}
+    of_forks: dict[bool, Calls] = {
+        threads: (seccomp.installing(seccomp.second(threads=threads)),) for threads in (False, True)
+    }
+    return (seccomp.installing(seccomp.first(folder=folder)),), of_forks

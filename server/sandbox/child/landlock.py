@@ -20,6 +20,8 @@ _OWN_FOLDER = (
 #: Number of file-system rights, by version of the interface.
 _FS_RIGHTS = {1: 13, 2: 14, 3: 15, 4: 15, 5: 16, 6: 16, 7: 16}
 _NET_BIND_AND_CONNECT, _SCOPE_ABSTRACT_SOCKET_AND_SIGNAL = 3, 3
+#: The version of the interface since which there are scopes.
+_SCOPES = 6
 
 
 class _Attributes(ctypes.Structure):
@@ -45,9 +47,9 @@ def ruleset(readable: Iterable[str], devices: Iterable[str] = (), writable: Iter
     attributes = _Attributes((1 << _FS_RIGHTS[known]) - 1, 0, 0)
     if known >= 4:
         attributes.net = _NET_BIND_AND_CONNECT
-    if known >= 6:
+    if known >= _SCOPES:
         attributes.scoped = _SCOPE_ABSTRACT_SOCKET_AND_SIGNAL
-    size = 8 if known < 4 else 16 if known < 6 else 24
+    size = 8 if known < 4 else 16 if known < _SCOPES else 24
     rules = libc.syscall("landlock_create_ruleset", _CREATE, attributes, size, 0)
     for path in readable:
         _allow(rules, path, _READ_FILE | (_READ_DIR if os.path.isdir(path) else 0))
@@ -68,6 +70,11 @@ def _allow(rules: int, path: str, rights: int) -> None:
         os.close(descriptor)
 
 
-def restrict(rules: int) -> None:
+def restricting(rules: int) -> libc.Call:
     """Puts the calling thread under the rules, for ever. Needs no_new_privs."""
-    libc.syscall("landlock_restrict_self", _RESTRICT, rules, 0)
+    return libc.system_call("landlock_restrict_self", _RESTRICT, rules, 0)
+
+
+def scopes_sockets() -> bool:
+    """Whether a domain reaches no abstract socket and no TCP port out of it."""
+    return version() >= _SCOPES

@@ -6,6 +6,8 @@ import ctypes
 import errno
 import os
 import platform
+from collections.abc import Iterable
+from typing import Any
 
 _libc = ctypes.CDLL(None, use_errno=True)
 _libc.syscall.restype = ctypes.c_long
@@ -44,9 +46,63 @@ def syscall(
     return _checked(_libc.syscall(ctypes.c_long(number), *map(_argument, arguments)), what)
 
 
-def syscall_with_gil(number: int, *arguments: int | ctypes.Structure) -> int:
-    """As `syscall`, without letting go of the interpreter's lock: for a fork. Returns -1 on failure."""
-    return int(_held.syscall(ctypes.c_long(number), *map(_argument, arguments)))
+#: A function of the C library, its arguments as it takes them, and its name: all is ready but the call.
+Call = tuple[Any, tuple[object, ...], str]
+
+
+def make(calls: Iterable[Call]) -> None:
+    """Makes these calls in order, without letting go of the interpreter's lock. Raises OSError when one fails."""
+    for function, arguments, what in calls:
+        if function(*arguments) < 0:
+            _checked(-1, what)
+
+
+def made(call: Call) -> int:
+    """Makes one call; returns what it does. Raises OSError."""
+    function, arguments, what = call
+    return _checked(function(*arguments), what)
+
+
+def number() -> ctypes.c_int:
+    """A place for a descriptor that is known when the call is made."""
+    return ctypes.c_int(-1)
+
+
+def duplicating(descriptor: ctypes.c_int, onto: int) -> Call:
+    return _held.dup2, (descriptor, ctypes.c_int(onto)), "dup2"
+
+
+def writing(descriptor: ctypes.c_int, data: bytes) -> Call:
+    return _held.write, (descriptor, data, ctypes.c_size_t(len(data))), "write"
+
+
+def closing(first: int, last: int) -> Call:
+    """All descriptors from the first to the last."""
+    return system_call("close_range", 436, first, last, 0)
+
+
+def going(folder: str) -> Call:
+    return _held.chdir, (folder.encode(),), f"chdir({folder})"
+
+
+def bounding(kind: int, soft: int, hard: int) -> Call:
+    """A limit on a resource."""
+    return _held.setrlimit, (ctypes.c_int(kind), (ctypes.c_ulong * 2)(soft, hard)), f"setrlimit({kind})"
+
+
+def system_call(what: str, number: int, *arguments: int | bytes | ctypes.Structure) -> Call:
+    return _held.syscall, (ctypes.c_long(number), *map(_argument, arguments)), what
+
+
+def process_control(option: int, *arguments: int | ctypes.Structure) -> Call:
+    """A `prctl`."""
+    filled = (*arguments, 0, 0, 0, 0)[:4]
+    return _held.prctl, (ctypes.c_int(option), *map(_argument, filled)), f"prctl({option})"
+
+
+def mounting(target: str, kind: str, flags: int, options: str) -> Call:
+    arguments = (b"none", target.encode(), kind.encode(), ctypes.c_ulong(flags), options.encode())
+    return _held.mount, arguments, f"mount({target})"
 
 
 def set_host_name(name: bytes) -> None:
@@ -103,8 +159,12 @@ def drop_bounding_capabilities() -> None:
             raise
 
 
-def drop_capabilities() -> None:
+def dropping_capabilities() -> tuple[Call, Call]:
     """Empties the ambient, effective, permitted and inheritable sets."""
-    prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL)
     header, data = _CapabilityHeader(0x20080522, 0), _CapabilityData()
-    _checked(_libc.capset(ctypes.byref(header), ctypes.byref(data)), "capset")
+    ambient = process_control(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL)
+    return ambient, (_held.capset, (ctypes.byref(header), ctypes.byref(data)), "capset")
+
+
+def drop_capabilities() -> None:
+    make(dropping_capabilities())

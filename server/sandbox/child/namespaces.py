@@ -12,7 +12,7 @@ import signal
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from . import libc
+from . import landlock, libc
 
 NEWNS, NEWCGROUP, NEWUTS, NEWIPC, NEWUSER, NEWPID, NEWNET = (
     0x00020000, 0x02000000, 0x04000000, 0x08000000, 0x10000000, 0x20000000, 0x40000000,
@@ -31,6 +31,16 @@ _BY_WALL = {"view": NEWNS, "uts": NEWUTS, "ipc": NEWIPC, "pid": NEWPID, "network
 def flags(lifted: Collection[str]) -> int:
     """The namespaces of all walls but those left down, the user's apart."""
     return NEWCGROUP | sum(flag for wall, flag in _BY_WALL.items() if wall not in lifted)
+
+
+def of_forks(lifted: Collection[str]) -> int:
+    """Those that a fork gets of its own.
+
+    It shares the network of its template, where there is nothing, as long as it can neither make a socket (a filter of
+    the template's, and its own) nor reach another's (Landlock): making a network costs as much as all other walls.
+    """
+    shares = landlock.scopes_sockets() and not {"seccomp", "landlock"} & set(lifted)
+    return NEWUSER | flags({*lifted, "network"} if shares else lifted)
 
 
 def can_become_unprivileged() -> bool:
@@ -53,7 +63,7 @@ def enter(lifted: Collection[str]) -> None:
     user, group = os.geteuid(), os.getegid()
     if not (can_become_unprivileged() and _allowed(flags(lifted))):
         libc.unshare(NEWUSER | flags(lifted))
-        _map_identity("/proc/self", None, user, group)
+        take(_identity("/proc/self", user, group))
     if "uts" not in lifted:
         libc.set_host_name(HOST)
 
@@ -66,17 +76,18 @@ def _allowed(flags: int) -> bool:
     return True
 
 
-def _map_identity(folder: str, base: int | None, user: int, group: int) -> None:
-    for name, text in (
-        ("setgroups", "deny"),
-        ("uid_map", f"{UNPRIVILEGED} {user} 1"),
-        ("gid_map", f"{UNPRIVILEGED} {group} 1"),
-    ):
-        descriptor = os.open(f"{folder}/{name}", os.O_WRONLY | os.O_CLOEXEC, dir_fd=base)
-        try:
-            os.write(descriptor, text.encode("ascii"))
-        finally:
-            os.close(descriptor)
+def _identity(folder: str, user: int, group: int) -> tuple[tuple[str, bytes], ...]:
+    """What the first process of a user namespace writes, and where, to be nobody there."""
+    maps = {"setgroups": "deny", "uid_map": f"{UNPRIVILEGED} {user} 1", "gid_map": f"{UNPRIVILEGED} {group} 1"}
+    return tuple((f"{folder}/{name}", text.encode("ascii")) for name, text in maps.items())
+
+
+def take(identity: tuple[tuple[str, bytes], ...], base: int | None = None) -> None:
+    """Writes it; `base` is the folder of paths that are not absolute."""
+    for path, text in identity:
+        descriptor = os.open(path, os.O_WRONLY | os.O_CLOEXEC, dir_fd=base)
+        os.write(descriptor, text)
+        os.close(descriptor)
 
 
 class _CloneArguments(ctypes.Structure):
@@ -84,6 +95,10 @@ class _CloneArguments(ctypes.Structure):
         (name, ctypes.c_uint64)
         for name in ("flags", "pidfd", "child_tid", "parent_tid", "exit_signal", "stack", "stack_size", "tls")
     )
+
+
+#: What every fork is in its own namespace of users.
+_NOBODY = _identity("self", UNPRIVILEGED, UNPRIVILEGED)
 
 
 @dataclass(frozen=True)
@@ -94,30 +109,39 @@ class Nest:
     """
 
     processes: int
-    flags: int
+    clone: libc.Call
     folder: bool
+    tells: bool
 
     def fork(self) -> int:
-        """As `os.fork`, into the namespaces. Raises OSError where the machine refuses them."""
-        python = ctypes.pythonapi
+        """As `os.fork`, into the namespaces. Raises OSError where the machine refuses them.
+
+        Python is told only where a library of the template `tells` it what to do then, since that takes as long as the
+        fork: with one thread, there is nothing else to mend but the generators of random numbers, which a child seeds.
+        """
+        if not self.tells:
+            return libc.made(self.clone)
+        python, pid = ctypes.pythonapi, -1
         python.PyOS_BeforeFork()
-        pid = _clone(self.flags)
-        if pid == 0:
-            python.PyOS_AfterFork_Child()
-        else:
-            python.PyOS_AfterFork_Parent()
-        if pid < 0:
-            code = ctypes.get_errno()
-            raise OSError(code, f"clone3: {os.strerror(code)}")
+        try:
+            pid = libc.made(self.clone)
+        finally:
+            if pid == 0:
+                python.PyOS_AfterFork_Child()
+            else:
+                python.PyOS_AfterFork_Parent()
         return pid
 
-    def settle(self, folder_bytes: int) -> None:
-        """In the child: its identity, its name, its private folder, where it then is. Raises OSError."""
-        _map_identity("self", self.processes, UNPRIVILEGED, UNPRIVILEGED)
-        if self.folder:
-            options = f"size={folder_bytes},nr_inodes={MAX_FILES},mode=700,uid={UNPRIVILEGED},gid={UNPRIVILEGED}"
-            libc.mount("none", FOLDER, "tmpfs", _FOLDER_FLAGS, options)
-            os.chdir(FOLDER)
+    def settle(self) -> None:
+        """In the child: its identity. Raises OSError."""
+        take(_NOBODY, self.processes)
+
+    def furnish(self, folder_bytes: int) -> tuple[libc.Call, ...]:
+        """Once it has settled: its private folder, where it then is."""
+        if not self.folder:
+            return ()
+        options = f"size={folder_bytes},nr_inodes={MAX_FILES},mode=700,uid={UNPRIVILEGED},gid={UNPRIVILEGED}"
+        return libc.mounting(FOLDER, "tmpfs", _FOLDER_FLAGS, options), libc.going(FOLDER)
 
     def refused(self) -> str:
         """Why no child can be forked so on this machine; "" when one can: it has been tried."""
@@ -134,7 +158,8 @@ class Nest:
     def _try(self) -> None:
         code = 255
         try:
-            self.settle(1 << 16)
+            self.settle()
+            libc.make(self.furnish(1 << 16))
             code = 0
         except OSError as error:
             code = error.errno or code
@@ -142,9 +167,9 @@ class Nest:
             os._exit(code)
 
 
-def _clone(flags: int) -> int:
+def cloning(flags: int) -> libc.Call:
     """The C library keeps the thread's number in its own memory: the kernel must write the child's there."""
     address = ctypes.c_uint64()
     libc.prctl(_GET_TID_ADDRESS, ctypes.cast(ctypes.byref(address), ctypes.c_void_p).value or 0)
     arguments = _CloneArguments(flags | _CHILD_SETTID, 0, address.value, 0, signal.SIGCHLD, 0, 0, 0)
-    return libc.syscall_with_gil(_CLONE3, arguments, ctypes.sizeof(arguments))
+    return libc.system_call("clone3", _CLONE3, arguments, ctypes.sizeof(arguments))

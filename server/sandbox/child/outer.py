@@ -51,9 +51,8 @@ def _first_process(inside: Callable[[], None]) -> None:
         inside()
         code = 0
     except BaseException:
-        traceback.print_exc()
+        os.write(2, traceback.format_exc().encode("utf-8", "replace"))
     finally:
-        sys.stderr.flush()
         os._exit(code)
 
 
@@ -102,8 +101,8 @@ def change_view(libraries: Iterable[str], packages: Iterable[str]) -> None:
 
 def _change_view(libraries: Iterable[str], packages: Iterable[str]) -> None:
     libc.mount("none", "/", None, _MS_PRIVATE_RECURSIVE)
-    whole = outermost(libraries)
     loose = [path for path in dict.fromkeys(packages) if os.path.exists(path)]
+    whole = [path for path in outermost(libraries) if not path.startswith(tuple(f"{package}/" for package in loose))]
     trees = {path: _clone(path, _RDONLY | _NOSUID | _NODEV) for path in (*whole, *loose)}
     devices = {path: _clone(path, _RDONLY | _NOSUID) for path in DEVICES if os.path.exists(path)}
     root = next(path for path in ("/tmp", "/var/tmp", "/mnt", "/usr") if os.path.isdir(path))

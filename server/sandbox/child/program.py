@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import linecache
+import os
 import random
 import re
 import sys
@@ -16,6 +17,7 @@ import numpy as np
 
 from . import drawing, last, library, report
 from .codec import Limits, TooBig, Unsendable, Value, encode
+from .frames import FAULT_LIMITS
 from .kits import Kit, show
 from .tracer import Tracer
 
@@ -40,8 +42,10 @@ class Failure(Exception):
 class Program:
     """`configure` and `load` once, then `call`; the last two return encoded values or raise Failure."""
 
-    def __init__(self, kits: Mapping[str, Kit], limits: Limits, free_reserve: Callable[[], None]) -> None:
-        self._kits, self._limits, self._free_reserve = kits, limits, free_reserve
+    def __init__(self, kits: Mapping[str, Kit], free_reserve: Callable[[], None]) -> None:
+        """`free_reserve` gives memory back, to report a lack of it."""
+        self._kits, self._free_reserve = kits, free_reserve
+        self._limits = FAULT_LIMITS
         self._lines: list[str] = []
         self._filename = ""
         self._injected: dict[str, object] = {}
@@ -49,6 +53,10 @@ class Program:
         self._globals: dict[str, Any] = {}
         self._functions: frozenset[str] = frozenset()
         self._waiting: list[CodeType] = []
+
+    def begin(self, limits: Limits) -> None:
+        """Sets what answers are bounded by."""
+        self._limits = limits
 
     def load(
         self,
@@ -120,8 +128,10 @@ class Program:
         return asked(*arguments, **named) if driver is None else driver(asked, *arguments, **named)
 
     def forget(self) -> None:
-        """Lets go of the file: its names, which hold each other, its module and its lines."""
+        """Lets go of the file and of its kit: their names, which hold each other, its module and its lines."""
         self._globals.clear()
+        self._globals, self._injected, self._drivers, self._functions = {}, {}, {}, frozenset()
+        self._lines, self._filename = [], ""
         linecache.clearcache()
         sys.modules.pop(MODULE, None)
 
@@ -131,9 +141,10 @@ class Program:
         Where the exercise asks for some of them (`without`), nothing is left of the kits but the other names.
         """
         seed = parameters.get("seed")
-        if isinstance(seed, int):
-            random.seed(seed)
-            np.random.seed(seed % 2**32)
+        if not isinstance(seed, int):
+            seed = int.from_bytes(os.urandom(8), "little")
+        random.seed(seed)
+        np.random.seed(seed % 2**32)
         show(self._kits, kit)
         if kit is not None:
             module = self._kits[kit][kit]

@@ -3,6 +3,10 @@
 The program first checks the architecture (and the x32 bit), then finds the call by halving the range of numbers (the
 kernel runs the filter once for each call when it is installed: a short path makes a fork fast). The answer is to allow,
 EPERM for what an honest program may try, ENOSYS for what the C library must do without, to kill for all the rest.
+
+It is loaded in two parts, of which the kernel obeys the stricter answer. The template loads the first, which its forks
+inherit: all but the calls by which a template serves and a fork puts up its walls. A fork loads the second last: these
+calls. Loading all of it costs a fork three times as much.
 """
 
 from __future__ import annotations
@@ -73,7 +77,7 @@ def _own_futexes(threads: bool) -> Block:
 
 
 def _blocks(column: int, threads: bool, folder: bool) -> dict[int, Block]:
-    """What each known call of an architecture comes to, as instructions that always return."""
+    """What each known call of an architecture comes to in the end, as instructions that always return."""
     blocks: dict[int, Block] = {number: (_answer(KILL),) for number in range(syscalls.LAST_KNOWN + 1)}
     tables = (
         (syscalls.ALLOWED, ALLOW),
@@ -99,13 +103,13 @@ def _blocks(column: int, threads: bool, folder: bool) -> dict[int, Block]:
     return blocks
 
 
-def _ranges(blocks: dict[int, Block]) -> list[tuple[int, Block]]:
-    """First number of each run of calls that come to the same, in order; the last run has no end."""
+def _ranges(blocks: dict[int, Block], beyond: Block) -> list[tuple[int, Block]]:
+    """First number of each run of calls that come to the same, in order; the last run, `beyond`, has no end."""
     runs: list[tuple[int, Block]] = []
     for number in sorted(blocks):
         if not runs or runs[-1][1] != blocks[number]:
             runs.append((number, blocks[number]))
-    return [*runs, (syscalls.LAST_KNOWN + 1, (_answer(ERRNO | ENOSYS),))]
+    return runs if runs[-1][1] == beyond else [*runs, (syscalls.LAST_KNOWN + 1, beyond)]
 
 
 def _search(runs: list[tuple[int, Block]]) -> list[Instruction]:
@@ -120,19 +124,32 @@ def _search(runs: list[tuple[int, Block]]) -> list[Instruction]:
     return [_op(_JUMP_AT_LEAST, first, 0, 1), _op(_JUMP, len(low)), *low, *high]
 
 
-def assemble(*, threads: bool, folder: bool) -> bytes:
-    """The filter of this architecture, as an array of ``struct sock_filter``. Raises Unsupported elsewhere.
+def first(*, folder: bool) -> bytes:
+    """The part of a template, as an array of ``struct sock_filter``. Raises Unsupported on an unknown architecture.
 
     `folder` allows the calls that change folders and files, where there is a private place for them.
     """
     column = libc.column()
+    spared = dict.fromkeys(syscalls.numbers(syscalls.SETTING_UP, column), (_answer(ALLOW),))
+    return _assembled(_ranges(_blocks(column, threads=False, folder=folder) | spared, (_answer(ERRNO | ENOSYS),)))
+
+
+def second(*, threads: bool) -> bytes:
+    """The part of a fork."""
+    column = libc.column()
+    whole, refused = _blocks(column, threads, folder=False), syscalls.numbers(syscalls.SETTING_UP, column)
+    allowed: Block = (_answer(ALLOW),)
+    return _assembled(_ranges({n: whole[n] if n in refused else allowed for n in whole}, allowed))
+
+
+def _assembled(runs: list[tuple[int, Block]]) -> bytes:
     program = [
         _op(_LOAD, _ARCH),
         _op(_JUMP_EQUAL, libc.audit_architecture(), 1, 0),
         _answer(KILL),
         _op(_LOAD, _NR),
-        *(_x32_is_an_attack() if column == 0 else []),
-        *_search(_ranges(_blocks(column, threads, folder))),
+        *(_x32_is_an_attack() if libc.column() == 0 else []),
+        *_search(runs),
     ]
     return b"".join(program)
 
@@ -145,6 +162,6 @@ class _Program(ctypes.Structure):
     _fields_ = (("length", ctypes.c_ushort), ("filter", ctypes.c_char_p))
 
 
-def install(program: bytes) -> None:
+def installing(program: bytes) -> libc.Call:
     """Puts the filter on the calling thread, for ever. Needs no_new_privs."""
-    libc.prctl(libc.PR_SET_SECCOMP, 2, _Program(len(program) // 8, program))
+    return libc.process_control(libc.PR_SET_SECCOMP, 2, _Program(len(program) // 8, program))

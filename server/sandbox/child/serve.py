@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import faulthandler
-import gc
 import os
-import random
 import signal
-import sys
 import traceback
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
 from functools import partial
 from types import FrameType
 from typing import Any, NoReturn
 
 import numpy as np
 
-from . import codec, drawing, frames, inner, library
+from . import codec, frames, inner, library, orders
 from .codec import Value
 from .frames import FAULT_LIMITS, QUESTION_LIMITS, STEP_LIMITS
 from .frames import framed as _framed
@@ -31,44 +27,37 @@ _SHORTEST = 0.001
 _AGAIN = 0.01
 
 
-def run(
-    prepared: inner.Prepared,
-    kits: Mapping[str, Kit],
-    order: Mapping[str, Any],
-    ends: inner.Ends,
-) -> NoReturn:
+def run(walls: inner.Walls, seats: int, child: Child) -> NoReturn:
     """Runs in a fresh fork, and ends the process."""
-    ready, wire = False, ends.wire
+    ready = False
     try:
-        limits = inner.Limits(*(order[name] for name in inner.Limits.__dataclass_fields__))
-        reserve = inner.raise_walls(prepared, limits, ends)
-        wire = inner.WIRE
-        print_to(BoundedText(BoundedBytes(1, order["stdout_bytes"]), order["stdout_bytes"]))
-        rehearse(kits)
-        random.seed()
-        np.random.seed(int.from_bytes(os.urandom(4), "little"))
-        program = Program(kits, codec.Limits(order["frame_bytes"], order["depth"], order["items"]), reserve.close)
-        child = Child(program, limits.cpu_seconds)
-        gc.enable()
+        walls.stand(seats)
+        child.rehearse()
         child.send(0, frames.READY, b"")
         ready = True
         child.serve()
     except BaseException:
         if not ready:
-            _write(wire, _framed(0, frames.ANOMALY, traceback.format_exc().encode("utf-8", "replace")[-4000:]))
+            _write(inner.WIRE, _framed(0, frames.ANOMALY, traceback.format_exc().encode("utf-8", "replace")[-4000:]))
     finally:
         os._exit(0 if ready else 70)
 
 
 class Child:
-    """Both timers end in `_late`, which tells where the program was; limits of the kernel stand behind them.
+    """What answers in a fork; made in the template, which finds it ready, and begun in the fork.
+
+    Both timers end in `_late`, which tells where the program was; limits of the kernel stand behind them.
 
     A program stuck in one call of C does not come to `_late`. The kernel's first warning then has the interpreter write
     down where it is, from the signal handler itself: its last words.
     """
 
-    def __init__(self, program: Program, cpu_seconds: float) -> None:
-        self._program, self._cpu_seconds = program, cpu_seconds
+    def __init__(self, kits: Mapping[str, Kit], free_reserve: Callable[[], None]) -> None:
+        """What is printed goes to it from now on."""
+        self._program, self._stream = Program(kits, free_reserve), BoundedText(BoundedBytes(1))
+        print_to(self._stream)
+        self._cpu_seconds = 0.0
+        self._wire = inner.WIRE
         self._token = 0
         self._busy, self._writes = False, False
         self._wall = 0.0
@@ -76,6 +65,31 @@ class Child:
         signal.signal(signal.SIGALRM, self._late)
         signal.signal(signal.SIGPROF, self._late)
         faulthandler.register(signal.SIGXCPU, inner.WORDS, all_threads=False)
+
+    def begin(self, limits: orders.Limits) -> None:
+        """What the program may use."""
+        self._cpu_seconds = limits.cpu_seconds
+        self._program.begin(codec.Limits(limits.frame_bytes, limits.depth, limits.items))
+        self._stream.begin(limits.stdout_bytes)
+
+    def rehearse(self) -> None:
+        """Goes once through the least that a submission uses, and tells nobody.
+
+        A fork does it before it says that it is ready: the pages of memory that a submission writes are then its own
+        already, and copying them, which takes longer than most submissions, is not waited for where a spare stands
+        ready. What was rehearsed is let go.
+        """
+        granted = self._cpu_seconds
+        self._wire, self._cpu_seconds = _NULL, 0.0  # of which no timer rings
+        self._program.configure(None, {"seed": 0})
+        for self._token, kind, question in frames.parted(_REHEARSED):
+            self._obey(kind, question)
+        self._wire, self._cpu_seconds = inner.WIRE, granted
+        self._program.forget()
+
+    def forget(self) -> None:
+        """Lets go of the program."""
+        self._program.forget()
 
     def serve(self) -> None:
         while header := self._read(frames.HEADER.size):
@@ -196,14 +210,14 @@ class Child:
             signal.setitimer(signal.ITIMER_PROF, _AGAIN)
 
     def send(self, token: int, kind: int, payload: bytes, then: bytes = b"") -> None:
-        _write(inner.WIRE, _framed(token, kind, payload) + then)
+        _write(self._wire, _framed(token, kind, payload) + then)
 
     def _read(self, length: int) -> bytes:
         pieces = bytearray()
         while len(pieces) < length:
             piece = os.read(inner.WIRE, length - len(pieces))
             if not piece:
-                os._exit(0)
+                return b""
             pieces += piece
         return bytes(pieces)
 
@@ -236,66 +250,34 @@ def _write(descriptor: int, data: bytes) -> None:
         view = view[os.write(descriptor, view) :]
 
 
-#: What is rehearsed is no exercise's: a child knows nothing of a course, and every program can read this.
-_SMALL = b"""
-import numpy as np
-def essai(u, v):
-    return np.array([np.cos(u[2]), v[2]])
-"""
-_SAMPLE = b"""
-from __future__ import annotations
-import numpy as np
-def essai(u, v):
-    p, q = np.exp(u[0]), np.tan(v[1])
-    M = np.array([[p, q], [1.0, 2.0]])
-    return np.concatenate([M @ np.asarray(v)[1:], [u[1] * v[0]]])
-def panne(u):
-    raise ValueError("essai")
-"""
+def configuring() -> bytes:
+    """A question, as the trusted side asks it."""
+    return _framed(2, frames.CONFIGURE, _encoded({"kit": None, "parameters": {"seed": 0}, "without": ()}))
 
 
-def rehearse(kits: Mapping[str, Kit]) -> None:
-    """Goes once through what a submission uses.
-
-    A fork does it before it says that it is ready: the pages of memory that a submission writes are then its own
-    already, and copying them, which takes longer than most submissions, is not waited for where a spare stands ready.
-    What was rehearsed is let go.
-    """
-    program = Program(kits, FAULT_LIMITS, lambda: None)
-    for kit in kits:
-        with suppress(Exception):  # a kit that fails does so again, and is told, when a submission asks for it
-            program.configure(kit, {"seed": 0})
-    program.load(_SMALL, "solution.py")
-    numbers = np.array([1.0, 2.0, 0.5])
-    reply = program.call("essai", (numbers, numbers), return_arguments=True)
-    codec.decode(reply, FAULT_LIMITS)
-    program.forget()
+def loading(source: bytes) -> bytes:
+    load: dict[str, Value] = {"source": np.frombuffer(source, np.uint8), "filename": "solution.py", "wall": 1000.0}
+    load |= {"shows_last": False, "waits": False, "library": ()}
+    return _framed(3, frames.LOAD, _encoded(load))
 
 
-def warm_up(kits: Mapping[str, Kit]) -> None:
-    """What only the template does, so that its forks find it done."""
-    state, numpy_state = random.getstate(), np.random.get_state()
-    rehearse(kits)
-    program = Program(kits, FAULT_LIMITS, lambda: None)
-    program.load(_SAMPLE, "solution.py")
-    try:
-        program.call("panne", (np.zeros(3),), return_arguments=False)
-    except Failure as failure:
-        codec.encode(failure.fault, FAULT_LIMITS)
-    np.random.default_rng(0).normal(size=3)
-    _warm_linear_algebra()
-    if drawing.offered():
-        drawing.warm_up()
-    random.setstate(state)
-    np.random.set_state(numpy_state)
-    program.forget()
+def calls(function: str, count: int, *arguments: bytes, keeping: bool = False) -> bytes:
+    """So many of them; `arguments` are the frames that hold theirs."""
+    shared = _framed(4, frames.CALLS, _encoded((keeping, count + 1, 1000.0, function)))
+    return _framed(4, frames.CALLS, b"".join((shared, _framed(0, frames.TOKENS, bytes(8 * count)), *arguments)))
 
 
-def _warm_linear_algebra() -> None:
-    """The first call of a BLAS maps its working memory, which must count as the template's."""
-    np.linalg.solve(np.eye(3), np.linalg.svd(np.eye(3))[0][0])
-    np.eye(200) @ np.eye(200)
-    if "scipy.linalg" in sys.modules:
-        sys.modules["scipy.linalg"].solve(np.eye(3), np.ones(3))
-        sparse = sys.modules["scipy.sparse"].csc_matrix(np.eye(3))
-        sys.modules["scipy.sparse.linalg"].spsolve(sparse, np.ones(3))
+def row(*arguments: Value) -> bytes:
+    return _framed(0, frames.ARGUMENTS, _encoded(arguments))
+
+
+def _encoded(value: Value) -> bytes:
+    return codec.encode(value, QUESTION_LIMITS)
+
+
+#: No descriptor of a program: its standard input.
+_NULL = 0
+#: No exercise's: a child knows nothing of a course, and every program can read this.
+_REHEARSED = loading(b"import numpy as np\ndef essai(u):\n    return np.array([u[0], 1.0])\n") + calls(
+    "essai", 1, row(np.zeros(3))
+)

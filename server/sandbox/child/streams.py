@@ -7,10 +7,13 @@ import os
 
 
 class BoundedBytes(io.RawIOBase):
-    """Writes to a descriptor until `bound` bytes of it are full, then drops the rest without an error."""
+    """Writes to a descriptor until so many bytes of it are full, then drops the rest without an error."""
 
-    def __init__(self, descriptor: int, bound: int) -> None:
-        self._descriptor, self._bound, self._full = descriptor, bound, False
+    def __init__(self, descriptor: int) -> None:
+        self._descriptor, self._bound, self._full = descriptor, 0, False
+
+    def begin(self, bound: int) -> None:
+        self._bound = bound
 
     def writable(self) -> bool:
         return True
@@ -34,8 +37,12 @@ class BoundedBytes(io.RawIOBase):
 class BoundedText(io.TextIOBase):
     """UTF-8 text over `BoundedBytes`; every write reaches the file at once, so that a killed program keeps it."""
 
-    def __init__(self, raw: BoundedBytes, bound: int) -> None:
-        self._raw, self._bound = raw, bound
+    def __init__(self, raw: BoundedBytes) -> None:
+        self._raw, self._bound = raw, 0
+
+    def begin(self, bound: int) -> None:
+        self._bound = bound
+        self._raw.begin(bound)
 
     encoding = "utf-8"
     errors = "replace"
