@@ -86,7 +86,7 @@ async def create(
     _require_its_kind(exercise, body)
     sending = Sending(body, exercise.version if reuse else None, client_address(request), key)
     current = await run_in_threadpool(_store, database, store, account, sending)
-    if wait and not current.held:
+    if wait and not current.done:
         current = await _wait(hub, reader(database, store, account, current.id), current, min(wait, LONGEST_WAIT))
     return _json(current, 200 if current.done and not current.held else 202)
 

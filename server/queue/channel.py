@@ -40,8 +40,8 @@ class Channel:
     def queued(self, db: Session, _call: Call) -> None:
         after_commit(db, lambda: self._say(QUEUED))
 
-    def changed(self, db: Session, key: str) -> None:
-        after_commit(db, lambda: self._say(f"{CHANGED} {key}"))
+    def changed(self, db: Session, news: str) -> None:
+        after_commit(db, lambda: self._say(f"{CHANGED} {news}"))
 
     def renewed(self, why: str) -> None:
         """A template of the sandbox was replaced."""

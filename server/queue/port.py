@@ -95,6 +95,8 @@ class HeapError(Exception):
 
 
 NOBODY = Sender()
+#: What news add to a job's key where it has begun, and no more: who waits for its end alone need not look yet.
+BEGUN = " begun"
 #: Where a job's payload keeps the request that it comes from, for the logs.
 REQUEST = "request"
 GiveUp = Callable[[Session, Lease], None]
@@ -179,8 +181,8 @@ class Signals(Protocol):
     def queued(self, db: Session, call: Call, /) -> None:
         """A job waits: an idle worker may wake up."""
 
-    def changed(self, db: Session, key: str) -> None:
-        """The job of this key has begun, ended or gone back: whoever shows it may look again."""
+    def changed(self, db: Session, news: str) -> None:
+        """The job of this key has ended or gone back, or, with `BEGUN` after it, begun: whoever shows it may look."""
 
 
 class WorkSource(Protocol):
@@ -227,5 +229,5 @@ class NoSignals:
     def queued(self, db: Session, call: Call, /) -> None:
         return
 
-    def changed(self, db: Session, key: str) -> None:
+    def changed(self, db: Session, news: str) -> None:
         return

@@ -19,6 +19,7 @@ from server.queue import repository
 from server.queue.models import Job
 from server.queue.owner import Owner, is_dead
 from server.queue.port import (
+    BEGUN,
     NOBODY,
     REQUEST,
     Able,
@@ -73,7 +74,7 @@ class TableQueue:
         until = now + timedelta(seconds=lease_seconds)
         lease = repository.claim(db, kinds, owner=str(owner), token=token, now=now, until=until, able=able)
         if lease is not None:
-            self._signals.changed(db, lease.key)
+            self._signals.changed(db, lease.key + BEGUN)
         return lease
 
     def refuse(self, db: Session, kinds: Collection[str], able: Able) -> bool:

@@ -3,7 +3,7 @@
 Its state lives on the event loop; `wake` and `tell` may be called from any thread.
 
 Protocol, one line a message. Web to worker: `work`. Worker to web: `idle` (it found nothing and sleeps), `queued` (it
-gave something back), `changed <key>`, `renewed <why>` (a template of its sandbox was replaced).
+gave something back), `changed <key>[ begun]`, `renewed <why>` (a template of its sandbox was replaced).
 """
 
 import asyncio
@@ -44,14 +44,14 @@ class Switchboard:
     def queued(self, db: Session, _call: Call) -> None:
         after_commit(db, self.wake)
 
-    def changed(self, db: Session, key: str) -> None:
-        after_commit(db, lambda: self.tell(key))
+    def changed(self, db: Session, news: str) -> None:
+        after_commit(db, lambda: self.tell(news))
 
     def wake(self) -> None:
         self._call(self._wake)
 
-    def tell(self, key: str) -> None:
-        self._call(self._on_changed, key)
+    def tell(self, news: str) -> None:
+        self._call(self._on_changed, news)
 
     def _call(self, action: Callable[..., None], *args: object) -> None:
         if self._loop is not None and not self._loop.is_closed():

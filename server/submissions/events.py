@@ -17,6 +17,7 @@ from starlette.concurrency import run_in_threadpool
 
 from server.base import traces
 from server.database import is_away
+from server.queue.port import BEGUN
 
 log = logging.getLogger(__name__)
 
@@ -27,6 +28,7 @@ QUEUE_MOVES_EVERY = 0.3  # seconds: places in the queue are refreshed no more of
 SAFETY_POLL = 2.0  # seconds: longest time without looking, should a signal be lost
 AT_A_TIME = 15  # watchers whose place is refreshed then; of more, the next ones follow
 LOOKS_A_SECOND = 50  # of all watchers together, where no signal comes: many look more rarely each
+REMEMBERED = 4096  # jobs that have changed last: one may end before whoever has sent it begins to wait
 
 
 class Snapshot(Protocol):
@@ -39,11 +41,16 @@ class Snapshot(Protocol):
 S = TypeVar("S", bound=Snapshot)
 
 
+Watchers = dict[str, set[asyncio.Event]]
+
+
 class Events:
-    """Wakes the watchers of a job, by its key."""
+    """Wakes the watchers of a job, by its key: those who show where it is, and those who wait for its end alone."""
 
     def __init__(self) -> None:
-        self._watchers: dict[str, set[asyncio.Event]] = defaultdict(set)
+        self._watchers: Watchers = defaultdict(set)
+        self._awaiting: Watchers = defaultdict(set)
+        self._latest: dict[str, None] = {}
         self._onlookers: set[asyncio.Event] = set()
         self._behind: list[asyncio.Event] = []
         self._moving = self._moved_again = False
@@ -52,21 +59,33 @@ class Events:
     def close(self) -> None:
         """Ends every watch, as the server stops: browsers come back by themselves."""
         self._closed = True
-        for event in self._every():
+        for event in (*self._every(), *(event for events in self._awaiting.values() for event in events)):
             event.set()
 
     def following(self) -> int:
         """How many pages and programs follow something at this moment."""
-        return sum(map(len, list(self._watchers.values())))
+        return sum(len(events) for kept in (self._watchers, self._awaiting) for events in list(kept.values()))
 
-    def changed(self, key: str) -> None:
-        """The job of this key has changed state: its watchers look at once, the others soon (their place has moved)."""
+    def changed(self, news: str) -> None:
+        """A job has changed state (`queue.port.Signals`): its watchers look at once, the others soon, as their place
+        has moved. Who waits for its end alone does not look because it has begun, nor because of others."""
+        key = news.removesuffix(BEGUN)
+        if key == news:
+            self._note(key)
         for event in self._watchers.get(key, ()):
             event.set()
         self._moved_again = True
         if not self._moving and self._watchers:
             self._moving = True
             self._move_later()
+
+    def _note(self, key: str) -> None:
+        self._latest.pop(key, None)
+        self._latest[key] = None
+        if len(self._latest) > REMEMBERED:
+            del self._latest[next(iter(self._latest))]
+        for event in self._awaiting.get(key, ()):
+            event.set()
 
     def _move_later(self) -> None:
         asyncio.get_running_loop().call_later(QUEUE_MOVES_EVERY, self._move)
@@ -90,17 +109,13 @@ class Events:
 
     @contextmanager
     def _watch(self, key: str, *, onlooking: bool) -> Iterator[asyncio.Event]:
-        event = asyncio.Event()
-        self._watchers[key].add(event)
-        if onlooking:
-            self._onlookers.add(event)
-        try:
-            yield event
-        finally:
-            self._onlookers.discard(event)
-            self._watchers[key].discard(event)
-            if not self._watchers[key]:
-                del self._watchers[key]
+        with _among(self._watchers, key) as event:
+            if onlooking:
+                self._onlookers.add(event)
+            try:
+                yield event
+            finally:
+                self._onlookers.discard(event)
 
     async def follow(self, key: str, read: Callable[[], S], *, onlooking: bool = False) -> AsyncIterator[S]:
         """Yields what `read` gives (called in a thread) at first, then each time that it differs, until it is done
@@ -120,18 +135,45 @@ class Events:
                     return
                 if self._closed:
                     return
-                await _wait(event, max(SAFETY_POLL, self.following() / LOOKS_A_SECOND))
+                await _wait(event, self._patience())
 
     async def until_done(self, key: str, read: Callable[[], S], seconds: float) -> S:
-        """The snapshot once it is done, or as it is after `seconds`."""
+        """The snapshot once it is done, or as it is after `seconds`.
+
+        The job has been put a moment ago: as long as it has not changed since, there is nothing to look at.
+        """
         try:
             async with asyncio.timeout(seconds):
-                async for snapshot in self.follow(key, read):
-                    if snapshot.done:
-                        return snapshot
+                with _among(self._awaiting, key) as event:
+                    if key in self._latest:
+                        event.set()
+                    while not self._closed:
+                        await _wait(event, self._patience())
+                        woken = time.time_ns()
+                        event.clear()
+                        snapshot = await _looked(key, read)
+                        if snapshot is not None and snapshot.done:
+                            traces.news(key, woken)
+                            return snapshot
         except TimeoutError:
             pass
         return await run_in_threadpool(read)
+
+    def _patience(self) -> float:
+        return max(SAFETY_POLL, self.following() / LOOKS_A_SECOND)
+
+
+@contextmanager
+def _among(watchers: Watchers, key: str) -> Iterator[asyncio.Event]:
+    """An event among those of a key, and no longer than it is watched."""
+    event = asyncio.Event()
+    watchers[key].add(event)
+    try:
+        yield event
+    finally:
+        watchers[key].discard(event)
+        if not watchers[key]:
+            del watchers[key]
 
 
 async def _looked(key: str, read: Callable[[], S]) -> S | None:

@@ -44,8 +44,8 @@ class Told:
         self.news.append("queued")
         self.calls.append(call)
 
-    def changed(self, db: Session, key: str) -> None:
-        self.news.append(key)
+    def changed(self, db: Session, news: str) -> None:
+        self.news.append(news)
 
 
 class Bakery:
@@ -160,7 +160,7 @@ def test_a_job_is_ended_once_and_by_the_holder_only(bakery: Bakery) -> None:
 def test_each_change_is_signalled_by_the_job_s_key(bakery: Bakery) -> None:
     bakery.put("a")
     bakery.finish(bakery.claimed())
-    assert bakery.told.news == ["queued", "a", "a"]
+    assert bakery.told.news == ["queued", "a begun", "a"]
 
 
 def test_a_lease_that_ran_out_is_taken_back_and_its_late_end_refused(bakery: Bakery) -> None:

@@ -13,6 +13,7 @@ import pytest
 
 from server.queue.channel import Channel
 from server.queue.polling import Polling
+from server.queue.port import BEGUN
 from server.queue.switchboard import Switchboard
 from server.submissions import events as events_module
 from server.submissions.events import Events, as_sse
@@ -232,6 +233,53 @@ async def watched(events: Events) -> None:
         await asyncio.sleep(0.005)
 
 
+def test_who_waits_for_the_end_alone_reads_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither as the job begins, nor as the queue moves."""
+    monkeypatch.setattr(events_module, "SAFETY_POLL", 60.0)
+    monkeypatch.setattr(events_module, "QUEUE_MOVES_EVERY", 0.001)
+    reads = []
+
+    def read() -> Count:
+        reads.append(1)
+        return Count(3)
+
+    async def main() -> tuple[int, Count]:
+        events, key = Events(), "a"
+        waiting = asyncio.create_task(events.until_done(key, read, 20))
+        while not events.following():
+            await asyncio.sleep(0)
+        events.changed(key + BEGUN)
+        events.changed("another")
+        await asyncio.sleep(0.02)
+        before = len(reads)
+        events.changed(key)
+        return before, await waiting
+
+    assert in_a_loop(main()) == (0, Count(3))
+    assert len(reads) == 1
+
+
+def test_an_end_that_comes_before_its_waiter_is_not_missed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(events_module, "SAFETY_POLL", 60.0)
+    monkeypatch.setattr(events_module, "REMEMBERED", 3)
+
+    async def main() -> Count:
+        events = Events()
+        for key in ("old", "older", "a", "b"):
+            events.changed(key)
+        assert list(events._latest) == ["older", "a", "b"], "no more is remembered than may be"
+        return await asyncio.wait_for(events.until_done("a", lambda: Count(3), 60), 20)
+
+    assert in_a_loop(main()) == Count(3)
+
+
+def test_who_waits_for_an_end_whose_signal_is_lost_looks_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(events_module, "SAFETY_POLL", 0.01)
+    state = iter([0, 0, 3])
+    found = in_a_loop(Events().until_done("a", lambda: Count(next(state)), 20))
+    assert found == Count(3)
+
+
 def test_nothing_is_kept_of_watchers_who_leave() -> None:
     async def main() -> dict[Any, Any]:
         events, name = Events(), "a"
@@ -240,20 +288,21 @@ def test_nothing_is_kept_of_watchers_who_leave() -> None:
         await watched(events)
         watching.cancel()
         await asyncio.wait([watching])
-        return dict(events._watchers)
+        return {**events._watchers, **events._awaiting}
 
     assert in_a_loop(main()) == {}
 
 
 def test_a_stopping_server_ends_the_watches() -> None:
-    async def main() -> list[int]:
+    async def main() -> tuple[list[int], Count]:
         events = Events()
         watching = asyncio.create_task(collect(events.follow("a", lambda: Count(0))))
+        waiting = asyncio.create_task(events.until_done("a", lambda: Count(1), 60))
         await watched(events)
         events.close()
-        return await asyncio.wait_for(watching, 20)
+        return await asyncio.wait_for(watching, 20), await asyncio.wait_for(waiting, 20)
 
-    assert in_a_loop(main()) == [0]
+    assert in_a_loop(main()) == ([0], Count(1))
 
 
 def test_an_event_of_several_lines_stays_one_event() -> None:

@@ -64,8 +64,8 @@ def test_over_http_it_is_the_same_submission_even_graded_or_beyond_the_limit(sit
     headers = {**site.token(), "Idempotency-Key": KEY}
     body = {"exercise": EXERCISE, "code": "x = 1\n"}
 
-    def send(**others: str) -> tuple[int, str, str]:
-        answer = site.client.post("/api/v1/submissions", json={**body, **others}, headers=headers)
+    def send(wait: float = 0, **others: str) -> tuple[int, str, str]:
+        answer = site.client.post(f"/api/v1/submissions?wait={wait}", json={**body, **others}, headers=headers)
         told = answer.json()
         return answer.status_code, told.get("id", ""), str(told.get("status"))
 
@@ -73,6 +73,9 @@ def test_over_http_it_is_the_same_submission_even_graded_or_beyond_the_limit(sit
     assert (first, again) == (202, (202, name, "queued"))
     site.worker.step()
     assert send() == (200, name, "done")
+    began = time.monotonic()
+    assert send(wait=30) == (200, name, "done")
+    assert time.monotonic() - began < 15, "its end has come: nothing is waited for"
     assert send(code="x = 2\n")[0] == 422
     answers = {"exercise": "l20/calcul_odometrie", "answers": {"ds": 1}}
     unnamed = site.client.post("/api/v1/submissions", json=answers, headers=site.token())

@@ -45,7 +45,7 @@ class DownError(Exception):
 
 
 class Connection:
-    """`on_changed` is told, on the connection's thread, the key of a job that another process has changed."""
+    """`on_changed` is told, on the connection's thread, the news of a job that another process has changed."""
 
     def __init__(
         self,
@@ -129,9 +129,9 @@ class Connection:
         subject = self.layout.desk(call.kind).subject
         self._post("ticket", lambda: self._publish(subject, call))
 
-    def tell(self, key: str) -> None:
+    def tell(self, news: str) -> None:
         """Says that a job has changed, from any thread, without waiting."""
-        self._post("news", lambda: self.client.publish(CHANGED, key.encode()))
+        self._post("news", lambda: self.client.publish(CHANGED, news.encode()))
 
     def answer(self, ticket: str, word: bytes) -> None:
         """Says what becomes of a ticket, from any thread, without waiting."""

@@ -18,8 +18,8 @@ class NatsSignals:
     def queued(self, db: Session, call: Call, /) -> None:
         after_commit(db, lambda: self._connection.call(call))
 
-    def changed(self, db: Session, key: str) -> None:
-        after_commit(db, lambda: self._connection.tell(key))
+    def changed(self, db: Session, news: str) -> None:
+        after_commit(db, lambda: self._connection.tell(news))
         if self._here is not None:
             here = self._here
-            after_commit(db, lambda: here(key))
+            after_commit(db, lambda: here(news))
