@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import Select, delete, func, select, update
+from sqlalchemy import Row, Select, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, SchoolClass, Seat, Status
@@ -170,15 +170,18 @@ def note_seen(db: Session, account_id: UUID, now: datetime, unless_since: dateti
     )
 
 
-def is_member(db: Session, account_id: UUID) -> bool:
-    """Of some class that is not archived."""
-    query = select(Membership.class_id).join(SchoolClass, SchoolClass.id == Membership.class_id)
-    query = query.where(
-        Membership.account_id == account_id,
-        Membership.status == Status.active,
-        SchoolClass.archived_at.is_(None),
+@prepared
+def _presence(account_id: UUID) -> Select[datetime | None, datetime | None]:
+    return (
+        select(Membership.last_seen_at, SchoolClass.archived_at)
+        .join(SchoolClass, SchoolClass.id == Membership.class_id)
+        .where(Membership.account_id == account_id, Membership.status == Status.active)
     )
-    return db.execute(query.limit(1)).first() is not None
+
+
+def presence(db: Session, account_id: UUID) -> Sequence[Row[datetime | None, datetime | None]]:
+    """Of each class that an account is in: when it was last seen there, when the class was archived."""
+    return db.execute(*_presence(account_id)).all()
 
 
 def to_note(db: Session, account_id: UUID, unless_since: datetime) -> bool:

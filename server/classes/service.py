@@ -191,9 +191,16 @@ def note_seen(db: Session, account_id: UUID) -> None:
     repository.note_seen(db, account_id, now, now - SEEN_WITHIN)
 
 
-def is_member(db: Session, account_id: UUID) -> bool:
-    """Whether somebody has let this account into a class that goes on: its work comes first."""
-    return repository.is_member(db, account_id)
+def is_member(db: Session, account_id: UUID, *, seen: bool = False) -> bool:
+    """Whether somebody has let this account into a class that goes on: its work comes first.
+
+    With `seen`, it is there now, which is noted as `note_seen` does.
+    """
+    places = repository.presence(db, account_id)
+    since = utc_now() - SEEN_WITHIN
+    if seen and any(last_seen is None or last_seen < since for last_seen, _ in places):
+        note_seen(db, account_id)
+    return any(archived_at is None for _, archived_at in places)
 
 
 @dataclass(frozen=True)

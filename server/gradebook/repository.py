@@ -23,6 +23,12 @@ NEWEST_FIRST = (Submission.created_at.desc(), Submission.id.desc())
 NEVER = datetime(9999, 1, 1, tzinfo=UTC)
 
 #: What is on the way to a verdict is made once.
+ATTEMPT = (
+    select(Submission, Grading)
+    .outerjoin(Grading, Grading.id == Submission.grading_id)
+    .where(Submission.id == bindparam("submission"))
+    .execution_options(populate_existing=True)
+)
 LOCK = (
     select(Submission.account_id, Submission.exercise, Submission.created_at, Submission.grading_id)
     .where(Submission.id == bindparam("locked"))
@@ -37,9 +43,7 @@ LASTING = tuple(one for one in Outcome if one.counts and one not in {Outcome.TIM
 
 def attempt(db: Session, submission_id: UUID) -> Row[Submission, Grading | None] | None:
     """A submission with the grading that counts, as they stand now."""
-    query = select(Submission, Grading).outerjoin(Grading, Grading.id == Submission.grading_id)
-    query = query.where(Submission.id == submission_id).execution_options(populate_existing=True)
-    return db.execute(query).one_or_none()
+    return db.execute(ATTEMPT, {"submission": submission_id}).one_or_none()
 
 
 @prepared

@@ -34,14 +34,18 @@ def by_session(db: Session, token_digest: str, now: datetime) -> Account | None:
     return db.execute(*_by_session(token_digest, now)).scalar_one_or_none()
 
 
-def by_api_token(db: Session, token_digest: str, now: datetime) -> tuple[Account, datetime | None] | None:
-    """Whose token it is, and when it last served."""
-    query = (
+@prepared
+def _by_api_token(token_digest: str, now: datetime) -> Select[Account, datetime | None]:
+    return (
         select(Account, ApiToken.last_used_at)
         .join(ApiToken, ApiToken.account_id == Account.id)
         .where(ApiToken.token_digest == token_digest, ApiToken.expires_at > now, _enabled)
     )
-    row = db.execute(query).one_or_none()
+
+
+def by_api_token(db: Session, token_digest: str, now: datetime) -> tuple[Account, datetime | None] | None:
+    """Whose token it is, and when it last served."""
+    row = db.execute(*_by_api_token(token_digest, now)).one_or_none()
     return None if row is None else (row[0], row[1])
 
 

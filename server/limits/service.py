@@ -4,24 +4,30 @@ import math
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import delete, select, update
+from sqlalchemy import Row, bindparam, delete, select, update
 from sqlalchemy.orm import Session
 
 from server.base.errors import TooMany
 from server.base.settings import Bucket
-from server.database import upserting, utc_now
+from server.database import table_of, upserting, utc_now
 from server.limits.models import Allowance
+
+_allowances = table_of(Allowance)
+_of_key = _allowances.c.key == bindparam("bucket")
+#: On the way of every submission: made once.
+HELD = select(_allowances.c.tokens, _allowances.c.updated_at).where(_of_key).with_for_update()
+SPEND = update(_allowances).where(_of_key).values(tokens=bindparam("left"), updated_at=bindparam("now"))
 
 
 def take(db: Session, key: str, bucket: Bucket, refusal: str) -> None:
     """Takes one token of `key`, or raises TooMany with `refusal` (`{seconds}` is replaced by the wait)."""
     now = utc_now()
-    allowance = _locked(db, key, bucket, now)
-    tokens = refilled(allowance.tokens, (now - allowance.updated_at).total_seconds(), bucket)
+    held, updated_at = _locked(db, key, bucket, now)
+    tokens = refilled(held, (now - updated_at).total_seconds(), bucket)
     if tokens < 1:
         wait = max(1, math.ceil((1 - tokens) * bucket.refill_seconds))
         raise TooMany(refusal.format(seconds=wait), retry_after=wait)
-    allowance.tokens, allowance.updated_at = tokens - 1, now
+    db.execute(SPEND, {"bucket": key, "left": tokens - 1, "now": now})
 
 
 def give_back(db: Session, key: str) -> None:
@@ -46,11 +52,10 @@ def refilled(tokens: float, elapsed: float, bucket: Bucket) -> float:
     return min(float(bucket.burst), tokens + max(0.0, elapsed) / bucket.refill_seconds)
 
 
-def _locked(db: Session, key: str, bucket: Bucket, now: datetime) -> Allowance:
-    held = select(Allowance).where(Allowance.key == key).with_for_update()
-    known = db.execute(held).scalar_one_or_none()
+def _locked(db: Session, key: str, bucket: Bucket, now: datetime) -> Row[float, datetime]:
+    known = db.execute(HELD, {"bucket": key}).one_or_none()
     if known is not None:
         return known
     full = {"key": key, "tokens": float(bucket.burst), "updated_at": now}
     db.execute(upserting(db, Allowance).on_conflict_do_nothing(), full)
-    return db.execute(held).scalar_one()
+    return db.execute(HELD, {"bucket": key}).one()

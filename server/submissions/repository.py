@@ -11,8 +11,13 @@ from server.database import prepared, upserting, utc_now
 from server.submissions.models import Deal, Submission
 
 
+@prepared
+def _by_id(submission_id: UUID) -> Select[Submission]:
+    return select(Submission).where(Submission.id == submission_id)
+
+
 def by_id(db: Session, submission_id: UUID) -> Submission | None:
-    return db.get(Submission, submission_id)
+    return db.execute(*_by_id(submission_id)).scalar_one_or_none()
 
 
 def ungraded(db: Session) -> Sequence[Submission]:

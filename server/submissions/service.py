@@ -180,8 +180,7 @@ class Submissions:
         submission = Submission(id=name, account_id=account.id, exercise=exercise_id, **values)
         db.add(submission)
         db.flush()
-        classes.note_seen(db, account.id)
-        sender = sender_of(account, address, member=classes.is_member(db, account.id))
+        sender = sender_of(account, address, member=classes.is_member(db, account.id, seen=True))
         needs = None if self._version_of is None else needs_of(exercise_id, self._version_of(exercise_id))
         self._queue.put(db, GRADE, key_of(submission.id), sender=sender, most=most, needs=needs)
         return submission
