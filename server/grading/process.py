@@ -3,6 +3,7 @@
 import gc
 import logging
 import signal
+import sys
 import threading
 from collections.abc import Callable
 from contextlib import closing
@@ -15,6 +16,7 @@ from server.behaviour.fingerprints import FINGERPRINT, FingerprintTask, Sweeper
 from server.course import Course, load
 from server.course.memory import MEMORY, Memory
 from server.database import Database
+from server.grading.calm import Calm
 from server.grading.joint import Grader, SandboxPrograms
 from server.grading.kinds import LANES
 from server.grading.regrading import RegradeTask
@@ -29,6 +31,10 @@ from server.sandbox import Sandbox, SandboxFault
 from server.submissions.service import GRADE, needs_of
 
 log = logging.getLogger(__name__)
+
+#: How long one thread may keep the interpreter from another, which Python sets to ten times as much: a grading waits
+#: for its program a dozen times, and after each for whatever else runs here.
+SWITCH_SECONDS = 0.0005
 
 
 def stop_on_signals(*, interrupt: bool = False) -> None:
@@ -45,10 +51,10 @@ def _stop(_signal: int, _frame: FrameType | None) -> None:
     _stopping.tell()
 
 
-def _warm(sandbox: Sandbox, course: Course) -> None:
+def _warm(sandbox: Sandbox, course: Course, calm: Calm) -> None:
     """Starts the templates, then has the graders load and compile what they use, before the first submission.
 
-    What fails here fails again, and is told, when a submission meets it.
+    What fails here fails again, and is told, when a submission meets it. Whoever sends meanwhile comes first.
     """
     for imports in ("numpy", "scipy"):
         try:
@@ -58,6 +64,8 @@ def _warm(sandbox: Sandbox, course: Course) -> None:
                 return
             log.warning("the %s template did not start", imports, exc_info=True)
     for exercise in course.exercises.values():
+        if not calm.wait(_stopping.told):
+            return
         try:
             exercise.grader.rehearse()
         except Exception:
@@ -81,17 +89,19 @@ def run(settings: Settings, work: WorkSource, signals: Signals, renewed: Callabl
 def _run(
     settings: Settings, signals: Signals, renewed: Callable[[str], object], keep_working: Callable[[Worker], None]
 ) -> None:
+    sys.setswitchinterval(SWITCH_SECONDS)
     course = load(render=False, memory=Memory(settings.data_dir / MEMORY))
     gc.freeze()
     gc.enable()
     database = Database(settings.url)
     with closing(database), Sandbox(course.kits, renewed=renewed) as sandbox:
-        grader = Grader(course, sandbox)
+        grader, calm = Grader(course, sandbox), Calm()
         if settings.warm_up:
-            threading.Thread(target=_warm, args=(sandbox, course), name="warm-up", daemon=True).start()
+            threading.Thread(target=_warm, args=(sandbox, course, calm), name="warm-up", daemon=True).start()
 
         def grade(work: SentFile) -> Judgement:
-            return grader.grade(work.exercise, work.source, work.seed, submission=work.submission_id, own=work.own)
+            with calm.disturbed():
+                return grader.grade(work.exercise, work.source, work.seed, submission=work.submission_id, own=work.own)
 
         queue = TableQueue(signals)
         tasks: Tasks = {
