@@ -1,8 +1,11 @@
-"""Time from submit to verdict over HTTP, on a freshly started `balise serve`, and where it goes. Run by hand:
+"""Time from submit to verdict over HTTP, on a freshly started `balise serve` that has warmed up, and where it goes.
 
-python tests/benchmarks/bench_http.py l20/poses graders/l20/poses/solution.py --count 200
+    PYTHONPATH=. python tests/benchmarks/bench_http.py l20/poses [FILE] [--count 200] [--pause 0.03]
 
-The steps are told apart by the times that the server itself writes in the rows of the submission and of its grading.
+One student, who pauses between two submissions; the client is a socket. The steps are told apart by the times that the
+server itself writes in the rows of the submission and of its grading. Each figure is also told normalised: divided by
+what ten million additions take in the pauses, and multiplied by 500 ms. Processor time is told by part of the service;
+the program's own computing is what its process takes beyond that of a file which defines nothing.
 """
 
 from __future__ import annotations
@@ -11,12 +14,11 @@ import argparse
 import os
 import re
 import sqlite3
-import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -24,9 +26,14 @@ from pathlib import Path
 from uuid import UUID
 
 import httpx
+from light import PROGRAMS, Answer, Line, settle, spent
+from measure import additions, figure, median, p95, table
 
 PROJECT = Path(__file__).resolve().parents[2]
-WARM_UP = 10
+WARM_UP, EMPTY_ROUNDS, EMPTY = 10, 40, "pass\n"
+#: Milliseconds that ten million additions take on the machine that normalised figures are of; a hundredth is measured.
+REFERENCE, MEASURED, TIMES = 500.0, 100_000, 100
+WHOLE = "submit to verdict"
 
 
 @contextmanager
@@ -63,39 +70,75 @@ def new_token(client: httpx.Client, login: str = "banc") -> str:
     return found[1]
 
 
+def token_of(address: str, login: str) -> str:
+    with httpx.Client(base_url=address, timeout=60) as client:
+        return new_token(client, login)
+
+
 @dataclass(frozen=True)
-class Exchange:
-    """One submission as the client saw it: seconds since the epoch, and the verdict's own timings."""
+class Measured:
+    """Milliseconds: of each step in each submission; of processor, of each part, for a verdict; of it, the program's
+    own computing; what ten million additions took, of the wall and of the processor."""
 
-    id: str
-    began: float
-    ended: float
-    timings: dict[str, float]
+    steps: Mapping[str, Sequence[float]]
+    parts: Mapping[str, float]
+    own: float
+    wall: float
+    processor: float
+
+    @property
+    def by_wall(self) -> float:
+        return REFERENCE / self.wall
+
+    @property
+    def by_processor(self) -> float:
+        return REFERENCE / self.processor
 
 
-def exchanges(client: httpx.Client, exercise: str, code: str, count: int) -> list[Exchange]:
-    seen = []
-    for _ in range(count):
-        began = time.time()
-        answer = client.post("/api/v1/submissions?wait=30", json={"exercise": exercise, "code": code})
-        ended = time.time()
-        assert answer.status_code == 200, answer.text
-        seen.append(Exchange(answer.json()["id"], began, ended, answer.json()["verdict"]["timings"]))
-    return seen
+def measured(exercise: str, code: str, count: int, pause: float) -> Measured:
+    """On a server of its own."""
+    units = []
+    with tempfile.TemporaryDirectory() as folder, serving(Path(folder)) as (address, pid):
+        line = Line(address, token_of(address, "banc"))
+
+        def submitted(text: str, times: int) -> tuple[list[Answer], dict[str, float]]:
+            request, answers = line.request(exercise, text), []
+            before = spent(pid)
+            for _ in range(times):
+                time.sleep(pause)
+                units.append([1000 * TIMES * seconds for seconds in additions(MEASURED)])
+                answers.append(line.exchange(request))
+                if answers[-1].status != 200:
+                    raise RuntimeError(answers[-1].body.decode())
+            time.sleep(pause)  # the next spare belongs to the last verdict
+            after = spent(pid)
+            return answers, {part: 1000 * (after[part] - before[part]) / times for part in after}
+
+        settle(pid)
+        submitted(code, WARM_UP)
+        _, empty = submitted(EMPTY, EMPTY_ROUNDS)
+        units.clear()
+        answers, parts = submitted(code, count)
+        line.close()
+        known = rows(Path(folder))
+    found = [steps(answer, known) for answer in answers]
+    wall, processor = (median(one) for one in zip(*units, strict=True))
+    by_step = {name: [one[name] for one in found] for name in found[0]}
+    return Measured(by_step, parts, max(0.0, parts[PROGRAMS] - empty[PROGRAMS]), wall, processor)
 
 
-def steps(exchange: Exchange, row: tuple[float, float, float]) -> dict[str, float]:
-    """Milliseconds of each step; `row`: when it was stored, leased to a worker, and its verdict ready."""
-    stored, leased, judged = row
-    grading = exchange.timings["total_ms"]
+def steps(answer: Answer, known: Mapping[str, tuple[float, float, float]]) -> dict[str, float]:
+    """Milliseconds of each step; `known`: when each was stored, leased to a worker, and its verdict ready."""
+    told = answer.json()
+    (stored, leased, judged), timings = known[told["id"]], told["verdict"]["timings"]
     return {
-        "submit to verdict": 1000 * (exchange.ended - exchange.began),
-        "  received, to the row": 1000 * (stored - exchange.began),
-        "  committed, to a lease": 1000 * (leased - stored),
-        "  leased, to a start": max(0.0, 1000 * (judged - leased) - grading),
-        "  checks": exchange.timings["checks_ms"],
-        "  diagnosis": exchange.timings["diagnosis_ms"],
-        "  judged, to an answer": 1000 * (exchange.ended - judged),
+        WHOLE: 1000 * (answer.ended - answer.began),
+        "received, to the row": 1000 * (stored - answer.began),
+        "committed, to a lease": 1000 * (leased - stored),
+        "leased, to a start": max(0.0, 1000 * (judged - leased) - timings["total_ms"]),
+        "checks": timings["checks_ms"],
+        "diagnosis": timings["diagnosis_ms"],
+        "judged, to an answer": 1000 * (answer.ended - judged),
     }
 
 
@@ -114,30 +157,32 @@ def _seconds(text: str) -> float:
     return datetime.fromisoformat(text).replace(tzinfo=UTC).timestamp()
 
 
-def summary(name: str, values: list[float]) -> str:
-    cuts = statistics.quantiles(values, n=100)
-    return f"{name:<26} p50 {cuts[49]:7.1f} ms   p95 {cuts[94]:7.1f} ms   max {max(values):7.1f} ms"
+def report(exercise: str, found: Measured) -> None:
+    print(f"Ten million additions: {found.wall:.0f} ms of the wall, {found.processor:.0f} ms of processor\n")
+    by = found.by_wall
+    lines = [
+        [name, *map(figure, (median(taken), p95(taken), median(taken) * by, p95(taken) * by))]
+        for name, taken in found.steps.items()
+    ]
+    whole = found.steps[WHOLE]
+    less = (median(whole) * by - found.own * found.by_processor, p95(whole) * by - found.own * found.by_processor)
+    lines.append(["the same, without the program’s own computing", "", "", *map(figure, less)])
+    print(table([f"`{exercise}`, ms", "p50", "p95", "p50, normalised", "p95, normalised"], lines))
+    costs = {**found.parts, "all of it": sum(found.parts.values()), "of it, the program’s own computing": found.own}
+    told = [[name, figure(taken), figure(taken * found.by_processor)] for name, taken in costs.items()]
+    print(table(["processor, ms a verdict", "", "normalised"], told))
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser()
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("exercise")
-    parser.add_argument("file", type=Path)
+    parser.add_argument("file", type=Path, nargs="?", help="the exercise's solution, unless it is given")
     parser.add_argument("--count", type=int, default=200)
-    arguments = parser.parse_args()
-    code = arguments.file.read_text(encoding="utf-8")
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        server(Path(folder)) as address,
-        httpx.Client(base_url=address, timeout=60) as client,
-    ):
-        client.headers["Authorization"] = f"Bearer {new_token(client)}"
-        exchanges(client, arguments.exercise, code, WARM_UP)
-        seen = exchanges(client, arguments.exercise, code, arguments.count)
-        known = rows(Path(folder))
-    measured = [steps(exchange, known[exchange.id]) for exchange in seen]
-    for name in measured[0]:
-        print(summary(name, [step[name] for step in measured]))
+    parser.add_argument("--pause", type=float, default=0.03, help="seconds between a verdict and the next submission")
+    options = parser.parse_args()
+    file = options.file or PROJECT / "graders" / options.exercise / "solution.py"
+    code = file.read_text(encoding="utf-8")
+    report(options.exercise, measured(options.exercise, code, options.count, options.pause))
 
 
 if __name__ == "__main__":
