@@ -1,4 +1,4 @@
-"""When a worker has nothing to grade: what nobody waits for is done then, as it would take the processor from who does."""
+"""When a worker has nothing to grade: what nobody waits for is done then, and takes no processor from who waits."""
 
 import time
 from collections.abc import Callable, Iterator

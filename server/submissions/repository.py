@@ -2,13 +2,16 @@
 
 from collections.abc import Mapping, Sequence
 from datetime import datetime
+from typing import Any
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Select, and_, func, or_, select, update
+from sqlalchemy import ColumnElement, Select, and_, func, insert, or_, select, update
 from sqlalchemy.orm import Session, defer
 
-from server.database import prepared, upserting, utc_now
+from server.database import prepared, table_of, upserting, utc_now
 from server.submissions.models import Deal, Submission
+
+ADD = insert(table_of(Submission))
 
 
 @prepared
@@ -18,6 +21,12 @@ def _by_id(submission_id: UUID) -> Select[Submission]:
 
 def by_id(db: Session, submission_id: UUID) -> Submission | None:
     return db.execute(*_by_id(submission_id)).scalar_one_or_none()
+
+
+def add(db: Session, **values: Any) -> Submission:
+    """Stores a submission that waits for its first grading. What is given back is not the session's."""
+    db.execute(ADD, values)
+    return Submission(**values, grading_id=None)
 
 
 def ungraded(db: Session) -> Sequence[Submission]:

@@ -177,9 +177,7 @@ class Submissions:
     ) -> Submission:
         seed = deals.seed_of(db, account, exercise_id) if answers else secrets.randbits(SEED_BITS)
         values = {"source": source, "digest": digest(source.decode()), "seed": seed, "created_at": sent_at}
-        submission = Submission(id=name, account_id=account.id, exercise=exercise_id, **values)
-        db.add(submission)
-        db.flush()
+        submission = repository.add(db, id=name, account_id=account.id, exercise=exercise_id, **values)
         sender = sender_of(account, address, member=classes.is_member(db, account.id, seen=True))
         needs = None if self._version_of is None else needs_of(exercise_id, self._version_of(exercise_id))
         self._queue.put(db, GRADE, key_of(submission.id), sender=sender, most=most, needs=needs)
