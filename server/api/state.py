@@ -38,9 +38,10 @@ def url_of(submission_id: UUID) -> str:
     return f"/api/v1/submissions/{submission_id}"
 
 
-def resource(db: Session, store: Submissions, attempt: Attempt) -> Resource:
+def resource(db: Session, store: Submissions, attempt: Attempt, *, placed: bool = True) -> Resource:
+    """With `placed`, what waits is told its place in the queue, which is a question more."""
     submission = attempt.submission
-    place = HELD if attempt.held else store.place(db, submission)
+    place = HELD if attempt.held else store.place(db, submission) if placed else Place(State.queued)
     verdict = behaviour.verdict_of(db, attempt)
     members = {
         "id": str(submission.id),

@@ -84,7 +84,7 @@ async def create(
     """
     exercise = find(course, body.exercise)
     _require_its_kind(exercise, body)
-    sending = Sending(body, exercise.version if reuse else None, client_address(request), key)
+    sending = Sending(body, exercise.version if reuse else None, client_address(request), key, waits=bool(wait))
     current = await run_in_threadpool(_store, database, store, account, sending)
     if wait and not current.done:
         current = await _wait(hub, reader(database, store, account, current.id), current, min(wait, LONGEST_WAIT))
@@ -104,12 +104,13 @@ def _require_its_kind(exercise: Exercise, body: NewSubmission) -> None:
 @dataclass(frozen=True)
 class Sending:
     """`reused` is the version of the exercise at which an attempt with the same code will do; `key`, the sender's name
-    for it."""
+    for it. Who `waits` for the verdict is not told the place of what was stored."""
 
     body: NewSubmission
     reused: str | None
     address: str
     key: str | None
+    waits: bool = False
 
 
 def _store(database: Database, store: Submissions, account: Account, sending: Sending) -> Resource:
@@ -128,7 +129,7 @@ def _store(database: Database, store: Submissions, account: Account, sending: Se
             submission = store.submit(db, account, body.exercise, body.code, address=address, key=sending.key)
         if submission.grading_id is not None:  # sent again, and graded meanwhile
             return resource(db, store, gradebook.find(db, account, submission.id))
-        return resource(db, store, gradebook.as_seen(db, account.id, submission, None))
+        return resource(db, store, gradebook.as_seen(db, account.id, submission, None), placed=not sending.waits)
 
 
 async def _wait(hub: Events, read: Callable[[], Resource], current: Resource, seconds: float) -> Resource:
