@@ -1,7 +1,7 @@
 """Queries on standings: kept as gradings come, made again from the history, read for many accounts at once."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from datetime import datetime
 from functools import cache
 from itertools import groupby
@@ -87,7 +87,7 @@ def add(db: Session, account_id: UUID, exercise: str, attempt: Counted) -> None:
 
     Two attempts of one account at one instant do not happen: sending takes turns at the account's allowance.
     """
-    row = {"account_id": account_id, "exercise": exercise, **asdict(sums_of([attempt]))}
+    row = {"account_id": account_id, "exercise": exercise, **vars(sums_of([attempt]))}
     db.execute(_counting(db.get_bind().dialect.name), row)
 
 
