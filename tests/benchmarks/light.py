@@ -4,25 +4,22 @@ and the processor time of the parts of a service."""
 from __future__ import annotations
 
 import json
-import os
 import re
 import selectors
 import socket
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
+
+import processes
 
 from tests.support.live import children
 
 LENGTH = re.compile(rb"^content-length: *(\d+)", re.IGNORECASE | re.MULTILINE)
 PATH = "/api/v1/submissions?wait=30"
 PIECE = 1 << 16
-TICK = os.sysconf("SC_CLK_TCK")
-UTIME, CUTIME = 11, 13  # places in /proc/pid/stat, after the name
-GRADING = "server.grading"  # in the command of a worker
 #: Parts of a service: what answers, what judges, the students' programs with their templates, what draws.
 WEB, GRADERS, PROGRAMS, OTHERS = PARTS = ("web", "graders", "programs", "figures")
 SETTLED, LOOK = 0.04, 1.0  # a service that takes less processor than this between two looks has warmed up
@@ -111,12 +108,12 @@ def crowd(lines: list[Line], next_request: Callable[[int], bytes | None]) -> Ite
 def spent(pid: int) -> dict[str, float]:
     """Seconds of processor of each part of a service, with its processes that have ended."""
     found = dict.fromkeys(PARTS, 0.0)
-    found[WEB] += _own(pid)[0]
-    for child in _below(pid):
-        grading = GRADING in _command(child)
-        found[GRADERS if grading else OTHERS] += _own(child)[0]
+    found[WEB] += processes.spent(pid)[0]
+    for child in processes.direct(pid):
+        grading = processes.grades(child)
+        found[GRADERS if grading else OTHERS] += processes.spent(child)[0]
         for one in children(child):
-            found[PROGRAMS if grading else OTHERS] += sum(_own(one))
+            found[PROGRAMS if grading else OTHERS] += sum(processes.spent(one))
     return found
 
 
@@ -130,24 +127,3 @@ def settle(pid: int) -> None:
         before = now
         time.sleep(LOOK)
     raise RuntimeError("the service does not come to rest")
-
-
-def _below(pid: int) -> list[int]:
-    return [int(one) for task in Path(f"/proc/{pid}/task").glob("*/children") for one in task.read_text().split()]
-
-
-def _command(pid: int) -> str:
-    try:
-        return Path(f"/proc/{pid}/cmdline").read_text()
-    except OSError:
-        return ""
-
-
-def _own(pid: int) -> tuple[float, float]:
-    """Its own, and that of its children that have ended."""
-    try:
-        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    except OSError:
-        return 0.0, 0.0
-    mine, ended = (sum(map(int, fields[place : place + 2])) / TICK for place in (UTIME, CUTIME))
-    return mine, ended

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from tests.benchmarks import processes
 from tests.benchmarks.crowd.service import Service
 from tests.benchmarks.measure import additions
 from tests.support.live import children
 
-TICK = os.sysconf("SC_CLK_TCK")
-UTIME, CUTIME = 11, 13  # places in /proc/pid/stat, after the name
-GRADING = "server.grading"  # in the command of a worker that a web process has started
 ADDITIONS = 5_000_000
 REFERENCE = 0.25  # seconds that they take on the processor to which figures are brought
 
@@ -29,41 +26,21 @@ def spent(service: Service) -> dict[str, float]:
 
 def _below(part: str, pid: int) -> Iterator[tuple[str, float]]:
     """A web process has workers and a process that draws: they are told apart by their commands."""
-    yield part, _own(pid)
+    yield part, sum(processes.spent(pid))
     if part != "web":
         for child in children(pid):
-            yield part, _own(child)
+            yield part, sum(processes.spent(child))
         return
-    for child in _direct(pid):
-        place = "graders" if GRADING in _command(child) else "figures"
+    for child in processes.direct(pid):
+        place = "graders" if processes.grades(child) else "figures"
         for one in (child, *children(child)):
-            yield place, _own(one)
-
-
-def _direct(pid: int) -> list[int]:
-    return [int(one) for task in Path(f"/proc/{pid}/task").glob("*/children") for one in task.read_text().split()]
-
-
-def _command(pid: int) -> str:
-    try:
-        return Path(f"/proc/{pid}/cmdline").read_text()
-    except OSError:
-        return ""
-
-
-def _own(pid: int) -> float:
-    """With those of its children that have ended; nothing of one that has ended itself, which its parent has then."""
-    try:
-        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    except OSError:
-        return 0.0
-    return sum(map(int, fields[UTIME : CUTIME + 2])) / TICK
+            yield place, sum(processes.spent(one))
 
 
 def machine() -> float:
     """Seconds that all processors together were not idle."""
     fields = list(map(int, Path("/proc/stat").read_text().split("\n", 1)[0].split()[1:9]))
-    return (sum(fields) - fields[3] - fields[4]) / TICK
+    return (sum(fields) - fields[3] - fields[4]) / processes.TICK
 
 
 def calibration(rounds: int = 3) -> float:
