@@ -36,20 +36,20 @@ ICP_GOAL = Goal(2.0)  # ours by small_gicp's, at equal error
 
 
 def interleaved(rounds: int, **actions: Callable[[], Any]) -> dict[str, list[float]]:
-    """Milliseconds of each action, round after round side by side, after one round that does not count."""
+    """Milliseconds of processor of each action, round after round side by side, after one round that does not count."""
     times: dict[str, list[float]] = {name: [] for name in actions}
     for number in range(rounds + 1):
         for name, action in actions.items():
-            start = time.perf_counter()
+            start = time.process_time()
             action()
             if number:
-                times[name].append(1000.0 * (time.perf_counter() - start))
+                times[name].append(1000.0 * (time.process_time() - start))
     return times
 
 
 @dataclass(frozen=True)
 class Compared:
-    """Milliseconds of each contender, round by round; the peer is who the others are told beside."""
+    """Milliseconds of processor of each contender, round by round; the peer is who the others are told beside."""
 
     title: str
     times: dict[str, list[float]]
