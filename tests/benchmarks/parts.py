@@ -8,13 +8,12 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.benchmarks.measure import Goal, Pace, Row, median, p95
+from tests.benchmarks.measure import Goal, Pace, Row, figure, median, p95
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = "BALISE_DATA"
@@ -53,7 +52,7 @@ def exchange(wanted: Wanted) -> list[Row]:
 
 @dataclass(frozen=True)
 class Sent:
-    """A program sent over HTTP: milliseconds from submitting to the verdict that it is to get, median and p95."""
+    """A program sent over HTTP: milliseconds from submitting to the verdict, as they are to be: median and p95."""
 
     name: str
     exercise: str
@@ -68,36 +67,45 @@ SENT = (
     Sent("l20/slam_graphe, right", "l20/slam_graphe", "solution.py", Goal(45), Goal(70)),
 )
 TWICE = Goal(2)  # a wrong answer with its name, by a right one
-PACED = 10  # submissions between two looks at the machine's pace
+PAUSE = 0.03  # seconds between a verdict and the next submission
 
 
 def http(wanted: Wanted) -> list[Row]:
-    import httpx
-
+    """Of each program the whole service's processor time too, and what is its own computing."""
     from tests.benchmarks import bench_http as bench
 
     made, middles = [], []
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        bench.server(Path(folder)) as address,
-        httpx.Client(base_url=address, timeout=60) as client,
-    ):
-        client.headers["Authorization"] = f"Bearer {bench.new_token(client)}"
-        for one in SENT:
-            code, pace = (ROOT / "graders" / one.exercise / one.file).read_text(encoding="utf-8"), Pace()
-            bench.exchanges(client, one.exercise, code, bench.WARM_UP)
-            taken: list[float] = []
-            while len(taken) < wanted.rounds(100):
-                pace.sample()
-                seen = bench.exchanges(client, one.exercise, code, PACED)
-                taken += [1000 * (exchange.ended - exchange.began) for exchange in seen]
-            for share, value, goal in (("p50", median(taken), one.middle), ("p95", p95(taken), one.late)):
-                subject = f"submit to verdict over HTTP, {one.name}: {share}"
-                made.append(Row(subject, "ms", value, value * pace.wall, goal=goal))
-            middles.append(median(taken) * pace.wall)
+    for one in SENT:
+        code = (ROOT / "graders" / one.exercise / one.file).read_text(encoding="utf-8")
+        found = bench.measured(one.exercise, code, wanted.rounds(200), PAUSE)
+        taken, spent = found.steps[bench.WHOLE], sum(found.parts.values()) * found.by_processor
+        own = f"of it, {figure(found.own * found.by_processor)} ms of processor are the program's own"
+        subject = f"submit to verdict over HTTP, {one.name}"
+        middles.append(median(taken) * found.by_wall)
+        made += [
+            Row(f"{subject}: p50", "ms", median(taken), middles[-1], spent, peers=own, goal=one.middle),
+            Row(f"{subject}: p95", "ms", p95(taken), p95(taken) * found.by_wall, goal=one.late),
+        ]
+    ratio = middles[1] / middles[0]
+    return [*made, Row("submit to verdict over HTTP, l20/poses: wrong ÷ right", "×", ratio, goal=TWICE)]
+
+
+A_SECOND = Goal(150, at_least=True)
+
+
+def many(wanted: Wanted) -> list[Row]:
+    """Normalised: of two processors that are free of the client."""
+    from tests.benchmarks import bench_many as bench
+    from tests.benchmarks.euros import Price
+
+    found = bench.measured(seconds=5.0 if wanted.quick else bench.SECONDS)
+    cost = found.cost * found.by_processor
+    mix = f"{found.right:.0%} right, {found.named:.0%} wrong and named"
+    parts = ", ".join(f"{part} {figure(spent * found.by_processor)} ms" for part, spent in found.parts.items())
+    of = f"{bench.EXERCISE} through HTTP, {mix}"
     return [
-        *made,
-        Row("submit to verdict over HTTP, l20/poses: wrong ÷ right", "×", middles[1] / middles[0], goal=TWICE),
+        Row(f"verdicts of {of}", "a second", found.rate, found.possible, peers=f"processor: {parts}", goal=A_SECOND),
+        Row(f"a million verdicts of {of}", "€", Price.read().million(cost / 1000)),
     ]
 
 
@@ -179,19 +187,6 @@ def filters(wanted: Wanted) -> list[Row]:
     return rows(wanted.rounds(30))
 
 
-TWO_PROCESSES, ONE_THREAD = 2, 1
-
-
-def throughput(wanted: Wanted) -> list[Row]:
-    from tests.benchmarks.throughput import EXERCISE, rate
-
-    pace = Pace()
-    pace.sample()
-    done = rate("gradings", TWO_PROCESSES, ONE_THREAD, 2.0 if wanted.quick else 8.0)
-    pace.sample()
-    return [Row(f"gradings of {EXERCISE} by two processes, right ones, no HTTP", "a second", done, done / pace.wall)]
-
-
 def euros(wanted: Wanted) -> list[Row]:
     from tests.benchmarks.euros import rows
 
@@ -225,8 +220,8 @@ def timed(name: str, command: list[str], goal: Goal | None) -> Row:
 
 PARTS = (
     Part("exchange", exchange),
-    Part("http", http),
-    Part("throughput", throughput),
+    Part("http", http, patience=600.0),
+    Part("many", many, patience=600.0),
     Part("euros", euros),
     Part("pages", pages),
     Part("paint", paint, slow=True),
