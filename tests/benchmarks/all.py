@@ -11,7 +11,7 @@ from pathlib import Path
 
 if __name__ == "__main__":
     # What is measured stands beside this file, not where another copy is installed.
-    sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+    sys.path[0] = str(Path(__file__).resolve().parents[2])
     from tests.benchmarks.gather import main
 
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))  # with all that it has started

@@ -26,8 +26,9 @@ from pathlib import Path
 from uuid import UUID
 
 import httpx
-from light import PROGRAMS, Answer, Line, settle, spent
-from measure import additions, figure, median, p95, table
+
+from tests.benchmarks.light import PROGRAMS, Answer, Line, settle, spent
+from tests.benchmarks.measure import additions, figure, median, p95, table
 
 PROJECT = Path(__file__).resolve().parents[2]
 WARM_UP, EMPTY_ROUNDS, EMPTY = 10, 40, "pass\n"

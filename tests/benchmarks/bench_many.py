@@ -18,12 +18,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-from bench_http import REFERENCE, serving, token_of
-from light import Line, crowd, settle, spent
-from measure import additions, figure, median, p95, table
-
 from graders.core.code.grading import CodeGrader
 from server.course import load
+from tests.benchmarks.bench_http import REFERENCE, serving, token_of
+from tests.benchmarks.light import Line, crowd, settle, spent
+from tests.benchmarks.measure import additions, figure, median, p95, table
 
 EXERCISE, STUDENTS, SECONDS, RIGHT = "l20/poses", 8, 20.0, 0.6
 BROKEN = "def composer(p, q:\n    return p\n"
