@@ -120,6 +120,10 @@ class Torment:
         self._pause = min(100, submissions // 6), min(400, submissions // 4)
         self.done: Counter[str] = Counter()
 
+    @property
+    def enough(self) -> bool:
+        return self.done["SIGKILL"] >= 2 and self.done["SIGSTOP"] >= 1
+
     def graded(self) -> None:
         self._graded += 1
 
@@ -187,6 +191,9 @@ def test_a_long_life_among_hostile_programs_leaves_nothing_behind(
         tormenting = pool.submit(torment.run)
         try:
             came = list(pool.map(submit, range(count)))
+            while not (torment.enough or tormenting.done()):  # a busy machine takes long to replace what was struck
+                assert outcome(sandbox, HONEST, POLICY, 3) == 3.0
+                torment.graded()
         finally:
             torment.stop()
         tormenting.result()
@@ -194,6 +201,6 @@ def test_a_long_life_among_hostile_programs_leaves_nothing_behind(
         print(f"\n{count} submissions in {time.monotonic() - started:.1f} s, {dict(torment.done)}")
     for k, ((source, kind, _), got) in enumerate(zip(submissions, came, strict=True)):
         assert got == (float(sum(range(k))) if kind is None else kind), source.decode()
-    assert (torment.done["SIGKILL"], torment.done["SIGSTOP"]) >= (2, 1)
+    assert torment.enough
     eventually(lambda: belongings() == before)
     assert belongings() == before
