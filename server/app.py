@@ -287,6 +287,7 @@ def _protect(app: FastAPI, settings: Settings) -> None:
     app.add_middleware(middleware.SessionCookie, max_age=settings.session_days * DAY, path=settings.root_path or "/")
     app.add_middleware(middleware.SecurityHeaders)
     app.add_middleware(GZipMiddleware, minimum_size=1024, compresslevel=GZIP_LEVEL)
+    app.add_middleware(middleware.Encodings)
     app.add_middleware(middleware.Trail, proxied=bool(settings.trusted_proxies))
     if settings.root_path:
         app.add_middleware(root.Mounted, root=settings.root_path)

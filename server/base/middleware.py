@@ -1,5 +1,5 @@
-"""What every answer goes through: a name for the logs, bounded bodies, refusal of cross-site requests, session cookie,
-security headers.
+"""What every answer goes through: a name for the logs, encodings that were refused, bounded bodies, refusal of
+cross-site requests, session cookie, security headers.
 
 Plain ASGI, so that streams (server-sent events) pass through untouched.
 """
@@ -15,7 +15,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.base import logs, traces
 from server.base.errors import Forbidden, ServiceError, TooLarge
-from server.base.request import COOKIE, SAFE_METHODS
+from server.base.request import COOKIE, SAFE_METHODS, encodings
 from server.base.sizes import size
 from server.base.tally import VISITS
 
@@ -93,6 +93,23 @@ def _visitor(scope: Scope) -> bytes:
         if name in {b"cookie", b"authorization"}:
             return bytes(value)
     return str((scope.get("client") or ("",))[0]).encode()
+
+
+class Encodings:
+    """Takes out of `Accept-Encoding` what it refuses (`gzip;q=0`): who compresses looks for a name there."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "http":
+            scope["headers"] = [(name, _taken(name, value)) for name, value in scope["headers"]]
+        await self._app(scope, receive, send)
+
+
+def _taken(name: bytes, value: bytes) -> bytes:
+    weighed = name == b"accept-encoding" and b";" in value
+    return ", ".join(encodings(value.decode("latin-1"))).encode("latin-1") if weighed else value
 
 
 class SecurityHeaders:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from ipaddress import IPv6Address, ip_address, ip_network
 
 from starlette.requests import HTTPConnection
@@ -12,6 +14,16 @@ COOKIE = "balise_session"
 
 UNKNOWN = "inconnue"
 HOUSEHOLD = 64  # bits of an IPv6 address that are one subscriber's: the others are its own to choose
+
+
+#: The weight by which `Accept-Encoding` says of an encoding that it is not taken.
+REFUSED = re.compile(r"q=0(\.0*)?")
+
+
+def encodings(header: str) -> Sequence[str]:
+    """The encodings that an `Accept-Encoding` names and takes."""
+    named = (one.lower().replace(" ", "").partition(";") for one in header.split(","))
+    return [name for name, _, weight in named if name and not REFUSED.fullmatch(weight)]
 
 
 def session_token(connection: HTTPConnection) -> str:

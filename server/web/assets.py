@@ -13,6 +13,8 @@ from starlette.responses import FileResponse, Response
 from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
+from server.base.request import encodings
+
 log = logging.getLogger(__name__)
 
 SERVER = Path(__file__).parents[1]
@@ -46,10 +48,8 @@ class _Packed(StaticFiles):
 
 def accepted(header: str) -> Iterator[str]:
     """Of our encodings those that the browser takes, in our order."""
-    taken = {
-        name.strip(): options.replace(" ", "") for name, _, options in (one.partition(";") for one in header.split(","))
-    }
-    return (encoding for encoding in PACKED if taken.get(encoding, "q=0") not in {"q=0", "q=0.0", "q=0.00", "q=0.000"})
+    taken = encodings(header)
+    return (encoding for encoding in PACKED if encoding in taken)
 
 
 @lru_cache(maxsize=1)

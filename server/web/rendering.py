@@ -125,19 +125,21 @@ def page(
     }
     html = environment().get_template(template).render(account=account_view(account), **surroundings, **context)
     # A page shows one person's own work: nobody else's cache may keep it.
-    all_headers = {"Cache-Control": "private, no-cache", "Vary": "Accept-Encoding", **(headers or {})}
+    all_headers = {"Cache-Control": "private, no-cache", **(headers or {})}
     return _sent(request, packing.page(html, steady), status, all_headers)
 
 
 def _sent(request: Request, written: packing.Page, status: int, headers: dict[str, str]) -> HTMLResponse:
-    """Compressed here, in the thread that wrote it: in the loop, everybody would wait for it."""
+    """Compressed here, in the thread that wrote it: in the loop, everybody would wait for it. What leaves as it is
+    goes through what compresses the rest, which says by itself that it could have been otherwise (`Vary`)."""
+    varies = {"Vary": "Accept-Encoding"}
     if request.method == "GET" and status == HTTPStatus.OK:
         headers["ETag"] = written.tag
         if headers["ETag"] in request.headers.get("if-none-match", ""):
-            return HTMLResponse(None, HTTPStatus.NOT_MODIFIED, headers)
+            return HTMLResponse(None, HTTPStatus.NOT_MODIFIED, {**headers, **varies})
     if "gzip" not in assets.accepted(request.headers.get("accept-encoding", "")):
         return HTMLResponse(written.plain, status, headers)
-    return HTMLResponse(written.packed, status, {**headers, "Content-Encoding": "gzip"})
+    return HTMLResponse(written.packed, status, {**headers, **varies, "Content-Encoding": "gzip"})
 
 
 Answer = TypeVar("Answer", bound=Response)

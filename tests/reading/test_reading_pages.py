@@ -182,6 +182,15 @@ def test_a_lesson_is_the_same_however_it_travels(small_site: SmallSite) -> None:
     assert "<!--" not in plain.text
 
 
+@pytest.mark.parametrize("refused", ["gzip;q=0", "br, gzip ; q=0.000", "identity, GZIP;Q=0"])
+def test_an_encoding_that_is_refused_is_not_used(small_site: SmallSite, refused: str) -> None:
+    for path, taken in ((READ, refused), (READ, "gzip;q=0.1"), ("/m9/recherche?q=un", refused)):
+        answer = small_site.client.get(path, headers={"Accept-Encoding": taken})
+        packed = "gzip" if taken != refused else None
+        assert (answer.headers.get("content-encoding"), answer.headers["vary"]) == (packed, "Accept-Encoding")
+        assert "<html" in answer.text
+
+
 def test_a_drawing_that_one_has_is_not_sent_again(small_site: SmallSite) -> None:
     class Drawn:
         async def of_lesson(self, *_: str) -> bytes:

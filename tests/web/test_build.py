@@ -105,6 +105,7 @@ def packed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Path]:
         ("a.js", "gzip, deflate, br, zstd", "br", b"small"),
         ("a.js", "gzip, deflate", "gzip", b"less small"),
         ("a.js", "br;q=0, gzip;q=0.5", "gzip", b"less small"),
+        ("a.js", "Gzip, br ; Q=0.000", "gzip", b"less small"),
         ("a.js", "", None, b"plain"),
         ("b.js", "br", None, b"plain"),
     ],
