@@ -48,6 +48,7 @@ class Mutants:
         self._firsts: dict[tuple[int, int], Column] = {}
         self._made: dict[tuple[int, tuple[str, ...]], list[Row]] = {}
         self._edits: dict[int, list[Edit]] = {}
+        self._kits: dict[int, dict[str, Any]] = {}
 
     def agreeing(self, index: int, row: Row, packed: Packed) -> int:
         """To how many probes a mutant answers so."""
@@ -150,17 +151,24 @@ class Mutants:
         """What a mutant answers to probe k, having answered those before."""
         probes = self.probes[index]
         if k == 0 and not row.answers:  # of most mutants no more is asked: nothing is kept to go on with
-            row.answers = list(_answers(row.mutant, probes, probes.calls[:1]))
+            row.answers = list(_answers(row.mutant, probes, self._names(index), probes.calls[:1]))
         while len(row.answers) <= k:
             if row.rest is None:
-                row.rest = itertools.islice(_answers(row.mutant, probes, probes.calls), len(row.answers), None)
+                answers = _answers(row.mutant, probes, self._names(index), probes.calls)
+                row.rest = itertools.islice(answers, len(row.answers), None)
             row.answers.append(next(row.rest))
         return row.answers[k]
 
+    def _names(self, index: int) -> dict[str, Any]:
+        """The names that a mutant finds: the kit's, made once for all of them unless they draw at random."""
+        probes = self.probes[index]
+        if probes.random or index not in self._kits:
+            self._kits[index] = {"__name__": "mutant", **kit_names(probes.kit), **probes.given}
+        return dict(self._kits[index])
 
-def _answers(mutant: Mutant, probes: Probes, calls: Sequence[Arguments]) -> Iterator[Seen]:
-    """What a mutant, which is our own code, answers; it shares the kit with the others."""
-    names = _kit(probes) if probes.random else dict(_kit(probes))
+
+def _answers(mutant: Mutant, probes: Probes, names: dict[str, Any], calls: Sequence[Arguments]) -> Iterator[Seen]:
+    """What a mutant, which is our own code, answers with `names`, where it leaves its own."""
     for piece in mutant.text.split(BETWEEN):
         exec(_compiled(piece), names)
     for args in calls:
@@ -182,13 +190,3 @@ BETWEEN = "\n\n\n"
 def _compiled(piece: str) -> CodeType:
     """One function of a model, which most of its mutants share."""
     return compile(piece, "<mutant>", "exec", dont_inherit=True)
-
-
-_kits: dict[int, dict[str, Any]] = {}
-
-
-def _kit(probes: Probes) -> dict[str, Any]:
-    """The names that the mutants find, made once for all of them unless they draw at random."""
-    if probes.random or id(probes) not in _kits:
-        _kits[id(probes)] = {"__name__": "mutant", **kit_names(probes.kit), **probes.given}
-    return _kits[id(probes)]
