@@ -70,11 +70,17 @@ class Roster:
     has_groups: bool
 
 
-@lru_cache(maxsize=8192)
 def folded(text: str) -> str:
     """Without accents, case and signs: what makes two spellings of a name the same."""
+    return _kept(text) if len(text) <= NAME_LENGTH else _folded(text)
+
+
+def _folded(text: str) -> str:
     plain = "".join(sign for sign in unicodedata.normalize("NFKD", text) if not unicodedata.combining(sign))
     return " ".join(re.findall(r"\w+", plain.casefold().replace("_", " ")))
+
+
+_kept = lru_cache(maxsize=8192)(_folded)
 
 
 def read_roster(content: bytes) -> Roster:

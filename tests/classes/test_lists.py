@@ -13,8 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from server.base.errors import Invalid
+from server.classes import roster as rosters
 from server.classes import sheets
 from server.classes.codes import LETTERS, new_code, read_code, shown_code
+from server.classes.models import NAME_LENGTH
 from server.classes.roster import COLUMNS, Line, read_roster
 from server.classes.sheets import Row, as_csv, read_rows
 
@@ -60,6 +62,14 @@ def test_rows_carried_as_text_come_back_at_the_same_lines(cells: list[tuple[str,
             rows.append(Row(line, one))
             line += sum(len(sheets.LINE_END.findall(cell)) for cell in one)
     assert read_rows(as_csv(rows).encode()) == rows
+
+
+def test_what_is_longer_than_any_name_is_not_kept() -> None:
+    long = "É " * 50_000
+    before = rosters._kept.cache_info().currsize
+    assert rosters.folded(long) == "e " * 49_999 + "e"
+    assert rosters.folded("É" * NAME_LENGTH) == "e" * NAME_LENGTH
+    assert rosters._kept.cache_info().currsize == before + 1
 
 
 @given(st.binary(max_size=60))

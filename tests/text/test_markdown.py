@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from graders import typography
 from graders.typography import french
 from server.text import katex
 from server.text.markup import Source, Text
@@ -20,6 +21,12 @@ needs_katex = pytest.mark.skipif(not assets.is_built(), reason="the front end is
 
 def html(text: str) -> str:
     return Text(Source(text, Path("enonce.md"))).html
+
+
+def test_a_long_text_is_written_as_a_short_one_and_not_kept() -> None:
+    before = typography._kept.cache_info().currsize
+    assert french("Vu " * 200 + "?") == "Vu " * 199 + "Vu\u202f?"
+    assert typography._kept.cache_info().currsize == before
 
 
 def test_french_typography() -> None:
