@@ -192,7 +192,7 @@ class RayCaster:
         above = (ends & 1).astype(np.bool_)
         above &= self.table.take(ends & -2) > 0
         distances = starts.distances(ends, above)
-        distances *= self.table.take(starts.origin) > 0
+        np.copyto(distances, 0.0, where=self.table.take(starts.origin) == 0)
         return distances
 
     def _launch(self, cells: Floats, inside: Floats, directions: Floats) -> tuple[_Starts, _Rays, Integers]:

@@ -229,6 +229,15 @@ def test_counts_stop_where_a_byte_does() -> None:
         assert found[0, 0, 698, 1].tolist() == [3, 3]
 
 
+def test_what_stands_in_a_wall_or_off_the_map_reads_zero_without_a_sign() -> None:
+    caster = RayCaster.of([[True, False, True]])
+    origins = [(1.5, 0.5), (1.0, 0.0), (-0.1, 0.5), (9.0, -9.0), (0.5, 1.0)]
+    for angle in (0.0, 1.0, np.pi, -2.0):
+        read = caster.cast(origins, [angle] * len(origins), 5.0)
+        assert not read.any()
+        assert not np.signbit(read).any()
+
+
 def test_no_ray_and_no_pose() -> None:
     caster = RayCaster.of(np.ones((2, 3)))
     assert caster.cast(np.zeros((0, 2)), np.zeros(0), 5.0).shape == (0,)
