@@ -117,7 +117,6 @@ CHECKS = (
         functions=("composer", "inverse", "relatif"),
         protocol=identities,
         asks=identity_calls,
-        no_more=True,
         hint="Calculez composer(a, inverse(a)) à la main pour a = (1, 0, π/2) : que trouvez-vous ?",
     ),
     Untouched(

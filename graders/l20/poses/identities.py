@@ -16,17 +16,14 @@ from graders.core.contract.program import Answer, Foreseen
 from graders.core.contract.values import Arguments, Floats, Value
 from graders.l20.poses.cases import NAMES, pose, random_poses
 from graders.robotics.poses import SamePose
-from reference.se2 import compose, inverse, relative
 
 IS_POSE = SamePose(tolerance=math.inf)
 ON_BOTH_SIDES = SamePose(tolerance=1e-8)
-#: What two ways of computing a pose differ by, far within what both sides may.
-LAST_DIGITS = 1e-11
 Triple = tuple[Floats, ...]
 
 
 def identity_calls(bench: Bench) -> Sequence[Foreseen]:
-    """What the identities ask of what is drawn: poses far round, by hand, then any; and of what is right of these."""
+    """What the identities ask of what is drawn: poses far round, by hand, then any."""
     triples: list[tuple[Floats, ...]] = [
         (pose(1, 2, 3.0), pose(-2, 1, 2.5), pose(2, 0, -2.8)),
         (pose(-3, 1, -2.7), pose(1, 4, -1.9), pose(0, 2, 3.1)),
@@ -35,22 +32,19 @@ def identity_calls(bench: Bench) -> Sequence[Foreseen]:
     ]
     drawn = random_poses(bench.rng, 15, 5.0).reshape(5, 3, 3)
     triples += [tuple(one) for one in (*np.round(drawn[:2]), *np.round(drawn[2:], 6))]
-    a, b, c = np.array(triples).transpose(1, 0, 2)
-    right = (inverse(a), relative(a, b), compose(a, b), compose(b, c))
     return [
         Foreseen("inverse", [(a,) for a, _, _ in triples], faults=1, about=triples),
         Foreseen("relatif", [(a, b) for a, b, _ in triples], faults=1),
         Foreseen("composer", [(a, b) for a, b, _ in triples], faults=1),
         Foreseen("composer", [(b, c) for _, b, c in triples], faults=1),
-        Foreseen("composer", _outer(triples, [list(zip(triples, one, strict=True)) for one in right]), 1, about=right),
     ]
 
 
 def identities(bench: Bench) -> None:
     """The three identities of the statement, on the student's own functions."""
-    *asked, last = bench.foreseen or identity_calls(bench)
+    asked = bench.foreseen or identity_calls(bench)
     triples = asked[0].about
-    sides = None if bench.runner.reenacting else _sides(bench, asked, last)
+    sides = None if bench.runner.reenacting else _sides(bench, asked)
     if sides is not None and all(ON_BOTH_SIDES.surely(right, left) for left, right in sides):
         for shown in zip(*(left for left, _ in sides), strict=True):
             bench.observe_right("composer", shown)
@@ -67,17 +61,15 @@ def identities(bench: Bench) -> None:
         _hold(bench, law, {"a": a, "b": b, "c": c}, left, right)
 
 
-def _sides(bench: Bench, asked: Sequence[Foreseen], last: Foreseen) -> Sequence[tuple[Floats, Floats]] | None:
+def _sides(bench: Bench, asked: Sequence[Foreseen]) -> Sequence[tuple[Floats, Floats]] | None:
     """Both sides (n, 3) of the three identities, for all triples; None where an answer is not a pose.
 
-    `last` asks what is to be asked of what a right program answers: where this one answers so, but for the last digits,
-    that is what its own poses give. Of another, these are asked, all together.
+    What is to be asked of the poses that came back is asked once they have, all together: before, it would hold what a
+    right program answers, in the student's own process.
     """
     triples: Sequence[Triple] = asked[0].about
     inner = [list(_poses(triples, bench.ahead(one))) for one in asked]
-    outer = [answer for _, answer in bench.answers(last)]
-    if not _as_the_reference(inner, last.about):
-        outer = bench.ahead(Foreseen("composer", _outer(triples, inner), faults=1))
+    outer = bench.ahead(Foreseen("composer", _outer(triples, inner), faults=1))
     found = list(map(_pose_of, outer))
     if len(found) < 4 * len(triples) or any(one is None for one in found):
         return None
@@ -94,14 +86,6 @@ def _outer(triples: Sequence[Triple], inner: Sequence[Sequence[tuple[Triple, Flo
         *((got, c) for (_, _, c), got in left),
         *((a, got) for (a, _, _), got in right),
     ]
-
-
-def _as_the_reference(inner: Sequence[Sequence[tuple[Triple, Floats]]], right: Sequence[Floats]) -> bool:
-    """Are all these poses there, and the right ones but for the last digits?"""
-    if any(len(given) < len(wanted) for given, wanted in zip(inner, right, strict=True)):
-        return False
-    got = np.array([found for given in inner for _, found in given])
-    return bool(np.abs(got - np.concatenate(right)).max() <= LAST_DIGITS)
 
 
 def _poses(triples: Sequence[Triple], answers: Sequence[Answer]) -> Iterator[tuple[Triple, Floats]]:

@@ -12,7 +12,7 @@ from graders.l20.predire2d import cases
 from graders.l20.predire2d.beliefs import SameLikeliest, SameShares, SumsToOne, spread
 from graders.l20.predire2d.checks import NAMES, OnGrid, OnGridBeside
 from graders.l20.predire2d.probes import PROBES
-from graders.l20.predire2d.trials import localise, steps
+from graders.l20.predire2d.trials import localise
 
 PREDICT = ("predire2d",)
 CORRECT = ("corriger2d",)
@@ -104,8 +104,6 @@ CHECKS = (
         points=3,
         functions=(*PREDICT, *CORRECT),
         protocol=localise,
-        asks=steps,
-        no_more=True,
         hint="Après chaque pas, affichez la case la plus probable : à quel moment s'éloigne-t-elle du robot ?",
     ),
     Untouched(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from graders.core.code.drawable import drawable
 from graders.core.compare.comparison import Mismatch, unreadable, wrong_shape
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Foreseen, StudentFault
+from graders.core.contract.program import StudentFault
 from graders.core.contract.values import Arguments, Floats, UnreadableError, Value, read_array
 from graders.l20.predire2d.beliefs import at
 from graders.l20.predire2d.cases import MOVES, module_world, pick
@@ -37,8 +37,6 @@ MISLED: tuple[Callable[[int, int], tuple[int, int]], ...] = (
     lambda du, dv: (-du, -dv),
 )
 LOOP = "predire2d puis corriger2d"
-#: Of the greatest probability of a belief: what two ways of computing it differ by, which moves no maximum.
-LAST_DIGITS = 1e-12
 
 
 @dataclass(frozen=True)
@@ -107,55 +105,12 @@ def gap(cell: Cell, other: Cell) -> int:
     return max(abs(cell[0] - other[0]), abs(cell[1] - other[1]))
 
 
-def steps(bench: Bench) -> Sequence[Foreseen]:
-    """What the walks ask of a filter that believes what the reference does; `about`, what it answers to each call."""
-    moves, scans = _steps()
-    return [
-        Foreseen("predire2d", [args for args, _ in moves], faults=1, about=[right for _, right in moves]),
-        Foreseen("corriger2d", [args for args, _ in scans], faults=1, about=[right for _, right in scans]),
-    ]
-
-
-Step = tuple[Arguments, Belief]
-
-
-@cache
-def _steps() -> tuple[Sequence[Step], Sequence[Step]]:
-    grid = module_world()
-    moves: list[Step] = []
-    scans: list[Step] = []
-    for episode in episodes(WALKS):
-        belief = grid.uniform()
-        for (du, dv), cell in zip(episode.commands, episode.cells, strict=True):
-            moved = predict(grid, belief, du, dv)
-            moves.append(((belief, du, dv), moved))
-            belief = correct(grid, moved, grid.scans[cell], SIGMA)
-            scans.append(((moved, grid.scans[cell], SIGMA), belief))
-    return moves, scans
-
-
-def _as_the_reference(bench: Bench) -> Sequence[Sequence[Floats]]:
-    """The student's beliefs of each walk where they are the reference's, but for the last digits of a computer.
-
-    Each step is then asked with the reference's belief, all at once: the walk that the program would follow by itself
-    is the same. None where an answer is not: what the program believes must then be given back to it.
-    """
-    answers = [[value_of(answer) for _, answer in bench.answers(one)] for one in bench.foreseen or steps(bench)]
-    told = [[value for value in given if type(value) is np.ndarray and value.dtype == np.float64] for given in answers]
-    for given, right in zip(told, _steps(), strict=True):
-        wanted = np.array([belief for _, belief in right])
-        if {value.shape for value in given} != {wanted.shape[1:]} or len(given) < len(wanted):
-            return ()
-        if not np.all(np.abs(np.array(given) - wanted) <= LAST_DIGITS * wanted.max(axis=(1, 2), keepdims=True)):
-            return ()
-    both = [belief for pair in zip(*told, strict=True) for belief in pair]
-    return [both[k : k + 2 * STEPS] for k in range(0, len(both), 2 * STEPS)]
-
-
 def _side_by_side(bench: Bench) -> Sequence[Sequence[Floats]]:
     """The student's beliefs of each walk, all walks being followed together: as many exchanges as one has steps.
 
-    None where an answer is no belief: walks are then followed one by one, up to the first that is told.
+    No step is asked before the one that leads to it is answered: what the reference believes there is what a right
+    program answers, and must not lie in its process. None where an answer is no belief: walks are then followed one by
+    one, up to the first that is told.
     """
     grid = module_world()
     beliefs: list[list[Floats]] = [[grid.uniform()] for _ in episodes(WALKS)]
@@ -175,9 +130,7 @@ def _side_by_side(bench: Bench) -> Sequence[Sequence[Floats]]:
 def localise(bench: Bench) -> None:
     """The student's two functions follow each walk; the greatest probability must end within one cell of the robot."""
     grid = module_world()
-    followed: Sequence[Sequence[Floats]] = ()
-    if not bench.runner.reenacting:
-        followed = _as_the_reference(bench) or _side_by_side(bench)
+    followed = () if bench.runner.reenacting else _side_by_side(bench)
     failed: Rejection | None = None
     for place, episode in enumerate(episodes(WALKS)):
         beliefs: list[Floats] = []

@@ -84,6 +84,52 @@ def test_a_right_program_is_asked_the_same_in_the_same_order(exercise: str) -> N
     assert ahead.calls == in_its_turn.calls
 
 
+class Together(_Watched):
+    """Notes the answers whose numbers (two at least) lie in what another call of the same exchange is given."""
+
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+        given = [(place, set(telling(args))) for place, one in enumerate(asked) for args in one.calls]
+        answers = list(in_turn(self, asked))
+        for (place, own), (answered, answer) in zip(given, answers, strict=True):
+            assert place == answered
+            assert isinstance(answer, Reply)
+            right = set(telling(answer.value)) - own
+            self._watched.told += [right for _, others in given if len(right) > 1 and right <= others]
+        return iter(answers)
+
+
+class Tells(Watched):
+    def __init__(self) -> None:
+        super().__init__()
+        self.told: list[set[float]] = []
+
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+        return Together(LocalProgram(source, kit), self)
+
+
+def telling(value: Any) -> Iterator[float]:
+    """The magnitudes of a value's numbers, to so many digits that two of them are not the same by chance."""
+    if isinstance(value, dict):
+        value = tuple(value.values())
+    if isinstance(value, tuple | list):
+        for one in value:
+            yield from telling(one)
+    elif isinstance(value, float | np.ndarray) and np.asarray(value).dtype == np.float64:
+        numbers = np.abs(np.ravel(value))
+        yield from numbers[numbers != numbers.round(7)].round(12).tolist()
+
+
+LIGHT = ("l20/poses", "l20/kabsch", "l20/predire2d")
+
+
+@pytest.mark.parametrize("exercise", [*LIGHT, *map(slow, sorted(CODE.keys() - set(LIGHT)))])
+def test_nothing_that_is_asked_tells_what_is_right_of_what_is_asked_with_it(exercise: str) -> None:
+    """All that an exchange carries lies in the student's process before the first of its calls is answered."""
+    grader, programs = CODE[exercise], Tells()
+    assert grader.grade(grader.solution.encode(), programs, seed=3, version="v").verdict.score == 1
+    assert not programs.told
+
+
 def vectors(rng: np.random.Generator) -> Iterator[tuple[np.ndarray[Any, Any]]]:
     yield (np.array([1.0, 2.0]),)
     for _ in range(5):

@@ -330,34 +330,3 @@ def test_a_figure_without_anything_obtained_draws() -> None:
     assert counterexample(GRADER.exercise, {**data, "got": None, "command": None, "scan": ["1", "2"]}).startswith(
         b"<?xml"
     )
-
-
-def test_a_walk_that_is_asked_at_once_is_the_one_that_the_program_would_follow(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The same film, the same verdict; a program that answers another belief anywhere is followed step by step."""
-    asked: list[int] = []
-    steps = trials._side_by_side
-    monkeypatch.setattr(trials, "_side_by_side", lambda bench: asked.append(1) or steps(bench))
-    at_once = grading(GRADER.solution, 1)
-    assert not asked
-    monkeypatch.setattr(trials, "LAST_DIGITS", -1.0)
-    followed = grading(GRADER.solution, 1)
-    assert asked
-    assert at_once.films == followed.films
-    assert checks(at_once.verdict) == checks(followed.verdict)
-    assert followed.verdict.score == 1
-
-
-@pytest.mark.parametrize("step", [0, 15])
-def test_a_walk_whose_belief_is_off_anywhere_is_followed(monkeypatch: pytest.MonkeyPatch, step: int) -> None:
-    """The filter is right but for one step, of which the belief is scaled a little: it finds the robot all the same."""
-    asked: list[int] = []
-    steps = trials._side_by_side
-    monkeypatch.setattr(trials, "_side_by_side", lambda bench: asked.append(1) or steps(bench))
-    odd = trials._steps()[0][step][0][0]
-    source = f"{GRADER.solution}\njuste = predire2d\ndef predire2d(bel, du, dv):\n    " + (
-        f"proche = abs(bel - np.array({odd.tolist()})).max() < 1e-9\n    "
-        "return juste(bel, du, dv) * (1 + 1e-10 * proche)\n"
-    )
-    found = grading(source, 1)
-    assert asked
-    assert checks(found.verdict)["localisation"].passed
