@@ -116,7 +116,12 @@ class Bench:
         """The answers to all of these calls, as far as there are any: in one exchange on the main program."""
         if self.program is None:
             return self.runner.answered(asked)
-        return [list(self.runner.call_many(self.program, one.function, one.calls, faults=None)) for one in asked]
+        return [
+            list(self.runner.call_many(self.program, one.function, one.calls, faults=None))
+            if self.runner.calls(one.function)
+            else []
+            for one in asked
+        ]
 
     def observe(self, function: str, value: Value, *, ok: bool, fault: StudentFault | None = None) -> None:
         """Write down what a function gave; a fault is known by its exception's or its outcome's name."""

@@ -96,9 +96,12 @@ class Runner:
         return (time.perf_counter() - self._begun) / max(1, self._told)
 
     def answered(self, asked: Sequence[Foreseen]) -> Sequence[Sequence[Answer]]:
-        """The answers of the main program to all of these calls, which are asked together, as far as there are any."""
+        """The answers of the main program to all of these calls, which are asked together, as far as there are any.
+
+        A function that is not called again gives none.
+        """
         self.foresee(asked)
-        return [list(self.answers(one)) for one in asked]
+        return [list(self.answers(one)) if self.calls(one.function) else [] for one in asked]
 
     def foresee(self, plan: Sequence[Foreseen]) -> None:
         """What the next checks will ask of the main program, in this order and nothing else in between."""
@@ -177,6 +180,9 @@ class Runner:
         self, program: Program | None, function: str, calls: Iterable[Arguments], *, faults: int | None
     ) -> Iterator[Answer]:
         """As `Program.call_many`, of a program (None: of the main one)."""
+        refused = self._refused(function)
+        if refused is not None:
+            return iter((refused,))
         return self.told(program, function, self._answers(program, function, calls, faults))
 
     def told(self, program: Program | None, function: str, answers: Iterator[Answer]) -> Iterator[Answer]:
@@ -198,9 +204,6 @@ class Runner:
     def _answers(
         self, program: Program | None, function: str, calls: Iterable[Arguments], faults: int | None
     ) -> Iterator[Answer]:
-        refused = self._refused(function)
-        if refused is not None:
-            return iter((refused,))
         if program is None:
             self._settle()
         try:

@@ -13,6 +13,7 @@ from graders.core.code.bench import Bench
 from graders.core.code.runner import Runner
 from graders.core.compare.comparison import Mismatch
 from graders.core.compare.search import Search
+from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, Foreseen, StudentFault
 from graders.core.contract.values import Arguments
 
@@ -33,12 +34,16 @@ class Told(Protocol):
 
 
 def same_kind(first: Told, other: Told) -> bool:
-    """A shrunk case must fail as the first one did: by the same exception, or by a wrong value of the same cause."""
+    """A shrunk case must fail as the first one did: by the same exception or limit, or by a value of the same cause."""
     if first.fault or other.fault:
-        return bool(first.fault and other.fault) and first.fault.exception == other.fault.exception  # type: ignore[union-attr]
+        return _end(first.fault) == _end(other.fault)
     assert first.mismatch is not None
     assert other.mismatch is not None
     return (first.mismatch.slip, first.mismatch.cause) == (other.mismatch.slip, other.mismatch.cause)
+
+
+def _end(fault: StudentFault | None) -> tuple[Outcome, str | None] | None:
+    return None if fault is None else (fault.outcome, fault.exception)
 
 
 class Unsimplified(Exception):

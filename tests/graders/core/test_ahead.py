@@ -204,6 +204,52 @@ def test_a_death_met_while_a_counterexample_is_simplified_costs_no_check_anythin
     assert all((one.result.counterexample is None) == one.passed for one in found)
 
 
+class Unreadable(Watched):
+    """Of which `double` gives no number, until it is stopped."""
+
+    def open(self, source: bytes, kit: KitSettings, ahead: Sequence[Foreseen] = ()) -> Program:
+        self.launches += 1
+        return _Unreadable(LocalProgram(source, kit), self)
+
+
+class _Unreadable(_Watched):
+    def call(self, function: str, *args: Any, return_arguments: bool = False) -> Reply:
+        reply = super().call(function, *args, return_arguments=return_arguments)
+        if function == "double":
+            raise StudentFault(Outcome.INVALID_OUTPUT, "un objet")
+        return reply
+
+
+@pytest.mark.parametrize("deadly", [1, 2, 3, 6])
+def test_what_is_shown_was_asked_even_where_a_function_is_stopped_meanwhile(deadly: int) -> None:
+    """Both checks of `double` fail without an exception, and its end is none either: it is another kind of failure."""
+    alive, stopped = Unreadable(), Unreadable()
+    run_checks(CHECKS, Runner(alive, RIGHT.encode(), KIT, budget=Budget(calls=0)), KIT, 1)
+    stopped.deadly = len(alive.calls) + deadly
+    found = run_checks(CHECKS, Runner(stopped, RIGHT.encode(), KIT, budget=Budget(20, math.inf)), KIT, 1)
+    assert len(stopped.calls) >= stopped.deadly
+    for check in (found[0].result, found[2].result):
+        assert check.counterexample is not None
+        x = np.array(check.counterexample.inputs["x"])
+        assert ("double", str((x,))) in stopped.calls
+        assert "un objet" in check.message
+
+
+def test_a_function_that_is_not_called_again_says_so_once_and_ends_no_program() -> None:
+    watched = Watched(2)
+    runner = Runner(watched, RIGHT.encode(), KIT)
+    runner.call(None, "carre", (1.0,), keep=False)
+    with pytest.raises(StudentFault):
+        runner.call(None, "double", (1.0,), keep=False)
+    runner.call(None, "carre", (1.0,), keep=False)
+    for _ in range(3):
+        (refused,) = runner.call_many(None, "double", [(1.0,), (2.0,)], faults=None)
+        assert isinstance(refused, StudentFault)
+        assert refused.message.count("n'est pas rappelée") == 1
+    runner.call(None, "carre", (1.0,), keep=False)
+    assert watched.launches == 2
+
+
 def test_what_several_checks_failed_on_is_simplified_in_a_few_exchanges() -> None:
     watched = Watched()
     source = RIGHT.replace("2 * x", "3 * x").replace("x * x", "x * x * x").encode()
