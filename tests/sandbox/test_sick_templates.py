@@ -5,12 +5,18 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
+import time
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from server.sandbox import Policy, ProgramFault, Sandbox, SandboxFault, vitals
+from server.sandbox.child import frames
+from server.sandbox.child.inner import MAX_SEATS
+from server.sandbox.child.libc import PR_SET_SECCOMP
+from server.sandbox.wire import Closed
 
 from .family import LEAVES, OTHERS, SOURCE, answers, children, eventually, root_and_template, running, templates
 from .limits import FAR, only
@@ -160,3 +166,49 @@ def test_a_template_that_dies_at_a_fork_is_our_fault_with_its_last_words() -> No
         pytest.raises(SandboxFault, match="plus de place"),
     ):
         sandbox.open(SOURCE)
+
+
+#: A kit, which is ours, that has one call of a fork's walls fail: the one whose number the policy tells.
+BREAKING = """
+import ctypes, sys
+inner, libc = sys.modules["child.inner"], sys.modules["child.libc"]
+walls = inner.Masonry.walls
+def broken(mason, limits):
+    raised = walls(mason, limits)
+    first, last, seats = parts = list(raised.first), list(raised.last), list(raised.seats)
+    places = [(part, at) for part in parts for at in range(len(part))]
+    for part, at in places[limits.stdout_bytes - BASE :][:1]:
+        part[at] = libc._held.close, (ctypes.c_int(-1),), "lacking: " + part[at][2]
+    return inner.Walls(tuple(first), tuple(seats), raised.nest, tuple(last), raised.parent)
+inner.Masonry.walls = broken
+"""
+BASE = 1 << 14
+NEEDED = {"dup2", "close_range", "capset", "setrlimit", "landlock_restrict_self", "prctl"}
+
+
+def test_a_child_that_lacks_any_of_its_walls_says_so_and_is_never_ready() -> None:
+    """Each of the calls that put them up fails in its turn, to the last: none is made for a seat that it has not."""
+    lacking: list[str] = []
+    with Sandbox({"casse": BREAKING.replace("BASE", str(BASE))}, spares=0) as sandbox:
+        sandbox.warm()
+        template = sandbox._slots["numpy"].template
+        assert template is not None
+
+        def said(number: int) -> str:
+            child = template.fork(replace(FAR, stdout_bytes=BASE + number))
+            try:
+                kinds = frozenset({frames.READY, frames.ANOMALY})
+                kind, words = child.wire.answer(0, kinds, 1 << 16, time.monotonic() + 60.0)
+            except Closed:
+                return "lacking: the wire"
+            else:
+                return words.decode().rpartition("lacking: ")[2] if kind == frames.ANOMALY else ""
+            finally:
+                child.close()
+
+        while one := said(len(lacking)):
+            lacking.append(one)
+        assert not any(said(len(lacking) + more) for more in range(1, MAX_SEATS + 1))
+    assert lacking[0] == "lacking: the wire"
+    assert {one.partition(":")[0].partition("(")[0] for one in lacking} >= NEEDED
+    assert f"prctl({PR_SET_SECCOMP}): Bad file descriptor\n" in lacking
