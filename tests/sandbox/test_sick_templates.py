@@ -14,7 +14,7 @@ import pytest
 
 from server.sandbox import Policy, ProgramFault, Sandbox, SandboxFault, vitals
 from server.sandbox.child import frames
-from server.sandbox.child.inner import MAX_SEATS
+from server.sandbox.child.inner import MAX_SEATS, WORDS
 from server.sandbox.child.libc import PR_SET_SECCOMP
 from server.sandbox.wire import Closed
 
@@ -212,3 +212,27 @@ def test_a_child_that_lacks_any_of_its_walls_says_so_and_is_never_ready() -> Non
     assert lacking[0] == "lacking: the wire"
     assert {one.partition(":")[0].partition("(")[0] for one in lacking} >= NEEDED
     assert f"prctl({PR_SET_SECCOMP}): Bad file descriptor\n" in lacking
+
+
+#: A kit, which is ours, that leaves a template as one that serves hundreds: the places of a fork come next.
+CROWDED = """
+import os, sys
+template = sys.modules["child.template"].Template
+serve = template.serve
+def crowded(self):
+    while os.dup(0) < LAST:
+        pass
+    serve(self)
+template.serve = crowded
+"""
+
+
+@pytest.mark.parametrize("last", [WORDS - 3, WORDS - 2])
+def test_a_template_that_serves_hundreds_hands_each_fork_its_own_ends(last: int) -> None:
+    kit = CROWDED.replace("LAST", str(last))
+    with (
+        Sandbox({"foule": kit}, spares=0) as sandbox,
+        sandbox.open(b"def f():\n    print('dit')\n    return 1\n") as one,
+    ):
+        assert one.call("f").value == 1
+        assert one.stdout() == "dit\n"

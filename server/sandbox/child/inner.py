@@ -15,7 +15,7 @@ from .orders import Limits
 
 Calls = tuple[libc.Call, ...]
 
-WIRE, WORDS, RULES = 230, 229, 228
+_NULL, WIRE, WORDS, RULES = 0, 230, 229, 228
 #: A fork is handed a wire, an output and last words; and of how many control groups a seat may be made.
 ENDS, MAX_SEATS = 3, 3
 #: Address space that only the report of a lack of memory may use.
@@ -129,6 +129,12 @@ class Masonry:
             if "landlock" not in self._lifted:
                 yield landlock.restricting(RULES)
             yield libc.closing(RULES, RULES)
+
+
+def keep_places() -> None:
+    """No descriptor that a template is handed, however many, comes to lie where the ends of a fork are put."""
+    for place in (WIRE, WORDS):
+        os.dup2(_NULL, place, inheritable=False)
 
 
 def bound_template() -> None:

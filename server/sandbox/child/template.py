@@ -56,6 +56,7 @@ class Template:
         if "environment" not in self._lifted:
             os.environ.clear()
         rehearsal.warm_up(self._kits)
+        inner.keep_places()
         nest, self._refusal = self._tried(processes)
         stage, filters = inner.filters(self._lifted, folder=nest is not None and nest.folder)
         self._nest, self._mason = nest, inner.Masonry(nest, filters, self._lifted, rules=rules)
