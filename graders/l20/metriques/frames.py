@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
+from graders.core.code.drawable import drawable
 from graders.core.compare import words as render
 from graders.core.compare.comparison import ScalarCloseTo
 from graders.core.contract.program import Foreseen
-from graders.core.contract.values import Arguments, Floats, Value
+from graders.core.contract.values import Arguments, Value
 from graders.l20.metriques import cases
 from graders.l20.metriques.cases import QUARTER
 from graders.l20.metriques.pictures import absolute_figure, relative_figure
@@ -50,7 +49,6 @@ def _hold(bench: Bench, function: str, args: Arguments, expected: float) -> None
     bench.observe(function, value, ok=mismatch is None)
     if mismatch is None:
         return
-    drawn: Floats | None = np.asarray(value, dtype=float) if _is_number(value) else None
     figure = absolute_figure if function == "ate" else relative_figure
     raise Rejection(
         f"Dans quelque repère qu'on les raconte, ces trajectoires ont la même {function.upper()}, "
@@ -60,9 +58,5 @@ def _hold(bench: Bench, function: str, args: Arguments, expected: float) -> None
         got=value,
         slip=mismatch.slip,
         cause=mismatch.cause,
-        figure=figure(args, expected, drawn),
+        figure=figure(args, expected, drawable(value, ())),
     )
-
-
-def _is_number(value: Value) -> bool:
-    return isinstance(value, int | float) and math.isfinite(value)

@@ -40,6 +40,15 @@ def test_the_starter_earns_nothing() -> None:
     assert named(found) is None, "who has not begun has made no mistake"
 
 
+@pytest.mark.parametrize("value", ["10**400", "-(10**400)", "float('inf')", "1e308", "True", "np.array(3.0)", "[1.0]"])
+def test_what_no_figure_can_show_is_refused_all_the_same(value: str) -> None:
+    source = (
+        f"def ate(estimees, verite):\n    return {value}\n\n\ndef rpe(estimees, verite, delta):\n    return {value}\n"
+    )
+    found = checked(EXERCISE, source, 1).verdict
+    assert failed(found) >= ATE | RPE
+
+
 @pytest.mark.parametrize("path", some(sorted((GRADER.folder / "specimens/ok").glob("*.py")))[::3], ids=lambda p: p.stem)
 def test_honest_styles_pass(path: Path) -> None:
     assert verdict(path.read_text(encoding="utf-8"), 2).score == 1.0
