@@ -181,6 +181,13 @@ def regarde(_):
                 pass
     return bloques
 """,
+    "drapeaux-de-descripteurs": """
+F_GETFL, DRAPEAUX = 3, os.O_APPEND | os.O_NONBLOCK
+def laisse():
+    return len(tente(*(lambda n=n: appel(libc.fcntl, n, F_SETFL, DRAPEAUX) for n in range(3))))
+def regarde(_):
+    return [n for n in range(3) if libc.fcntl(n, F_GETFL, 0) & DRAPEAUX]
+""",
     "dates-des-peripheriques": """
 CHEMINS = ["/dev/null", "/dev/zero", "/dev/urandom", os.__file__]
 def laisse():

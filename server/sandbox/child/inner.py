@@ -99,6 +99,9 @@ class Masonry:
         return Walls(connected(self.ends), seats, self._nest, last, os.getpid())
 
     def _humble(self) -> Iterator[libc.Call]:
+        # Opened anew: the flags of one that all forks of a template shared would be seen by the next student.
+        yield libc.closing(_NULL, _NULL)
+        yield libc.opening("/dev/null", os.O_RDWR)
         if "descriptors" not in self._lifted:
             yield libc.closing(3, (RULES if self._rules else WORDS) - 1)
             yield libc.closing(WIRE + 1, 2**32 - 1)

@@ -81,6 +81,11 @@ def closing(first: int, last: int) -> Call:
     return system_call("close_range", 436, first, last, 0)
 
 
+def opening(path: str, flags: int) -> Call:
+    """At the lowest number that is free."""
+    return _held.open, (path.encode(), ctypes.c_int(flags)), f"open({path})"
+
+
 def going(folder: str) -> Call:
     return _held.chdir, (folder.encode(),), f"chdir({folder})"
 
