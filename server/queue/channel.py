@@ -14,6 +14,8 @@ from server.queue.switchboard import CHANGED, IDLE, QUEUED, RENEWED
 class Channel:
     """Work source and signals of a worker that the web process has started."""
 
+    owes = True  # its switchboard does
+
     def __init__(self, wire: socket.socket) -> None:
         self._wire = wire
         self._sending = threading.Lock()

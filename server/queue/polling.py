@@ -4,6 +4,8 @@ import time
 
 
 class Polling:
+    owes = False
+
     def __init__(self, every: float = 0.1) -> None:
         self._every = every
 

@@ -24,7 +24,8 @@ Result = TypeVar("Result")
 class Lease:
     """A job that one worker has begun, and the token that lets it end the job: the fence.
 
-    `needs` is what its worker must have, if anything (an exercise in one version).
+    `needs` is what its worker must have, if anything (an exercise in one version). `followed`: as it was begun, others
+    of the kinds asked for waited.
     """
 
     job_id: UUID
@@ -35,6 +36,7 @@ class Lease:
     tries: int
     started_at: datetime
     needs: str | None = None
+    followed: bool = True
 
 
 @dataclass(frozen=True)
@@ -187,6 +189,10 @@ class Signals(Protocol):
 
 class WorkSource(Protocol):
     """What a worker sleeps on."""
+
+    @property
+    def owes(self) -> bool:
+        """Whether it keeps what it has to tell a worker that is busy, so that `wait` returns at once."""
 
     def wait(self, seconds: float) -> bool:
         """Returns when there may be work, or after `seconds`; False means that the worker must stop."""

@@ -9,7 +9,21 @@ from datetime import datetime, timedelta
 from typing import Any
 from uuid import UUID, uuid4
 
-from sqlalchemy import Row, and_, bindparam, case, delete, exists, func, insert, or_, select, tuple_, update
+from sqlalchemy import (
+    Row,
+    and_,
+    bindparam,
+    case,
+    delete,
+    exists,
+    func,
+    insert,
+    literal_column,
+    or_,
+    select,
+    tuple_,
+    update,
+)
 from sqlalchemy.orm import Session, aliased
 
 from server.database import UtcDateTime, table_of, utc_now
@@ -64,8 +78,18 @@ _lease = {
     "lease_until": bindparam("until"),
     "started_at": bindparam("now"),
 }
+_next = _jobs.alias("following")
+#: The job itself is left out by name: whether it waits still, at that moment, the databases do not say alike. Its
+#: table is told, since SQLite is given bare names among what an update returns.
+_followed = exists().where(
+    _next.c.lease_token.is_(None),
+    _next.c.kind.in_(bindparam("kinds", expanding=True)),
+    _next.c.id != literal_column("job.id"),
+)
 _leasing = update(_jobs).values(**_lease)
-_leasing = _leasing.returning(_jobs.c.id, _jobs.c.kind, _jobs.c.key, _jobs.c.payload, _jobs.c.tries, _jobs.c.needs)
+_leasing = _leasing.returning(
+    *(_jobs.c.id, _jobs.c.kind, _jobs.c.key, _jobs.c.payload, _jobs.c.tries, _jobs.c.needs, _followed.label("followed"))
+)
 #: PostgreSQL skips rows being claimed; SQLite's writers take turns.
 CLAIM = _leasing.where(_jobs.c.id == _first_of_kinds.scalar_subquery())
 #: Of what this worker has, or nobody has had for too long.
@@ -158,7 +182,9 @@ def claim(
         row = db.execute(CLAIM, lease).one_or_none()
     else:
         row = db.execute(CLAIM_ABLE, {**lease, **_ability(able, now)}).one_or_none()
-    return None if row is None else Lease(row.id, token, row.kind, row.key, row.payload, row.tries, now, row.needs)
+    if row is None:
+        return None
+    return Lease(row.id, token, row.kind, row.key, row.payload, row.tries, now, row.needs, followed=row.followed)
 
 
 def refuse(db: Session, kinds: Collection[str], able: Able) -> bool:

@@ -29,12 +29,17 @@ class Line(Protocol):
 
 
 class Switchboard:
-    """Knows which workers sleep. A wake-up that finds nobody asleep is kept for the next one who goes to sleep."""
+    """Knows which workers sleep. A wake-up that finds nobody asleep is kept for the next one who goes to sleep.
+
+    As many are kept as there are workers: each who goes to sleep while jobs wait is woken, and none for nothing more
+    than once for each of them.
+    """
 
     def __init__(self, on_changed: Callable[[str], None]) -> None:
         self._on_changed = on_changed
         self._idle: dict[Line, None] = {}
-        self._owed = False
+        self._known: set[Line] = set()
+        self._owed = 0
         self._loop: asyncio.AbstractEventLoop | None = None
 
     def bind(self, loop: asyncio.AbstractEventLoop | None) -> None:
@@ -62,12 +67,13 @@ class Switchboard:
             line, _ = self._idle.popitem()
             line.write(f"{WORK}\n".encode())
         else:
-            self._owed = True
+            self._owed = min(self._owed + 1, max(1, len(self._known)))
 
     def heard(self, line: Line, message: str) -> None:
         """A worker has said something (on the loop)."""
         word, _, argument = message.partition(" ")
         if word == IDLE:
+            self._known.add(line)
             self._idle[line] = None
             self._pay()
         elif word == QUEUED:
@@ -81,8 +87,9 @@ class Switchboard:
 
     def _pay(self) -> None:
         if self._owed:
-            self._owed = False
+            self._owed -= 1
             self._wake()
 
     def gone(self, line: Line) -> None:
+        self._known.discard(line)
         self._idle.pop(line, None)

@@ -113,21 +113,21 @@ class Worker:
 
     def step(self) -> bool:
         """Does one job; False when none waits."""
-        return self._step(self._tasks.keys(), lambda: None)
+        return self._step(self._tasks.keys(), lambda: None) is not None
 
-    def _step(self, kinds: Collection[str], keep: Callable[[], None]) -> bool:
-        """`keep` is called as the job begins, and again as long as it is being done."""
+    def _step(self, kinds: Collection[str], keep: Callable[[], None]) -> Lease | None:
+        """The job that was done. `keep` is called as it begins, and again as long as it is being done."""
         since = time.time_ns()
         begun = self._write(lambda db: self._begin(db, kinds))
         if begun is None:
-            return False
+            return None
         keep()
         lease, work = begun
         if work is not None:
             told = logs.on_behalf(str(lease.payload.get(REQUEST, "")))
             with told, traces.job(lease.payload, lease.kind, lease.tries, since):
                 self._do(lease, work, keep)
-        return True
+        return lease
 
     def _begin(self, db: Session, kinds: Collection[str]) -> tuple[Lease, Any] | None:
         lease = self._queue.claim(db, self._owner, kinds, self._settings.lease_seconds, self._able)
@@ -202,10 +202,17 @@ class Worker:
         with self._heartbeat, self._stopping.held():
             going = True
             while going:
-                while self.step():
-                    self._stopping.check()
+                self._work_off(work)
                 with self._stopping.open():
                     going = work.wait(self._settings.poll_seconds)
+
+    def _work_off(self, work: WorkSource) -> None:
+        """Until nothing waits. What came after a claim that nothing followed has been told to `work`, which owes it:
+        the database need not be asked, as it would be after each job of somebody who sends alone."""
+        while (lease := self._step(self._tasks.keys(), lambda: None)) is not None:
+            self._stopping.check()
+            if work.owes and not lease.followed:
+                return
 
     def run_on(self, tickets: Tickets) -> None:
         """Until Stop is raised. A database that does not answer is asked again later."""
@@ -233,7 +240,7 @@ class Worker:
         try:
             if ticket.again:
                 self._write(lambda db: self._queue.recover(db, self._owner, self._give_ups))
-            used = self._step(ticket.kinds, ticket.keep)
+            used = self._step(ticket.kinds, ticket.keep) is not None
             over = used or not self._refuses(ticket.kinds)
             if over:
                 ticket.spend(used=used)

@@ -41,6 +41,7 @@ from server.queue.worker import Heartbeat, Worker, _pauses
 from server.sandbox import FaultKind, Sandbox, SandboxFault
 from server.submissions.models import Submission
 from server.submissions.service import GRADE, Submissions
+from tests.support.counting import Counted
 from tests.support.quick import the_course
 from tests.support.service import ADDRESS, EXERCISE, QUIET, fake_grade, new_account, worker_of
 
@@ -244,11 +245,37 @@ def test_the_heartbeat_extends_the_lease_while_grading(sqlite: Database, setting
         return fake_grade(sent)
 
     class Once:
+        owes = True
+
         def wait(self, seconds: float) -> bool:
             return False
 
     worker_of(sqlite, beating, slow).run(Once())
     assert untils[1] > untils[0]
+    assert none(sqlite, Job)
+
+
+@pytest.mark.parametrize(("owes", "asked_again"), [(True, 0), (False, 1)])
+def test_only_who_is_owed_its_wake_ups_does_not_ask_after_a_job_that_nothing_followed(
+    sqlite: Database, settings: Settings, owes: bool, asked_again: int
+) -> None:
+    account = Account(name="Ada")
+    with sqlite.write() as db:
+        db.add(account)
+    for _ in range(3):
+        submitted(sqlite, settings, account)
+
+    class Once:
+        def __init__(self) -> None:
+            self.owes = owes
+
+        def wait(self, seconds: float) -> bool:
+            return False
+
+    with Counted(sqlite) as counted:
+        worker_of(sqlite, settings).run(Once())
+    claims = [statement for statement in counted.statements if statement.startswith("UPDATE job SET")]
+    assert len(claims) == 3 + asked_again
     assert none(sqlite, Job)
 
 

@@ -118,6 +118,17 @@ def test_lower_priorities_first_then_the_oldest_and_places_follow(bakery: Bakery
     assert [bakery.claimed().key for _ in range(3)] == ["a", "b", "late"]
 
 
+def test_a_claim_tells_whether_others_wait_of_the_kinds_asked_for(bakery: Bakery) -> None:
+    bakery.put("a", "b")
+    bakery.put("letter", kind="mail")
+    assert bakery.claimed().followed
+    assert not bakery.claimed().followed, "neither what is begun nor another kind waits"
+    bakery.put("c")
+    lease = bakery.claim(kinds=(KIND, "mail"))
+    assert lease is not None
+    assert lease.followed
+
+
 def test_an_empty_queue_gives_nothing(bakery: Bakery) -> None:
     assert bakery.claim() is None
 

@@ -70,6 +70,24 @@ def test_a_wake_up_that_finds_nobody_is_owed_to_the_next_to_sleep() -> None:
     run(scenario)
 
 
+def test_whoever_goes_to_sleep_while_jobs_wait_is_woken_and_no_more_often_than_there_are_workers() -> None:
+    async def scenario(board: Switchboard, _told: list[str]) -> None:
+        one, two = Wire(), Wire()
+        for worker in (one, two):
+            board.heard(worker, "idle")
+        for _ in range(7):  # two wake them, the others find them busy
+            board.wake()
+        await asyncio.sleep(0.01)
+        for _ in range(3):
+            board.heard(one, "idle")
+        assert [len(one.sent), len(two.sent)] == [3, 1], "its own, and two that are owed"
+        board.gone(one)
+        board.heard(two, "idle")
+        assert len(two.sent) == 1
+
+    run(scenario)
+
+
 def test_the_dead_are_not_woken() -> None:
     async def scenario(board: Switchboard, _told: list[str]) -> None:
         dead, alive = Wire(), Wire()
