@@ -16,14 +16,14 @@ from server.api.schemas import NewSubmission, SubmissionOut
 from server.api.state import Resource, reader, resource, url_of
 from server.base.request import client_address
 from server.course.dependencies import CourseOf
-from server.course.models import Exercise
+from server.course.models import Course, Exercise
 from server.database import Database, is_away
 from server.database.dependencies import DatabaseOf, Db
 from server.figures.dependencies import FiguresOf
 from server.figures.orders import MEDIA_TYPES, Form, Theme
 from server.figures.service import Wanted
 from server.gradebook import service as gradebook
-from server.identity.dependencies import ApiAccount
+from server.identity.dependencies import ApiAccount, ShownToken, account_of_token
 from server.identity.models import Account
 from server.submissions.dependencies import EventsOf, SubmissionsOf
 from server.submissions.events import STREAM_HEADERS, Events, as_sse
@@ -68,7 +68,7 @@ STREAM = events(
 async def create(
     request: Request,
     body: NewSubmission,
-    account: ApiAccount,
+    token: ShownToken,
     database: DatabaseOf,
     store: SubmissionsOf,
     hub: EventsOf,
@@ -82,10 +82,13 @@ async def create(
     Nothing is waited for where a test holds the verdict back; 409 before one has begun the test, and after its end.
     Whoever had no answer, or 503, may send the same again with the same `Idempotency-Key`.
     """
-    exercise = find(course, body.exercise)
-    _require_its_kind(exercise, body)
-    sending = Sending(body, exercise.version if reuse else None, client_address(request), key, waits=bool(wait))
-    current = await run_in_threadpool(_store, database, store, account, sending)
+    sending = Sending(body, reuse, client_address(request), key, waits=bool(wait))
+
+    def stored() -> tuple[Account, Resource]:
+        account = account_of_token(token, database)
+        return account, _store(database, store, account, sending, course)
+
+    account, current = await run_in_threadpool(stored)
     if wait and not current.done:
         current = await _wait(hub, reader(database, store, account, current.id), current, min(wait, LONGEST_WAIT))
     return _json(current, 200 if current.done and not current.held else 202)
@@ -103,22 +106,24 @@ def _require_its_kind(exercise: Exercise, body: NewSubmission) -> None:
 
 @dataclass(frozen=True)
 class Sending:
-    """`reused` is the version of the exercise at which an attempt with the same code will do; `key`, the sender's name
-    for it. Who `waits` for the verdict is not told the place of what was stored."""
+    """`reuse`: an attempt with the same code at the exercise's version will do; `key` is the sender's name for it. Who
+    `waits` for the verdict is not told the place of what was stored."""
 
     body: NewSubmission
-    reused: str | None
+    reuse: bool
     address: str
     key: str | None
     waits: bool = False
 
 
-def _store(database: Database, store: Submissions, account: Account, sending: Sending) -> Resource:
+def _store(database: Database, store: Submissions, account: Account, sending: Sending, course: Course) -> Resource:
     body, address = sending.body, sending.address
+    exercise = find(course, body.exercise)
+    _require_its_kind(exercise, body)
     with database.write() as db:
         answered = "answers" in body.model_fields_set
-        if sending.reused and not answered:
-            before = gradebook.sent_before(db, account, body.exercise, body.code, sending.reused)
+        if sending.reuse and not answered:
+            before = gradebook.sent_before(db, account, body.exercise, body.code, exercise.version)
             if before is not None:
                 return resource(db, store, gradebook.find(db, account, before.id))
         if answered:

@@ -66,16 +66,23 @@ def _signed_in(account: OptionalAccount) -> Account:
 SignedIn = Annotated[Account, Depends(_signed_in)]
 
 
-def _api(
-    credentials: Annotated[HTTPAuthorizationCredentials | None, Security(_bearer)], database: DatabaseOf
-) -> Account:
+async def _shown(credentials: Annotated[HTTPAuthorizationCredentials | None, Security(_bearer)]) -> str:
     if credentials is None:
         raise Unauthorised("Un jeton est attendu dans l’en-tête « Authorization: Bearer … ».")
-    account = tokens.owner(database, credentials.credentials)
+    return credentials.credentials
+
+
+#: What is shown as a token, for who asks `account_of_token` in a thread where it has more to do: another is dear.
+ShownToken = Annotated[str, Depends(_shown)]
+
+
+def account_of_token(token: ShownToken, database: DatabaseOf) -> Account:
+    """Raises Unauthorised."""
+    account = tokens.owner(database, token)
     if account is None:
         REFUSED_LOGINS.add("token")
         raise Unauthorised("Ce jeton n’est pas valable, n’est plus valable ou a été révoqué.")
     return account
 
 
-ApiAccount = Annotated[Account, Depends(_api)]
+ApiAccount = Annotated[Account, Depends(account_of_token)]
