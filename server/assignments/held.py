@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode, Shown, Sitting
 from server.classes.models import Membership, SchoolClass, Seat, Status
-from server.database.base import UtcDateTime
+from server.database import UtcDateTime, ask
 
 
 @dataclass(frozen=True)
@@ -74,13 +74,17 @@ OF_EVERYONE = _asked()
 #: The type is said, since the column takes its own from the accounts, which need not have been imported yet.
 OF_ALL = OF_EVERYONE.where(Membership.account_id == bindparam("account", type_=Uuid()))
 OF_ONE = OF_ALL.where(AssignedExercise.exercise == bindparam("exercise"))
+#: Nothing is, for most and most of the time: asked for one column, it takes half as long.
+ANY_OF_ONE = OF_ONE.with_only_columns(Assignment.id, maintain_column_froms=True).limit(1)
 
 
 def of_student(db: Session, account_id: UUID, exercise: str | None, now: datetime) -> Sequence[Row]:
     """In one exercise, or in all."""
     values = {"account": account_id, "now": now}
-    found = db.execute(OF_ALL, values) if exercise is None else db.execute(OF_ONE, {**values, "exercise": exercise})
-    return _rows(found)
+    if exercise is None:
+        return _rows(db.execute(OF_ALL, values))
+    in_it = {**values, "exercise": exercise}
+    return () if ask(db, ANY_OF_ONE, in_it).first() is None else _rows(db.execute(OF_ONE, in_it))
 
 
 def of_students(db: Session, accounts: Collection[UUID], exercise: str, now: datetime) -> Sequence[Row]:

@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.classes.schemas import Joined, Member
-from server.database import prepared
+from server.database import ask, prepared
 from server.identity.models import Account
 
 STAFF = (Seat.assistant, Seat.teacher)
@@ -181,7 +181,7 @@ def _presence(account_id: UUID) -> Select[datetime | None, datetime | None]:
 
 def presence(db: Session, account_id: UUID) -> Sequence[Row[datetime | None, datetime | None]]:
     """Of each class that an account is in: when it was last seen there, when the class was archived."""
-    return db.execute(*_presence(account_id)).all()
+    return ask(db, *_presence(account_id)).all()
 
 
 def to_note(db: Session, account_id: UUID, unless_since: datetime) -> bool:

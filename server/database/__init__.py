@@ -10,7 +10,7 @@ from server.database.engine import (
     is_locked,
     upserting,
 )
-from server.database.prepared import prepared
+from server.database.prepared import ask, prepared
 
 __all__ = [
     "MOST_CONNECTIONS",
@@ -19,6 +19,7 @@ __all__ = [
     "Database",
     "UtcDateTime",
     "after_commit",
+    "ask",
     "is_away",
     "is_locked",
     "prepared",

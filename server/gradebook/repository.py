@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session, defer, undefer
 from graders.core.contract.bounds import bounded
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.classes.models import Membership, Status
-from server.database import prepared, table_of
+from server.database import ask, prepared, table_of
 from server.gradebook.models import ClassOpening, Grading, SolutionOpening
 from server.gradebook.schemas import Graded
 from server.identity.models import Account
@@ -162,7 +162,7 @@ def failed_digests(
 
 def locked(db: Session, submission_id: UUID) -> Row[UUID, str, datetime, UUID | None] | None:
     """Author, exercise, time and current grading of a submission that nobody else changes until the commit."""
-    return db.execute(LOCK, {"locked": submission_id}).one_or_none()
+    return ask(db, LOCK, {"locked": submission_id}).one_or_none()
 
 
 def add(db: Session, submission_id: UUID, graded: Graded) -> UUID:

@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from server.base.errors import TooMany
 from server.base.settings import Bucket
-from server.database import table_of, upserting, utc_now
+from server.database import ask, table_of, upserting, utc_now
 from server.limits.models import Allowance
 
 _allowances = table_of(Allowance)
@@ -53,9 +53,9 @@ def refilled(tokens: float, elapsed: float, bucket: Bucket) -> float:
 
 
 def _locked(db: Session, key: str, bucket: Bucket, now: datetime) -> Row[float, datetime]:
-    known = db.execute(HELD, {"bucket": key}).one_or_none()
+    known = ask(db, HELD, {"bucket": key}).one_or_none()
     if known is not None:
         return known
     full = {"key": key, "tokens": float(bucket.burst), "updated_at": now}
     db.execute(upserting(db, Allowance).on_conflict_do_nothing(), full)
-    return db.execute(HELD, {"bucket": key}).one()
+    return ask(db, HELD, {"bucket": key}).one()

@@ -26,7 +26,7 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import Session, aliased
 
-from server.database import UtcDateTime, table_of, utc_now
+from server.database import UtcDateTime, ask, table_of, utc_now
 from server.queue.models import Job
 from server.queue.port import Able, Lease, Sender
 from server.queue.turns import APART, Crowd, Turn
@@ -152,7 +152,7 @@ def begin_leasing(db: Session) -> datetime:
 
 def crowd(db: Session, sender: Sender) -> Crowd:
     whose = {"rank": sender.rank, "line": sender.line, "sender": sender.name, "address": sender.address}
-    return Crowd(*db.execute(CROWD, whose).one())
+    return Crowd(*ask(db, CROWD, whose).one())
 
 
 def push(db: Session, sender: Sender, own_turn: int) -> int:
@@ -179,9 +179,9 @@ def claim(
     """Leases the next waiting job."""
     lease = {"kinds": list(kinds), "owner": owner, "token": token, "now": now, "until": until}
     if able is None:
-        row = db.execute(CLAIM, lease).one_or_none()
+        row = ask(db, CLAIM, lease).one_or_none()
     else:
-        row = db.execute(CLAIM_ABLE, {**lease, **_ability(able, now)}).one_or_none()
+        row = ask(db, CLAIM_ABLE, {**lease, **_ability(able, now)}).one_or_none()
     if row is None:
         return None
     return Lease(row.id, token, row.kind, row.key, row.payload, row.tries, now, row.needs, followed=row.followed)
@@ -208,7 +208,7 @@ def extend(db: Session, job_id: UUID, token: UUID, until: datetime) -> bool:
 def end(db: Session, job_id: UUID, token: UUID) -> bool:
     """Removes the job if the lease is still held; True when it was."""
     statement = END_BRIEFLY if db.get_bind().dialect.name == "postgresql" else END
-    return db.execute(statement, {"held": job_id, "by": token}).first() is not None
+    return ask(db, statement, {"held": job_id, "by": token}).first() is not None
 
 
 def free(db: Session, job_id: UUID, token: UUID, *, tried: bool) -> bool:

@@ -8,7 +8,7 @@ from uuid import UUID, uuid4
 
 from sqlalchemy import Select, select
 
-from server.database import Database, prepared
+from server.database import Database, ask, prepared
 from server.identity.models import Account, Role
 
 
@@ -32,6 +32,20 @@ def test_a_statement_is_made_once_and_asked_with_each_ones_values(sqlite: Databa
         assert db.execute(*named("teacher", ["Ada"], backwards=True)).all() == []
     assert found == [["Ada", "Grace"], ["Grace", "Ada"], ["Alan"], ["Alan"], [], []]
     assert made == [False, True]
+
+
+def test_what_is_asked_the_short_way_is_of_the_same_transaction_with_what_waits_to_be_written(sqlite: Database) -> None:
+    named = select(Account.name, Account.created_at).where(Account.name == "Ada")
+    ada = Account(name="Ada")
+    with sqlite.write() as db:
+        assert ask(db, named, {}).all() == []
+        db.add(ada)
+        assert [tuple(row) for row in ask(db, named, {})] == [("Ada", ada.created_at)]
+        ada.name = "Grace"
+        assert ask(db, named, {}).all() == []
+        db.rollback()
+    with sqlite.read() as db:
+        assert ask(db, select(Account.name), {}).all() == []
 
 
 def test_the_same_identity_is_the_same_object(sqlite: Database) -> None:
