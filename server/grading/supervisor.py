@@ -25,14 +25,30 @@ PAUSE = 1.0
 LAST_WORDS = 0.5
 
 
+class Wire:
+    """Fills the port `server.queue.switchboard.Line`: few bytes now and then, on a socket that never waits."""
+
+    def __init__(self, ours: socket.socket) -> None:
+        self._ours = ours
+
+    def write(self, data: bytes) -> None:
+        """A worker that has died is started again and looks by itself; so does one that has read nothing for long."""
+        with suppress(BlockingIOError, ConnectionError):
+            self._ours.send(data)
+
+    def close(self) -> None:
+        self._ours.close()
+
+
 @dataclass(frozen=True)
 class Running:
-    """A worker process and what leads to it."""
+    """A worker process and what leads to it; `writer` keeps the socket that `wire` has a second name of."""
 
     process: asyncio.subprocess.Process
     owner: Owner
     reader: asyncio.StreamReader
     writer: asyncio.StreamWriter
+    wire: Wire
 
 
 class Supervisor:
@@ -106,7 +122,8 @@ class Supervisor:
         code = await running.process.wait()
         await asyncio.wait([listening], timeout=LAST_WORDS)  # what it said before dying is still in the socket
         listening.cancel()
-        self._switchboard.gone(running.writer)
+        self._switchboard.gone(running.wire)  # from here on, nobody writes to it
+        running.wire.close()
         running.writer.close()
         return code
 
@@ -127,11 +144,11 @@ class Supervisor:
                 env=environment(self._settings),
                 stdin=asyncio.subprocess.DEVNULL,
             )
-        owner = owner_of(process.pid)
-        reader, writer = await asyncio.open_connection(sock=ours)
-        return Running(process, owner, reader, writer)
+        owner, wire = owner_of(process.pid), Wire(ours.dup())
+        reader, writer = await asyncio.open_connection(sock=ours)  # which has neither of its names wait
+        return Running(process, owner, reader, writer, wire)
 
     async def _listen(self, running: Running) -> None:
         with suppress(ConnectionError):
             while line := await running.reader.readline():
-                self._switchboard.heard(running.writer, line.decode().rstrip("\n"))
+                self._switchboard.heard(running.wire, line.decode().rstrip("\n"))

@@ -8,6 +8,7 @@ gave something back), `changed <key>[ begun]`, `renewed <why>` (a template of it
 
 import asyncio
 import logging
+import threading
 from collections.abc import Callable
 from typing import Protocol
 
@@ -23,7 +24,7 @@ WORK, IDLE, QUEUED, CHANGED, RENEWED = "work", "idle", "queued", "changed", "ren
 
 
 class Line(Protocol):
-    """What leads to a worker (an `asyncio.StreamWriter`)."""
+    """What leads to a worker. From any thread, and without waiting."""
 
     def write(self, data: bytes) -> None: ...
 
@@ -32,11 +33,13 @@ class Switchboard:
     """Knows which workers sleep. A wake-up that finds nobody asleep is kept for the next one who goes to sleep.
 
     As many are kept as there are workers: each who goes to sleep while jobs wait is woken, and none for nothing more
-    than once for each of them.
+    than once for each of them. The thread that has put a job wakes a worker itself: the loop, which may be busy with
+    something else, is not in between.
     """
 
     def __init__(self, on_changed: Callable[[str], None]) -> None:
         self._on_changed = on_changed
+        self._waking = threading.Lock()
         self._idle: dict[Line, None] = {}
         self._known: set[Line] = set()
         self._owed = 0
@@ -53,7 +56,8 @@ class Switchboard:
         after_commit(db, lambda: self.tell(news))
 
     def wake(self) -> None:
-        self._call(self._wake)
+        with self._waking:
+            self._wake()
 
     def tell(self, news: str) -> None:
         self._call(self._on_changed, news)
@@ -73,11 +77,12 @@ class Switchboard:
         """A worker has said something (on the loop)."""
         word, _, argument = message.partition(" ")
         if word == IDLE:
-            self._known.add(line)
-            self._idle[line] = None
-            self._pay()
+            with self._waking:
+                self._known.add(line)
+                self._idle[line] = None
+                self._pay()
         elif word == QUEUED:
-            self._wake()
+            self.wake()
         elif word == CHANGED:
             self._on_changed(argument)
         elif word == RENEWED:
@@ -91,5 +96,6 @@ class Switchboard:
             self._wake()
 
     def gone(self, line: Line) -> None:
-        self._known.discard(line)
-        self._idle.pop(line, None)
+        with self._waking:
+            self._known.discard(line)
+            self._idle.pop(line, None)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import socket
 
 import pytest
 
 from server.base.gate import Gate
 from server.base.settings import Settings
-from server.grading.supervisor import Supervisor
+from server.grading.supervisor import Supervisor, Wire
 from server.queue.owner import Owner
 from server.queue.switchboard import Switchboard
 from tests.support.quick import in_a_loop
@@ -73,3 +74,17 @@ def test_no_worker_starts_before_the_walls_are_known_to_stand(settings: Settings
         assert supervisor.alive() == 0
 
     in_a_loop(scene())
+
+
+def test_who_wakes_a_worker_waits_neither_for_one_that_reads_nothing_nor_for_a_dead_one() -> None:
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        wire = Wire(ours.dup())
+        ours.setblocking(False)  # as the loop does, after which neither name of it waits
+        wire.write(b"work\n")
+        assert theirs.recv(100) == b"work\n"
+        for _ in range(50):
+            wire.write(b"work\n" * 10_000)
+        theirs.close()
+        wire.write(b"work\n")
+        wire.close()
