@@ -354,12 +354,13 @@ def asleep_when_told_to_stop() -> None:
     time.sleep(60)
 
 
-def test_sigterm_stops_a_worker_in_its_main_thread() -> None:
-    from server.grading.process import stop_on_signals
+def test_sigterm_stops_a_worker_in_its_main_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    from server.grading import process
 
+    monkeypatch.setattr(process, "_stopping", Stopping())  # others of this process are not told
     before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
     try:
-        stop_on_signals()
+        process.stop_on_signals()
         with pytest.raises(Stop):
             asleep_when_told_to_stop()
     finally:
