@@ -12,7 +12,7 @@ from uuid import UUID
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Foreseen, KitSettings, Reply, StudentFault
+from graders.core.contract.program import Answer, Block, Foreseen, KitSettings, Reply, StudentFault
 from graders.core.contract.values import Arguments, Value
 from graders.core.contract.verdict import internal_error_verdict
 from server import sandbox
@@ -70,13 +70,13 @@ class SandboxProgram:
                 return
             yield _answer(answer)
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
         given = self._session.ahead if asked is self._ahead else self._session.together(list(map(_calls, asked)))
-        for number, answer in given:
+        for number, answers in given:
             if spent := self._patience.spent():
-                yield number, spent
+                yield number, (spent,)
                 return
-            yield number, _answer(answer)
+            yield number, [_answer(answer) for answer in answers]
 
     def stdout(self) -> str:
         return self._session.stdout()

@@ -5,9 +5,12 @@ Of one whose bytes are those of an answer that was decoded, but for the numbers,
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from server.sandbox.child.codec import Value
+from server.sandbox.child.frames import HEADER
 from server.sandbox.child.plain import FLOAT
 
 _FLOATS = np.dtype("<f8")
@@ -21,38 +24,46 @@ class Alike:
     def __init__(self) -> None:
         self._before, self._after, self.bytes = b"", b"", -1
         self._shape: tuple[int, ...] | None = None
-        self._count = self.items = 0
+        self._strides: tuple[int, ...] = ()
+        self.items = 0
 
     def learn(self, answer: bytes, decoded: Value, items: int) -> None:
         """Takes the form of an answer that the decoder has read, where it is one."""
         if type(decoded) is not tuple or len(decoded) != 2 or decoded[1] is not None:
             return
         value = decoded[0]
+        strides: tuple[int, ...] = ()
+        shape: tuple[int, ...] | None = None
         if type(value) is float:
-            shape, numbers = None, FLOAT.size
-        elif type(value) is np.ndarray and value.dtype == np.float64:
-            shape, numbers = value.shape, value.nbytes
+            numbers = FLOAT.size
+        elif type(value) is np.ndarray and value.dtype == np.float64 and value.size:
+            shape, strides, numbers = value.shape, value.strides, value.nbytes
         else:
             return
         begins = len(answer) - _AFTER - numbers
         self._before, self._after, self.bytes = answer[:begins], answer[len(answer) - _AFTER :], len(answer)
-        self._shape, self._count, self.items = shape, numbers // FLOAT.size, items
-
-    def fits(self, answer: bytes | bytearray, begins: int, ends: int) -> bool:
-        """Whether the answer that stands between these places has this form."""
-        return (
-            ends - begins == self.bytes
-            and answer.startswith(self._before, begins, ends)
-            and answer.endswith(self._after, begins, ends)
-        )
-
-    def numbers(self, answer: bytes | bytearray, begins: int) -> Value:
-        """The value of an answer that fits, from where it begins."""
-        begins += len(self._before)
-        if self._shape is None:
-            return float(FLOAT.unpack_from(answer, begins)[0])
-        return np.frombuffer(answer, _FLOATS, self._count, begins).reshape(self._shape).astype(np.float64)
+        self._shape, self._strides, self.items = shape, strides, items
 
     def read(self, answer: bytes) -> Value:
         """The value of an answer of this form; None for any other, which the decoder must read."""
-        return self.numbers(answer, 0) if self.fits(answer, 0, len(answer)) else None
+        fits = len(answer) == self.bytes and answer.startswith(self._before) and answer.endswith(self._after)
+        return self._values(answer, 1, 0, self.bytes)[0] if fits else None
+
+    def values(self, held: bytearray, at: int, tokens: Sequence[int], kind: int) -> Sequence[Value]:
+        """The values of the frames that stand one after the other from `at` on, as far as they are there, are of this
+        kind and this form, and carry these tokens in this order."""
+        stride, begins, came = HEADER.size + self.bytes, at, 0
+        if not self._before:
+            return ()
+        for token in tokens[: (len(held) - at) // stride]:
+            head = HEADER.pack(self.bytes, token, kind) + self._before
+            if not held.startswith(head, begins) or not held.startswith(self._after, begins + stride - _AFTER):
+                break
+            begins, came = begins + stride, came + 1
+        return self._values(held, came, at + HEADER.size, stride) if came else ()
+
+    def _values(self, held: bytes | bytearray, count: int, at: int, stride: int) -> Sequence[Value]:
+        """Of so many answers that have this form, the first at this place, each a stride after the one before."""
+        shape, strides = (count, *(self._shape or ())), (stride, *self._strides)
+        numbers = np.ndarray(shape, _FLOATS, held, at + len(self._before), strides).astype(np.float64)
+        return numbers.tolist() if self._shape is None else list(numbers)

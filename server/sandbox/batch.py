@@ -8,10 +8,8 @@ frame, which is taken in whole likewise.
 from __future__ import annotations
 
 import os
-import struct
-from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import islice
+from operator import attrgetter
 
 import numpy as np
 
@@ -29,10 +27,12 @@ _FLOATS = np.dtype(np.float64)
 Row = tuple[Value, ...]
 #: What calls must have in common to go by columns: of each argument, the shape; () is a float.
 Shapes = tuple[tuple[int, ...], ...]
+Columns = tuple[Array, ...]
+_FORM = attrgetter("dtype", "shape")
 
 
 def token() -> int:
-    return int.from_bytes(os.urandom(8), "little")
+    return int.from_bytes(os.urandom(frames.TOKEN), "little")
 
 
 class Batch:
@@ -43,15 +43,16 @@ class Batch:
 
     def __init__(self, function: str, *, return_arguments: bool) -> None:
         self.function, self.return_arguments = function, return_arguments
-        self.token = token()
+        self.token = 0
         self.bytes = 0
         self._rows: list[Row] = []
         self._shapes: Shapes | None = None
         self._row_bytes = 0
         self._encoded: list[bytes] = []
         self._lengths: list[int] = []
-        self._waiting: deque[tuple[int, int | None]] = deque()
-        self._faults = 0
+        self._columns: Columns | None = None
+        self._tokens: tuple[int, ...] = ()
+        self._answered = self._faults = 0
         self.dropped = False
 
     def add(self, arguments: Row) -> bool:
@@ -71,6 +72,15 @@ class Batch:
             self.bytes += self._row_bytes
         return self.bytes >= _BYTES or len(self._lengths) >= _CALLS
 
+    def add_columns(self, calls: Sequence[Row]) -> bool:
+        """Makes it of all of these, where they go by columns; otherwise adds none."""
+        self._columns = _columns(calls)
+        if self._columns is None:
+            return False
+        self._lengths = [len(self._columns)] * len(calls)
+        self.bytes = sum(column.nbytes for column in self._columns)
+        return True
+
     @property
     def calls(self) -> int:
         return len(self._lengths)
@@ -84,45 +94,56 @@ class Batch:
         self._encoded.append(codec.encode(arguments, frames.QUESTION_LIMITS))
         self.bytes += len(self._encoded[-1])
 
-    def payload(self, wall: float | None, faults: int) -> bytes:
+    @property
+    def random(self) -> int:
+        """Bytes that its tokens are made of: its own, then one for each call."""
+        return frames.TOKEN * (1 + self.calls)
+
+    def payload(self, wall: float | None, faults: int, random: bytes) -> bytes:
         """Its frame; the program stops by itself after so many faults. Without `wall`, the time that the
-        question before has left is this one's."""
+        question before has left is this one's. What is `random` has served nothing else."""
         self._faults = faults
-        tokens = os.urandom(8 * self.calls)
-        kept = self._lengths if self.return_arguments else [None] * self.calls
-        self._waiting = deque(zip(struct.unpack(f"<{self.calls}Q", tokens), kept, strict=True))
-        shared = self.return_arguments, faults, wall, self.function
-        head = frames.framed(self.token, frames.CALLS, codec.encode(shared, frames.QUESTION_LIMITS))
-        return frames.framed(
-            self.token, frames.CALLS, b"".join((head, frames.framed(0, frames.TOKENS, tokens), *self._parts()))
+        self.token, *_ = frames.tokens(random[: frames.TOKEN])
+        tokens = random[frames.TOKEN :]
+        self._tokens = frames.tokens(tokens)
+        parts = (
+            frames.framed(0, frames.SHARED, frames.shared(self.function, wall, faults, keeping=self.return_arguments)),
+            frames.framed(0, frames.TOKENS, tokens),
+            *self._parts(),
         )
+        return frames.framed(self.token, frames.CALLS, b"".join(parts))
 
     def _parts(self) -> Iterator[bytes]:
         for row in self._encoded:
             yield frames.framed(0, frames.ARGUMENTS, row)
-        if self._shapes is not None:
-            transposed = zip(*self._rows, strict=True)
-            columns = tuple(_column(*pair) for pair in zip(self._shapes, transposed, strict=True))
+        columns = _columns(self._rows) if self._rows else self._columns
+        if columns is not None:
             yield frames.framed(0, frames.COLUMNS, codec.encode(columns, frames.QUESTION_LIMITS))
 
     @property
     def waits(self) -> bool:
         """Are there answers to come?"""
-        return bool(self._waiting) and self._faults > 0
+        return self._answered < len(self._tokens) and self._faults > 0
 
-    def plain(self, most: int) -> Iterator[int]:
-        """The tokens of so many answers to come, but for the last, where these hold nothing but what is returned."""
-        before_last = 0 if self.return_arguments or self._faults <= 0 else max(len(self._waiting) - 1, 0)
-        return (token for token, _ in islice(self._waiting, min(most, before_last)))
+    @property
+    def plain(self) -> tuple[int, ...]:
+        """The tokens of the answers to come, where these hold nothing but what is returned."""
+        return () if self.return_arguments or self._faults <= 0 else self._tokens[self._answered :]
+
+    @property
+    def end(self) -> bytes:
+        """What comes after the last answer."""
+        return frames.framed(self.token, frames.DONE, b"")
 
     def came(self, answers: int) -> None:
         """So many have come."""
-        for _ in range(answers):
-            self._waiting.popleft()
+        self._answered += answers
 
     def next(self) -> tuple[int, int | None]:
         """Token of the next answer, and how many arguments must come back with it (None: they were not asked for)."""
-        return self._waiting.popleft()
+        place = self._answered
+        self._answered += 1
+        return self._tokens[place], self._lengths[place] if self.return_arguments else None
 
     def fault(self) -> None:
         """The answer that has come is a fault."""
@@ -142,10 +163,23 @@ def _shapes(arguments: Row) -> Shapes | None:
     return tuple(shapes) or None
 
 
-def _column(shape: tuple[int, ...], column: tuple[Array, ...] | tuple[float, ...]) -> Array:
-    if not shape:
-        return np.array(column)
-    return np.concatenate(column).reshape(len(column), *shape)
+def _columns(calls: Sequence[Row]) -> Columns | None:
+    """Of each argument, all of its values; None where they are not all floats, or arrays of floats of one shape."""
+    if not calls or len(set(map(len, calls))) > 1:
+        return None
+    columns: list[Array] = []
+    for column in zip(*calls, strict=True):
+        kinds = set(map(type, column))
+        if kinds == {float}:
+            columns.append(np.array(column))
+            continue
+        if kinds != {np.ndarray} or len(set(map(_FORM, column))) > 1:
+            return None
+        dtype, shape = _FORM(column[0])
+        if dtype != _FLOATS or not 0 < len(shape) < MAX_DIMENSIONS:
+            return None
+        columns.append(np.concatenate(column).reshape(len(column), *shape))
+    return tuple(columns) or None
 
 
 def batches(function: str, calls: Iterable[Row], *, return_arguments: bool) -> Iterator[Batch]:
@@ -174,11 +208,11 @@ class Parcel:
 
     def payload(self, wall: float | None) -> bytes:
         """What stands in one frame with other questions: the first has so much time, the others what is left of it."""
-        pieces = []
+        random, begin, pieces = os.urandom(sum(batch.random for _, batch in self.batches)), 0, []
         for number, batch in self.batches:
-            faults = self._asked[number].faults
-            pieces.append(batch.payload(wall, NO_END if faults is None else faults))
-            wall = None
+            faults, end = self._asked[number].faults, begin + batch.random
+            pieces.append(batch.payload(wall, NO_END if faults is None else faults, random[begin:end]))
+            wall, begin = None, end
         return b"".join(pieces)
 
 
@@ -193,6 +227,7 @@ def parcels(asked: Sequence[Calls]) -> Iterator[Parcel]:
 
 def _whole(asked: Calls) -> Batch:
     batch = Batch(asked.function, return_arguments=asked.return_arguments)
-    for arguments in asked.calls:
-        batch.add(arguments)
+    if not batch.add_columns(asked.calls):
+        for arguments in asked.calls:
+            batch.add(arguments)
     return batch

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -20,6 +21,8 @@ from server.sandbox.policy import Policy
 from server.sandbox.process import Child
 from server.sandbox.values import Calls, Followed, Kit, Reply, Usage, shelved
 
+#: Answers that come together, one or more, and the number of what has asked for them.
+Block = tuple[int, Sequence[Reply | ProgramFault]]
 _ANSWERS, _END = frozenset({frames.VALUE, frames.FAULT}), frozenset({frames.DONE})
 _STEPS = _ANSWERS | {frames.STEP}
 #: Pieces that a tracer tells: each step may come with a call that it enters, and each reason why something is missing.
@@ -50,7 +53,7 @@ class Session(Conversation):
         self._printed, self._cut = "", False
         self.functions: frozenset[str] = frozenset()
         #: The answers to what was asked together with the file.
-        self.ahead: Iterator[tuple[int, Reply | ProgramFault]] = iter(())
+        self.ahead: Iterator[Block] = iter(())
 
     def load(
         self,
@@ -156,10 +159,10 @@ class Session(Conversation):
             return self._answers(asked, NO_END if faults is None else faults)
         return iter((self._missing(function),))
 
-    def together(self, asked: Sequence[Calls]) -> Iterator[tuple[int, Reply | ProgramFault]]:
-        """Asks several of these at once; gives each answer as it comes, with the number of what has asked for it.
+    def together(self, asked: Sequence[Calls]) -> Iterator[Block]:
+        """Asks several of these at once; gives the answers as they come, with the number of what has asked for them.
 
-        For each, as `call_many`. Nothing comes after a fatal fault. Raises SandboxFault when the fault is ours.
+        Several that are here together are given together. For each, as `call_many`. Nothing comes after a fatal fault. Raises SandboxFault when the fault is ours.
         """
         self._must_be_open()
         return self._together(None, parcels(asked))
@@ -214,8 +217,9 @@ class Session(Conversation):
             for batch in asked:
                 self._ask(batch, faults)
                 while batch.waits:
-                    for value in self._here(batch):
-                        yield Reply(value, None)
+                    if here := self._here(batch):
+                        yield from [Reply(value, None) for value in here]
+                        continue
                     answer = self._next(batch)
                     faults -= isinstance(answer, ProgramFault)
                     yield answer
@@ -227,7 +231,7 @@ class Session(Conversation):
         except TemplateFault as error:
             raise SandboxFault(str(error)) from error
 
-    def _together(self, sent: Parcel | None, more: Iterator[Parcel]) -> Iterator[tuple[int, Reply | ProgramFault]]:
+    def _together(self, sent: Parcel | None, more: Iterator[Parcel]) -> Iterator[Block]:
         """The answers to a parcel that has been sent, then to those that are still to be."""
         number = 0
         try:
@@ -237,21 +241,22 @@ class Session(Conversation):
                     self._send(parcel)
                 for number, batch in parcel.batches:
                     if batch.function not in self.functions:
-                        yield number, self._missing(batch.function)
+                        yield number, (self._missing(batch.function),)
                         continue
                     while batch.waits:
-                        for value in self._here(batch):
-                            yield number, Reply(value, None)
-                        yield number, self._next(batch)
+                        if here := self._here(batch):
+                            yield number, [Reply(value, None) for value in here]
+                        else:
+                            yield number, (self._next(batch),)
                     _must_be_whole(batch)
         except ProgramFault as fatal:
-            yield number, fatal
+            yield number, (fatal,)
         except TemplateFault as error:
             raise SandboxFault(str(error)) from error
 
     def _ask(self, batch: Batch, faults: int) -> None:
         self._drop_what_waits()
-        self._say(batch.payload(self._left, faults))
+        self._say(batch.payload(self._left, faults, os.urandom(batch.random)))
         self._asked.append(batch)
 
     def _send(self, parcel: Parcel) -> None:
@@ -291,14 +296,14 @@ class Session(Conversation):
             self._hear(batch.token, _END)
         return answer
 
-    def _here(self, batch: Batch) -> list[Value]:
-        """What the next answers return, as far as they are here and of the form of the last one. There is one more."""
+    def _here(self, batch: Batch) -> Sequence[Value]:
+        """What the next answers return, as far as they are here and of the form of the last one."""
         self._must_be_open()
-        if self._fatal:
-            return []
+        if self._fatal or not (tokens := batch.plain):
+            return ()
         form = self._alike
         most = min(self._items_left // max(form.items, 1), self._bytes_left // max(form.bytes, 1))
-        values = self._child.wire.alike(batch.plain(most), frames.VALUE, form)
+        values = self._child.wire.alike(tokens, frames.VALUE, form, batch.end, most)
         batch.came(len(values))
         self._items_left -= len(values) * form.items
         self._bytes_left -= len(values) * form.bytes

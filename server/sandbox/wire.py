@@ -5,7 +5,7 @@ from __future__ import annotations
 import select
 import socket
 import time
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 from server.sandbox.alike import Alike
 from server.sandbox.child.codec import Value
@@ -79,21 +79,20 @@ class Wire:
         self._at += end
         return kind, payload
 
-    def alike(self, tokens: Iterable[int], kind: int, form: Alike) -> list[Value]:
-        """The values of the answers that are here already, as long as they have this form and carry these tokens."""
-        values: list[Value] = []
-        held, at, header, here = self._held, self._at, HEADER.size, len(self._held)
-        for token in tokens:
-            begins = at + header
-            if begins > here:
-                break
-            length, given, came = HEADER.unpack_from(held, at)
-            ends = begins + length
-            if given != token or came != kind or ends > here or not form.fits(held, begins, ends):
-                break
-            values.append(form.numbers(held, begins))
-            at = ends
-        self._at = at
+    def alike(self, tokens: Sequence[int], kind: int, form: Alike, end: bytes, most: int) -> Sequence[Value]:
+        """The values of the answers that are here already, as long as they have this form and carry these tokens: so
+        many at most.
+
+        With the last of them comes the `end`: it is not among them where that is not here, or is another.
+        """
+        values = form.values(self._held, self._at, tokens[:most], kind)
+        after = self._at + len(values) * (HEADER.size + form.bytes)
+        if values and len(values) == len(tokens):
+            if self._held.startswith(end, after):
+                after += len(end)
+            else:
+                values, after = values[:-1], after - HEADER.size - form.bytes
+        self._at = after
         return values
 
     @property

@@ -21,7 +21,7 @@ from graders.core.code.runner import Runner
 from graders.core.code.simplifying import run_alone
 from graders.core.compare.words import to_jsonable
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Foreseen, KitSettings, Program, Programs, Reply, StudentFault
+from graders.core.contract.program import Answer, Block, Foreseen, KitSettings, Program, Programs, Reply, StudentFault
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, Value
 
@@ -156,11 +156,12 @@ class _NotedProgram:
             self._answered(function, asked, answer)
             yield answer
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
         noted = [deque((args, self._noted.note(one.function, args, self._kit)) for args in one.calls) for one in asked]
-        for number, answer in self._program.together(asked):
-            self._answered(asked[number].function, noted[number], answer)
-            yield number, answer
+        for number, answers in self._program.together(asked):
+            for answer in answers:
+                self._answered(asked[number].function, noted[number], answer)
+            yield number, answers
 
     def _answered(self, function: str, asked: deque[tuple[Arguments, Case | None]], answer: Answer) -> None:
         """The answer to the first of these."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Collection, Iterator, Sequence
 
-from graders.core.contract.program import Answer, Foreseen, Program, StudentFault
+from graders.core.contract.program import Answer, Block, Foreseen, Program, StudentFault
 
 
 class Ahead:
@@ -14,7 +14,7 @@ class Ahead:
     def __init__(self) -> None:
         self._plan: Sequence[Foreseen] = ()
         self._asked: Sequence[Foreseen] = ()
-        self._coming: Iterator[tuple[int, Answer]] | None = None
+        self._coming: Iterator[Block] | None = None
         self._reached = 0
         self._places: dict[Foreseen, int] = {}
         self._ready: dict[Foreseen, deque[Answer]] = {}
@@ -50,18 +50,19 @@ class Ahead:
         return self._coming is not None
 
     def take_in(self) -> StudentFault | None:
-        """The next answer, put where it is awaited; returned when it is the last of its program."""
+        """The next answers, put where they are awaited; returned when the last of its program is among them."""
         assert self._coming is not None
         came = next(self._coming, None)
         if came is None:
             self._coming = None
             return None
-        self._reached, answer = came
-        self._ready[self._asked[self._reached]].append(answer)
-        if not isinstance(answer, StudentFault) or not answer.fatal:
+        self._reached, answers = came
+        self._ready[self._asked[self._reached]].extend(answers)
+        last = answers[-1]
+        if not isinstance(last, StudentFault) or not last.fatal:
             return None
         self.lose()
-        return answer
+        return last
 
     def lose(self) -> None:
         """The program is gone: what it has not come to is as if it had never been asked."""

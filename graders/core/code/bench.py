@@ -17,7 +17,7 @@ import numpy as np
 
 from graders.core.code.runner import Observation, Runner
 from graders.core.contract.findings import FigureData
-from graders.core.contract.program import Answer, Foreseen, KitSettings, Program, StudentFault
+from graders.core.contract.program import Answer, Foreseen, KitSettings, Program, StudentFault, each
 from graders.core.contract.values import Arguments, Value, kept
 
 Turn = tuple[str, Arguments, Iterator[Answer]]
@@ -155,7 +155,7 @@ class Bench:
         with self.runner.other(kit, ahead) as program:
             bench = Bench(self.check, self.runner, self.rng, kit, program, _count=self._count)
             if ahead:
-                bench.foreseen, bench._first = ahead, program.together(ahead)
+                bench.foreseen, bench._first = ahead, each(program.together(ahead))
             yield bench
 
 

@@ -22,7 +22,7 @@ from graders.core.code.packed import Packed
 from graders.core.code.probes import Fault, Probes, Rule, Seen, Shown, same_seen, seen
 from graders.core.code.runner import Runner
 from graders.core.compare.slips import SLIPS
-from graders.core.contract.program import Foreseen, KitSettings, StudentFault
+from graders.core.contract.program import Foreseen, KitSettings, StudentFault, each
 
 #: The slips of a function that answers the same input otherwise the second time: by what it keeps, or by chance.
 MEMORY, CHANCE = "memoire", "hasard"
@@ -178,7 +178,7 @@ def _told(runner: Runner, asked: Sequence[Probes], kit: KitSettings, deadline: f
     ahead = [Foreseen(asked[place].function, (*asked[place].calls, asked[place].calls[0])) for place in still]
     try:
         with runner.other(kit, ahead) as program:
-            for number, answer in program.together(ahead):
+            for number, answer in each(program.together(ahead)):
                 place, function = still[number], ahead[number].function
                 runner.note(program, function, answer)
                 if time.monotonic() > deadline or (isinstance(answer, StudentFault) and answer.fatal):

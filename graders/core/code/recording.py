@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 from graders.core.contract.local import LOCAL, LocalProgram
-from graders.core.contract.program import Answer, Foreseen, KitSettings, Program, Reply, in_turn
+from graders.core.contract.program import Answer, Block, Foreseen, KitSettings, Program, Reply, in_turn
 from graders.core.contract.values import Arguments, Value
 
 #: How many calls of one function are written down.
@@ -51,7 +51,7 @@ class _Recording:
             self._recorder.note(self._kit, function, args)
         return self._program.call_many(function, noted, faults=faults)
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
         return in_turn(self, asked)
 
     def stdout(self) -> str:

@@ -18,7 +18,7 @@ import graders
 from graders.core.contract.earlier import NAME, Earlier
 from graders.core.contract.kits import PLAIN, kits_of, module_name
 from graders.core.contract.outcomes import Outcome
-from graders.core.contract.program import Answer, Foreseen, KitSettings, Reply, StudentFault, in_turn, one_by_one
+from graders.core.contract.program import Answer, Block, Foreseen, KitSettings, Reply, StudentFault, in_turn, one_by_one
 from graders.core.contract.values import Arguments, Value
 
 #: Among the names that a kit gives, its drivers: how a call of some names of the file is made, by these names.
@@ -137,7 +137,7 @@ class LocalProgram:
     def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
         return one_by_one(self, function, calls, faults)
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
         return in_turn(self, asked)
 
     def stdout(self) -> str:

@@ -58,6 +58,8 @@ class StudentFault(Exception):
 
 
 Answer = Reply | StudentFault
+#: Answers that have come together, one or more: all to the one of those asked that has this number.
+Block = tuple[int, Sequence[Answer]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,10 +93,10 @@ class Program(Protocol):
         """
         ...
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
         """The answers to several of these in order, each with the number of what has asked for it.
 
-        Of each, those that `call_many` would give; none after a fatal fault.
+        Of each, those that `call_many` would give; none after a fatal fault, which comes alone.
         """
         ...
 
@@ -103,11 +105,18 @@ class Program(Protocol):
     def close(self) -> None: ...
 
 
-def in_turn(program: Program, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+def each(blocks: Iterator[Block]) -> Iterator[tuple[int, Answer]]:
+    """The answers one by one."""
+    for number, answers in blocks:
+        for answer in answers:
+            yield number, answer
+
+
+def in_turn(program: Program, asked: Sequence[Foreseen]) -> Iterator[Block]:
     """`Program.together` where nothing is won by it: each call is made when its answer is taken."""
     for number, one in enumerate(asked):
         for answer in one_by_one(program, one.function, one.calls, one.faults, keeping=one.keeping):
-            yield number, answer
+            yield number, (answer,)
             if isinstance(answer, StudentFault) and answer.fatal:
                 return
 

@@ -11,7 +11,7 @@ from graders.core.code.grading import CodeGrader
 from graders.core.compare import words
 from graders.core.contract.findings import FigureData
 from graders.core.contract.local import LOCAL, LocalProgram
-from graders.core.contract.program import Answer, Foreseen, KitSettings, Program, Reply, in_turn
+from graders.core.contract.program import Answer, Block, Foreseen, KitSettings, Program, Reply, in_turn
 from graders.core.contract.streams import stream
 from graders.core.contract.values import Arguments, Value
 
@@ -98,7 +98,7 @@ class _Seen:
             self._seen.note(function, args, answer)
             yield answer
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
         return in_turn(self, asked)
 
     def stdout(self) -> str:

@@ -3,7 +3,7 @@
 A question carries a fresh random token and its answer must carry it back, so that an answer written before its
 question, or twice, cannot pass for one. The payload is a value of `codec`, but for two kinds that hold frames:
 
-CALLS is a batch: a frame that tells what holds of all its calls, their TOKENS, then either their arguments in COLUMNS,
+CALLS is a batch: what is SHARED by all its calls, their TOKENS, then either their arguments in COLUMNS,
 one array for each argument, or a frame of ARGUMENTS for each call. Its answers come in that order, each as
 soon as it is known, then DONE with the token of the batch.
 
@@ -15,15 +15,19 @@ TRACE is a call that is followed line by line: its answer comes after as many ST
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Iterator
 
 from .plain import Limits
 
 HEADER = struct.Struct("<IQB")
+TOKEN = 8
+#: Whether arguments come back, the faults that end a batch, the seconds that it has; then the name of the function.
+_SHARED = struct.Struct("<?Id")
 
-#: From the trusted side. TOKENS, ARGUMENTS and COLUMNS are parts of a batch of CALLS.
-CONFIGURE, LOAD, CALLS, TOKENS, ARGUMENTS, COLUMNS, TOGETHER, TRACE = 1, 2, 3, 4, 5, 6, 7, 8
+#: From the trusted side. SHARED, TOKENS, ARGUMENTS and COLUMNS are parts of a batch of CALLS.
+CONFIGURE, LOAD, CALLS, TOKENS, ARGUMENTS, COLUMNS, TOGETHER, TRACE, SHARED = 1, 2, 3, 4, 5, 6, 7, 8, 9
 #: From the child. READY, CONFIGURED and ANOMALY come before any line of the student runs, and are refused afterwards.
 READY, CONFIGURED, ANOMALY, VALUE, FAULT, DONE, STEP = 16, 17, 18, 19, 20, 21, 22
 
@@ -40,7 +44,18 @@ def framed(token: int, kind: int, payload: bytes) -> bytes:
 
 def tokens(part: bytes) -> tuple[int, ...]:
     """Those of TOKENS."""
-    return struct.unpack(f"<{len(part) // 8}Q", part)
+    return struct.unpack(f"<{len(part) // TOKEN}Q", part)
+
+
+def shared(function: str, wall: float | None, faults: int, *, keeping: bool) -> bytes:
+    """What holds of all calls of a batch; without `wall`, they have what the question before leaves."""
+    return _SHARED.pack(keeping, faults, math.nan if wall is None else wall) + function.encode()
+
+
+def told(part: bytes) -> tuple[str, float | None, int, bool]:
+    """Of what is SHARED: function, wall, faults, keeping."""
+    keeping, faults, wall = _SHARED.unpack_from(part)
+    return part[_SHARED.size :].decode(), None if math.isnan(wall) else wall, faults, keeping
 
 
 def parted(frames: bytes) -> Iterator[tuple[int, int, bytes]]:

@@ -153,8 +153,7 @@ class Child:
         """Answers the calls of a batch in order, each answer on its way before the next call begins."""
         end = self._token
         parts = frames.parted(batch)
-        shared: Any = codec.decode(next(parts)[2], QUESTION_LIMITS)
-        keeping, faults, wall, function = shared
+        function, wall, faults, keeping = frames.told(next(parts)[2])
         if not self._program.defines(function):
             return
         tokens, wall = frames.tokens(next(parts)[2]), self._wall if wall is None else wall
@@ -263,7 +262,7 @@ def loading(source: bytes) -> bytes:
 
 def calls(function: str, count: int, *arguments: bytes, keeping: bool = False) -> bytes:
     """So many of them; `arguments` are the frames that hold theirs."""
-    shared = _framed(4, frames.CALLS, _encoded((keeping, count + 1, 1000.0, function)))
+    shared = _framed(4, frames.SHARED, frames.shared(function, 1000.0, count + 1, keeping=keeping))
     return _framed(4, frames.CALLS, b"".join((shared, _framed(0, frames.TOKENS, bytes(8 * count)), *arguments)))
 
 

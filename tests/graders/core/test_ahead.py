@@ -21,6 +21,7 @@ from graders.core.contract.local import LocalProgram
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import (
     Answer,
+    Block,
     Foreseen,
     KitSettings,
     Program,
@@ -65,7 +66,7 @@ class _Watched:
     def call_many(self, function: str, calls: Iterable[Any], *, faults: int | None = None) -> Iterator[Answer]:
         return one_by_one(self, function, calls, faults)
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
         self._watched.exchanges += 1
         return in_turn(self, asked)
 

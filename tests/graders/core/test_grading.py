@@ -22,6 +22,7 @@ from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import (
     Answer,
+    Block,
     Foreseen,
     KitSettings,
     Program,
@@ -191,7 +192,7 @@ class Dying:
     def call_many(self, function: str, calls: Iterable[Any], *, faults: int | None = None) -> Iterator[Answer]:
         return one_by_one(self, function, calls, faults)
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
         return in_turn(self, asked)
 
     def stdout(self) -> str:
