@@ -17,7 +17,7 @@ class Ahead:
         self._coming: Iterator[Block] | None = None
         self._reached = 0
         self._places: dict[Foreseen, int] = {}
-        self._ready: dict[Foreseen, deque[Answer]] = {}
+        self._ready: dict[Foreseen, deque[Sequence[Answer]]] = {}
 
     def foresee(self, plan: Sequence[Foreseen]) -> None:
         """Begins anew: what was foreseen before has been asked and taken, or never will be."""
@@ -37,8 +37,8 @@ class Ahead:
         self._places = {one: place for place, one in enumerate(asked)}
         self._ready |= {one: deque() for one in asked}
 
-    def ready(self, asked: Foreseen) -> deque[Answer] | None:
-        """The answers that are there; None where nothing was asked."""
+    def ready(self, asked: Foreseen) -> deque[Sequence[Answer]] | None:
+        """The answers that are there, as they came together; None where nothing was asked."""
         return self._ready.get(asked)
 
     def awaits(self, asked: Foreseen) -> bool:
@@ -57,7 +57,7 @@ class Ahead:
             self._coming = None
             return None
         self._reached, answers = came
-        self._ready[self._asked[self._reached]].extend(answers)
+        self._ready[self._asked[self._reached]].append(answers)
         last = answers[-1]
         if not isinstance(last, StudentFault) or not last.fatal:
             return None

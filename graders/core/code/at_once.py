@@ -11,34 +11,33 @@ import numpy as np
 
 from graders.core.compare.comparison import WELL_BEYOND, WELL_WITHIN, Comparator, OfRows
 from graders.core.contract.program import Answer, Foreseen, Reply
-from graders.core.contract.values import Arguments, Value
+from graders.core.contract.values import Value
 
 #: Numbers in an answer that may wait to be judged with others.
 PLAIN = 2500
-Answered = tuple[Arguments, Answer]
 
 
-def plain_answers(answers: Iterator[Answered]) -> list[Answered]:
-    """The answers up to the first that is not plain, with that: none costs much to keep."""
-    plain = []
-    for answered in answers:
-        plain.append(answered)
-        if not _is_plain(answered[1]):
+def plain_answers(blocks: Iterator[Sequence[Answer]]) -> list[Answer]:
+    """The answers up to the first that is not plain, with those that have come with it: none costs much to keep."""
+    plain: list[Answer] = []
+    for answers in blocks:
+        plain += answers
+        if not all(map(_is_plain, answers)):
             break
     return plain
 
 
 def seen_at_once(
-    asked: Foreseen, plain: Sequence[Answered], expected: Callable[..., Value], compare: Comparator
+    asked: Foreseen, answers: Sequence[Answer], expected: Callable[..., Value], compare: Comparator
 ) -> Sequence[bool | None]:
-    """Which of all the answers can be seen to be right, or wrong; None for one that must be judged by itself.
+    """Which of all the answers, if they are there, can be seen to be right, or wrong; None for one that must be judged by itself.
 
     Empty where they must all be. `expected` takes arrays, one case a row.
     """
-    if not isinstance(compare, OfRows) or not 0 < len(asked.calls) == len(plain) or not _is_plain(plain[-1][1]):
+    if not isinstance(compare, OfRows) or not 0 < len(asked.calls) == len(answers) or not all(map(_is_plain, answers)):
         return ()
-    values = [value_of(answer) for _, answer in plain]
-    if len(set(map(np.shape, values))) > 1:
+    values = list(map(value_of, answers))
+    if len({value.shape if isinstance(value, np.ndarray) else () for value in values}) > 1:
         return ()
     wanted = np.asarray(expected(*map(np.array, zip(*asked.calls, strict=True))))
     got = np.array(values)

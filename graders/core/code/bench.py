@@ -86,9 +86,15 @@ class Bench:
         """
         if self.runner.reenacting:
             return []
-        answers = [answer for _, answer in self.answers(asked)]
+        answers = list(itertools.chain.from_iterable(self.blocks(asked)))
         self._taken.append((asked, answers))
         return answers
+
+    def blocks(self, asked: Foreseen) -> Iterator[Sequence[Answer]]:
+        """The answers alone, with those together that have come together."""
+        if self.program is None:
+            return self.runner.blocks(asked)
+        return ((answer,) for _, answer in self.answers(asked))
 
     def answers(self, asked: Foreseen) -> Iterator[tuple[Arguments, Answer]]:
         """The arguments and the answer of each call, whether it was foreseen or is made now."""

@@ -227,13 +227,16 @@ class Cases(Check):
     def run(self, bench: Bench) -> None:
         first: Failure | None = None
         asked = foreseen_of(self, bench)[-1]
-        answers = bench.answers(asked)
-        plain = plain_answers(answers) if self.rows else []
-        at_once = seen_at_once(asked, plain, self.expected, self.compare) if plain else ()
+        blocks = bench.blocks(asked)
+        plain = plain_answers(blocks) if self.rows else []
+        at_once = seen_at_once(asked, plain, self.expected, self.compare)
         if at_once and all(at_once):
-            bench.observe_right(self.function, [value_of(answer) for _, answer in plain])
+            bench.observe_right(self.function, list(map(value_of, plain)))
             return
-        for (args, answer), right in itertools.zip_longest(itertools.chain(plain, answers), at_once):
+        answers = itertools.chain(plain, itertools.chain.from_iterable(blocks))
+        judged = itertools.chain(at_once, itertools.repeat(None))
+        for args, answer, right in zip(asked.calls, answers, judged, strict=False):
+            bench.last_call = (self.function, args)
             failure = self._judged(args, answer) if right is None or not (right or first) else None
             if isinstance(answer, StudentFault):
                 bench.observe(self.function, None, ok=False, fault=answer)

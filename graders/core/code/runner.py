@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
@@ -115,25 +116,36 @@ class Runner:
 
     def answers(self, asked: Foreseen) -> Iterator[Answer]:
         """The answers of the main program to what may have been foreseen, as the calls made now would give them."""
+        return itertools.chain.from_iterable(self.blocks(asked))
+
+    def blocks(self, asked: Foreseen) -> Iterator[Sequence[Answer]]:
+        """As `answers`, with those together that have come together; a fatal one is alone.
+
+        Nothing is waited for beyond the answer to the last of the calls.
+        """
         if self._refused(asked.function) or not self._ahead.foresees(asked):
-            yield from self._asked_now(asked)
+            for answer in itertools.islice(self._asked_now(asked), len(asked.calls)):
+                yield (answer,)
             return
         try:
             ready = self._ahead.ready(asked)
             ready = self._asked_with_the_rest(asked) if ready is None else ready
         except StudentFault as fault:
             self._mourn(None, asked.function, fault)
-            yield fault
+            yield (fault,)
             return
-        while ready or self._ahead.awaits(asked):
+        left = len(asked.calls)
+        while left and (ready or self._ahead.awaits(asked)):
             if not ready:
                 self._take_in()
                 continue
-            answer = ready.popleft()
-            if isinstance(answer, StudentFault) and answer.fatal:
-                self._dead[asked.function] = answer
-            self._told += 1
-            yield answer
+            answers = ready.popleft()
+            last = answers[-1]
+            if isinstance(last, StudentFault) and last.fatal:
+                self._dead[asked.function] = last
+            self._told += len(answers)
+            left -= len(answers)
+            yield answers
 
     def _asked_now(self, asked: Foreseen) -> Iterator[Answer]:
         if not asked.keeping:
@@ -145,7 +157,7 @@ class Runner:
             except StudentFault as fault:
                 yield fault
 
-    def _asked_with_the_rest(self, asked: Foreseen) -> deque[Answer]:
+    def _asked_with_the_rest(self, asked: Foreseen) -> deque[Sequence[Answer]]:
         self._settle()
         together = self._ahead.from_here(asked, self._dead)
         self._ahead.begin(self._program or self._launched(together), together)

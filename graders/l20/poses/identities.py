@@ -70,10 +70,10 @@ def _sides(bench: Bench, asked: Sequence[Foreseen]) -> Sequence[tuple[Floats, Fl
     triples: Sequence[Triple] = asked[0].about
     inner = [list(_poses(triples, bench.ahead(one))) for one in asked]
     outer = bench.ahead(Foreseen("composer", _outer(triples, inner), faults=1))
-    found = list(map(_pose_of, outer))
-    if len(found) < 4 * len(triples) or any(one is None for one in found):
+    found = _all_poses(outer)
+    if len(found) < 4 * len(triples):
         return None
-    back, there, one_way, other_way = np.array(found).reshape(4, len(triples), 3)
+    back, there, one_way, other_way = found.reshape(4, len(triples), 3)
     return [(back, np.zeros_like(back)), (there, np.array([b for _, b, _ in triples])), (one_way, other_way)]
 
 
@@ -86,6 +86,17 @@ def _outer(triples: Sequence[Triple], inner: Sequence[Sequence[tuple[Triple, Flo
         *((got, c) for (_, _, c), got in left),
         *((a, got) for (a, _, _), got in right),
     ]
+
+
+def _all_poses(answers: Sequence[Answer]) -> Floats:
+    """Those of answers that all are poses (n, 3), or none."""
+    values = list(map(value_of, answers))
+    if all(type(one) is np.ndarray and one.dtype == np.float64 and one.shape == (3,) for one in values):
+        found: Floats = np.array(values).reshape(-1, 3)
+        if np.isfinite(found).all() and (np.abs(found[:, 2]) <= math.pi).all():
+            return found
+    poses = [one for answer in answers if (one := _pose_of(answer)) is not None]
+    return np.array(poses if len(poses) == len(answers) else []).reshape(-1, 3)
 
 
 def _poses(triples: Sequence[Triple], answers: Sequence[Answer]) -> Iterator[tuple[Triple, Floats]]:
