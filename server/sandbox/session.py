@@ -162,7 +162,8 @@ class Session(Conversation):
     def together(self, asked: Sequence[Calls]) -> Iterator[Block]:
         """Asks several of these at once; gives the answers as they come, with the number of what has asked for them.
 
-        Several that are here together are given together. For each, as `call_many`. Nothing comes after a fatal fault. Raises SandboxFault when the fault is ours.
+        Several that are here together are given together. For each, as `call_many`. Nothing comes after a fatal fault.
+        Raises SandboxFault when the fault is ours.
         """
         self._must_be_open()
         return self._together(None, parcels(asked))

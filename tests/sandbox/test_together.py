@@ -9,9 +9,9 @@ import pytest
 
 from server.sandbox import Calls, FaultKind, ProgramFault, Reply, Sandbox, Value
 from server.sandbox.alike import Alike
-from server.sandbox.session import Block
 from server.sandbox.child import codec
 from server.sandbox.child.codec import Limits, encode
+from server.sandbox.session import Block
 
 from .limits import FAR
 

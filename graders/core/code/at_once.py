@@ -30,9 +30,9 @@ def plain_answers(blocks: Iterator[Sequence[Answer]]) -> list[Answer]:
 def seen_at_once(
     asked: Foreseen, answers: Sequence[Answer], expected: Callable[..., Value], compare: Comparator
 ) -> Sequence[bool | None]:
-    """Which of all the answers, if they are there, can be seen to be right, or wrong; None for one that must be judged by itself.
+    """Which of all the answers are seen to be right, or wrong; None for one that must be judged by itself.
 
-    Empty where they must all be. `expected` takes arrays, one case a row.
+    Empty where they must all be, or are not all there. `expected` takes arrays, one case a row.
     """
     if not isinstance(compare, OfRows) or not 0 < len(asked.calls) == len(answers) or not all(map(_is_plain, answers)):
         return ()
