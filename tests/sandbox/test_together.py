@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import socket
+import time
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
 
 from server.sandbox import Calls, FaultKind, ProgramFault, Reply, Sandbox, Value
 from server.sandbox.alike import Alike
-from server.sandbox.child import codec
-from server.sandbox.child.codec import Limits, encode
+from server.sandbox.child import codec, frames
+from server.sandbox.child.codec import Limits, TooBig, Unsendable, encode, encode_returned
+from server.sandbox.child.frames import framed
 from server.sandbox.session import Block
+from server.sandbox.wire import Wire
 
 from .limits import FAR
 
@@ -178,6 +182,69 @@ def test_an_answer_of_the_last_one_s_form_reads_as_the_decoder_does() -> None:
                     assert repr(decoded) == repr((read, None))
                     assert not isinstance(read, np.ndarray) or (read.flags.c_contiguous and read.flags.writeable)
     assert alike.read(encode((1.0, (1,)), LIMITS)) is None
+
+
+@pytest.mark.parametrize("shape", [None, (3,), (2, 3)])
+def test_answers_that_are_here_are_taken_in_up_to_the_first_that_is_another(shape: tuple[int, ...] | None) -> None:
+    values: list[Value] = [float(k) if shape is None else np.full(shape, float(k)) for k in range(6)]
+    answers = [encode((one, None), LIMITS) for one in values]
+    sound = [framed(10 + k, frames.VALUE, answer) for k, answer in enumerate(answers)]
+    assert _taken_in([*sound, END]) == repr(values[1:])
+    for place in range(1, 7):
+        strange = [b"", sound[place - 1], END, sound[place % 6][:-1], framed(10 + place, frames.FAULT, answers[0])]
+        strange += [framed(7, frames.VALUE, b""), framed(10 + place, frames.VALUE, encode((np.zeros(4), None), LIMITS))]
+        strange += [framed(10 + place, frames.VALUE, answers[0][:-1] + b"T"), framed(8, frames.DONE, b"")]
+        for other in strange[place == 6 :]:
+            if other != [*sound, END][place]:
+                # The last answer is taken in with what ends the batch, and with nothing else.
+                assert _taken_in([*sound[:place], other, *[*sound, END][place + 1 :]]) == repr(
+                    values[1 : min(place, 5)]
+                )
+    assert _taken_in(sound) == repr(values[1:5])
+
+
+END = framed(7, frames.DONE, b"")
+
+
+def _taken_in(came: list[bytes]) -> str:
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        theirs.sendall(b"".join(came))
+        wire, form = Wire(ours), Alike()
+        _, answer = wire.answer(10, frozenset({frames.VALUE}), 1 << 16, time.monotonic() + 60)
+        form.learn(answer, *codec.measured(answer, LIMITS))
+        values = list(wire.alike(range(11, 16), frames.VALUE, form, END, 100))
+        # What is left is what has not been given.
+        assert wire.holds is (b"".join(came[1 + len(values) :]) != (END if len(values) == 5 else b""))
+        return repr(values)
+
+
+def test_what_most_answers_are_is_encoded_as_all_others_are() -> None:
+    floats = np.arange(6.0)
+    values: list[Value] = [1.5, -0.0, np.nan, floats, floats.reshape(2, 3), floats.reshape(2, 3).T, floats[::2]]
+    values += [
+        floats[:0],
+        np.float64(2.5),
+        np.array(1.5),
+        floats.astype(">f8"),
+        floats.astype(np.float32),
+        3,
+        True,
+        None,
+        [1.0],
+    ]
+    values += [np.zeros((1,) * 9), np.ma.masked_array(floats)]
+    bounds = [LIMITS, *(Limits(size, 8, 1000) for size in range(70)), Limits(1 << 16, 1, 1000), Limits(1 << 16, 8, 2)]
+    for value in values:
+        for limits in bounds:
+            assert _outcome(encode_returned, value, limits) == _outcome(encode, (value, None), limits)
+
+
+def _outcome(encoded: Callable[[object, Limits], bytes], value: object, limits: Limits) -> object:
+    try:
+        return encoded(value, limits)
+    except (TooBig, Unsendable) as error:
+        return repr(error)
 
 
 def _mutants(data: bytes, rng: np.random.Generator) -> list[bytes]:

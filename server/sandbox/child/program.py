@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from . import drawing, last, library, report
-from .codec import Limits, TooBig, Unsendable, Value, encode
+from .codec import Limits, TooBig, Unsendable, Value, encode, encode_returned
 from .frames import FAULT_LIMITS
 from .kits import Kit, show
 from .tracer import Tracer
@@ -121,7 +121,7 @@ class Program:
     def call(self, function: str, arguments: tuple[Value, ...], *, return_arguments: bool) -> bytes:
         """Calls a name of the file; returns (value, arguments after the call or null), encoded."""
         value = self._guarded(lambda: self._called(function, arguments))
-        return self._encoded((value, arguments if return_arguments else None), function)
+        return self._encoded(value, arguments if return_arguments else None, function)
 
     def _called(self, function: str, arguments: tuple[Value, ...], /, **named: Value) -> Any:
         asked, driver = self._globals[function], self._drivers.get(function)
@@ -182,9 +182,11 @@ class Program:
                 self._free_reserve()
             raise Failure(report.describe(error, self._filename, self._lines)) from None
 
-    def _encoded(self, reply: object, function: str) -> bytes:
+    def _encoded(self, value: object, arguments: tuple[Value, ...] | None, function: str) -> bytes:
         try:
-            return encode(reply, self._limits)
+            if arguments is None:
+                return encode_returned(value, self._limits)
+            return encode((value, arguments), self._limits)
         except TooBig as error:
             kind = "output_limit" if error.what != "depth" else "invalid_output"
             raise Failure(_result_fault(kind, error.what, "", function, "")) from None

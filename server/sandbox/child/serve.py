@@ -82,6 +82,7 @@ class Child:
         granted = self._cpu_seconds
         self._wire, self._cpu_seconds = _NULL, 0.0  # of which no timer rings
         self._program.configure(None, {"seed": 0})
+        np.random.Generator(np.random.PCG64(0))  # as many kits make one
         for self._token, kind, question in frames.parted(_REHEARSED):
             self._obey(kind, question)
         self._wire, self._cpu_seconds = inner.WIRE, granted
