@@ -45,9 +45,8 @@ def identities(bench: Bench) -> None:
     asked = bench.foreseen or identity_calls(bench)
     triples = asked[0].about
     sides = None if bench.runner.reenacting else _sides(bench, asked)
-    if sides is not None and all(ON_BOTH_SIDES.surely(right, left) for left, right in sides):
-        for shown in zip(*(left for left, _ in sides), strict=True):
-            bench.observe_right("composer", shown)
+    if sides is not None and ON_BOTH_SIDES.surely(*(side.reshape(-1, 3) for side in reversed(sides))):
+        bench.observe_right("composer", list(sides[0].swapaxes(0, 1).reshape(-1, 3)))
         return
     call = partial(_pose_or_reject, bench)
     for a, b, c in triples:
@@ -61,8 +60,8 @@ def identities(bench: Bench) -> None:
         _hold(bench, law, {"a": a, "b": b, "c": c}, left, right)
 
 
-def _sides(bench: Bench, asked: Sequence[Foreseen]) -> Sequence[tuple[Floats, Floats]] | None:
-    """Both sides (n, 3) of the three identities, for all triples; None where an answer is not a pose.
+def _sides(bench: Bench, asked: Sequence[Foreseen]) -> tuple[Floats, Floats] | None:
+    """Both sides (3, n, 3) of the three identities, for all n triples; None where an answer is not a pose.
 
     What is to be asked of the poses that came back is asked once they have, all together: before, it would hold what a
     right program answers, in the student's own process.
@@ -74,7 +73,8 @@ def _sides(bench: Bench, asked: Sequence[Foreseen]) -> Sequence[tuple[Floats, Fl
     if len(found) < 4 * len(triples):
         return None
     back, there, one_way, other_way = found.reshape(4, len(triples), 3)
-    return [(back, np.zeros_like(back)), (there, np.array([b for _, b, _ in triples])), (one_way, other_way)]
+    wanted = np.array([b for _, b, _ in triples])
+    return np.array([back, there, one_way]), np.array([np.zeros_like(back), wanted, other_way])
 
 
 def _outer(triples: Sequence[Triple], inner: Sequence[Sequence[tuple[Triple, Floats]]]) -> Sequence[Arguments]:
