@@ -43,7 +43,7 @@ def wrap_angle(angle: float | NDArray[np.float64]) -> float | NDArray[np.float64
         return angle
     turns = np.ceil((angle - np.pi) / (2.0 * np.pi))
     # Rounding must not lead out of the interval.
-    return np.clip(angle - turns * (2.0 * np.pi), ABOVE_MINUS_PI, np.pi)
+    return np.minimum(np.maximum(angle - turns * (2.0 * np.pi), ABOVE_MINUS_PI), np.pi)
 
 
 def rotation(theta: float) -> Floats:
@@ -218,7 +218,7 @@ def _coordinates(argument: str, poses: ArrayLike) -> tuple[Floats, Floats, Float
     if values.ndim == 0 or values.shape[-1] != 3:
         raise PoseError(argument, f"has shape {values.shape}, not (3,) or (…, 3)")
     single = values.ndim == 1
-    if not (all(map(math.isfinite, values.tolist())) if single else np.all(np.isfinite(values))):
+    if not (all(map(math.isfinite, values.tolist())) if single else np.isfinite(values).all()):
         raise PoseError(argument, "holds a coordinate that is not finite")
     return (values[0], values[1], values[2]) if single else (values[..., 0], values[..., 1], values[..., 2])
 
@@ -243,4 +243,8 @@ def _covariance(argument: str, covariance: ArrayLike, size: int = 3) -> Floats:
 def _stack(*columns: Floats) -> Floats:
     if all(column.ndim == 0 for column in columns):
         return np.array(columns)
-    return np.stack(np.broadcast_arrays(*columns), axis=-1)
+    shapes = {column.shape for column in columns}
+    stacked = np.empty((*(shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)), len(columns)))
+    for place, column in enumerate(columns):
+        stacked[..., place] = column
+    return stacked

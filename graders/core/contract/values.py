@@ -159,7 +159,7 @@ def same_value(left: Value, right: Value, *, tolerance: float = 1e-7) -> bool:
     if isinstance(left, np.ndarray) and isinstance(right, np.ndarray):
         same_numbers = left.dtype == right.dtype == np.float64 and left.tobytes() == right.tobytes()
         if same_numbers or left.shape != right.shape:
-            return left.shape == right.shape
+            return bool(left.shape == right.shape)
     if isinstance(left, dict) and isinstance(right, dict):
         return left.keys() == right.keys() and all(same_value(left[k], right[k]) for k in left)
     if isinstance(left, str) or isinstance(right, str) or left is None or right is None:

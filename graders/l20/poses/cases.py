@@ -40,7 +40,7 @@ def simple_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
     yield pose(0, 0, -QUARTER), pose(1, 2, 0)
     for _ in range(4):
         x1, y1, x2, y2 = rng.integers(-4, 5, 4)
-        yield pose(x1, y1, -QUARTER), pose(x2 or 1, y2 or 2, float(rng.choice([0.0, QUARTER])))
+        yield pose(x1, y1, -QUARTER), pose(x2 or 1, y2 or 2, (0.0, QUARTER)[rng.integers(2)])
 
 
 def random_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
