@@ -125,15 +125,15 @@ class Batch:
         """Are there answers to come?"""
         return self._answered < len(self._tokens) and self._faults > 0
 
-    @property
-    def plain(self) -> tuple[int, ...]:
-        """The tokens of the answers to come, where these hold nothing but what is returned."""
-        return () if self.return_arguments or self._faults <= 0 else self._tokens[self._answered :]
+    def plain(self, most: int) -> tuple[int, ...]:
+        """The tokens of so many answers to come at most, where these hold nothing but what is returned."""
+        alone = not self.return_arguments and self._faults > 0
+        return self._tokens[self._answered : self._answered + most] if alone else ()
 
-    @property
-    def end(self) -> bytes:
-        """What comes after the last answer."""
-        return frames.framed(self.token, frames.DONE, b"")
+    def end(self, answers: int) -> bytes:
+        """What must come after so many answers: something if they are all that are to come."""
+        last = self._answered + answers == len(self._tokens)
+        return frames.framed(self.token, frames.DONE, b"") if last else b""
 
     def came(self, answers: int) -> None:
         """So many have come."""

@@ -300,11 +300,11 @@ class Session(Conversation):
     def _here(self, batch: Batch) -> Sequence[Value]:
         """What the next answers return, as far as they are here and of the form of the last one."""
         self._must_be_open()
-        if self._fatal or not (tokens := batch.plain):
+        form, wire = self._alike, self._child.wire
+        most = min(wire.room(form), self._items_left // max(form.items, 1), self._bytes_left // max(form.bytes, 1))
+        if self._fatal or not (tokens := batch.plain(most)):
             return ()
-        form = self._alike
-        most = min(self._items_left // max(form.items, 1), self._bytes_left // max(form.bytes, 1))
-        values = self._child.wire.alike(tokens, frames.VALUE, form, batch.end, most)
+        values = wire.alike(tokens, frames.VALUE, form, batch.end(len(tokens)))
         batch.came(len(values))
         self._items_left -= len(values) * form.items
         self._bytes_left -= len(values) * form.bytes

@@ -79,15 +79,18 @@ class Wire:
         self._at += end
         return kind, payload
 
-    def alike(self, tokens: Sequence[int], kind: int, form: Alike, end: bytes, most: int) -> Sequence[Value]:
-        """The values of the answers that are here already, as long as they have this form and carry these tokens: so
-        many at most.
+    def room(self, form: Alike) -> int:
+        """How many answers of this form may be here already."""
+        return (len(self._held) - self._at) // (HEADER.size + form.bytes) if form.bytes > 0 else 0
 
-        With the last of them comes the `end`: it is not among them where that is not here, or is another.
+    def alike(self, tokens: Sequence[int], kind: int, form: Alike, end: bytes) -> Sequence[Value]:
+        """The values of the answers that are here already, as long as they have this form and carry these tokens.
+
+        With the last of them comes the `end`, if any: it is not among them where that is not here, or is another.
         """
-        values = form.values(self._held, self._at, tokens[:most], kind)
+        values = form.values(self._held, self._at, tokens, kind)
         after = self._at + len(values) * (HEADER.size + form.bytes)
-        if values and len(values) == len(tokens):
+        if end and values and len(values) == len(tokens):
             if self._held.startswith(end, after):
                 after += len(end)
             else:

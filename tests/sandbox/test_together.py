@@ -213,7 +213,7 @@ def _taken_in(came: list[bytes]) -> str:
         wire, form = Wire(ours), Alike()
         _, answer = wire.answer(10, frozenset({frames.VALUE}), 1 << 16, time.monotonic() + 60)
         form.learn(answer, *codec.measured(answer, LIMITS))
-        values = list(wire.alike(range(11, 16), frames.VALUE, form, END, 100))
+        values = list(wire.alike(range(11, 16), frames.VALUE, form, END))
         # What is left is what has not been given.
         assert wire.holds is (b"".join(came[1 + len(values) :]) != (END if len(values) == 5 else b""))
         return repr(values)
