@@ -88,10 +88,10 @@ def test_a_right_program_is_asked_the_same_in_the_same_order(exercise: str) -> N
 class Together(_Watched):
     """Notes the answers whose numbers (two at least) lie in what another call of the same exchange is given."""
 
-    def together(self, asked: Sequence[Foreseen]) -> Iterator[tuple[int, Answer]]:
+    def together(self, asked: Sequence[Foreseen]) -> Iterator[Block]:
         given = [(place, set(telling(args))) for place, one in enumerate(asked) for args in one.calls]
         answers = list(in_turn(self, asked))
-        for (place, own), (answered, answer) in zip(given, answers, strict=True):
+        for (place, own), (answered, (answer,)) in zip(given, answers, strict=True):
             assert place == answered
             assert isinstance(answer, Reply)
             right = set(telling(answer.value)) - own
