@@ -212,7 +212,7 @@ HOSTILE = {
     "draws": "import random\ndef composer(a, b):\n    return [random.random()] * 3\n",
     "draws, otherwise": "from random import random\ndef composer(a, b):\n    x = random()\n    return (x, x, x)\n",
     "draws from elsewhere": "import os\ndef composer(a, b):\n    return [float(int.from_bytes(os.urandom(6)))] * 3\n",
-    "tells the time": "import time\ndef composer(a, b):\n    return [time.perf_counter()] * 3\n",
+    "tells the time": "import time\ndef composer(a, b):\n    return [float(time.perf_counter_ns() % 10**6)] * 3\n",
     "huge": "def composer(a, b):\n    return np.zeros(10**5)\n",
     "huge, otherwise": "def composer(a, b):\n    return np.ones(10**5)\n",
     "beyond the wall": "def composer(a, b):\n    return np.zeros(10**7)\n",
