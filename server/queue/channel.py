@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 
 from server.database import after_commit
 from server.queue.port import Call
-from server.queue.switchboard import CHANGED, IDLE, QUEUED, RENEWED
+from server.queue.switchboard import AWAKE, CHANGED, IDLE, QUEUED, RENEWED
 
 
 class Channel:
@@ -24,7 +24,10 @@ class Channel:
         """Sleeps until woken, or `seconds`; False once the web process is gone."""
         self._say(IDLE)
         ready, _, _ = select.select([self._wire], [], [], seconds)
-        return not ready or self._receive()
+        if ready:
+            return self._receive()
+        self._say(AWAKE)
+        return True
 
     def _receive(self) -> bool:
         try:

@@ -1,9 +1,10 @@
 """The web process's end of the wake-up: idle workers are woken through their channel, watchers through a callback.
 
-Its state lives on the event loop; `wake` and `tell` may be called from any thread.
+`wake` and `tell` may be called from any thread; workers are heard on the event loop.
 
-Protocol, one line a message. Web to worker: `work`. Worker to web: `idle` (it found nothing and sleeps), `queued` (it
-gave something back), `changed <key>[ begun]`, `renewed <why>` (a template of its sandbox was replaced).
+Protocol, one line a message. Web to worker: `work`. Worker to web: `idle` (it found nothing and sleeps), `awake` (it
+looks, though nobody woke it), `queued` (it gave something back), `changed <key>[ begun]`, `renewed <why>` (a template
+of its sandbox was replaced).
 """
 
 import asyncio
@@ -20,7 +21,7 @@ from server.queue.port import Call
 
 log = logging.getLogger(__name__)
 
-WORK, IDLE, QUEUED, CHANGED, RENEWED = "work", "idle", "queued", "changed", "renewed"
+WORK, IDLE, AWAKE, QUEUED, CHANGED, RENEWED = "work", "idle", "awake", "queued", "changed", "renewed"
 
 
 class Line(Protocol):
@@ -81,6 +82,9 @@ class Switchboard:
                 self._known.add(line)
                 self._idle[line] = None
                 self._pay()
+        elif word == AWAKE:
+            with self._waking:
+                self._rouse(line)
         elif word == QUEUED:
             self.wake()
         elif word == CHANGED:
@@ -89,6 +93,14 @@ class Switchboard:
             TEMPLATE_RENEWALS.add(argument)
         else:
             log.error("a worker said something unknown: %r", message)
+
+    def _rouse(self, line: Line) -> None:
+        """It may find a job, and is no longer one that can be woken. A wake-up that has crossed its word is read by it
+        after that job only: it is for another too."""
+        if line in self._idle:
+            del self._idle[line]
+        else:
+            self._wake()
 
     def _pay(self) -> None:
         if self._owed:

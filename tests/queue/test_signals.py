@@ -88,6 +88,28 @@ def test_whoever_goes_to_sleep_while_jobs_wait_is_woken_and_no_more_often_than_t
     run(scenario)
 
 
+def test_who_has_woken_by_itself_takes_no_wake_up_from_who_sleeps() -> None:
+    """It may be busy for long with what it finds; one that had been sent to it already is another's too."""
+
+    async def scenario(board: Switchboard, _told: list[str]) -> None:
+        asleep, looking = Wire(), Wire()
+        board.heard(asleep, "idle")
+        board.heard(looking, "idle")
+        board.heard(looking, "awake")
+        board.wake()
+        assert [len(asleep.sent), len(looking.sent)] == [1, 0]
+        board.wake()  # nobody sleeps: it is owed
+        board.heard(looking, "idle")
+        assert [len(asleep.sent), len(looking.sent)] == [1, 1]
+        board.heard(asleep, "idle")
+        board.heard(looking, "idle")
+        board.wake()
+        board.heard(looking, "awake")
+        assert [len(asleep.sent), len(looking.sent)] == [2, 2]
+
+    run(scenario)
+
+
 def test_the_dead_are_not_woken() -> None:
     async def scenario(board: Switchboard, _told: list[str]) -> None:
         dead, alive = Wire(), Wire()
@@ -108,6 +130,7 @@ def test_the_channel_carries_both_ways() -> None:
     assert channel.wait(20)
     assert web.recv(100) == b"idle\n"
     assert channel.wait(0.01), "nothing came: look again all the same"
+    assert web.recv(100) == b"idle\nawake\n"
     web.close()
     assert not channel.wait(20), "the web process is gone"
     database_less: Any = type("Db", (), {"info": {}})()
