@@ -23,13 +23,13 @@ from server.figures.dependencies import FiguresOf
 from server.figures.orders import MEDIA_TYPES, Form, Theme
 from server.figures.service import Wanted
 from server.gradebook import service as gradebook
-from server.identity.dependencies import ApiAccount, ShownToken, account_of_token
+from server.identity.dependencies import ApiAccount, ShownToken, TokenFirst, account_of_token
 from server.identity.models import Account
 from server.submissions.dependencies import EventsOf, SubmissionsOf
 from server.submissions.events import STREAM_HEADERS, Events, as_sse
 from server.submissions.service import Submissions, key_of, parse_id
 
-router = APIRouter(tags=["submissions"])
+router = APIRouter(tags=["submissions"], route_class=TokenFirst)
 
 LONGEST_WAIT = 30.0
 Wait = Annotated[

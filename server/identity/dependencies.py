@@ -1,12 +1,16 @@
 """Who is asking? Each dependency uses a short transaction of its own and gives a detached account."""
 
-from typing import Annotated
+from collections.abc import Callable, Coroutine
+from typing import Annotated, Any
 
-from fastapi import Depends, Request, Security
+from fastapi import Depends, Request, Response, Security
+from fastapi.exceptions import RequestValidationError
+from fastapi.routing import APIRoute
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
+from starlette.concurrency import run_in_threadpool
 
 from server.base.errors import Unauthorised
-from server.base.provided import provided
+from server.base.provided import provided, provided_to
 from server.base.request import client_address, session_token
 from server.base.tally import REFUSED_LOGINS
 from server.database import Database
@@ -86,3 +90,21 @@ def account_of_token(token: ShownToken, database: DatabaseOf) -> Account:
 
 
 ApiAccount = Annotated[Account, Depends(account_of_token)]
+
+
+class TokenFirst(APIRoute):
+    """Of routes with a ShownToken, which may find what was sent at fault before they ask whose token it is: whoever
+    shows none that is good is told this alone."""
+
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        answer = super().get_route_handler()
+
+        async def answered(request: Request) -> Response:
+            try:
+                return await answer(request)
+            except RequestValidationError:
+                token = await _shown(await _bearer(request))
+                await run_in_threadpool(account_of_token, token, provided_to(request.app, Database))
+                raise
+
+        return answered

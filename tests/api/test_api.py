@@ -213,7 +213,9 @@ def test_without_a_token_nothing_is_said(site: Site, headers: dict[str, str]) ->
         answer = site.client.get(f"/api/v1{path}", headers=headers)
         problem(answer, 401)
         assert answer.headers["www-authenticate"].startswith("Bearer")
-    problem(site.client.post("/api/v1/submissions", json=BODY, headers=headers), 401)
+    for body in (BODY, {"exercise": 3}, {**BODY, "exercise": "l20/zut"}):
+        problem(site.client.post("/api/v1/submissions", json=body, headers=headers), 401)
+    problem(site.client.post("/api/v1/submissions?wait=zut", content="{", headers=headers), 401)
 
 
 @pytest.mark.parametrize(
