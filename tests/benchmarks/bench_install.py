@@ -65,11 +65,11 @@ def install(extras: str) -> Installed:
         asked = "." if extras == PLAIN else f".[{extras}]"
         pace.sample()
         before, began = os.times(), time.perf_counter()
-        subprocess.run([python, "-m", "pip", "install", "--quiet", asked], check=True, cwd=source)
+        subprocess.run([python, "-I", "-m", "pip", "install", "--quiet", asked], check=True, cwd=source)
         wall, after = time.perf_counter() - began, os.times()
         pace.sample()
         processor = after.children_user - before.children_user + after.children_system - before.children_system
-        said = subprocess.run([python, "-c", WEIGH], check=True, cwd=folder, stdout=subprocess.PIPE)
+        said = subprocess.run([python, "-I", "-c", WEIGH], check=True, cwd=folder, stdout=subprocess.PIPE)
     sizes = {name: size for name, size in json.loads(said.stdout).items() if name not in OF_THE_VENV}
     return Installed(extras, wall, processor, sizes, pace)
 
