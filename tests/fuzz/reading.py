@@ -8,6 +8,7 @@ from __future__ import annotations
 import socket
 import struct
 import tracemalloc
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ LIMITS = Limits(size=1 << 20, depth=16, items=10_000)
 POLICY = Policy(frame_bytes=1 << 16, items=1000)
 #: Bytes that the value of one byte may take: what a list of the smallest arrays comes to, and some room.
 AMPLIFICATION, BASE = 64, 1 << 14
+TRIES = 5
 #: No sentence for a student is longer.
 LONGEST_MESSAGE = 8000
 #: What stands for the token of the question, and of the batch that it is alone in, in a scripted answer.
@@ -72,21 +74,29 @@ def is_exact(value: Any) -> bool:
 
 def decode_soundly(data: bytes, limits: Limits = LIMITS) -> bool:
     """Whether the bytes are a value. Fails when the decoder does anything but give one or raise Malformed."""
-    tracing = tracemalloc.is_tracing()
-    if tracing:
-        tracemalloc.reset_peak()
-        before, _ = tracemalloc.get_traced_memory()
+    if tracemalloc.is_tracing():
+        bound = AMPLIFICATION * len(data) + BASE
+        taken = _taken(data, limits)
+        for _ in range(TRIES - 1):
+            if taken > bound:
+                taken = min(taken, _taken(data, limits))
+        assert taken <= bound, f"{taken} bytes for {len(data)}"
     try:
         value = codec.decode(data, limits)
     except Malformed:
         return False
-    finally:
-        if tracing:
-            taken = tracemalloc.get_traced_memory()[1] - before
-            assert taken <= AMPLIFICATION * len(data) + BASE, f"{taken} bytes for {len(data)}"
     assert is_exact(value)
     assert is_exact(codec.decode(encode(value, limits), limits))
     return True
+
+
+def _taken(data: bytes, limits: Limits) -> int:
+    """Bytes of memory that decoding takes at most, with what other threads of this process take meanwhile."""
+    tracemalloc.reset_peak()
+    before, _ = tracemalloc.get_traced_memory()
+    with suppress(Malformed):
+        codec.decode(data, limits)
+    return tracemalloc.get_traced_memory()[1] - before
 
 
 def tell_soundly(data: bytes) -> str:
