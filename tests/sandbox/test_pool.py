@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from server.sandbox import FaultKind, Kit, ProgramFault, Sandbox, SandboxFault
+from server.sandbox.child import inner
 
 from .family import (
     LEAVES,
@@ -214,6 +215,16 @@ def test_signals_that_our_own_starter_held_back_or_ignored_still_tell_where_time
         signal.pthread_sigmask(signal.SIG_SETMASK, held)
     assert fault.value.kind == FaultKind.TIMEOUT
     assert fault.value.line in (2, 3)
+
+
+@pytest.mark.parametrize("lowest", range(inner.RULES - 1, inner.WIRE))
+def test_a_service_with_hundreds_of_descriptors_has_templates_too(lowest: int) -> None:
+    with contextlib.ExitStack() as stack:
+        while (one := os.open(os.devnull, os.O_RDONLY)) < lowest:
+            stack.callback(os.close, one)
+        os.close(one)
+        with Sandbox({}, spares=0) as sandbox:
+            answers(sandbox)
 
 
 def test_the_death_of_the_server_ends_its_templates() -> None:

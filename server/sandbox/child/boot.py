@@ -14,6 +14,7 @@ def main(control: int, configuration: int, parent: int, namespaces: bool, lifted
     """`lifted`: walls left down; `sites`: the directories where numpy and scipy are installed."""
     outer.tie_to_parent(parent)
     forget_inherited_signals()
+    control, configuration = lowered(control), lowered(configuration)
 
     def inside() -> None:
         sys.path += sites
@@ -29,6 +30,13 @@ def main(control: int, configuration: int, parent: int, namespaces: bool, lifted
         os._exit(code if code >= 0 else 70)
     inside()
     os._exit(0)
+
+
+def lowered(descriptor: int) -> int:
+    """The same file at the lowest number: of a service with hundreds open, ours would be a place that forks use."""
+    lowest = os.dup(descriptor)
+    os.close(descriptor)
+    return lowest
 
 
 def forget_inherited_signals() -> None:
