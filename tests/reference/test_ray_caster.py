@@ -2,7 +2,7 @@
 
 import math
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pytest
@@ -18,11 +18,13 @@ from reference.world.raycast import RaycastError, cast_rays, cast_scans
 seeds = st.integers(0, 2**32 - 1)
 
 
-def naive(free: np.ndarray, x: float, y: float, angle: float, max_range: float) -> float:
+Number = TypeVar("Number", float, Fraction)
+
+
+def walked(free: np.ndarray, x: Number, y: Number, dx: Number, dy: Number, max_range: float) -> Number | float:
     """From cell to cell, each line's time computed afresh from the line itself."""
     column, row = math.floor(x), math.floor(y)
-    dx, dy = math.cos(angle), math.sin(angle)
-    time = 0.0
+    time: Number | float = 0.0
     while 0 <= row < free.shape[0] and 0 <= column < free.shape[1] and free[row, column]:
         to_x = (column + (dx > 0) - x) / dx if dx else math.inf
         to_y = (row + (dy > 0) - y) / dy if dy else math.inf
@@ -34,6 +36,16 @@ def naive(free: np.ndarray, x: float, y: float, angle: float, max_range: float) 
         else:
             row += 1 if dy > 0 else -1
     return time
+
+
+def naive(free: np.ndarray, x: float, y: float, angle: float, max_range: float) -> float:
+    return walked(free, x, y, math.cos(angle), math.sin(angle), max_range)
+
+
+def exact(free: np.ndarray, x: float, y: float, angle: float) -> float:
+    """In fractions, along the direction that the computer's cosine and sine are."""
+    direction = Fraction(math.cos(angle)), Fraction(math.sin(angle))
+    return float(walked(free, Fraction(x), Fraction(y), *direction, math.inf))
 
 
 @settings(deadline=None)
@@ -131,23 +143,8 @@ def test_diagonals_take_the_neighbours_of_their_exact_lines(bits: int, monkeypat
     origins = rng.integers(0, [32, 24], (150, 2)) / 2.0
     angles = rng.choice([-3, -1, 1, 3, 5], 150) * math.pi / 4
     rays = zip(origins.tolist(), angles.tolist(), strict=True)
-    expected = [float(exact(free, Fraction(x), Fraction(y), angle)) for (x, y), angle in rays]
+    expected = [exact(free, x, y, angle) for (x, y), angle in rays]
     np.testing.assert_allclose(RayCaster.of(free).cast(origins, angles, 50.0), expected, atol=1e-12)
-
-
-def exact(free: np.ndarray, x: Fraction, y: Fraction, angle: float) -> Fraction:
-    """The naive walk in fractions, along the direction that the computer's cosine and sine are."""
-    column, row = math.floor(x), math.floor(y)
-    dx, dy = Fraction(math.cos(angle)), Fraction(math.sin(angle))
-    time = Fraction(0)
-    while 0 <= row < free.shape[0] and 0 <= column < free.shape[1] and free[row, column]:
-        to_x, to_y = (column + (dx > 0) - x) / dx, (row + (dy > 0) - y) / dy
-        time = min(to_x, to_y)
-        if to_x < to_y:
-            column += 1 if dx > 0 else -1
-        else:
-            row += 1 if dy > 0 else -1
-    return time
 
 
 @settings(deadline=None)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import struct
 from importlib import import_module
@@ -18,7 +17,7 @@ from server.sandbox.child.walls import WALLS
 from server.sandbox.probe import crossing
 
 from .conftest import Lifting
-from .family import descendants, probed, template_of
+from .family import descendants, probed, template_of, told_by_living
 
 
 def test_every_wall_that_must_stand_stands_here(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -207,10 +206,7 @@ def test_a_template_is_filtered_too_and_its_forks_twice(without: Lifting) -> Non
         template = template_of(without(frozenset()))._life.pid
         forks = [pid for pid in descendants(template) if pid != template]
         assert session.functions == frozenset()
-        status = []
-        for pid in (template, *forks):
-            with contextlib.suppress(OSError):  # a fork of the test before, which ends just now
-                status.append(Path(f"/proc/{pid}/status").read_text().splitlines())
+        status = told_by_living((template, *forks), lambda pid: Path(f"/proc/{pid}/status").read_text().splitlines())
     counted = [int(line.split()[1]) for lines in status for line in lines if line.startswith("Seccomp_filters")]
     own, *theirs = counted or [1, 2]  # an old kernel does not count them
     assert own + 1 in theirs
@@ -225,10 +221,7 @@ def test_no_fork_has_a_network_of_the_machine_nor_one_that_is_its_own_for_nothin
         if not serving.namespaces:
             pytest.skip("no namespaces on this machine")
         family = [serving._life.pid, *descendants(serving._life.pid)]
-        networks = set()
-        for pid in family:
-            with contextlib.suppress(FileNotFoundError):  # a fork of the test before, which ends just now
-                networks.add(os.readlink(f"/proc/{pid}/ns/net"))
+        networks = set(told_by_living(family, lambda pid: os.readlink(f"/proc/{pid}/ns/net")))
         mine = os.readlink("/proc/self/ns/net")
     assert len(family) > 1
     assert mine not in networks
