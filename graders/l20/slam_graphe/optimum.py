@@ -113,8 +113,12 @@ def fingerprint(graph: Graph, got: Value) -> Value:
     at_origin = bool(np.all(np.abs(poses[0]) <= TOLERANCE))
     if not np.all(np.abs(poses) < FAR) or (_first_pose(graph, poses) and not at_origin):
         return LOST
-    diverged = graph.chi2(poses) > 2.0 * graph.solution.chi2[0] + 1e-3
-    return LOST if diverged and graph.n_iter != 1 else poses / COARSENESS
+    return LOST if diverged(graph, poses) else poses / COARSENESS
+
+
+def diverged(graph: Graph, poses: Floats) -> bool:
+    """After more than one step, is chi2 well above that of the start?"""
+    return graph.n_iter != 1 and graph.chi2(poses) > 2.0 * graph.chi2(graph.poses) + 1e-3
 
 
 @dataclass(frozen=True)

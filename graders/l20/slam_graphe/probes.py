@@ -12,7 +12,7 @@ from graders.l20 import world
 from graders.l20.poses.probes import only_angle, only_position, only_turns, position
 from graders.l20.poses.probes import read as read_three
 from graders.l20.slam_graphe.graphs import Edge, Graph, edge, rows
-from graders.l20.slam_graphe.optimum import COARSENESS, FAR, LOST, gaps
+from graders.l20.slam_graphe.optimum import COARSENESS, FAR, LOST, diverged, gaps
 from reference.se2 import relative, wrap_angle
 
 TRIPLES = (
@@ -67,14 +67,23 @@ PLAIN, WRAPPING, DOUBLED = 5, 6, 8
 
 
 def read(args: Arguments, value: Value) -> Value:
-    """The poses, coarse: a numeric Jacobian gives nearly the same ones; in words what is none, or is lost."""
+    """The poses, coarse: a numeric Jacobian gives nearly the same ones; in words what is none, or is lost.
+
+    A divergence magnifies what rounds otherwise from one version of numpy to the next.
+    """
     try:
         poses = read_array(value)
     except UnreadableError as error:
         return str(error)
     if poses.shape != args[0].shape:
         return f"forme {poses.shape}"
-    return poses / COARSENESS if np.all(np.abs(poses) < FAR) else LOST
+    lost = not np.all(np.abs(poses) < FAR) or diverged(_asked(args), poses)
+    return LOST if lost else poses / COARSENESS
+
+
+def _asked(args: Arguments) -> Graph:
+    poses, edges, *n_iter = args
+    return Graph(poses, tuple(edges), n_iter[0] if n_iter else None)
 
 
 def _poses(shown: Shown, k: int) -> Floats | None:

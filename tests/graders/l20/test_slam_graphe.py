@@ -79,6 +79,7 @@ def test_honest_variants_pass(name: str) -> None:
 STYLES = {
     "sign of the step, numeric": ("signe_du_pas", edited(NUMERIC, "solve(H, -b)", "solve(H, b)")),
     "sign of the step, vectors": ("signe_du_pas", edited(VECTORS, "x -= np", "x += np")),
+    "sign of the step, rounding otherwise": ("signe_du_pas", edited(VECTORS, "x -= np", "x += (1.0 + 1e-6) * np")),
     "weights ignored, numeric": (
         "omega_ignoree",
         edited(NUMERIC, "omega in aretes:", "_ in aretes:\n            omega = np.eye(3)"),
