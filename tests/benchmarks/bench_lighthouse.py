@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -20,6 +19,7 @@ from typing import Any
 
 from tests.benchmarks.bench_http import server
 from tests.benchmarks.measure import Goal, Row, figure, table
+from tests.support.chromium import chromium
 
 PAGES = {"home": "/", "séance": "/l20/lire/localiser", "exercise": "/l20/exercices/poses"}
 MARKS = ("performance", "accessibility", "best-practices", "seo")
@@ -29,11 +29,10 @@ GOAL = Goal(95, at_least=True)
 
 def audited(lighthouse: str, address: str, folder: Path) -> dict[str, Any]:
     report = folder / "report.json"
-    chromium = shutil.which("chromium") or shutil.which("google-chrome") or ""
     node = _node()
     command = [node, lighthouse, address, "--quiet", "--output=json", f"--output-path={report}"]
     command.append("--chrome-flags=--headless=new --no-sandbox")
-    subprocess.run(command, check=True, env={**os.environ, "CHROME_PATH": chromium})
+    subprocess.run(command, check=True, env={**os.environ, "CHROME_PATH": chromium() or ""})
     return dict(json.loads(report.read_text(encoding="utf-8")))
 
 

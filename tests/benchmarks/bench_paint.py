@@ -16,7 +16,6 @@ with the machine, so that these are the two ends between which the truth is.
 from __future__ import annotations
 
 import argparse
-import shutil
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,6 +25,7 @@ from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
 from tests.benchmarks.bench_http import server
 from tests.benchmarks.measure import Goal, Pace, Row, figure, median, table
+from tests.support.chromium import chromium
 
 PAGES = {"home": "/", "séance": "/l20/lire/localiser", "exercise": "/l20/exercices/poses"}
 LIGHTHOUSE = {"latency": 150, "downloadThroughput": 1.6e6 / 8, "uploadThroughput": 750e3 / 8}
@@ -141,10 +141,6 @@ def rounds_of(browser: Browser, address: str, rounds: int, network: dict[str, fl
                 visit(context, address + PAGES[one.name], one, network)
             context.close()
     return Figures(visits, pace)
-
-
-def chromium() -> str | None:
-    return next(filter(None, map(shutil.which, ("chromium", "chromium-headless-shell", "google-chrome"))), None)
 
 
 def measured(rounds: int, network: dict[str, float] | None = None) -> Figures:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tests.benchmarks.measure import Goal, Pace, Row, figure, median, p95
+from tests.support.chromium import chromium
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = "BALISE_DATA"
@@ -132,7 +133,7 @@ def paint(wanted: Wanted) -> list[Row]:
         from tests.benchmarks import bench_paint as bench
     except ImportError as error:
         return [Row.missing("first paint on slow 4G", str(error))]
-    if bench.chromium() is None:
+    if chromium() is None:
         return [Row.missing("first paint on slow 4G", "Chromium is not installed", bench.COLD_GOAL)]
     return bench.rows(wanted.rounds(5))
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 import time
@@ -20,6 +19,7 @@ from server.base.request import COOKIE
 from server.database import Database, utc_now
 from server.identity.models import Account, BrowserSession
 from server.identity.secrets import digest, new_token
+from tests.support.chromium import chromium
 from tests.support.shared import shared
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
@@ -27,9 +27,6 @@ Browser, Page = sync_api.Browser, sync_api.Page
 sync_api.expect.set_options(timeout=20_000)
 
 ROOT = Path(__file__).parents[2]
-#: The shell without a window is the same engine, for a quarter less of the processors' time.
-NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
-CHROMIUM = next(filter(None, map(shutil.which, NAMES)), None)
 #: One process shows all pages and another draws them: starting one for each page is a third of what a page costs.
 OPTIONS = (
     "--no-sandbox",
@@ -87,10 +84,11 @@ def _wait_for(process: subprocess.Popen[bytes], log: Path) -> Server:
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
-    if CHROMIUM is None:
+    program = chromium()
+    if program is None:
         pytest.skip("no Chromium on this machine")
     with sync_api.sync_playwright() as playwright:
-        launched = playwright.chromium.launch(executable_path=CHROMIUM, args=OPTIONS)
+        launched = playwright.chromium.launch(executable_path=program, args=OPTIONS)
         yield launched
         launched.close()
 
