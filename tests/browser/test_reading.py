@@ -70,6 +70,20 @@ def test_a_slash_leads_to_the_search_and_a_hit_to_its_passage(visit: NewVisit) -
     expect(page.locator("h2:target, h3:target, h4:target")).to_be_visible()
 
 
+def test_nothing_moves_on_a_page_but_pictures_in_sight_that_are_awaited(visit: NewVisit) -> None:
+    visitor = visit()
+    held: list[object] = []
+    visitor.page.route("**/figures/**", lambda route: held.append(route))  # noqa: PLW0108
+    page = visitor.open(READ)
+    moving = "document.getAnimations().map((one) => one.effect.target.getBoundingClientRect().top)"
+    assert page.locator(".drawing img").count() > 2
+    assert page.evaluate(moving) == []
+    page.locator(".drawing img:visible").first.scroll_into_view_if_needed()
+    page.wait_for_function("() => document.getAnimations().length > 0")
+    assert all(-2000 < top < page.viewport_size["height"] for top in page.evaluate(moving))
+    assert held
+
+
 def test_the_button_fetches_every_drawing_before_it_prints(visit: NewVisit) -> None:
     visitor = visit(color_scheme="dark")
     visitor.page.add_init_script(WITHOUT_LIMIT)

@@ -49,9 +49,16 @@ function showLocalTimes() {
   }
 }
 
+// Only those in sight: the others are not even asked for yet, and what moves, seen or not, is drawn at every frame.
+const pictures = new IntersectionObserver((changes) => {
+  for (const { target, isIntersecting } of changes) {
+    target.toggleAttribute("data-awaited", isIntersecting && !target.complete);
+  }
+});
+
 function markAwaitedPictures() {
   for (const image of document.querySelectorAll(":is(.drawing, .figure, .session-figure) img")) {
-    if (!image.complete) image.dataset.awaited = "";
+    if (!image.complete) pictures.observe(image);
   }
 }
 
