@@ -74,9 +74,30 @@ def _members(class_id: UUID) -> Select[Membership, Account]:
     return query.where(Membership.class_id == class_id)
 
 
-def members(db: Session, class_id: UUID) -> Sequence[Member]:
-    """All that ever were, in the order of a list of names."""
-    found = [Member(*row) for row in db.execute(*_members(class_id))]
+@prepared
+def _some(class_id: UUID, accounts: Collection[UUID]) -> Select[Membership, Account]:
+    query = select(Membership, Account).join(Account, Account.id == Membership.account_id)
+    return query.where(Membership.class_id == class_id, Membership.account_id.in_(accounts))
+
+
+@prepared
+def _staff(class_id: UUID) -> Select[Membership, Account]:
+    query = select(Membership, Account).join(Account, Account.id == Membership.account_id)
+    return query.where(Membership.class_id == class_id, Membership.role.in_(STAFF))
+
+
+def members(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -> Sequence[Member]:
+    """All that ever were, or some, in the order of a list of names."""
+    return _listed(db, *(_members(class_id) if only is None else _some(class_id, only)))
+
+
+def staff(db: Session, class_id: UUID) -> Sequence[Member]:
+    """The members that help or teach there, and those that did."""
+    return _listed(db, *_staff(class_id))
+
+
+def _listed(db: Session, query: Select[Membership, Account], values: Mapping[str, object]) -> Sequence[Member]:
+    found = [Member(*row) for row in db.execute(query, values)]
     return sorted(found, key=lambda member: (*member.sorted_by, str(member.id)))
 
 

@@ -214,7 +214,7 @@ def _without_password(member: Member) -> bool:
 
 def settings_page(db: Session, course: Course, place: Place, account: Account, base: str) -> SettingsPage:
     school_class = place.school_class
-    staff = staff_rows(repository.members(db, school_class.id), place, account)
+    staff = staff_rows(repository.staff(db, school_class.id), place, account)
     return SettingsPage(
         head=head(course, place, "/reglages"),
         approval=school_class.approval,

@@ -29,8 +29,7 @@ def of_class(
     db: Session, course: Course, school_class: SchoolClass, now: datetime, only: Collection[UUID] | None = None
 ) -> Book:
     """The marks of its students, or of some; no staff, and nobody who has left or only asks to join."""
-    everyone = classes.members(db, school_class.id)
-    students = [one for one in everyone if _learns(one) and (only is None or one.id in only)]
+    students = [one for one in classes.members(db, school_class.id, only) if _learns(one)]
     given = assignments.of_class(db, school_class.id)
     exercises = assignments.exercises(db, [one.id for one in given])
     if not given:

@@ -116,7 +116,7 @@ def _row(line: MemberLine, names: Mapping[UUID, str], href: str, read: Submissio
 
 def author_s_names(db: Session, place: Place, account_id: UUID) -> Sequence[str]:
     """Every word of the author's names, as the account and the class's list have them."""
-    found = next((one for one in classes.members(db, place.school_class.id) if one.id == account_id), None)
+    found = next(iter(classes.members(db, place.school_class.id, [account_id])), None)
     if found is None:
         return ()
     given = (found.name, found.account.name, found.membership.family_name, found.membership.given_name)

@@ -81,7 +81,6 @@ def _page(
     watched: Member | None = None,
 ) -> OwnPage:
     now = utc_now()
-    everyone = repository.members(db, place.school_class.id)
     found = mine.of_class(db, seat.class_id, seat.account_id, seat.groups, now) if may_see else ()
     known = _known(db, course, place, seat.account_id, found, now, watched=watched is not None) if found else None
     suffix = "" if watched is None else f"?eleve={seat.account_id}"
@@ -91,7 +90,7 @@ def _page(
     return OwnPage(
         head=views.head(course, place, "/eleves" if watched else ""),
         seat=own,
-        staff=views.staff_rows(everyone, place, account),
+        staff=views.staff_rows(repository.staff(db, place.school_class.id), place, account),
         current=tuple(view for _, view in running if view.stage.kind != ALL_DONE.kind),
         done=tuple(view for _, view in running if view.stage.kind == ALL_DONE.kind),
         upcoming=tuple(view for _, view in shown if view.stage.kind == "upcoming"),
