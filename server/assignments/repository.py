@@ -19,10 +19,15 @@ def by_id(db: Session, class_id: UUID, assignment_id: UUID) -> Assignment | None
     return db.execute(query).scalar_one_or_none()
 
 
+@prepared
+def _of_class(class_id: UUID) -> Select[Assignment]:
+    query = select(Assignment).where(Assignment.class_id == class_id)
+    return query.order_by(Assignment.opens_at, Assignment.title, Assignment.id)
+
+
 def of_class(db: Session, class_id: UUID) -> Sequence[Assignment]:
     """In the order in which they open."""
-    query = select(Assignment).where(Assignment.class_id == class_id)
-    return db.execute(query.order_by(Assignment.opens_at, Assignment.title, Assignment.id)).scalars().all()
+    return db.execute(*_of_class(class_id)).scalars().all()
 
 
 @prepared

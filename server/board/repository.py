@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime
 from functools import cache
 from typing import Any, NamedTuple
 from uuid import UUID
@@ -17,12 +17,11 @@ from sqlalchemy import ColumnElement, Row, Select, and_, bindparam, func, select
 from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, Seat, Status
-from server.database import table_of
+from server.database import NEVER, table_of
 from server.gradebook.models import Grading, Standing
 from server.submissions.models import Submission
 
 MOST_TIMES = 10_000  # parameters of a statement are bounded
-NEVER = datetime(9999, 1, 1, tzinfo=UTC)
 
 _submissions, _gradings, _members = table_of(Submission), table_of(Grading), table_of(Membership)
 _standings = table_of(Standing)

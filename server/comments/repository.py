@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Select, and_, func, or_, select, tuple_, update
+from sqlalchemy import ColumnElement, Select, and_, func, or_, select, tuple_, type_coerce, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, SchoolClass, Seat, Status
@@ -39,23 +39,26 @@ def count_threads(db: Session, account_id: UUID, exercise: str) -> int:
     return db.execute(query).scalar_one()
 
 
-def on(db: Session, submission: Submission) -> Sequence[Thread]:
-    """The threads of a submission, and those on lines of earlier ones by the same author that are not settled."""
+@prepared
+def _on(account_id: UUID, exercise: str, sent_at: datetime, submission_id: UUID) -> Select[Thread]:
+    at, name = type_coerce(sent_at, Submission.created_at.type), type_coerce(submission_id, Submission.id.type)
     earlier = select(Submission.id).where(
-        Submission.account_id == submission.account_id,
-        Submission.exercise == submission.exercise,
-        tuple_(Submission.created_at, Submission.id) < tuple_(submission.created_at, submission.id),
+        Submission.account_id == account_id,
+        Submission.exercise == exercise,
+        tuple_(Submission.created_at, Submission.id) < tuple_(at, name),
     )
     carried = and_(Thread.first_line.is_not(None), Thread.state != State.settled, Thread.submission_id.in_(earlier))
-    query = (
-        select(Thread)
-        .where(
-            _of(submission.account_id, submission.exercise),
-            or_(Thread.submission_id == submission.id, Thread.submission_id.is_(None), carried),
-        )
-        .order_by(Thread.work_at.desc(), Thread.created_at.desc(), Thread.id)
+    query = select(Thread).where(
+        _of(account_id, exercise),
+        or_(Thread.submission_id == submission_id, Thread.submission_id.is_(None), carried),
     )
-    return db.execute(query.limit(MOST_SHOWN)).scalars().all()
+    return query.order_by(Thread.work_at.desc(), Thread.created_at.desc(), Thread.id).limit(MOST_SHOWN)
+
+
+def on(db: Session, submission: Submission) -> Sequence[Thread]:
+    """The threads of a submission, and those on lines of earlier ones by the same author that are not settled."""
+    asked = _on(submission.account_id, submission.exercise, submission.created_at, submission.id)
+    return db.execute(*asked).scalars().all()
 
 
 def of_exercise(db: Session, account_id: UUID, exercise: str, until: datetime | None = None) -> Sequence[Thread]:

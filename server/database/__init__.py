@@ -1,6 +1,6 @@
 """Engine, transactions, base of the tables, and migrations, for SQLite and PostgreSQL alike."""
 
-from server.database.base import Base, UtcDateTime, table_of, utc_now
+from server.database.base import NEVER, Base, UtcDateTime, table_of, utc_now
 from server.database.engine import (
     MOST_CONNECTIONS,
     STARTING_SECONDS,
@@ -14,6 +14,7 @@ from server.database.prepared import ask, prepared
 
 __all__ = [
     "MOST_CONNECTIONS",
+    "NEVER",
     "STARTING_SECONDS",
     "Base",
     "Database",

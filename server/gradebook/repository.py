@@ -2,17 +2,31 @@
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import Any
 from uuid import UUID, uuid4
 
-from sqlalchemy import ColumnElement, Row, Select, and_, bindparam, exists, func, insert, or_, select, tuple_, update
+from sqlalchemy import (
+    ColumnElement,
+    Row,
+    Select,
+    and_,
+    bindparam,
+    exists,
+    func,
+    insert,
+    or_,
+    select,
+    tuple_,
+    type_coerce,
+    update,
+)
 from sqlalchemy.orm import Session, defer, undefer
 
 from graders.core.contract.bounds import bounded
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.classes.models import Membership, Status
-from server.database import ask, prepared, table_of
+from server.database import NEVER, ask, prepared, table_of
 from server.gradebook.models import ClassOpening, Grading, SolutionOpening
 from server.gradebook.schemas import Graded
 from server.identity.models import Account
@@ -20,7 +34,7 @@ from server.submissions.models import Submission
 
 _submissions = table_of(Submission)
 NEWEST_FIRST = (Submission.created_at.desc(), Submission.id.desc())
-NEVER = datetime(9999, 1, 1, tzinfo=UTC)
+SENDING = tuple_(Submission.created_at, Submission.id)
 
 #: What is on the way to a verdict is made once.
 ATTEMPT = (
@@ -73,12 +87,17 @@ def attempts(
     return db.execute(*_attempts(account_id, exercise, skipped, most=most)).all()
 
 
+@prepared
+def _count_until(account_id: UUID, exercise: str, sent_at: datetime, submission_id: UUID) -> Select[int]:
+    until = _sending(sent_at, submission_id) >= SENDING
+    return select(func.count()).select_from(Submission).where(_of(account_id, exercise), until)
+
+
 def count_until(db: Session, submission: Submission) -> int:
     """How many attempts at the same exercise its author had sent, with this one."""
-    order = tuple_(Submission.created_at, Submission.id)
-    until = order <= tuple_(submission.created_at, submission.id)
-    mine = _of(submission.account_id, submission.exercise)
-    return db.execute(select(func.count()).select_from(Submission).where(mine, until)).scalar_one()
+    asked = _count_until(submission.account_id, submission.exercise, submission.created_at, submission.id)
+    found: int = ask(db, *asked).scalar_one()
+    return found
 
 
 @dataclass(frozen=True)
@@ -120,19 +139,22 @@ def failed_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -
     return {row[0]: row[1] for row in db.execute(query.group_by(Submission.exercise))}
 
 
+@prepared
+def _before(account_id: UUID, exercise: str, sent_at: datetime, submission_id: UUID) -> Select[dict[str, Any] | None]:
+    query = select(Grading.verdict).select_from(Submission).outerjoin(Grading, Grading.id == Submission.grading_id)
+    query = query.where(_of(account_id, exercise), _sending(sent_at, submission_id) > SENDING)
+    return query.order_by(*NEWEST_FIRST).limit(1)
+
+
 def before(db: Session, submission: Submission) -> dict[str, Any] | None:
     """The verdict of its author's attempt at the same exercise just before this one, where that was graded."""
-    order = tuple_(Submission.created_at, Submission.id)
-    earlier = order < tuple_(submission.created_at, submission.id)
-    query = (
-        select(Grading.verdict)
-        .select_from(Submission)
-        .outerjoin(Grading, Grading.id == Submission.grading_id)
-        .where(_of(submission.account_id, submission.exercise), earlier)
-        .order_by(Submission.created_at.desc(), Submission.id.desc())
-        .limit(1)
-    )
-    return db.execute(query).scalar_one_or_none()
+    asked = _before(submission.account_id, submission.exercise, submission.created_at, submission.id)
+    return ask(db, *asked).scalar_one_or_none()
+
+
+def _sending(sent_at: datetime, submission_id: UUID) -> ColumnElement[tuple[Any, ...]]:
+    """The place of a submission in the order of `SENDING`."""
+    return tuple_(type_coerce(sent_at, Submission.created_at.type), type_coerce(submission_id, Submission.id.type))
 
 
 def _of(account_id: UUID, exercise: str) -> ColumnElement[bool]:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from datetime import datetime
+from functools import cached_property
 from uuid import UUID
 
 from graders.core.contract.findings import Judgement
@@ -50,7 +51,7 @@ class Attempt:
         """What there is to say of an attempt whose verdict a test holds back; empty of another one."""
         return "" if self.held is None else (FAILED if self.failed else HELD).format(title=self.held.title)
 
-    @property
+    @cached_property
     def verdict(self) -> Verdict | None:
         """Without what is held back of it from who looks."""
         return None if self.grading is None else self.feedback.shown(Verdict.from_json(self.grading.verdict))

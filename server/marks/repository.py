@@ -7,11 +7,12 @@ from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Row, and_, select, update
+from sqlalchemy import ColumnElement, Row, Select, and_, select, update
 from sqlalchemy.orm import Session
 
 from server.assignments.counting import Sent
 from server.classes.models import Membership, SchoolClass
+from server.database import NEVER, ask, prepared
 from server.gradebook.models import Grading
 from server.identity.models import Account
 from server.marks.models import Override
@@ -23,14 +24,20 @@ def _active(class_id: UUID) -> ColumnElement[bool]:
     return and_(Override.class_id == class_id, Override.withdrawn_at.is_(None))
 
 
-def active(db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]) -> Mapping[Key, Set]:
-    """The overrides in force, each with who set it, in one query."""
-    query = (
+@prepared
+def _set_by(
+    class_id: UUID, students: Collection[UUID], exercises: Collection[str]
+) -> Select[Override, str | None, str | None, str | None]:
+    return (
         select(Override, Account.name, Membership.given_name, Membership.family_name)
         .outerjoin(Account, Account.id == Override.by)
         .outerjoin(Membership, and_(Membership.account_id == Override.by, Membership.class_id == Override.class_id))
         .where(_active(class_id), Override.account_id.in_(students), Override.exercise.in_(exercises))
     )
+
+
+def active(db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]) -> Mapping[Key, Set]:
+    """The overrides in force, each with who set it, in one query."""
     return {
         (one.account_id, one.exercise): Set(
             points=one.points,
@@ -40,13 +47,26 @@ def active(db: Session, class_id: UUID, students: Collection[UUID], exercises: C
             at=one.at,
             based_on=frozenset(one.based_on),
         )
-        for one, name, given, family in db.execute(query)
+        for one, name, given, family in db.execute(*_set_by(class_id, students, exercises))
     }
 
 
 def one_active(db: Session, class_id: UUID, student: UUID, exercise: str) -> Override | None:
     query = select(Override).where(_active(class_id), Override.account_id == student, Override.exercise == exercise)
     return db.execute(query).scalar_one_or_none()
+
+
+@prepared
+def _graded(
+    students: Collection[UUID], exercises: Collection[str], until: datetime, *, all_times: bool
+) -> Select[UUID, str, UUID, datetime, float, UUID | None]:
+    query = (
+        select(Submission.account_id, Submission.exercise, Submission.id, Submission.created_at, Grading.score)
+        .add_columns(Submission.grading_id)
+        .join(Grading, Grading.id == Submission.grading_id)
+        .where(Submission.account_id.in_(students), Submission.exercise.in_(exercises), Grading.score.is_not(None))
+    )
+    return query if all_times else query.where(Submission.created_at <= until)
 
 
 def graded(
@@ -56,16 +76,10 @@ def graded(
 
     `until`: when the class was archived; nothing that is sent later is its business.
     """
-    query = (
-        select(Submission.account_id, Submission.exercise, Submission.id, Submission.created_at, Grading.score)
-        .add_columns(Submission.grading_id)
-        .join(Grading, Grading.id == Submission.grading_id)
-        .where(Submission.account_id.in_(students), Submission.exercise.in_(exercises), Grading.score.is_not(None))
-    )
-    query = query if until is None else query.where(Submission.created_at <= until)
+    asked = _graded(students, exercises, until or NEVER, all_times=until is None)
     sent: dict[Key, list[Sent]] = defaultdict(list)
     gradings: dict[UUID, str] = {}
-    for account_id, exercise, name, at, score, grading_id in db.execute(query).all():
+    for account_id, exercise, name, at, score, grading_id in ask(db, *asked):
         sent[account_id, exercise].append(Sent(name, at, score))
         gradings[name] = str(grading_id)
     return sent, gradings

@@ -8,7 +8,7 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, Select, and_, func, insert, or_, select, update
 from sqlalchemy.orm import Session, defer
 
-from server.database import prepared, table_of, upserting, utc_now
+from server.database import ask, prepared, table_of, upserting, utc_now
 from server.submissions.models import Deal, Submission
 
 ADD = insert(table_of(Submission))
@@ -82,15 +82,19 @@ def move(db: Session, old: UUID, new: UUID) -> None:
     db.execute(update(Submission).where(Submission.account_id == old).values(account_id=new))
 
 
+@prepared
+def _seed(account_id: UUID, exercise: str) -> Select[int]:
+    return select(Deal.seed).where(Deal.account_id == account_id, Deal.exercise == exercise)
+
+
 def find_seed(db: Session, account_id: UUID, exercise: str) -> int | None:
-    query = select(Deal.seed).where(Deal.account_id == account_id, Deal.exercise == exercise)
-    return db.execute(query).scalar_one_or_none()
+    return ask(db, *_seed(account_id, exercise)).scalar_one_or_none()
 
 
 def dealt_seed(db: Session, account_id: UUID, exercise: str) -> int:
     """The seed that is known to be kept."""
-    query = select(Deal.seed).where(Deal.account_id == account_id, Deal.exercise == exercise)
-    return db.execute(query).scalar_one()
+    found: int = ask(db, *_seed(account_id, exercise)).scalar_one()
+    return found
 
 
 def keep_seed(db: Session, account_id: UUID, exercise: str, seed: int) -> None:
