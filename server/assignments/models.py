@@ -2,6 +2,7 @@
 
 from datetime import datetime
 from enum import StrEnum
+from typing import NamedTuple
 from uuid import UUID, uuid4
 
 from sqlalchemy import CheckConstraint, ForeignKey, LargeBinary, String, Text
@@ -72,6 +73,13 @@ class Assignment(Base):
     released_at: Mapped[datetime | None] = mapped_column(UtcDateTime)
     created_by: Mapped[UUID | None] = mapped_column(ForeignKey("account.id", ondelete="SET NULL"))
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
+
+
+class Asked(NamedTuple):
+    """An exercise that an assignment asks, as it is read."""
+
+    exercise: str
+    weight: float
 
 
 class AssignedExercise(Base):

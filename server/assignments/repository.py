@@ -8,9 +8,9 @@ from uuid import UUID
 from sqlalchemy import Select, delete, func, select, update
 from sqlalchemy.orm import Session
 
-from server.assignments.models import AssignedExercise, Assignment, Exemption
+from server.assignments.models import Asked, AssignedExercise, Assignment, Exemption
 from server.classes.models import Membership, SchoolClass, Seat, Status
-from server.database import prepared
+from server.database import ask, prepared
 
 
 def by_id(db: Session, class_id: UUID, assignment_id: UUID) -> Assignment | None:
@@ -31,16 +31,16 @@ def of_class(db: Session, class_id: UUID) -> Sequence[Assignment]:
 
 
 @prepared
-def _exercises(assignments: Collection[UUID]) -> Select[AssignedExercise]:
-    query = select(AssignedExercise).where(AssignedExercise.assignment_id.in_(assignments))
-    return query.order_by(AssignedExercise.position)
+def _exercises(assignments: Collection[UUID]) -> Select[UUID, str, float]:
+    query = select(AssignedExercise.assignment_id, AssignedExercise.exercise, AssignedExercise.weight)
+    return query.where(AssignedExercise.assignment_id.in_(assignments)).order_by(AssignedExercise.position)
 
 
-def exercises(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[AssignedExercise]]:
+def exercises(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[Asked]]:
     """Those of each assignment, in order."""
-    found: dict[UUID, list[AssignedExercise]] = defaultdict(list)
-    for one in db.execute(*_exercises(assignments)).scalars():
-        found[one.assignment_id].append(one)
+    found: dict[UUID, list[Asked]] = defaultdict(list)
+    for assignment, exercise, weight in ask(db, *_exercises(assignments)):
+        found[assignment].append(Asked(exercise, weight))
     return found
 
 

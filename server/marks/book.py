@@ -12,7 +12,7 @@ from server.assignments import papers
 from server.assignments import repository as assignments
 from server.assignments.counting import Sent, in_sitting, result
 from server.assignments.feedback import Stage, stage_of
-from server.assignments.models import AssignedExercise, Assignment, Counts, Exemption, Late, Mode, Sitting
+from server.assignments.models import Asked, Assignment, Counts, Exemption, Late, Mode, Sitting
 from server.assignments.rules import Rules, in_force
 from server.classes import repository as classes
 from server.classes.models import SchoolClass, Seat, Status
@@ -65,16 +65,12 @@ def _learns(member: Member) -> bool:
 
 def _without_assignment(
     course: Course, school_class: SchoolClass
-) -> tuple[Sequence[Assignment], Mapping[UUID, Sequence[AssignedExercise]]]:
+) -> tuple[Sequence[Assignment], Mapping[UUID, Sequence[Asked]]]:
     """A class without assignments has its module's exercises to do, whenever it likes. Nothing of this is stored."""
     module = course.modules.get(school_class.module)
     names = [] if module is None else [one.id for one in module.exercises]
     everything = _everything(school_class)
-    rows = [
-        AssignedExercise(assignment_id=everything.id, exercise=name, position=place, weight=1.0)
-        for place, name in enumerate(names)
-    ]
-    return [everything], {everything.id: rows}
+    return [everything], {everything.id: [Asked(name, 1.0) for name in names]}
 
 
 def _everything(school_class: SchoolClass) -> Assignment:
@@ -126,16 +122,12 @@ class _Material:
 
     def __init__(
         self,
-        exercises: Mapping[UUID, Sequence[AssignedExercise]],
+        exercises: Mapping[UUID, Sequence[Asked]],
         exemptions: Mapping[UUID, Sequence[Exemption]],
         sittings: Mapping[tuple[UUID, UUID], Sitting],
         now: datetime,
     ) -> None:
         self.exercises, self.exemptions, self.sittings, self.now = exercises, exemptions, sittings, now
-
-        self._asked = {
-            assignment: [(one.exercise, one.weight) for one in asked] for assignment, asked in exercises.items()
-        }
         self._common: dict[UUID, Rules] = {}
 
     def mark(self, assignment: Assignment, member: Member, found: _Found) -> AssignmentMark:
@@ -143,7 +135,7 @@ class _Material:
         counts = Counts(assignment.counts)
         marks = tuple(
             found.at(key, self._sent(assignment, key, found), weight, rules, counts)
-            for exercise, weight in self._asked.get(assignment.id, ())
+            for exercise, weight in self.exercises.get(assignment.id, ())
             for key in [(student, exercise)]
         )
         sat = (assignment.id, member.id) in self.sittings
