@@ -13,7 +13,7 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments import keeping_tests, repository
-from server.assignments.models import Asked, AssignedExercise, Assignment, Counts, Late, Mode, Shown
+from server.assignments.models import Assigned, AssignedExercise, Assignment, Counts, Late, Mode, Shown
 from server.assignments.schemas import Wanted, Weighted, checked
 from server.audit import service as audit
 from server.audit.models import What
@@ -38,7 +38,7 @@ def find(db: Session, school_class: SchoolClass, assignment_id: UUID | str, *, t
     return found
 
 
-def wanted_of(assignment: Assignment, exercises: Sequence[Asked]) -> Wanted:
+def wanted_of(assignment: Assignment, exercises: Sequence[Assigned]) -> Wanted:
     """What is set of an assignment, to be changed."""
     return Wanted(
         title=assignment.title,

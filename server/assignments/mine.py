@@ -10,7 +10,7 @@ from uuid import UUID
 from sqlalchemy.orm import Session
 
 from server.assignments import repository
-from server.assignments.models import Asked, Assignment, Exemption, Mode
+from server.assignments.models import Assigned, Assignment, Exemption, Mode
 from server.assignments.rules import Rules, in_force
 from server.assignments.states import Stage, stage
 
@@ -21,7 +21,7 @@ class Mine:
 
     assignment: Assignment
     rules: Rules
-    exercises: tuple[Asked, ...]
+    exercises: tuple[Assigned, ...]
     exemptions: tuple[Exemption, ...]
     stage: Stage
 

@@ -75,7 +75,7 @@ class Assignment(Base):
     created_at: Mapped[datetime] = mapped_column(UtcDateTime, default=utc_now)
 
 
-class Asked(NamedTuple):
+class Assigned(NamedTuple):
     """An exercise that an assignment asks, as it is read."""
 
     exercise: str

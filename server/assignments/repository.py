@@ -8,7 +8,7 @@ from uuid import UUID
 from sqlalchemy import Select, delete, func, select, update
 from sqlalchemy.orm import Session
 
-from server.assignments.models import Asked, AssignedExercise, Assignment, Exemption
+from server.assignments.models import Assigned, AssignedExercise, Assignment, Exemption
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.database import ask, prepared
 
@@ -36,11 +36,11 @@ def _exercises(assignments: Collection[UUID]) -> Select[UUID, str, float]:
     return query.where(AssignedExercise.assignment_id.in_(assignments)).order_by(AssignedExercise.position)
 
 
-def exercises(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[Asked]]:
+def exercises(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequence[Assigned]]:
     """Those of each assignment, in order."""
-    found: dict[UUID, list[Asked]] = defaultdict(list)
+    found: dict[UUID, list[Assigned]] = defaultdict(list)
     for assignment, exercise, weight in ask(db, *_exercises(assignments)):
-        found[assignment].append(Asked(exercise, weight))
+        found[assignment].append(Assigned(exercise, weight))
     return found
 
 

@@ -12,7 +12,7 @@ from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
 from server.behaviour.schemas import Asked, MemberLine
 from server.classes.models import Membership, SchoolClass, Seat, Status
-from server.database import prepared, upserting, utc_now
+from server.database import ask, prepared, upserting, utc_now
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -148,12 +148,11 @@ def names(db: Session, class_id: UUID, exercise: str) -> Sequence[BehaviourName]
     return db.execute(query).scalars().all()
 
 
-def unnamed(
-    db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]
-) -> Sequence[tuple[str, str, UUID, UUID, str | None]]:
-    """Exercise, group, student, submission and title of each latest attempt that failed without a misconception,
-    the newest first. In one query."""
-    query = (
+@prepared
+def _unnamed(
+    class_id: UUID, students: Collection[UUID], exercises: Collection[str]
+) -> Select[str, str | None, UUID, UUID, str]:
+    return (
         select(Standing.exercise, Fingerprint.group_id, Standing.account_id, Submission.id, BehaviourName.title)
         .join(
             Submission,
@@ -177,7 +176,15 @@ def unnamed(
         )
         .order_by(Standing.last_at.desc(), Submission.id)
     )
-    return [(row[0], str(row[1]), row[2], row[3], row[4]) for row in db.execute(query)]
+
+
+def unnamed(
+    db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]
+) -> Sequence[tuple[str, str, UUID, UUID, str | None]]:
+    """Exercise, group, student, submission and title of each latest attempt that failed without a misconception,
+    the newest first. In one query."""
+    found = ask(db, *_unnamed(class_id, students, exercises))
+    return [(row[0], str(row[1]), row[2], row[3], row[4]) for row in found]
 
 
 def _members(class_id: UUID, group_id: str) -> ColumnElement[bool]:

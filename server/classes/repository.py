@@ -101,9 +101,9 @@ def _listed(db: Session, query: Select[Membership, Account], values: Mapping[str
     return sorted(found, key=lambda member: (*member.sorted_by, str(member.id)))
 
 
-def counts(db: Session, classes: Collection[UUID]) -> Mapping[UUID, tuple[int, int]]:
-    """How many students each class has, and how many ask to join it."""
-    query = (
+@prepared
+def _counts(classes: Collection[UUID]) -> Select[UUID, str, int]:
+    return (
         select(Membership.class_id, Membership.status, func.count())
         .where(
             Membership.class_id.in_(classes),
@@ -112,7 +112,11 @@ def counts(db: Session, classes: Collection[UUID]) -> Mapping[UUID, tuple[int, i
         )
         .group_by(Membership.class_id, Membership.status)
     )
-    found = {(class_id, status): count for class_id, status, count in db.execute(query)}
+
+
+def counts(db: Session, classes: Collection[UUID]) -> Mapping[UUID, tuple[int, int]]:
+    """How many students each class has, and how many ask to join it."""
+    found = {(class_id, status): count for class_id, status, count in ask(db, *_counts(classes))}
     return {one: (found.get((one, Status.active), 0), found.get((one, Status.pending), 0)) for one in classes}
 
 

@@ -12,7 +12,7 @@ from server.assignments import papers
 from server.assignments import repository as assignments
 from server.assignments.counting import Sent, in_sitting, result
 from server.assignments.feedback import Stage, stage_of
-from server.assignments.models import Asked, Assignment, Counts, Exemption, Late, Mode, Sitting
+from server.assignments.models import Assigned, Assignment, Counts, Exemption, Late, Mode, Sitting
 from server.assignments.rules import Rules, in_force
 from server.classes import repository as classes
 from server.classes.models import SchoolClass, Seat, Status
@@ -65,12 +65,12 @@ def _learns(member: Member) -> bool:
 
 def _without_assignment(
     course: Course, school_class: SchoolClass
-) -> tuple[Sequence[Assignment], Mapping[UUID, Sequence[Asked]]]:
+) -> tuple[Sequence[Assignment], Mapping[UUID, Sequence[Assigned]]]:
     """A class without assignments has its module's exercises to do, whenever it likes. Nothing of this is stored."""
     module = course.modules.get(school_class.module)
     names = [] if module is None else [one.id for one in module.exercises]
     everything = _everything(school_class)
-    return [everything], {everything.id: [Asked(name, 1.0) for name in names]}
+    return [everything], {everything.id: [Assigned(name, 1.0) for name in names]}
 
 
 def _everything(school_class: SchoolClass) -> Assignment:
@@ -122,7 +122,7 @@ class _Material:
 
     def __init__(
         self,
-        exercises: Mapping[UUID, Sequence[Asked]],
+        exercises: Mapping[UUID, Sequence[Assigned]],
         exemptions: Mapping[UUID, Sequence[Exemption]],
         sittings: Mapping[tuple[UUID, UUID], Sitting],
         now: datetime,

@@ -10,7 +10,7 @@ from functools import cached_property
 from uuid import UUID
 
 from server.assignments.counting import Mark
-from server.assignments.models import Asked, Assignment, Mode
+from server.assignments.models import Assigned, Assignment, Mode
 from server.assignments.rules import Rules
 from server.classes.models import SchoolClass
 from server.classes.schemas import Member
@@ -179,7 +179,7 @@ class Book:
     assignments: tuple[Assignment, ...]
     rows: tuple[Row, ...]
     titles: Mapping[str, str] = field(default_factory=dict)
-    exercises: Mapping[UUID, tuple[Asked, ...]] = field(default_factory=dict)
+    exercises: Mapping[UUID, tuple[Assigned, ...]] = field(default_factory=dict)
 
     def title_of(self, exercise: str) -> str:
         """An exercise may have left the course."""

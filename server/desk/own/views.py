@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments import mine, papers
 from server.assignments.mine import Mine
-from server.assignments.models import Asked, Mode, Sitting
+from server.assignments.models import Assigned, Mode, Sitting
 from server.assignments.rules import FULL, Rules
 from server.assignments.states import Stage
 from server.classes import repository
@@ -174,7 +174,7 @@ def _late(rules: Rules) -> str:
     return "" if rules.due_at is None or ends_first else words.late_of(rules)
 
 
-def _exercise(course: Course, one: Mine, row: Asked, known: _Known, *, over: bool) -> OwnExercise:
+def _exercise(course: Course, one: Mine, row: Assigned, known: _Known, *, over: bool) -> OwnExercise:
     exercise = course.exercises.get(row.exercise)
     title, href = (row.exercise, "") if exercise is None else (exercise.title, exercise_href(exercise))
     own = known.marks.get(one.assignment.id)
