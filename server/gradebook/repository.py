@@ -84,7 +84,7 @@ def attempts(
     db: Session, account_id: UUID, exercise: str, *, most: int, skipped: int
 ) -> Sequence[Row[int, UUID, datetime, str | None, float | None]]:
     """How many attempts there are; identity, time, outcome and score of some, newest first."""
-    return db.execute(*_attempts(account_id, exercise, skipped, most=most)).all()
+    return ask(db, *_attempts(account_id, exercise, skipped, most=most)).all()
 
 
 @prepared
@@ -178,7 +178,7 @@ def failed_digests(
 ) -> int:
     """How many different codes were graded and failed, of those sent before `until`."""
     asked = _failed_digests(account_id, exercise, besides, until or NEVER, all_times=until is None)
-    found: int = db.execute(*asked).scalar_one()
+    found: int = ask(db, *asked).scalar_one()
     return found
 
 
@@ -290,7 +290,7 @@ def access(
 ) -> Row[bool, bool, bool]:
     """Whether the solution is open to everyone; to a class that this account is in; and `teaching`, of the account and
     the module."""
-    return db.execute(*_access(account_id, exercise, module, teaching=teaching)).one()
+    return ask(db, *_access(account_id, exercise, module, teaching=teaching)).one()
 
 
 def classes_opened(db: Session, exercise: str, classes: Collection[UUID]) -> frozenset[UUID]:

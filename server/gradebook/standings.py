@@ -13,7 +13,7 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
-from server.database import prepared, table_of, upserting
+from server.database import ask, prepared, table_of, upserting
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -212,7 +212,7 @@ def _of_account(account_id: UUID, exercise: str, *, everywhere: bool) -> Rows:
 
 def of_account(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, Sums]:
     """An account's standings, by exercise."""
-    found = db.execute(*_of_account(account_id, exercise or "", everywhere=exercise is None))
+    found = ask(db, *_of_account(account_id, exercise or "", everywhere=exercise is None))
     return {row[1]: Sums(*row[2:]) for row in found}
 
 

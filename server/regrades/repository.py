@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session, aliased
 
 from graders.core.contract.outcomes import Outcome
 from server.classes.models import Membership, Seat, Status
-from server.database import prepared, table_of
+from server.database import ask, prepared, table_of
 from server.gradebook.models import Grading
 from server.regrades.models import Regrade, RegradeItem
 from server.regrades.schemas import Copy, Outdated, Told
@@ -185,7 +185,7 @@ def _told(grading_id: UUID) -> Select[datetime | None, float | None, float | Non
 
 def told(db: Session, grading_id: UUID) -> Told | None:
     """Of the regrade that is applied, and has this grading count."""
-    row = db.execute(*_told(grading_id)).one_or_none()
+    row = ask(db, *_told(grading_id)).one_or_none()
     if row is None or row[0] is None:
         return None
     return Told(row[0], row[1], row[2], tuple(map(Reason.from_json, row[3])))

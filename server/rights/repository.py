@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session, aliased
 
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.classes.schemas import Member
-from server.database import prepared
+from server.database import ask, prepared
 from server.identity.models import Account
 
 STAFF = (Seat.assistant, Seat.teacher)
@@ -46,7 +46,7 @@ def reads_work(
     db: Session, reader: UUID, author: UUID, module: str, sent_at: datetime, seats: Sequence[Seat] = STAFF
 ) -> bool:
     """Has the reader one of these seats in a class of this module in which the author is, or was at that time?"""
-    return db.execute(*_reads_work(reader, author, module, sent_at, seats=tuple(seats))).first() is not None
+    return ask(db, *_reads_work(reader, author, module, sent_at, seats=tuple(seats))).first() is not None
 
 
 def seen_through(db: Session, reader: UUID | None, author: UUID, module: str) -> Member | None:
@@ -90,7 +90,7 @@ def _has_readers(author: UUID, module: str) -> Select[UUID]:
 
 def has_readers(db: Session, author: UUID, module: str) -> bool:
     """Is there somebody to read what is sent now: who teaches or helps in an open class in which the author learns?"""
-    return db.execute(*_has_readers(author, module)).first() is not None
+    return ask(db, *_has_readers(author, module)).first() is not None
 
 
 def teaching(account_id: UUID, module: str) -> ColumnElement[bool]:

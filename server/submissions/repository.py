@@ -47,7 +47,7 @@ def _waiting(account_id: UUID, exercise: str, *, everywhere: bool) -> Select[str
 
 def waiting(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, int]:
     """How many of an account's submissions wait for their first grading, by exercise (in all, or in one alone)."""
-    return dict(db.execute(*_waiting(account_id, exercise or "", everywhere=exercise is None)).all())
+    return dict(ask(db, *_waiting(account_id, exercise or "", everywhere=exercise is None)).all())
 
 
 def waiting_or_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
