@@ -86,6 +86,21 @@ def test_the_call_during_which_a_program_ends_is_the_one_to_blame(
         assert list(session.call_many("f", [(1,), (2,)])) == [given[5]]
 
 
+def test_a_program_that_stops_the_timer_is_late_all_the_same(sandbox: Sandbox) -> None:
+    """One timer serves a batch: what stands behind it is the end from outside."""
+    source = b"""
+import signal, time
+def f(x):
+    signal.setitimer(signal.ITIMER_REAL, 0)
+    time.sleep(3600 * (x == 5))
+"""
+    with sandbox.open(source, policy=only(wall_seconds=1.0)) as session:
+        given = list(session.call_many("f", [(k,) for k in range(9)]))
+    assert all(isinstance(answer, Reply) for answer in given[:5])
+    assert isinstance(given[5], ProgramFault)
+    assert (given[5].kind, given[5].fatal, len(given)) == (FaultKind.TIMEOUT, True, 6)
+
+
 def floats(value: Value) -> tuple[float, ...]:
     assert isinstance(value, tuple)
     return tuple(number for number in value if isinstance(number, float))

@@ -42,6 +42,9 @@ def lire_plan(plan):
     return np.array([[caractere == "." for caractere in ligne] for ligne in plan.split()])
 
 
+_CARTE = lire_plan(PLAN)
+
+
 class _Alea(np.random.Generator):
     """Un générateur dont `random()` et `uniform()` seuls ne renvoient jamais exactement 0."""
 
@@ -150,7 +153,7 @@ def _trousse(libres, portee, rng):
 
 def configurer(libres=None, portee_max=12.0, seed=None):
     """Prépare la trousse pour une carte, une portée et une graine ; renvoie les noms que le code de l'élève trouve."""
-    carte = lire_plan(PLAN) if libres is None else np.array(libres, dtype=bool)
+    carte = np.array(_CARTE if libres is None else libres, dtype=bool)
     alea = _Alea(np.random.PCG64(seed))
     portee = float(portee_max)
     lidar, lidar_lot = _trousse(carte.copy(), portee, alea)

@@ -51,8 +51,9 @@ def imported(files: Mapping[str, str]) -> Kit:
 
 def show(kits: Mapping[str, Kit], asked: str | None) -> None:
     """Makes the modules of one kit, and of no other, importable."""
-    for kit in kits.values():
-        for name in kit:
-            sys.modules.pop(name, None)
+    for main, kit in kits.items():
+        if main in sys.modules:  # or none of its modules is: their names lie on as many pages, which a fork would copy
+            for name in kit:
+                sys.modules.pop(name, None)
     if asked is not None:
         sys.modules.update(kits[asked])

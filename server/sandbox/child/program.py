@@ -111,7 +111,7 @@ class Program:
         """
         tracer = Tracer(self._filename, self._globals, tell)
         action = self._run if function is None else partial(self._called, function, arguments, **named)
-        value = self._guarded(lambda: tracer.run(action))
+        value = self._guarded(tracer.run, action)
         described = tracer.described(value)
         try:
             return encode((described, (value,)), self._limits)
@@ -120,7 +120,7 @@ class Program:
 
     def call(self, function: str, arguments: tuple[Value, ...], *, return_arguments: bool) -> bytes:
         """Calls a name of the file; returns (value, arguments after the call or null), encoded."""
-        value = self._guarded(lambda: self._called(function, arguments))
+        value = self._guarded(self._called, function, arguments)
         return self._encoded(value, arguments if return_arguments else None, function)
 
     def _called(self, function: str, arguments: tuple[Value, ...], /, **named: Value) -> Any:
@@ -174,9 +174,9 @@ class Program:
         except (SyntaxError, ValueError, RecursionError, MemoryError, OverflowError) as error:
             raise Failure(report.describe_syntax(error, self._lines)) from None
 
-    def _guarded(self, action: Callable[[], Any]) -> Any:
+    def _guarded(self, action: Callable[..., Any], *given: Any) -> Any:
         try:
-            return action()
+            return action(*given)
         except BaseException as error:  # SystemExit and KeyboardInterrupt too are the student's
             if isinstance(error, MemoryError):
                 self._free_reserve()

@@ -8,6 +8,7 @@ import signal
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+from time import monotonic
 from types import FrameType
 from typing import Any, NoReturn
 
@@ -157,17 +158,25 @@ class Child:
         function, wall, faults, keeping = frames.told(next(parts)[2])
         if not self._program.defines(function):
             return
-        tokens, wall = frames.tokens(next(parts)[2]), self._wall if wall is None else wall
+        tokens = frames.tokens(next(parts)[2])
         arguments = _Arguments(parts)
         last = len(tokens) - 1
+        self._busy = self._writes = True
+        signal.setitimer(signal.ITIMER_REAL, max(self._wall if wall is None else wall, _SHORTEST))
         for number, self._token in enumerate(tokens):
-            outcome, answer, wall = self._timed(wall, partial(self._call, function, arguments, number, keeping))
+            self._writes = False
+            outcome, answer = self._outcome(partial(self._call, function, arguments, number, keeping))
+            self._writes = True
             faults -= outcome == frames.FAULT
             over = number == last or not faults
+            began = monotonic()
             self.send(self._token, outcome, answer, _framed(end, frames.DONE, b"") if over else b"")
+            if (waited := monotonic() - began) > _SHORTEST:  # nobody reads: that time is given back
+                signal.setitimer(signal.ITIMER_REAL, waited + signal.getitimer(signal.ITIMER_REAL)[0])
             if over:
                 break
-        self._wall = wall
+        self._busy = self._writes = False
+        self._wall, _ = signal.setitimer(signal.ITIMER_REAL, 0)
 
     def _call(self, function: str, arguments: _Arguments, number: int, keeping: bool) -> bytes:
         return self._program.call(function, arguments.of(number), return_arguments=keeping)
@@ -198,7 +207,7 @@ class Child:
             return self._exhausted
 
     def _late(self, number: int, frame: FrameType | None) -> None:
-        if self._writes:  # a step is half on its way
+        if self._writes:  # a step or an answer is half on its way
             signal.setitimer(signal.ITIMER_PROF if number == signal.SIGPROF else signal.ITIMER_REAL, _AGAIN)
         elif self._busy:
             self._busy = False
@@ -245,9 +254,9 @@ def _fault(kind: str, text: str = "") -> Fault:
 
 
 def _write(descriptor: int, data: bytes) -> None:
-    view = memoryview(data)
-    while view:
-        view = view[os.write(descriptor, view) :]
+    written = os.write(descriptor, data)
+    while written < len(data):
+        written += os.write(descriptor, memoryview(data)[written:])
 
 
 def configuring() -> bytes:

@@ -16,7 +16,7 @@ import socket
 import sys
 from typing import Any
 
-from . import codec, drawing, inner, kits, landlock, libc, namespaces, orders, outer, rehearsal, serve
+from . import codec, drawing, huge, inner, kits, landlock, libc, namespaces, orders, outer, rehearsal, serve
 from .codec import Limits, Value
 from .imports import AtForks, modules
 from .program import prepare_interpreter
@@ -51,6 +51,7 @@ class Template:
         self._kits = {name: kits.imported(files) for name, files in self._configuration["kits"].items()}
         self._tells = self._at_forks.asked()
         self._account = inner.open_account()
+        spread = huge.places()
         processes = os.open("/proc", os.O_PATH | os.O_CLOEXEC)
         rules = self._enclose()
         if "environment" not in self._lifted:
@@ -63,6 +64,7 @@ class Template:
         self._mason.base_memory = inner.address_space(self._account)
         self._child = serve.Child(self._kits, self._mason.reserve.close)
         prepare_interpreter(__package__)
+        huge.collapse(spread)
         libc.make(stage)
 
     def _enclose(self) -> bool:
