@@ -19,6 +19,8 @@ PIXELS = """canvas => {
 }"""
 COLOURS = f"canvas => new Set(({PIXELS})(canvas)).size"
 CORNER = f"canvas => ({PIXELS})(canvas)[2]"
+#: Looked for at each frame: what expects a text looks again after a second or so.
+BEGUN = "counter => !counter.textContent.startsWith('1 / ')"
 
 
 def reading(visitor: Visit, *names: str, module: str = "l20") -> Page:
@@ -60,11 +62,12 @@ def test_every_replay_draws_plays_and_follows_the_theme(visit: NewVisit, module:
         expect(canvas).to_be_visible()
         expect(figure.locator(".replay-summary p").first).not_to_be_empty()
         expect(canvas).to_have_attribute("aria-label", re.compile(".{100,}"))
+        figure.locator(".replay-transport select").select_option("4")
         canvas.focus()
         page.keyboard.press("Home")
         expect(figure.locator(".replay-counter")).to_have_text(re.compile(r"^1 / "))
         page.keyboard.press(" ")
-        expect(figure.locator(".replay-counter")).not_to_have_text(re.compile(r"^1 / "))
+        page.wait_for_function(BEGUN, arg=figure.locator(".replay-counter").element_handle())
         figure.locator(".replay-play").click()
         assert canvas.evaluate(COLOURS) > 3
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
@@ -196,7 +199,9 @@ def test_a_point_is_placed_and_stands_beside_what_happens(visit: NewVisit, width
 
 
 def test_a_replay_plays_without_an_answer(visit: NewVisit) -> None:
-    page = reading(visit(width=1280), "graphe")
+    visitor = visit(width=1280)
+    visitor.page.clock.install()
+    page = reading(visitor, "graphe")
     figure = page.locator("#rejeu-graphe")
     asked = figure.locator(".replay-prediction")
     expect(asked.get_by_role("radio")).to_have_count(3)
@@ -206,6 +211,7 @@ def test_a_replay_plays_without_an_answer(visit: NewVisit) -> None:
     expect(figure.locator(".replay-charts")).to_be_hidden()
     figure.locator(".replay-transport select").select_option("4")
     figure.get_by_role("button", name="Lecture").click()
+    page.clock.fast_forward(60_000)
     expect(figure.locator(".replay-counter")).to_have_text(re.compile(r"^(\d+) / \1$"))
     expect(figure.locator(".replay-summary")).to_be_visible()
     expect(asked.get_by_role("radio")).to_have_count(3)

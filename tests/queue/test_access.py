@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import shutil
 import socket
 import subprocess
 import threading
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import nkeys
@@ -17,6 +19,7 @@ from sqlalchemy import make_url
 from server.base.settings import Settings
 from server.database.engine import make_engine
 from server.grading.kinds import LANES
+from server.queue.jetstream import connection
 from server.queue.jetstream.access import UnfitError, options
 from server.queue.jetstream.connection import Connection
 from server.queue.jetstream.layout import layout
@@ -116,6 +119,24 @@ def pretend(listener: socket.socket, heard: bytearray) -> None:
                 heard.extend(data)
         except OSError:
             return
+
+
+def test_a_connection_is_left_for_good_in_the_middle_of_a_good_bye(
+    settings: Settings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A good-bye that ends as it is cut short hides that it was (`asyncio.wait_for` of Python 3.11)."""
+    leaving = threading.Event()
+
+    async def left(_client: object) -> None:
+        leaving.set()
+        with suppress(asyncio.CancelledError):
+            await asyncio.sleep(PATIENCE)
+
+    monkeypatch.setattr(connection, "_left", left)
+    nobody = settings.model_copy(update={"nats_url": "nats://127.0.0.1:1"})
+    with Connection(nobody, layout(nobody, LANES)) as closed:
+        assert leaving.wait(PATIENCE)
+    assert not closed._thread.is_alive()
 
 
 @pytest.mark.parametrize("variable", ["nats_nkey_file", "nats_tls_ca", "nats_tls_cert"])

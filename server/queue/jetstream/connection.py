@@ -234,6 +234,8 @@ class Connection:
                 self._up.clear()
                 self._client = self._context = None
                 await _left(client)
+            if self._closing:  # what cancels this task may have been lost in the good-bye
+                return
             await asyncio.sleep(RETRY_AFTER)
 
     async def _make(self, context: JetStreamContext) -> None:
