@@ -66,8 +66,8 @@ class LikelihoodField:
         c, s, ends = np.cos(headings), np.sin(headings), np.ones((len(points), 3))
         np.divide(points, self.grid_map.resolution, out=ends[:, :2])
         height, width = self._table.shape
-        columns = ends @ np.stack([c, -s, x])
-        rows = ends @ np.stack([s, c, y])
+        columns = ends @ np.array([c, -s, x])
+        rows = ends @ np.array([s, c, y])
         np.clip(columns, 0.0, width - 1.0, out=columns)
         np.clip(rows, 0.0, height - 1.0, out=rows)
         cells = np.floor(rows, out=rows)
