@@ -10,6 +10,7 @@ Source: Thrun, Burgard, Fox, "Probabilistic Robotics" (2005), table 2.1.
 
 from __future__ import annotations
 
+import math
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -65,6 +66,6 @@ def reweighted(weights: Floats, log_likelihoods: Floats) -> NormalisedWeights:
     greatest = float(logs.max())
     if greatest == -np.inf:
         raise ImpossibleMeasurementError
-    if not np.isfinite(greatest):
+    if not math.isfinite(greatest):
         raise InvalidArgumentError("measurement", "has a likelihood that is infinite or not a number")
     return normalise(logs)

@@ -5,6 +5,7 @@ A log weight of -inf is a weight of zero. Source: the identity log sum exp(l) = 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,11 +33,11 @@ def normalise(log_weights: ArrayLike) -> NormalisedWeights:
     if logs.ndim != 1 or logs.size == 0:
         raise InvalidWeightsError(f"must have shape (n,) with n >= 1, not {logs.shape}")
     greatest = float(logs.max())
-    if np.isnan(greatest) or greatest == np.inf:
+    if math.isnan(greatest) or greatest == np.inf:
         raise InvalidWeightsError("have a logarithm that is NaN or +inf")
     if greatest == -np.inf:
         raise InvalidWeightsError("are all zero")
     weights = np.exp(logs - greatest)
     total = float(weights.sum())
     weights /= total
-    return NormalisedWeights(weights, greatest + float(np.log(total)))
+    return NormalisedWeights(weights, greatest + math.log(total))

@@ -60,7 +60,7 @@ def turn_advance_turn(T_before_after: ArrayLike) -> Floats:
     move = np.asarray(T_before_after, dtype=np.float64)
     if move.shape != (3,) or not np.all(np.isfinite(move)):
         raise InvalidArgumentError("T_before_after", f"of shape {move.shape} is not a pose (3,) of finite numbers")
-    x, y, turn = (float(part) for part in move)
+    x, y, turn = move.tolist()
     advance = math.hypot(x, y)
     first = math.atan2(y, x) if advance > _STILL else 0.0
     return np.array([first, advance, wrap_angle(turn - first)])
@@ -74,7 +74,8 @@ def sample_odometry(
     if before.ndim != 2 or before.shape[1] != 3:
         raise InvalidArgumentError("poses", f"has shape {before.shape}, not (n, 3)")
     move = turn_advance_turn(T_before_after)
-    first, advance, second = move[:, None] + noise.sigmas(*move)[:, None] * rng.standard_normal((3, len(before)))
+    sigmas = noise.sigmas(*move.tolist())
+    first, advance, second = move[:, None] + sigmas[:, None] * rng.standard_normal((3, len(before)))
     heading = before[:, 2] + first
     after = np.empty_like(before)
     after[:, 0] = before[:, 0] + advance * np.cos(heading)

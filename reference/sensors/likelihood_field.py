@@ -50,8 +50,8 @@ class LikelihoodField:
         self.log_field.flags.writeable = False
         # With one cell of noise all around, whatever lies off the map falls on the margin once clipped to it.
         self._table = np.pad(self.log_field, 1, constant_values=power * np.log(noise))
-        self._to_table = rotation(grid_map.T_world_map[2]) / grid_map.resolution
-        self._corner = 1.0 - grid_map.T_world_map[:2] @ self._to_table
+        self._to_table = rotation(-grid_map.T_world_map[2]) / grid_map.resolution
+        self._corner = 1.0 - self._to_table @ grid_map.T_world_map[:2]
 
     def log_likelihood(self, poses_world: Floats, scan: Scan) -> Floats:
         """The sum over the beams that hit something of log (1), times the power, (n,). Raises InvalidArgumentError.
@@ -61,13 +61,13 @@ class LikelihoodField:
         """
         poses = checked_poses(poses_world, scan)
         points = scan.points()
-        x, y = (poses[:, :2] @ self._to_table + self._corner).T
+        x, y = self._to_table @ poses[:, :2].T + self._corner[:, None]
         headings = poses[:, 2] - self.grid_map.T_world_map[2]
         c, s, ends = np.cos(headings), np.sin(headings), np.ones((len(points), 3))
         np.divide(points, self.grid_map.resolution, out=ends[:, :2])
         height, width = self._table.shape
-        columns = ends @ np.stack([c, -s, x])
-        rows = ends @ np.stack([s, c, y])
+        columns = ends @ np.array([c, -s, x])
+        rows = ends @ np.array([s, c, y])
         np.clip(columns, 0.0, width - 1.0, out=columns)
         np.clip(rows, 0.0, height - 1.0, out=rows)
         cells = np.floor(rows, out=rows)

@@ -16,7 +16,7 @@ finish them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -58,7 +58,8 @@ class _Rays:
     number: Integers
 
     def only(self, kept: Integers) -> _Rays:
-        return _Rays(*(getattr(self, field.name).take(kept) for field in fields(self)))
+        height, slope, origin = self.height.take(kept), self.slope.take(kept), self.origin.take(kept)
+        return _Rays(height, slope, origin, self.stride.take(kept), self.number.take(kept))
 
     def leap(self, columns: Integers) -> None:
         """Go on by so many columns (n,), an array that is spent on it."""
@@ -153,7 +154,12 @@ class RayCaster:
         neighbour comes first. From inside a wall, or from outside the grid, a ray reads 0. Raises RaycastError.
         """
         _, starts, headings = checked_rays(self.free, origins, angles, max_range)
-        return self._cast(starts.T, np.stack([np.cos(headings), np.sin(headings)]), max_range)
+        distances = np.empty(len(headings))
+        for first in range(0, len(headings), BLOCK):
+            block = slice(first, first + BLOCK)
+            directions = np.stack([np.cos(headings[block]), np.sin(headings[block])])
+            distances[block] = self._distances(starts[block].T, directions)
+        return np.minimum(distances, max_range, out=distances)
 
     def scans(self, poses: ArrayLike, angles: ArrayLike, max_range: float) -> Floats:
         """What a lidar at poses (m, 3), in cells, reads along `angles` (n,) from its heading: (m, n).
@@ -166,52 +172,40 @@ class RayCaster:
         if beams.ndim != 1 or not np.all(np.isfinite(beams)):
             raise RaycastError("angles", f"of shape {beams.shape} is not an array (n,) of finite numbers")
         _, starts, headings = checked_rays(self.free, frames[:, :2], frames[:, 2], max_range)
-        points = np.repeat(starts.T, beams.size, axis=1)
         # exp(i (heading + beam)) = exp(i heading) exp(i beam): far fewer cosines than rays.
-        ways = np.outer(np.exp(1j * headings), np.exp(1j * beams)).ravel()
-        return self._cast(points, np.stack([ways.real, ways.imag]), max_range).reshape(len(frames), beams.size)
-
-    def _cast(self, points: Floats, directions: Floats, max_range: float) -> Floats:
-        """Distances (n,) from points (2, n) in unit directions (2, n), at most `max_range`."""
-        distances = np.empty(points.shape[1])
-        for first in range(0, len(distances), BLOCK):
-            block = slice(first, first + BLOCK)
-            distances[block] = self._distances(points[:, block], directions[:, block])
+        turns, beam_turns = np.exp(1j * headings), np.exp(1j * beams)
+        distances, together = np.empty((len(frames), beams.size)), max(1, BLOCK // max(1, beams.size))
+        for first in range(0, len(frames), together):
+            block = slice(first, first + together)
+            directions = np.outer(turns[block], beam_turns).view(np.float64).reshape(-1, 2).T
+            points = np.repeat(starts[block].T, beams.size, axis=1)
+            distances[block] = self._distances(points, directions).reshape(distances[block].shape)
         return np.minimum(distances, max_range, out=distances)
 
     def _distances(self, points: Floats, directions: Floats) -> Floats:
         """How far the walls are (n,) from points (2, n) = (x, y); 0 from a point that is not on a free cell."""
-        cells = np.floor(points)
-        inside = points - cells
-        height, width = self.free.shape
-        # Off the map, the nearest cell of its frame is as good a wall.
-        np.clip(cells, -1.0, [[width], [height]], out=cells)
-        starts, rays, places = self._launch(cells, inside, directions)
+        starts, rays, places = self._launch(points, directions)
         ends = self._fly(rays, places)
         # The wall is in the row above when the column could be crossed without going there.
         above = (ends & 1).astype(np.bool_)
         above &= self.table.take(ends & -2) > 0
         distances = starts.distances(ends, above)
-        np.copyto(distances, 0.0, where=self.table.take(starts.origin) == 0)
+        distances[np.flatnonzero(self.table.take(starts.origin) == 0)] = 0.0
         return distances
 
-    def _launch(self, cells: Floats, inside: Floats, directions: Floats) -> tuple[_Starts, _Rays, Integers]:
-        """Rays from cells (2, n), at a point `inside` each of them (2, n), about to leap from the columns of their
-        starts; and those columns' places."""
-        ways, back = np.empty((2, *cells.shape)), directions < 0.0
-        np.subtract(inside, ~back, out=ways[0])
+    def _launch(self, points: Floats, directions: Floats) -> tuple[_Starts, _Rays, Integers]:
+        """Rays from points (2, n), about to leap from the columns of their starts; and those columns' places."""
+        cells, ways, back = np.floor(points), np.empty((2, *points.shape)), directions < 0.0
+        np.subtract(points, cells, out=ways[0])
+        ways[0] -= ~back
         ways[1] = directions
         np.abs(ways, out=ways)
         steep = ways[1, 1] > ways[1, 0]
         first, speed = np.where(steep, ways[:, ::-1], ways)
         height, slope, sector = _climbs(first, speed, steep, 2**self.unit, ways)
         mirror = (4 * steep.view(np.uint8) + 2 * back[1].view(np.uint8) + back[0].view(np.uint8)).astype(np.int64)
-        place, term = np.multiply(sector, self.table.size // (8 * SECTORS), out=sector), ways[0, 0]
-        for steps, along in zip(self.place, (cells[0], cells[1], 1.0), strict=True):
-            np.take(steps, mirror, out=term, mode="clip")
-            term *= along
-            place += term
-        origin = place.astype(np.int64)
+        origin = self._origins(cells, mirror, sector)
+        del cells, ways, sector, mirror  # fresh memory costs most of all: it is given back before more is asked for
         stride = np.where(steep, 2 * self.free.shape[1] + 4, 2 * self.free.shape[0] + 4)
         places = height >> self.unit
         places += origin
@@ -219,6 +213,18 @@ class RayCaster:
         height -= slope
         rays = _Rays(height, slope, origin.copy(), stride, np.arange(len(origin)))
         return _Starts(first, speed, origin, stride), rays, places
+
+    def _origins(self, cells: Floats, mirror: Integers, sector: Floats) -> Integers:
+        """The places (n,) of cells (2, n), each in its mirror and sector (n,); what is not whole is spent on it."""
+        # Off the map, the nearest cell of its frame is as good a wall.
+        for along, side in zip(cells, self.free.shape[::-1], strict=True):
+            np.clip(along, -1.0, side, out=along)
+        place = np.multiply(sector, self.table.size // (8 * SECTORS), out=sector)
+        for steps, along in zip(self.place, (*cells, 1.0), strict=True):
+            term = steps.take(mirror)
+            term *= along
+            place += term
+        return place.astype(np.int64)
 
     def _fly(self, rays: _Rays, places: Integers) -> Integers:
         """Let rays leap from their first `places` (n,) until all have landed; where they have."""

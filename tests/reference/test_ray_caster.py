@@ -76,6 +76,17 @@ def test_fifteen_thousand_rays_in_rooms_of_two_hundred_cells() -> None:
     np.testing.assert_allclose(found, cast_scans(free, poses, 30, 300.0), atol=1e-9)
 
 
+@pytest.mark.parametrize("block", [1, 20, 25, 16384])
+def test_scans_are_the_same_in_however_many_blocks(block: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A block holds whole scans: of one pose, if a scan alone fills it; the last one may hold fewer."""
+    rng = np.random.default_rng(3)
+    free = rng.random((20, 30)) > 0.2
+    poses = rng.uniform([0.0, 0.0, -np.pi], [30.0, 20.0, np.pi], (7, 3))
+    monkeypatch.setattr(ray_caster, "BLOCK", block)
+    found = RayCaster.of(free).scans(poses, 2 * np.pi * np.arange(10) / 10, 50.0)
+    np.testing.assert_allclose(found, cast_scans(free, poses, 10, 50.0), atol=1e-9)
+
+
 @pytest.mark.parametrize("bits", [ray_caster.BITS, 50])
 @pytest.mark.parametrize("angle", [k * math.pi / 2 for k in range(-3, 5)] + [0.0, -0.0])
 def test_along_the_axes_even_from_the_lines_themselves(
