@@ -8,7 +8,7 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, Select, and_, func, insert, or_, select, update
 from sqlalchemy.orm import Session, defer
 
-from server.database import prepared, table_of, upserting, utc_now
+from server.database import change, prepared, table_of, upserting, utc_now
 from server.submissions.models import Deal, Submission
 
 ADD = insert(table_of(Submission))
@@ -25,7 +25,7 @@ def by_id(db: Session, submission_id: UUID) -> Submission | None:
 
 def add(db: Session, **values: Any) -> Submission:
     """Stores a submission that waits for its first grading. What is given back is not the session's."""
-    db.execute(ADD, values)
+    change(db, ADD, values)
     return Submission(**values, grading_id=None)
 
 
