@@ -31,11 +31,11 @@ from server.steps.routes import router as steps_router
 
 #: Each is asked in turn whether an address is one of its own: what is asked for most comes first.
 ROUTERS = (
+    api_router,
     health_router,
     pages_router,
     reading_router,
     drawn_router,
-    api_router,
     guide_router,
     accounts_router,
     person_router,

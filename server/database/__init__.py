@@ -10,7 +10,7 @@ from server.database.engine import (
     is_locked,
     upserting,
 )
-from server.database.prepared import ask, prepared
+from server.database.prepared import ask, change, prepared
 
 __all__ = [
     "MOST_CONNECTIONS",
@@ -21,6 +21,7 @@ __all__ = [
     "UtcDateTime",
     "after_commit",
     "ask",
+    "change",
     "is_away",
     "is_locked",
     "prepared",

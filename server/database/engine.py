@@ -93,8 +93,14 @@ def _prepare_postgres(connection: Any, _record: object) -> None:
 
 
 def _begin_sqlite(connection: Connection) -> None:
-    immediate = connection.get_execution_options().get("immediate", False)
-    connection.exec_driver_sql("BEGIN IMMEDIATE" if immediate else "BEGIN")
+    """Said to the driver itself: what is made of a statement on the way takes longer than this one."""
+    begin = "BEGIN IMMEDIATE" if connection.get_execution_options().get("immediate", False) else "BEGIN"
+    driver = connection.connection.dbapi_connection
+    assert driver is not None  # it has just been opened
+    try:
+        driver.execute(begin)
+    except sqlite3.OperationalError as error:
+        raise OperationalError(begin, None, error) from error
 
 
 def after_commit(db: Session, action: Callable[[], None]) -> None:

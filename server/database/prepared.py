@@ -12,6 +12,7 @@ from sqlalchemy import bindparam
 if TYPE_CHECKING:
     from sqlalchemy import CursorResult
     from sqlalchemy.orm import Session
+    from sqlalchemy.sql.dml import UpdateBase
     from sqlalchemy.sql.selectable import TypedReturnsRows
 
 P = ParamSpec("P")
@@ -24,6 +25,12 @@ def ask(db: Session, statement: TypedReturnsRows[*Ts], values: Mapping[str, Any]
     which takes longer than the question. What it has not written yet is written first, as it always is."""
     db.flush()
     return db.connection().execute(statement, values)
+
+
+def change(db: Session, statement: UpdateBase, values: Mapping[str, Any]) -> None:
+    """The same of a statement that writes one row of a table, and gives nothing back."""
+    db.flush()
+    db.connection().execute(statement, values)
 
 
 def prepared(build: Callable[P, T]) -> Callable[P, tuple[T, dict[str, Any]]]:

@@ -15,9 +15,10 @@ from server.database import utc_now
 from server.gradebook.models import Grading
 from server.sandbox.values import MENTION
 from server.submissions.models import Submission
+from server.submissions.repository import Sent
 
 
-def used_by(db: Session, course: Course, submission: Submission) -> Own:
+def used_by(db: Session, course: Course, submission: Submission | Sent) -> Own:
     """The files that an attempt may import from, as they stood when it was sent; none where it does not ask."""
     sent = submission
     return _used(db, course, sent.account_id, sent.exercise, sent.source, sent.created_at)

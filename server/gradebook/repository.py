@@ -26,7 +26,7 @@ from sqlalchemy.orm import Session, defer, undefer
 from graders.core.contract.bounds import bounded
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.classes.models import Membership, Status
-from server.database import NEVER, ask, prepared, table_of
+from server.database import NEVER, ask, change, prepared, table_of
 from server.gradebook.models import ClassOpening, Grading, SolutionOpening
 from server.gradebook.schemas import Graded
 from server.identity.models import Account
@@ -207,7 +207,7 @@ def add(db: Session, submission_id: UUID, graded: Graded) -> UUID:
         "filmed": list(judgement.films) or None,
         "films": judgement.films or None,
     }
-    db.execute(ADD, row)
+    change(db, ADD, row)
     return identity
 
 
@@ -226,7 +226,7 @@ def with_author(db: Session, submission_id: UUID) -> tuple[Submission, Account] 
 
 def point(db: Session, submission_id: UUID, grading_id: UUID) -> None:
     """Has one of a submission's gradings count."""
-    db.execute(POINT, {"pointing": submission_id, "grading": grading_id})
+    change(db, POINT, {"pointing": submission_id, "grading": grading_id})
 
 
 def point_all(db: Session, chosen: Mapping[UUID, UUID]) -> None:

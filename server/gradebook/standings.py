@@ -13,7 +13,7 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
-from server.database import ask, prepared, table_of, upserting
+from server.database import ask, change, prepared, table_of, upserting
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -88,7 +88,7 @@ def add(db: Session, account_id: UUID, exercise: str, attempt: Counted) -> None:
     Two attempts of one account at one instant do not happen: sending takes turns at the account's allowance.
     """
     row = {"account_id": account_id, "exercise": exercise, **vars(sums_of([attempt]))}
-    db.execute(_counting(db.get_bind().dialect.name), row)
+    change(db, _counting(db.get_bind().dialect.name), row)
 
 
 @cache

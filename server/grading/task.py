@@ -21,6 +21,7 @@ from server.limits import service as limits
 from server.queue.port import GiveUp, Lease
 from server.submissions import repository as submissions
 from server.submissions.models import Submission
+from server.submissions.repository import Sent
 from server.submissions.service import GRADE
 
 log = logging.getLogger(__name__)
@@ -41,7 +42,7 @@ class SentFile:
     own: Own = field(default_factory=dict)
 
 
-def sent_file(db: Session, course: Course, submission: Submission, started_at: datetime) -> SentFile:
+def sent_file(db: Session, course: Course, submission: Submission | Sent, started_at: datetime) -> SentFile:
     """A submission, with the earlier files of its author that it may import from."""
     own = accepted.used_by(db, course, submission)
     return SentFile(submission.id, submission.exercise, submission.source, submission.seed, started_at, own)
@@ -59,7 +60,7 @@ class GradingTask:
 
     def read(self, db: Session, lease: Lease) -> SentFile | None:
         """None when the submission has gone, with its author."""
-        submission = submissions.by_id(db, UUID(lease.key))
+        submission = submissions.sent(db, UUID(lease.key))
         if submission is None:
             return None
         return sent_file(db, self._course, submission, lease.started_at)

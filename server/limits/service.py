@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from server.base.errors import TooMany
 from server.base.settings import Bucket
-from server.database import ask, table_of, upserting, utc_now
+from server.database import ask, change, table_of, upserting, utc_now
 from server.limits.models import Allowance
 
 _allowances = table_of(Allowance)
@@ -27,7 +27,7 @@ def take(db: Session, key: str, bucket: Bucket, refusal: str) -> None:
     if tokens < 1:
         wait = max(1, math.ceil((1 - tokens) * bucket.refill_seconds))
         raise TooMany(refusal.format(seconds=wait), retry_after=wait)
-    db.execute(SPEND, {"bucket": key, "left": tokens - 1, "now": now})
+    change(db, SPEND, {"bucket": key, "left": tokens - 1, "now": now})
 
 
 def give_back(db: Session, key: str) -> None:

@@ -26,7 +26,7 @@ from sqlalchemy import (
 )
 from sqlalchemy.orm import Session, aliased
 
-from server.database import UtcDateTime, ask, table_of, utc_now
+from server.database import UtcDateTime, ask, change, table_of, utc_now
 from server.queue.models import Job
 from server.queue.port import Able, Lease, Sender
 from server.queue.turns import APART, Crowd, Turn
@@ -169,7 +169,7 @@ def put(
     what = {"id": name, "kind": kind, "key": key, "payload": dict(payload), "priority": sender.rank, "needs": needs}
     whose = {"sender": sender.name, "address": sender.address, "line": sender.line}
     when = {"turn": turn.line, "own_turn": turn.own, "created_at": utc_now(), "tries": 0}
-    db.execute(PUT, {**what, **whose, **when})
+    change(db, PUT, {**what, **whose, **when})
     return name
 
 

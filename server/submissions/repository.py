@@ -2,16 +2,31 @@
 
 from collections.abc import Mapping, Sequence
 from datetime import datetime
-from typing import Any
+from typing import Any, NamedTuple
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Select, and_, func, insert, or_, select, update
+from sqlalchemy import ColumnElement, Select, and_, bindparam, func, insert, or_, select, update
 from sqlalchemy.orm import Session, defer
 
-from server.database import ask, prepared, table_of, upserting, utc_now
+from server.database import ask, change, prepared, table_of, upserting, utc_now
 from server.submissions.models import Deal, Submission
 
-ADD = insert(table_of(Submission))
+
+class Sent(NamedTuple):
+    """What grading asks of a submission."""
+
+    id: UUID
+    account_id: UUID
+    exercise: str
+    source: bytes
+    seed: int
+    created_at: datetime
+
+
+_submissions = table_of(Submission)
+ADD = insert(_submissions)
+#: On the way to a verdict: made once, and for no object.
+SENT = select(*(_submissions.c[name] for name in Sent._fields)).where(_submissions.c.id == bindparam("submission"))
 
 
 @prepared
@@ -23,9 +38,14 @@ def by_id(db: Session, submission_id: UUID) -> Submission | None:
     return db.execute(*_by_id(submission_id)).scalar_one_or_none()
 
 
+def sent(db: Session, submission_id: UUID) -> Sent | None:
+    row = ask(db, SENT, {"submission": submission_id}).one_or_none()
+    return None if row is None else Sent(*row)
+
+
 def add(db: Session, **values: Any) -> Submission:
     """Stores a submission that waits for its first grading. What is given back is not the session's."""
-    db.execute(ADD, values)
+    change(db, ADD, values)
     return Submission(**values, grading_id=None)
 
 
