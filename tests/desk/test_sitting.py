@@ -147,6 +147,7 @@ ALIKE = (
         "ID",
     ),
     (re.compile(r"\d{4}-\d\d-\d\d[T ][\d:.]+(\+00:00|Z)?|\d\d/\d\d/\d{4} à \d\d:\d\d"), "TIME"),
+    (re.compile(r"\d+(er)? \w+ \d{4} à \d\d:\d\d"), "TIME"),
     (re.compile(r'("seed": )\d+'), r"\1SEED"),
 )
 
