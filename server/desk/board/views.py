@@ -122,8 +122,7 @@ def _sorter(shown: Shown, asked: Asked, column: str, label: str) -> Sorter:
 
 
 def _ordered(shown: Shown, students: Sequence[Student], asked: Asked) -> Sequence[Student]:
-    cells = shown.board.cells
-    rows = {one.id: [cells[one.id, name] for name in shown.board.exercises] for one in students}
+    cells, rows = shown.board.cells, shown.board.rows
     if asked.column == BY_SUCCESS:
         ordered = sorted(students, key=lambda one: -_solved(rows[one.id]))
     elif asked.column == BY_TROUBLE:
@@ -155,7 +154,7 @@ def _groups(shown: Shown, asked: Asked) -> tuple[Choice, ...]:
 
 
 def _row(shown: Shown, student: Student) -> RowView:
-    cells = [shown.board.cells[student.id, name] for name in shown.board.exercises]
+    cells = shown.board.rows[student.id]
     return RowView(
         key=str(student.id),
         name=student.name,
