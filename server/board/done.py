@@ -82,6 +82,11 @@ class Done:
     def hints(self) -> tuple[Hints, ...]:
         return insights.hints(self.course, self.exercises, self.trails)
 
+    def ever(self, exercise: str, misconception: str) -> frozenset[UUID]:
+        """The students who ever had a misconception."""
+        there = ((student, trail) for (student, name), trail in self.trails.items() if name == exercise)
+        return frozenset(student for student, trail in there if misconception in dict(trail.had))
+
 
 def cell_of(pair: Pair, sums: Sums | None, points: float | None, *, stuck: bool = False) -> Cell:
     return Cell(

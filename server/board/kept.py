@@ -31,24 +31,19 @@ class Kept:
     done: Done
 
 
-_KEPT: Lately[UUID, Kept] = Lately(MOST_ATTEMPTS, size=lambda kept: len(kept.told))
+_KEPT: Lately[tuple[UUID, Sequence[str]], Kept] = Lately(MOST_ATTEMPTS, size=lambda kept: len(kept.told) + 1)
 
 
 def done(db: Session, course: Course, scope: Scope, students: Sequence[UUID]) -> Done:
     """What the students of a class have done by now."""
-    told = repository.history(db, scope)
-    kept = _KEPT.get(scope.class_id)
-    if kept is not None and kept.told == told and _same(kept.done, course, scope, students):
+    told, key = repository.history(db, scope), (scope.class_id, tuple(scope.exercises))
+    kept = _KEPT.get(key)
+    if kept is not None and kept.told == told and kept.done.course is course and kept.done.students == tuple(students):
         return kept.done
     attempts = _read(db, told, kept.attempts if kept is not None else {})
     trails = {(trail[0].account, trail[0].exercise): trail for _, trail in attempts.values()}
     found = Done(course, tuple(students), tuple(scope.exercises), trails)
-    return _KEPT.put(scope.class_id, Kept(told, attempts, found)).done
-
-
-def _same(done: Done, course: Course, scope: Scope, students: Sequence[UUID]) -> bool:
-    asked = (tuple(students), tuple(scope.exercises))
-    return done.course is course and (done.students, done.exercises) == asked
+    return _KEPT.put(key, Kept(told, attempts, found)).done
 
 
 def _read(db: Session, told: Sequence[Told], before: Attempts) -> Attempts:

@@ -13,7 +13,7 @@ from functools import cache
 from typing import Any, NamedTuple, TypeAlias
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Row, Select, and_, bindparam, func, select, type_coerce
+from sqlalchemy import Row, Select, and_, bindparam, func, select, type_coerce
 from sqlalchemy.orm import Session
 from sqlalchemy.types import NullType
 
@@ -127,18 +127,13 @@ def pulse(db: Session, class_id: UUID) -> tuple[object, ...]:
     return tuple(db.execute(_pulse(), {"class_id": class_id}).one())
 
 
-def _that() -> ColumnElement[bool]:
-    return and_(SENT, _sent.exercise == bindparam("exercise"), _found.diagnosis == bindparam("diagnosis"))
-
-
-def had(db: Session, scope: Scope, exercise: str, diagnosis: str) -> frozenset[UUID]:
-    """The students who ever had a misconception."""
-    query = select(_sent.account_id).select_from(ATTEMPTS).where(_that())
-    return frozenset(db.execute(query, scope(exercise=exercise, diagnosis=diagnosis)).scalars())
+@cache
+def _sent_with() -> Select[UUID, bytes]:
+    query = select(_sent.account_id, _sent.source).select_from(ATTEMPTS)
+    query = query.where(SENT, _sent.exercise == bindparam("exercise"), _found.diagnosis == bindparam("diagnosis"))
+    return query.order_by(_sent.created_at.desc(), _sent.id.desc()).limit(bindparam("most"))
 
 
 def sent_with(db: Session, scope: Scope, exercise: str, diagnosis: str, most: int) -> Sequence[Row[UUID, bytes]]:
     """Student and source of the latest attempts that had this misconception."""
-    query = select(_sent.account_id, _sent.source).select_from(ATTEMPTS).where(_that())
-    query = query.order_by(_sent.created_at.desc(), _sent.id.desc()).limit(most)
-    return db.execute(query, scope(exercise=exercise, diagnosis=diagnosis)).all()
+    return ask(db, _sent_with(), scope(exercise=exercise, diagnosis=diagnosis, most=most)).all()

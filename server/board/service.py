@@ -6,7 +6,7 @@ The number of queries depends on nothing but the code: neither on students nor o
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from uuid import UUID
 
@@ -60,6 +60,11 @@ def dashboard(db: Session, course: Course, school_class: SchoolClass, now: datet
     )
 
 
+def work_at(db: Session, course: Course, school_class: SchoolClass, exercise: str, now: datetime) -> Work:
+    """At one exercise; nothing where it does not count."""
+    return _work(db, course, school_class, now, only=exercise)
+
+
 def scope_of(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Scope:
     """What counts on the board of a class."""
     exercises = tuple(counting_exercises(db, course, school_class, now))
@@ -77,9 +82,11 @@ def may_watch(db: Session, account_id: UUID, class_id: UUID) -> bool:
     return account is not None and rights.may(db, account, Right.read_work, class_id)
 
 
-def _work(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Work:
+def _work(db: Session, course: Course, school_class: SchoolClass, now: datetime, only: str | None = None) -> Work:
     now = min(now, school_class.archived_at or now)
     scope = scope_of(db, course, school_class, now)
+    if only is not None:
+        scope = replace(scope, exercises=tuple(name for name in scope.exercises if name == only))
     students = students_of(db, school_class.id)
     return Work(scope, now, students, kept.done(db, course, scope, [one.id for one in students]))
 
