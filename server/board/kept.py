@@ -17,7 +17,7 @@ from server.board.repository import Scope, Told
 from server.board.trails import Trail
 from server.course import Course
 
-MOST_ATTEMPTS = 30_000  # of all classes that are kept: about 1 kB each
+MOST_KEPT = 60_000  # attempts and cells of all classes that are kept: 1 kB each at most
 
 Attempts = Mapping[tuple[object, object], tuple[Sequence[Told], Trail]]
 
@@ -30,8 +30,12 @@ class Kept:
     attempts: Attempts
     done: Done
 
+    @property
+    def size(self) -> int:
+        return len(self.told) + len(self.done.students) * len(self.done.exercises) + 1
 
-_KEPT: Lately[tuple[UUID, Sequence[str]], Kept] = Lately(MOST_ATTEMPTS, size=lambda kept: len(kept.told) + 1)
+
+_KEPT: Lately[tuple[UUID, Sequence[str]], Kept] = Lately(MOST_KEPT, size=lambda kept: kept.size)
 
 
 def done(db: Session, course: Course, scope: Scope, students: Sequence[UUID]) -> Done:
