@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from functools import cache
 
 from pygments.lexer import Lexer
@@ -43,10 +43,14 @@ def _ends(line: str, heads: Collection[str]) -> bool:
     return any(line.startswith(head) and not line[len(head) :][:1].isidentifier() for head in heads)
 
 
+def words_of(people: Iterable[str]) -> frozenset[str]:
+    """Of which somebody's name is made: for `anonymous`."""
+    return frozenset(_plain(word) for name in people for word in WORD.findall(name) if len(word) >= SHORTEST_NAME)
+
+
 def anonymous(code: str, people: Collection[str]) -> str:
     """The same without comments, nor texts, nor words that are part of somebody's name; some lines at most."""
-    known = {_plain(word) for name in people for word in WORD.findall(name) if len(word) >= SHORTEST_NAME}
-    text = "".join(_written(code, known))
+    text = "".join(_written(code, people))
     lines = [line.rstrip() for line in text.split("\n")]
     told = [line for line in lines if line and line.strip() != TEXT]
     cut = [line if len(line) <= LONGEST_LINE else line[:LONGEST_LINE] + " …" for line in told[:MOST_LINES]]

@@ -20,7 +20,7 @@ from server.board.schemas import (
     Slot,
 )
 from server.board.states import median_of
-from server.board.trails import Pair, Trails, after_hints, first_success
+from server.board.trails import Pair, Trails, after_hints
 from server.course import Course
 from server.gradebook.schemas import HINT_OPENS_AFTER
 from server.gradebook.standings import Sums
@@ -36,7 +36,7 @@ def items(exercises: Sequence[str], standings: Mapping[Pair, Sums], trails: Trai
     """Of each exercise."""
     solved: dict[str, list[tuple[int, float]]] = defaultdict(list)
     for (_, exercise), trail in trails.items():
-        if found := first_success(trail):
+        if found := trail.first_success:
             solved[exercise].append(found)
     tried, whole = _scores(standings)
     return tuple(_item(name, tried.get(name, {}), solved.get(name, []), whole) for name in exercises)
@@ -110,9 +110,11 @@ def _levels(exercise: str, found: Mapping[int, Sequence[bool]]) -> tuple[Helped,
     )
 
 
-def activity(trails: Trails, now: datetime) -> tuple[tuple[Slot, ...], tuple[Slot, ...]]:
-    """The attempts of a lesson's time by slots of some minutes, and of two weeks by days (UTC), until now."""
-    times = sorted(one.sent_at for trail in trails.values() for one in trail)
+def activity(times: Sequence[datetime], now: datetime) -> tuple[tuple[Slot, ...], tuple[Slot, ...]]:
+    """The attempts of a lesson's time by slots of some minutes, and of two weeks by days (UTC), until now.
+
+    `times`: when each was sent, the oldest first.
+    """
     minute = now.replace(second=0, microsecond=0)
     begins = minute - timedelta(minutes=minute.minute % 5) - LESSON + SLOT
     today = now.replace(hour=0, minute=0, second=0, microsecond=0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from enum import StrEnum
 from functools import cached_property
@@ -40,6 +40,15 @@ class Cell:
     attempts: int
     state: State
     misconception: str | None
+    told: str = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        """In words, once: these cells are compared and looked up a thousand times a page."""
+        values = (str(self.student), self.exercise, self.points, self.attempts, self.state.value, self.misconception)
+        object.__setattr__(self, "told", repr(values))
+
+    def __hash__(self) -> int:
+        return hash(self.told)
 
 
 @dataclass(frozen=True)
@@ -70,6 +79,11 @@ class Misconception:
     followed: int
     improved: int
 
+    @cached_property
+    def told(self) -> str:
+        """In words, once."""
+        return repr(self)
+
 
 @dataclass(frozen=True)
 class Board:
@@ -86,9 +100,16 @@ class Board:
     @cached_property
     def version(self) -> str:
         """The same for two boards that show the same, whenever they were read."""
-        cells = [(one.points, one.attempts, one.state.value, one.misconception) for one in self.cells.values()]
-        shown = (self.students_shown, self.exercises, cells, self.counts, self.misconceptions)
-        return blake2b(repr(shown).encode(), digest_size=12).hexdigest()
+        told = [repr((self.students_shown, self.exercises, self.counts))]
+        told += [cell.told for cell in self.cells.values()]
+        told += [one.told for one in self.misconceptions]
+        return blake2b("\n".join(told).encode(), digest_size=12).hexdigest()
+
+    @cached_property
+    def rows(self) -> Mapping[UUID, Sequence[Cell]]:
+        """The cells of each student."""
+        cells, width = list(self.cells.values()), len(self.exercises)
+        return {one.id: cells[place * width : (place + 1) * width] for place, one in enumerate(self.students)}
 
     def changed_since(self, before: Board) -> Sequence[Cell]:
         """The cells that `before` had not, or had otherwise."""

@@ -11,6 +11,8 @@ from server.board.schemas import State
 from server.board.trails import FAILURES, Pair, Trail, Trails
 from server.gradebook.standings import Sums
 
+Latest = tuple[datetime, str]
+
 LATELY = timedelta(minutes=10)
 DIFFERENT = 3
 LEAST_SILENCE, MOST_SILENCE = timedelta(minutes=8), timedelta(minutes=40)
@@ -42,11 +44,8 @@ def _in_vain(trail: Trail, since: datetime) -> int:
     return len(failed)
 
 
-def gone_quiet(standings: Mapping[Pair, Sums], seen: Mapping[UUID, datetime | None], now: datetime) -> frozenset[Pair]:
+def gone_quiet(latest: Mapping[UUID, Latest], seen: Mapping[UUID, datetime | None], now: datetime) -> frozenset[Pair]:
     """Where each student's very latest attempt is a failure of some time ago, though they are still there."""
-    latest: dict[UUID, tuple[datetime, str]] = {}
-    for (account, exercise), sums in standings.items():
-        latest[account] = max(latest.get(account, (sums.last_at, exercise)), (sums.last_at, exercise))
     quiet = []
     for account, (sent_at, exercise) in latest.items():
         last_seen = seen.get(account)
@@ -54,6 +53,15 @@ def gone_quiet(standings: Mapping[Pair, Sums], seen: Mapping[UUID, datetime | No
         if there and LEAST_SILENCE <= now - sent_at <= MOST_SILENCE:
             quiet.append((account, exercise))
     return frozenset(quiet)
+
+
+def latest_of(standings: Mapping[Pair, Sums]) -> Mapping[UUID, Latest]:
+    """When each student sent something last, and to which exercise."""
+    latest: dict[UUID, Latest] = {}
+    for (account, exercise), sums in standings.items():
+        found = (sums.last_at, exercise)
+        latest[account] = max(latest.get(account, found), found)
+    return latest
 
 
 def state_of(sums: Sums | None, *, stuck: bool) -> State:

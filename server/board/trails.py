@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby, pairwise
+from functools import cached_property
+from itertools import pairwise
 from uuid import UUID
 
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
@@ -16,17 +17,6 @@ FAILURES = frozenset(one.value for one in blamed_on(Blame.STUDENT))
 BEHAVING = frozenset((Outcome.WRONG_ANSWER.value, Outcome.INVALID_OUTPUT.value, Outcome.RUNTIME_ERROR.value))
 
 Pair = tuple[UUID, str]
-Trail = Sequence[Sent]
-Trails = Mapping[Pair, Trail]
-
-
-def trails(history: Sequence[Sent]) -> Trails:
-    """By student and exercise; `history` has those of one beside each other, in order."""
-    return {pair: tuple(sent) for pair, sent in groupby(history, key=lambda one: (one.account, one.exercise))}
-
-
-def sums(trail: Trail) -> Sums:
-    return sums_of(trail)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +33,26 @@ class Had:
     improved: bool
 
 
-def misconceptions(trail: Trail) -> Iterator[tuple[str, Had]]:
+class Trail(tuple[Sent, ...]):
+    """What one student sent to one exercise, in order, one attempt at least. What it comes to is reckoned once."""
+
+    @cached_property
+    def sums(self) -> Sums:
+        return sums_of(self)
+
+    @cached_property
+    def had(self) -> Sequence[tuple[str, Had]]:
+        return tuple(misconceptions(self))
+
+    @cached_property
+    def first_success(self) -> tuple[int, float] | None:
+        return first_success(self)
+
+
+Trails = Mapping[Pair, Trail]
+
+
+def misconceptions(trail: Sequence[Sent]) -> Iterator[tuple[str, Had]]:
     """Each misconception that its author ever had there."""
     places: dict[str, list[int]] = {}
     for place, one in enumerate(trail):
@@ -57,7 +66,7 @@ def misconceptions(trail: Trail) -> Iterator[tuple[str, Had]]:
         yield name, Had(trail[first].account, last - first + 1 if over else None, followed, improved)
 
 
-def first_success(trail: Trail) -> tuple[int, float] | None:
+def first_success(trail: Sequence[Sent]) -> tuple[int, float] | None:
     """At which attempt, and in how many minutes from the first one."""
     for number, one in enumerate(trail, 1):
         if one.outcome == Outcome.OK:
@@ -65,7 +74,7 @@ def first_success(trail: Trail) -> tuple[int, float] | None:
     return None
 
 
-def after_hints(trail: Trail, starter: str | None, opens_after: Collection[int]) -> Iterator[tuple[int, bool]]:
+def after_hints(trail: Sequence[Sent], starter: str | None, opens_after: Collection[int]) -> Iterator[tuple[int, bool]]:
     """After each number of different failures that opened a hint: whether the next attempt brought more points.
 
     Nothing of those that no attempt came after. `starter`: the digest of what fails without opening anything.
@@ -78,6 +87,6 @@ def after_hints(trail: Trail, starter: str | None, opens_after: Collection[int])
                 yield len(failed), following.score > one.score
 
 
-def unexplained(trail: Trail) -> bool:
+def unexplained(trail: Sequence[Sent]) -> bool:
     """Whether the latest attempt answers wrongly, and nothing names why."""
     return trail[-1].diagnosis is None and trail[-1].outcome in BEHAVING

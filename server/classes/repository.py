@@ -8,8 +8,8 @@ from sqlalchemy import Row, Select, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, SchoolClass, Seat, Status
-from server.classes.schemas import Joined, Member
-from server.database import ask, prepared
+from server.classes.schemas import Joined, Learner, Member, listed_name, place_in_list
+from server.database import ask, prepared, table_of
 from server.identity.models import Account
 
 STAFF = (Seat.assistant, Seat.teacher)
@@ -94,6 +94,24 @@ def members(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -
 def staff(db: Session, class_id: UUID) -> Sequence[Member]:
     """The members that help or teach there, and those that did."""
     return _listed(db, *_staff(class_id))
+
+
+@prepared
+def _learners(class_id: UUID) -> Select[UUID, str | None, str | None, str, list[str], datetime | None]:
+    seat, account = table_of(Membership), table_of(Account)
+    names = (seat.c.given_name, seat.c.family_name, account.c.name)
+    query = select(seat.c.account_id, *names, seat.c.groups, seat.c.last_seen_at)
+    query = query.join(account, account.c.id == seat.c.account_id).where(seat.c.class_id == class_id)
+    return query.where(seat.c.role == Seat.student, seat.c.status == Status.active)
+
+
+def learners(db: Session, class_id: UUID) -> Sequence[Learner]:
+    """The students of now, in the order of a list of names."""
+    found = []
+    for identity, given, family, own, groups, seen_at in ask(db, *_learners(class_id)):
+        learner = Learner(identity, listed_name(given, family, own), tuple(groups), seen_at)
+        found.append((place_in_list(family, learner.name), str(identity), learner))
+    return [learner for *_, learner in sorted(found, key=lambda one: one[:2])]
 
 
 def _listed(db: Session, query: Select[Membership, Account], values: Mapping[str, object]) -> Sequence[Member]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from typing import NamedTuple
 from uuid import UUID
 
 from server.base.errors import Invalid
@@ -22,6 +23,25 @@ CODE_LASTS: Mapping[str, timedelta] = {
 DEFAULT_LASTING = "mois"
 
 
+def listed_name(given: str | None, family: str | None, own: str) -> str:
+    """As the school's list has it; else as the account does."""
+    return " ".join(filter(None, (given, family))) or own
+
+
+def place_in_list(family: str | None, name: str) -> tuple[str, str]:
+    """As a list of names is sorted: by family name, accents apart. An account's own name ends with it."""
+    return folded(family or name.rsplit(maxsplit=1)[-1]), folded(name)
+
+
+class Learner(NamedTuple):
+    """Who sits in a class as a student now; `seen_at`: when they were last there."""
+
+    id: UUID
+    name: str
+    groups: tuple[str, ...]
+    seen_at: datetime | None
+
+
 @dataclass(frozen=True)
 class Member:
     """A membership, with the account that it is of."""
@@ -35,15 +55,11 @@ class Member:
 
     @property
     def name(self) -> str:
-        """As the school's list has it; else as the account does."""
-        listed = " ".join(filter(None, (self.membership.given_name, self.membership.family_name)))
-        return listed or self.account.name
+        return listed_name(self.membership.given_name, self.membership.family_name, self.account.name)
 
     @property
     def sorted_by(self) -> tuple[str, str]:
-        """As a list of names is: by family name, accents apart. An account's own name ends with it."""
-        family = self.membership.family_name or self.name.split()[-1]
-        return folded(family), folded(self.name)
+        return place_in_list(self.membership.family_name, self.name)
 
     @property
     def seat(self) -> Seat:

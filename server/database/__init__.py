@@ -1,6 +1,6 @@
 """Engine, transactions, base of the tables, and migrations, for SQLite and PostgreSQL alike."""
 
-from server.database.base import NEVER, Base, UtcDateTime, table_of, utc_now
+from server.database.base import NEVER, Base, Identity, UtcDateTime, table_of, utc_now
 from server.database.engine import (
     MOST_CONNECTIONS,
     STARTING_SECONDS,
@@ -18,6 +18,7 @@ __all__ = [
     "STARTING_SECONDS",
     "Base",
     "Database",
+    "Identity",
     "UtcDateTime",
     "after_commit",
     "ask",

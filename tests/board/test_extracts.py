@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from server.board.extracts import MORE, MOST_LINES, anonymous, function_of
+from server.board.extracts import MORE, MOST_LINES, anonymous, function_of, words_of
 
 CODE = '''"""Devoir d'Évariste Galois."""
 import numpy as np
@@ -39,12 +39,12 @@ def test_a_function_is_found_whole_and_alone() -> None:
 
 
 def test_comments_texts_and_names_are_left_out() -> None:
-    told = anonymous(function_of(CODE, ["composer"]), ["Évariste Galois", "Li Wu"])
+    told = anonymous(function_of(CODE, ["composer"]), words_of(["Évariste Galois", "Li Wu"]))
     assert "nom_nom = a + b" in told
     assert "return nom_nom" in told
     for word in ("Galois", "variste", "par", "#", '"'):
         assert word.casefold() not in told.casefold()
-    assert anonymous("def f(li):\n    return li", ["Li Wu"]) == "def f(li):\n    return li", (
+    assert anonymous("def f(li):\n    return li", words_of(["Li Wu"])) == "def f(li):\n    return li", (
         "a name of two letters is a word"
     )
 
@@ -53,8 +53,8 @@ def test_comments_texts_and_names_are_left_out() -> None:
     "code", ["(" * 50_000, "'" * 50_001, "\x00def f(:", 'f"{' * 20_000, "-" * 60_000 + "1", "é" * 9000]
 )
 def test_whatever_was_sent_is_read_within_bounds(code: str) -> None:
-    told = anonymous(function_of(f"def composer(a, b):\n    {code}\n", ["composer"]), ["Ada Lovelace"])
+    told = anonymous(function_of(f"def composer(a, b):\n    {code}\n", ["composer"]), words_of(["Ada Lovelace"]))
     assert len(told) < 250
-    long = anonymous("def f(x):\n" + "    x = x + 1\n" * 500, [])
+    long = anonymous("def f(x):\n" + "    x = x + 1\n" * 500, words_of([]))
     assert long.endswith(MORE)
     assert long.count("\n") == MOST_LINES

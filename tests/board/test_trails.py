@@ -10,8 +10,8 @@ import pytest
 from graders.core.contract.outcomes import Outcome
 from server.board.insights import item_rest
 from server.board.repository import Sent
-from server.board.states import going_nowhere, gone_quiet
-from server.board.trails import Had, after_hints, first_success, misconceptions, sums, trails, unexplained
+from server.board.states import going_nowhere, gone_quiet, latest_of
+from server.board.trails import Had, Trail, after_hints, first_success, misconceptions, unexplained
 from server.gradebook.schemas import HINT_OPENS_AFTER
 
 NOW = datetime(2026, 11, 23, 10, 0, tzinfo=UTC)
@@ -19,15 +19,16 @@ ADA = UUID(int=1)
 EXERCISE = "l20/poses"
 
 
-def trail(*attempts: str) -> tuple[Sent, ...]:
+def trail(*attempts: str) -> Trail:
     """Each `minutes ago, points[, code[, misconception]]`; 20 points are a success."""
     found = []
     for number, text in enumerate(attempts):
         ago, points, code, name = [*(part.strip() for part in text.split(",")), "", ""][:4]
         outcome = Outcome.OK if points == "20" else Outcome.WRONG_ANSWER
         sent_at = NOW - timedelta(minutes=float(ago))
-        found.append(Sent(ADA, EXERCISE, sent_at, code or f"#{number}", outcome.value, int(points) / 20, name or None))
-    return tuple(found)
+        score, digest = int(points) / 20, code or f"#{number}"
+        found.append(Sent(ADA, EXERCISE, sent_at, digest, outcome.value, score, name or None, UUID(int=number)))
+    return Trail(found)
 
 
 STUCK = {
@@ -55,11 +56,11 @@ def test_who_goes_nowhere(attempts: list[str], stuck: bool) -> None:
     [(7, 1, False), (9, 1, True), (39, 14, True), (39, 16, False), (41, 1, False), (9, None, False)],
 )
 def test_who_has_gone_quiet_after_a_failure(sent: int, seen: int | None, quiet: bool) -> None:
-    standings = {(ADA, EXERCISE): sums(trail(f"{sent},5"))}
+    standings = {(ADA, EXERCISE): trail(f"{sent},5").sums}
     there = {ADA: None if seen is None else NOW - timedelta(minutes=seen)}
-    assert bool(gone_quiet(standings, there, NOW)) is quiet
-    elsewhere = {**standings, (ADA, "l20/kabsch"): sums(trail("1,5"))}
-    assert not gone_quiet(elsewhere, there, NOW), "who works at something else is not held up here"
+    assert bool(gone_quiet(latest_of(standings), there, NOW)) is quiet
+    elsewhere = {**standings, (ADA, "l20/kabsch"): trail("1,5").sums}
+    assert not gone_quiet(latest_of(elsewhere), there, NOW), "who works at something else is not held up here"
 
 
 @pytest.mark.parametrize(
@@ -93,12 +94,6 @@ def test_a_failure_is_unexplained_when_it_runs_and_has_no_name() -> None:
     assert not unexplained(trail("9,20"))
     (one,) = trail("9,5")
     assert not unexplained((one._replace(outcome=Outcome.SYNTAX_ERROR.value),)), "it says of itself what it is"
-
-
-def test_attempts_are_put_together_by_student_and_exercise() -> None:
-    first, second = trail("9,5", "8,5")
-    found = trails([first, second, first._replace(exercise="l20/z"), first._replace(account=UUID(int=2))])
-    assert [len(one) for one in found.values()] == [2, 1, 1]
 
 
 def test_the_item_rest_correlation_is_hidden_under_twenty() -> None:

@@ -10,7 +10,7 @@ from server.base import root
 from server.board.schemas import Board
 from server.course import Course
 from server.desk.board.schemas import CountsView
-from server.desk.board.shown import Shown
+from server.desk.board.shown import ShownBoard
 from server.desk.board.views import cell_html, key_of, mistake_rows
 from server.submissions.events import sse
 from server.web.rendering import environment
@@ -50,6 +50,6 @@ def _parts(view: Page, before: Board, shown: Board) -> list[tuple[str, str]]:
     if before.counts != shown.counts:
         told.append(("counts", root.written(str(macros.counts(CountsView(**vars(shown.counts)))))))
     if before.misconceptions != shown.misconceptions:
-        rows = mistake_rows(Shown(view.course, view.href, shown), everything=view.everything)
+        rows = mistake_rows(ShownBoard.of(view.course, view.href, shown), everything=view.everything)
         told.append(("misconceptions", root.written(str(macros.mistakes(rows)))))
     return told

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from urllib.parse import urlencode
 
 from sqlalchemy.orm import Session
 
 from server.base.errors import NotFound
 from server.board import repository, service
-from server.board.extracts import anonymous, function_of
+from server.board.extracts import anonymous, function_of, words_of
 from server.board.names import Named, named
-from server.board.repository import Scope
-from server.board.schemas import FEWEST_FOR_A_SHARE, FEWEST_TO_PROJECT, Board, Helped, Misconception
+from server.board.schemas import FEWEST_FOR_A_SHARE, FEWEST_TO_PROJECT, Helped, Misconception
+from server.board.service import Work
 from server.course import Course, Exercise
 from server.database import utc_now
 from server.desk.board.insight_views import share
@@ -33,23 +33,22 @@ def mistake_page(
     db: Session, course: Course, place: Place, exercise_id: str, misconception: str, *, chosen: bool = False
 ) -> MistakePage:
     """`chosen`: to be projected, however few have had it. Raises NotFound where nobody has."""
-    school_class, now = place.school_class, utc_now()
-    board = service.board(db, course, school_class, now)
-    found = next((one for one in board.misconceptions if (one.exercise, one.id) == (exercise_id, misconception)), None)
+    school_class = place.school_class
+    work = service.work_at(db, course, school_class, exercise_id, utc_now())
+    found = next((one for one in work.done.misconceptions if one.id == misconception), None)
     if found is None:
         raise NotFound(UNKNOWN)
     exercise, known = course.exercises[exercise_id], named(course, exercise_id, misconception)
-    scope = service.scope_of(db, course, school_class, now)
     href = href_of(school_class)
-    shown = Shown(course, href, board)
-    had = repository.had(db, scope, exercise_id, misconception)
+    shown = Shown(course, href, work.students)
+    had = work.done.ever(exercise_id, misconception)
     paragraphs = [part.strip() for part in known.diagnosis.explanation.split("\n\n") if part.strip()]
     return MistakePage(
         head=head(course, place, ""),
         row=mistake_row(shown, found),
         paragraphs=tuple(exercise.prose(one) if exercise.answers else one for one in paragraphs),
         prose=exercise.answers is not None,
-        extracts=_extracts(db, scope, exercise, known, board, misconception),
+        extracts=_extracts(db, work, exercise, known, misconception),
         still=shown.people(found.students, exercise_id),
         freed=shown.people(had - set(found.students), exercise_id),
         after=_after(found),
@@ -81,20 +80,18 @@ def _lesson(course: Course, exercise: Exercise) -> tuple[str, str] | None:
     return None if found is None else (lesson_href(found), found.title)
 
 
-def _extracts(
-    db: Session, scope: Scope, exercise: Exercise, known: Named, board: Board, misconception: str
-) -> tuple[str, ...]:
+def _extracts(db: Session, work: Work, exercise: Exercise, known: Named, misconception: str) -> tuple[str, ...]:
     """The shortest of the latest programs that have it, each of another student; none of answers without code."""
     if exercise.answers is not None:
         return ()
     functions = known.functions or tuple(one.name for one in exercise.functions)
-    people = [one.name for one in board.students]
-    rows = repository.sent_with(db, scope, exercise.id, misconception, LOOKED_AT)
+    people = words_of(one.name for one in work.students)
+    rows = repository.sent_with(db, work.scope, exercise.id, misconception, LOOKED_AT)
     by_student = {row[0]: row[1] for row in reversed(rows)}
     texts = {_extract(source, functions, people) for source in by_student.values()} - {""}
     return tuple(sorted(texts, key=lambda text: (len(text), text))[:EXTRACTS])
 
 
-def _extract(source: bytes, functions: Sequence[str], people: Sequence[str]) -> str:
+def _extract(source: bytes, functions: Sequence[str], people: Collection[str]) -> str:
     code = source.decode("utf-8-sig", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
     return anonymous(function_of(code, functions), people)

@@ -1,23 +1,23 @@
-"""A board, and where things of it are: what its pages' views share."""
+"""A class, and where things of it are: what its board's pages share."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from urllib.parse import quote
 from uuid import UUID
 
-from server.board.schemas import Board
+from server.board.schemas import Board, Student
 from server.course import Course
 
 
 @dataclass(frozen=True)
 class Shown:
-    """A board, with what its page needs to name things: the course, and where the class is."""
+    """The students of a class, with what pages need to name things: the course, and where the class is."""
 
     course: Course
     href: str
-    board: Board
+    students: Sequence[Student]
 
     def title(self, exercise: str) -> str:
         found = self.course.exercises.get(exercise)
@@ -30,9 +30,18 @@ class Shown:
     def people(self, students: Collection[UUID], exercise: str) -> tuple[tuple[str, str], ...]:
         """Name, and address of what they did at the exercise, in the order of the list."""
         wanted = set(students)
-        return tuple(
-            (one.name, work_href(self.href, one.id, exercise)) for one in self.board.students if one.id in wanted
-        )
+        return tuple((one.name, work_href(self.href, one.id, exercise)) for one in self.students if one.id in wanted)
+
+
+@dataclass(frozen=True)
+class ShownBoard(Shown):
+    """With its board."""
+
+    board: Board
+
+    @classmethod
+    def of(cls, course: Course, href: str, board: Board) -> ShownBoard:
+        return cls(course, href, board.students, board)
 
 
 def work_href(class_href: str, student: UUID, exercise: str) -> str:

@@ -17,7 +17,7 @@ from server.classes import repository as classes
 from server.database import utc_now
 from server.desk.board import insight_views as told
 from server.desk.board.schemas import BoardPage, CellView, Choice, CountsView, MistakeRow, RowView, Sorter
-from server.desk.board.shown import Shown, mistake_href, work_href
+from server.desk.board.shown import Shown, ShownBoard, mistake_href, work_href
 from server.desk.views import code_view, group_counts, head, href_of
 from server.rights.models import Right
 from server.rights.service import Place
@@ -62,7 +62,7 @@ def board_page(reader: Reader, place: Place, asked: Asked, base: str) -> BoardPa
     """`base` is the address of the service."""
     db, course, school_class = reader.db, reader.course, place.school_class
     board, insights = service.dashboard(db, course, school_class, utc_now())
-    shown = Shown(course, href_of(school_class), board)
+    shown = ShownBoard.of(course, href_of(school_class), board)
     chosen = [one for one in board.students if not asked.group or asked.group in one.groups]
     ordered = _ordered(shown, chosen, asked)
     first = (asked.page - 1) * STUDENTS_A_PAGE
@@ -121,9 +121,8 @@ def _sorter(shown: Shown, asked: Asked, column: str, label: str) -> Sorter:
     return Sorter(label, _href(shown, asked, sort=wanted, page=1), order)
 
 
-def _ordered(shown: Shown, students: Sequence[Student], asked: Asked) -> Sequence[Student]:
-    cells = shown.board.cells
-    rows = {one.id: [cells[one.id, name] for name in shown.board.exercises] for one in students}
+def _ordered(shown: ShownBoard, students: Sequence[Student], asked: Asked) -> Sequence[Student]:
+    cells, rows = shown.board.cells, shown.board.rows
     if asked.column == BY_SUCCESS:
         ordered = sorted(students, key=lambda one: -_solved(rows[one.id]))
     elif asked.column == BY_TROUBLE:
@@ -143,7 +142,7 @@ def _solved(cells: Sequence[Cell]) -> int:
     return sum(cell.state is State.solved for cell in cells)
 
 
-def _groups(shown: Shown, asked: Asked) -> tuple[Choice, ...]:
+def _groups(shown: ShownBoard, asked: Asked) -> tuple[Choice, ...]:
     sizes = group_counts(one.groups for one in shown.board.students)
     if not sizes:
         return ()
@@ -154,8 +153,8 @@ def _groups(shown: Shown, asked: Asked) -> tuple[Choice, ...]:
     )
 
 
-def _row(shown: Shown, student: Student) -> RowView:
-    cells = [shown.board.cells[student.id, name] for name in shown.board.exercises]
+def _row(shown: ShownBoard, student: Student) -> RowView:
+    cells = shown.board.rows[student.id]
     return RowView(
         key=str(student.id),
         name=student.name,
@@ -199,7 +198,7 @@ def key_of(cell: Cell) -> str:
     return f"{cell.student} {cell.exercise}"
 
 
-def mistake_rows(shown: Shown, *, everything: bool) -> tuple[MistakeRow, ...]:
+def mistake_rows(shown: ShownBoard, *, everything: bool) -> tuple[MistakeRow, ...]:
     rows = shown.board.misconceptions
     return tuple(mistake_row(shown, one) for one in (rows if everything else rows[:MISTAKES_AT_FIRST]))
 
@@ -212,14 +211,14 @@ def mistake_row(shown: Shown, one: Misconception) -> MistakeRow:
         exercise=shown.title(one.exercise),
         exercise_href=shown.exercise_href(one.exercise),
         now=one.now,
-        share=round(100 * one.now / max(1, shown.board.counts.students), 1),
+        share=round(100 * one.now / max(1, len(shown.students)), 1),
         ever=one.ever,
         overcome=one.overcome,
         attempts="—" if one.median_attempts is None else points(one.median_attempts),
     )
 
 
-def _more(shown: Shown, asked: Asked) -> Choice | None:
+def _more(shown: ShownBoard, asked: Asked) -> Choice | None:
     total = len(shown.board.misconceptions)
     if total <= MISTAKES_AT_FIRST:
         return None
