@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from typing import TypeVar
 from uuid import UUID
 
 from server.assignments.models import Counts
@@ -18,6 +19,9 @@ class Sent:
     id: UUID
     sent_at: datetime
     score: float
+
+
+One = TypeVar("One", bound=Sent)
 
 
 @dataclass(frozen=True)
@@ -58,7 +62,7 @@ def result(rules: Rules, counts: Counts, attempts: Sequence[Sent]) -> Result:
     return Result(counted, on_time, len(marks))
 
 
-def in_sitting(attempts: Iterable[Sent], began_at: datetime | None, ended_at: datetime | None) -> list[Sent]:
+def in_sitting(attempts: Iterable[One], began_at: datetime | None, ended_at: datetime | None) -> list[One]:
     """Those of a test that were sent while its student sat it; none where they never began.
 
     Others may stand between its dates too: what a guest had sent, whom the student then turned out to be.

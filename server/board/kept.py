@@ -3,9 +3,9 @@ read, nor reckoned, again."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from operator import itemgetter
 from uuid import UUID
 
 from sqlalchemy.orm import Session
@@ -13,13 +13,15 @@ from sqlalchemy.orm import Session
 from server.base.caches import Lately
 from server.board import repository
 from server.board.done import Done
-from server.board.repository import Scope, Told
+from server.board.repository import TOLD, Scope, Sent
 from server.board.trails import Trail
 from server.course import Course
+from server.database import Told
+from server.database import told as database
 
 MOST_KEPT = 60_000  # attempts and cells of all classes that are kept: 1 kB each at most
 
-Attempts = Mapping[tuple[object, object], tuple[Sequence[Told], Trail]]
+Attempts = database.Kept[Trail]
 
 
 @dataclass(frozen=True)
@@ -44,16 +46,12 @@ def done(db: Session, course: Course, scope: Scope, students: Sequence[UUID]) ->
     kept = _KEPT.get(key)
     if kept is not None and kept.told == told and kept.done.course is course and kept.done.students == tuple(students):
         return kept.done
-    attempts = _read(db, told, kept.attempts if kept is not None else {})
+    attempts = _attempts(db, told, kept.attempts if kept is not None else {})
     trails = {(trail[0].account, trail[0].exercise): trail for _, trail in attempts.values()}
     found = Done(course, tuple(students), tuple(scope.exercises), trails)
     return _KEPT.put(key, Kept(told, attempts, found)).done
 
 
-def _read(db: Session, told: Sequence[Told], before: Attempts) -> Attempts:
-    sent = repository.reader(db)
-    attempts = {}
-    for pair, group in groupby(told, key=lambda one: one[:2]):
-        rows, known = list(group), before.get(pair)
-        attempts[pair] = known if known is not None and known[0] == rows else (rows, Trail(map(sent, rows)))
-    return attempts
+def _attempts(db: Session, told: Sequence[Told], before: Attempts) -> Attempts:
+    read = TOLD.reader(db)
+    return database.kept(told, itemgetter(0, 1), before, lambda rows: Trail(Sent(*read(row)) for row in rows))

@@ -6,19 +6,18 @@ same rows again and again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from functools import cache
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 from uuid import UUID
 
-from sqlalchemy import Row, Select, and_, bindparam, func, select, type_coerce
+from sqlalchemy import Row, Select, and_, bindparam, func, select
 from sqlalchemy.orm import Session
-from sqlalchemy.types import NullType
 
 from server.classes.models import Membership, Seat, Status
-from server.database import NEVER, Identity, UtcDateTime, ask, table_of
+from server.database import NEVER, Telling, Told, ask, table_of
 from server.gradebook.models import Grading, Standing
 from server.submissions.models import Submission
 
@@ -68,9 +67,7 @@ class Sent(NamedTuple):
     submission: UUID
 
 
-#: The same as its database tells it: it costs half as much to read, and is the same as long as nothing has changed.
-Told: TypeAlias = tuple[Any, ...]
-COLUMNS = (
+TOLD = Telling(
     _sent.account_id,
     _sent.exercise,
     _sent.created_at,
@@ -80,34 +77,17 @@ COLUMNS = (
     _found.diagnosis,
     _sent.id,
 )
-READ = tuple(place for place, column in enumerate(COLUMNS) if isinstance(column.type, (Identity, UtcDateTime)))
 
 
 @cache
 def _history() -> Select[*tuple[Any, ...]]:
-    told = (type_coerce(column, NullType) if place in READ else column for place, column in enumerate(COLUMNS))
-    query = select(*told).select_from(ATTEMPTS).where(SENT)
+    query = select(*TOLD.asked).select_from(ATTEMPTS).where(SENT)
     return query.order_by(_sent.account_id, _sent.exercise, _sent.created_at, _sent.id)
 
 
 def history(db: Session, scope: Scope) -> Sequence[Told]:
     """Every attempt that counts: by student, then by exercise, in the order in which they were sent."""
     return list(map(tuple, ask(db, _history(), scope())))
-
-
-def reader(db: Session) -> Callable[[Told], Sent]:
-    """Reads what the database tells of an attempt."""
-    dialect = db.get_bind().dialect
-    types = ((place, COLUMNS[place].type.dialect_impl(dialect)) for place in READ)
-    processors = [(place, read) for place, kind in types if (read := kind.result_processor(dialect, None)) is not None]
-
-    def sent(told: Told) -> Sent:
-        values = list(told)
-        for place, read in processors:
-            values[place] = read(values[place])
-        return Sent(*values)
-
-    return sent
 
 
 @cache

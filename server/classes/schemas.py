@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from functools import cached_property
 from typing import NamedTuple
 from uuid import UUID
 
@@ -49,7 +50,7 @@ class Member:
     membership: Membership
     account: Account
 
-    @property
+    @cached_property
     def id(self) -> UUID:
         return self.account.id
 

@@ -1,6 +1,6 @@
 """Engine, transactions, base of the tables, and migrations, for SQLite and PostgreSQL alike."""
 
-from server.database.base import NEVER, Base, Identity, UtcDateTime, table_of, utc_now
+from server.database.base import NEVER, Base, UtcDateTime, table_of, utc_now
 from server.database.engine import (
     MOST_CONNECTIONS,
     STARTING_SECONDS,
@@ -11,6 +11,7 @@ from server.database.engine import (
     upserting,
 )
 from server.database.prepared import ask, change, prepared
+from server.database.told import Telling, Told
 
 __all__ = [
     "MOST_CONNECTIONS",
@@ -18,7 +19,8 @@ __all__ = [
     "STARTING_SECONDS",
     "Base",
     "Database",
-    "Identity",
+    "Telling",
+    "Told",
     "UtcDateTime",
     "after_commit",
     "ask",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from uuid import UUID
 
@@ -10,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments import papers
 from server.assignments import repository as assignments
-from server.assignments.counting import Sent, in_sitting, result
+from server.assignments.counting import in_sitting
 from server.assignments.feedback import Stage, stage_of
 from server.assignments.models import Assigned, Assignment, Counts, Exemption, Late, Mode, Sitting
 from server.assignments.rules import Rules, in_force
@@ -20,6 +22,7 @@ from server.classes.schemas import Member
 from server.course import Course
 from server.marks import repository
 from server.marks.schemas import AssignmentMark, Book, ExerciseMark, Key, Row, Set, State
+from server.marks.sent import Graded, Trail, Trails, graded, known_mark, mark_of
 
 ALL_TITLE = "Exercices du module"
 ALWAYS = datetime(2000, 1, 1, tzinfo=UTC)
@@ -34,29 +37,31 @@ def of_class(
     exercises = assignments.exercises(db, [one.id for one in given])
     if not given:
         given, exercises = _without_assignment(course, school_class)
-    tests = [one.id for one in given if one.mode == Mode.test]
-    material = _Material(
-        exercises=exercises,
-        exemptions=assignments.exemptions(db, [one.id for one in given]),
-        sittings=papers.sittings_of(db, tests) if tests else {},
-        now=now,
-    )
+    asked = _asked(db, given, exercises)
     ids = [one.id for one in students]
     names = {one.exercise for rows in exercises.values() for one in rows}
-    sent, gradings = repository.graded(db, ids, names, school_class.archived_at)
-    set_ones = repository.active(db, school_class.id, ids, names)
-    found = _Found(sent, gradings, set_ones)
+    sent = graded(db, ids, names, school_class.archived_at)
+    found = _Found(sent, repository.active(db, school_class.id, ids, names))
     weights = tuple(one.weight for one in given)
     return Book(
         school_class=school_class,
         at=now,
         assignments=tuple(given),
-        rows=tuple(
-            Row(member, tuple(material.mark(one, member, found) for one in given), weights) for member in students
-        ),
+        rows=tuple(Row(member, tuple(one.mark(member, found, now) for one in asked), weights) for member in students),
         titles={name: course.exercises[name].title for name in names if name in course.exercises},
         exercises={one.id: tuple(exercises.get(one.id, ())) for one in given},
     )
+
+
+def _asked(db: Session, given: Sequence[Assignment], exercises: Mapping[UUID, Sequence[Assigned]]) -> Sequence[_Asked]:
+    exemptions = assignments.exemptions(db, [one.id for one in given])
+    tests = [one.id for one in given if one.mode == Mode.test]
+    sittings: dict[UUID, dict[UUID, Sitting]] = defaultdict(dict)
+    for (assignment, student), sitting in (papers.sittings_of(db, tests) if tests else {}).items():
+        sittings[assignment][student] = sitting
+    return [
+        _Asked.of(one, exercises.get(one.id, ()), exemptions.get(one.id, ()), sittings.get(one.id, {})) for one in given
+    ]
 
 
 def _learns(member: Member) -> bool:
@@ -88,8 +93,8 @@ def _everything(school_class: SchoolClass) -> Assignment:
 
 def outside(db: Session, school_class: SchoolClass, student: UUID, exercise: str) -> ExerciseMark:
     """A student's mark at an exercise that no assignment of the class asks: the best of all attempts."""
-    sent, gradings = repository.graded(db, [student], [exercise], school_class.archived_at)
-    found = _Found(sent, gradings, repository.active(db, school_class.id, [student], [exercise]))
+    sent = graded(db, [student], [exercise], school_class.archived_at)
+    found = _Found(sent, repository.active(db, school_class.id, [student], [exercise]))
     rules = in_force(_everything(school_class), (), student, ())
     key = (student, exercise)
     return found.at(key, found.sent.get(key, ()), 1.0, rules, Counts.best)
@@ -98,74 +103,62 @@ def outside(db: Session, school_class: SchoolClass, student: UUID, exercise: str
 class _Found:
     """What was sent and what was set, by student and exercise."""
 
-    def __init__(
-        self, sent: Mapping[Key, Sequence[Sent]], gradings: Mapping[UUID, str], overrides: Mapping[Key, Set]
-    ) -> None:
-        self.sent, self.gradings, self.overrides = sent, gradings, overrides
+    def __init__(self, sent: Trails, overrides: Mapping[Key, Set]) -> None:
+        self.sent, self.overrides = sent, overrides
 
-    def at(self, key: Key, sent: Sequence[Sent], weight: float, rules: Rules, counts: Counts) -> ExerciseMark:
-        found = result(rules, counts, sent)
-        counted = found.counted
-        return ExerciseMark(
-            exercise=key[1],
-            weight=weight,
-            counted=counted,
-            grading=None if counted is None else self.gradings[counted.attempt],
-            sent_at=None if counted is None else next(one.sent_at for one in sent if one.id == counted.attempt),
-            attempts=found.attempts,
-            override=self.overrides.get(key),
-        )
+    def at(self, key: Key, sent: Sequence[Graded], weight: float, rules: Rules, counts: Counts) -> ExerciseMark:
+        if isinstance(sent, Trail):
+            mark = known_mark(key[1], sent, rules, counts, weight)
+        else:
+            mark = mark_of(key[1], sent, rules, counts, weight)
+        override = self.overrides.get(key)
+        return mark if override is None else replace(mark, override=override)
 
 
-class _Material:
-    """What the assignments of a class say, at one moment."""
+@dataclass(frozen=True)
+class _Asked:
+    """An assignment of a class, read once for all its students; `rules` are those of all, None where some differ."""
 
-    def __init__(
-        self,
-        exercises: Mapping[UUID, Sequence[Assigned]],
-        exemptions: Mapping[UUID, Sequence[Exemption]],
-        sittings: Mapping[tuple[UUID, UUID], Sitting],
-        now: datetime,
-    ) -> None:
-        self.exercises, self.exemptions, self.sittings, self.now = exercises, exemptions, sittings, now
-        self._common: dict[UUID, Rules] = {}
+    assignment: Assignment
+    exercises: Sequence[Assigned]
+    exemptions: Sequence[Exemption]
+    sittings: Mapping[UUID, Sitting]
+    rules: Rules | None
+    counts: Counts
+    is_test: bool
 
-    def mark(self, assignment: Assignment, member: Member, found: _Found) -> AssignmentMark:
-        rules, student = self._rules(assignment, member), member.id
-        counts = Counts(assignment.counts)
-        marks = tuple(
-            found.at(key, self._sent(assignment, key, found), weight, rules, counts)
-            for exercise, weight in self.exercises.get(assignment.id, ())
-            for key in [(student, exercise)]
-        )
-        sat = (assignment.id, member.id) in self.sittings
-        ended = self._ended(assignment, rules, member.id)
-        return AssignmentMark(rules, state_of(rules, marks, self.now, sat=sat, ended=ended), marks, ended)
+    @classmethod
+    def of(
+        cls,
+        assignment: Assignment,
+        exercises: Sequence[Assigned],
+        exemptions: Sequence[Exemption],
+        sittings: Mapping[UUID, Sitting],
+    ) -> _Asked:
+        rules = None if exemptions else in_force(assignment, (), assignment.class_id, ())
+        counts, is_test = Counts(assignment.counts), assignment.mode == Mode.test
+        return cls(assignment, exercises, exemptions, sittings, rules, counts, is_test)
 
-    def _rules(self, assignment: Assignment, member: Member) -> Rules:
-        """The same ones for all where nobody has an exemption."""
-        exemptions = self.exemptions.get(assignment.id, ())
-        if exemptions:
-            return in_force(assignment, exemptions, member.id, member.groups)
-        if assignment.id not in self._common:
-            self._common[assignment.id] = in_force(assignment, (), member.id, ())
-        return self._common[assignment.id]
+    def mark(self, member: Member, found: _Found, now: datetime) -> AssignmentMark:
+        student = member.id
+        rules = self.rules or in_force(self.assignment, self.exemptions, student, member.groups)
+        sitting = self.sittings.get(student)
+        marks = []
+        for exercise, weight in self.exercises:
+            sent: Sequence[Graded] = found.sent.get((student, exercise), ())
+            if self.is_test:
+                sent = in_sitting(sent, sitting.began_at, sitting.handed_in_at) if sitting else ()
+            marks.append(found.at((student, exercise), sent, weight, rules, self.counts))
+        ended = self._ended(rules, sitting, now)
+        state = state_of(rules, marks, now, sat=sitting is not None, ended=ended)
+        return AssignmentMark(rules, state, tuple(marks), ended)
 
-    def _ended(self, assignment: Assignment, rules: Rules, student: UUID) -> bool:
+    def _ended(self, rules: Rules, sitting: Sitting | None, now: datetime) -> bool:
         """Whether it is a test in which this student can send nothing any more, whatever its dates: they have handed
         in, their time is over, or its results are out."""
-        if assignment.mode != Mode.test:
+        if not self.is_test:
             return False
-        sitting = self.sittings.get((assignment.id, student))
-        return stage_of(assignment, rules, sitting, self.now) in {Stage.over, Stage.missed, Stage.shown}
-
-    def _sent(self, assignment: Assignment, key: Key, found: _Found) -> Sequence[Sent]:
-        """Of a test, what was sent while its student sat it."""
-        sent = found.sent.get(key, ())
-        if assignment.mode != Mode.test:
-            return sent
-        sitting = self.sittings.get((assignment.id, key[0]))
-        return in_sitting(sent, sitting.began_at, sitting.handed_in_at) if sitting else ()
+        return stage_of(self.assignment, rules, sitting, now) in {Stage.over, Stage.missed, Stage.shown}
 
 
 def state_of(

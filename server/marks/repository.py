@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
+from typing import Any
 from uuid import UUID
 
 from sqlalchemy import ColumnElement, Row, Select, and_, select, update
 from sqlalchemy.orm import Session
 
-from server.assignments.counting import Sent
 from server.classes.models import Membership, SchoolClass
-from server.database import NEVER, ask, prepared
+from server.database import NEVER, Telling, Told, ask, prepared, table_of
 from server.gradebook.models import Grading
 from server.identity.models import Account
 from server.marks.models import Override
@@ -56,33 +55,31 @@ def one_active(db: Session, class_id: UUID, student: UUID, exercise: str) -> Ove
     return db.execute(query).scalar_one_or_none()
 
 
+_submissions, _gradings = table_of(Submission), table_of(Grading)
+_sent = _submissions.c
+TOLD = Telling(_sent.account_id, _sent.exercise, _sent.id, _sent.created_at, _gradings.c.score, _sent.grading_id)
+
+
 @prepared
 def _graded(
     students: Collection[UUID], exercises: Collection[str], until: datetime, *, all_times: bool
-) -> Select[UUID, str, UUID, datetime, float, UUID | None]:
-    query = (
-        select(Submission.account_id, Submission.exercise, Submission.id, Submission.created_at, Grading.score)
-        .add_columns(Submission.grading_id)
-        .join(Grading, Grading.id == Submission.grading_id)
-        .where(Submission.account_id.in_(students), Submission.exercise.in_(exercises), Grading.score.is_not(None))
-    )
-    return query if all_times else query.where(Submission.created_at <= until)
+) -> Select[*tuple[Any, ...]]:
+    query = select(*TOLD.asked).select_from(_submissions.join(_gradings, _gradings.c.id == _sent.grading_id))
+    query = query.where(
+        _sent.account_id.in_(students), _sent.exercise.in_(exercises), _gradings.c.score.is_not(None)
+    ).order_by(_sent.account_id, _sent.exercise, _sent.created_at, _sent.id)
+    return query if all_times else query.where(_sent.created_at <= until)
 
 
 def graded(
     db: Session, students: Collection[UUID], exercises: Collection[str], until: datetime | None
-) -> tuple[Mapping[Key, Sequence[Sent]], Mapping[UUID, str]]:
-    """The graded attempts of many students at many exercises, errors of ours left out; the grading of each attempt.
+) -> Sequence[Told]:
+    """The graded attempts of many students at many exercises, errors of ours left out: by student, then by exercise.
 
     `until`: when the class was archived; nothing that is sent later is its business.
     """
     asked = _graded(students, exercises, until or NEVER, all_times=until is None)
-    sent: dict[Key, list[Sent]] = defaultdict(list)
-    gradings: dict[UUID, str] = {}
-    for account_id, exercise, name, at, score, grading_id in ask(db, *asked):
-        sent[account_id, exercise].append(Sent(name, at, score))
-        gradings[name] = str(grading_id)
-    return sent, gradings
+    return list(map(tuple, ask(db, *asked)))
 
 
 def overrides_of(db: Session, account_id: UUID) -> Sequence[Row[Override, str]]:

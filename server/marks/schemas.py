@@ -66,11 +66,11 @@ class ExerciseMark:
     def in_force(self) -> InForce:
         return InForce(None if self.counted is None else self.counted.points, self.override)
 
-    @property
+    @cached_property
     def points(self) -> float | None:
         return self.in_force.points
 
-    @property
+    @cached_property
     def excused(self) -> bool:
         return self.in_force.excused
 

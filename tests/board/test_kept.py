@@ -126,6 +126,6 @@ def test_what_a_database_tells_is_read_by_its_own_types(database: Database) -> N
     (submission,) = store(database, [Sent(ada, EXERCISE, NOW, 0.5, WRONG, "x = 2\n")])
     with database.read() as db:
         (told,) = repository.history(db, repository.Scope(made.id, [EXERCISE], None))
-        sent = repository.reader(db)(told)
+        sent = repository.Sent(*repository.TOLD.reader(db)(told))
     assert (sent.account, sent.exercise, sent.sent_at, sent.submission) == (ada, EXERCISE, NOW, submission)
     assert (sent.outcome, sent.score, sent.diagnosis) == ("wrong_answer", 0.5, WRONG)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from markupsafe import Markup
+
 from server.audit.words import Change
 from server.desk.schemas import ClassHead
 
@@ -40,9 +42,11 @@ class ColumnView:
 
 @dataclass(frozen=True)
 class RowView:
+    """`cells` are drawn already."""
+
     name: str
     groups: tuple[str, ...]
-    cells: tuple[CellView, ...]
+    cells: Markup
 
 
 @dataclass(frozen=True)

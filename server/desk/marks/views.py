@@ -6,7 +6,11 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from datetime import datetime
+from functools import lru_cache
+from typing import Any
 from urllib.parse import urlencode
+
+from markupsafe import Markup
 
 from server.assignments.models import Assignment
 from server.base.errors import NotFound
@@ -29,11 +33,13 @@ from server.marks.means import number, rounded, written
 from server.marks.schemas import AssignmentMark, Book, ExerciseMark, Row, State, Summary, held_back, summary
 from server.rights.models import Right
 from server.rights.service import Place
+from server.web.rendering import environment
 from server.web.words import moment, moment_text, plural
 
 NONE = "—"
 TOTAL = "moyenne"
 A_PAGE = 200  # students
+MOST_CELLS = 8192  # kept as they were drawn
 UNKNOWN = "La classe n’a pas ce devoir, ou cet élève."
 STATES = {
     State.upcoming: "pas encore ouvert",
@@ -230,10 +236,21 @@ class Gradebook:
         return TableView(
             caption=caption,
             columns=tuple(columns),
-            rows=tuple(RowView(row.member.name, row.member.groups, cells) for row, cells in rows),
+            rows=tuple(RowView(row.member.name, row.member.groups, _drawn(cells)) for row, cells in rows),
             name_href=self.address(tri=""),
             by_name=not any(one.is_sorted for one in columns),
         )
+
+
+def _drawn(cells: Sequence[CellView]) -> Markup:
+    return Markup("").join(map(_drawn_cell, cells))
+
+
+@lru_cache(maxsize=MOST_CELLS)
+def _drawn_cell(cell: CellView) -> Markup:
+    """Most marks of a book are what they were when it was looked at last."""
+    macros: Any = environment().get_template("classes/marks.html").module
+    return Markup("<td>{}</td>").format(Markup(macros.mark(cell)))
 
 
 def _at(place: int, exercise: int | None = None) -> Score:
