@@ -90,12 +90,17 @@ def move_exemptions(db: Session, old: UUID, new: UUID) -> None:
     db.execute(update(Exemption).where(Exemption.account_id == old).values(account_id=new))
 
 
-def counted_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, int]:
-    """How many of each are in force."""
+@prepared
+def _counted_exemptions(assignments: Collection[UUID]) -> Select[UUID, int]:
     query = select(Exemption.assignment_id, func.count()).where(
         Exemption.assignment_id.in_(assignments), Exemption.revoked_at.is_(None)
     )
-    return {row[0]: row[1] for row in db.execute(query.group_by(Exemption.assignment_id))}
+    return query.group_by(Exemption.assignment_id)
+
+
+def counted_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, int]:
+    """How many of each are in force."""
+    return {row[0]: row[1] for row in ask(db, *_counted_exemptions(assignments))}
 
 
 @prepared

@@ -3,51 +3,57 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypedDict
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Row, and_, func, select, tuple_, update
+from sqlalchemy import ColumnElement, Row, Select, and_, func, select, tuple_, update
 from sqlalchemy.orm import Session, aliased
 
-from server.audit.models import AuditEvent
+from server.audit.models import AuditEvent, What
 from server.audit.schemas import Event, Filter, Named
 from server.classes.models import Membership, SchoolClass
+from server.database import ask, prepared
 from server.identity.models import Account
+
+
+class _Asked(TypedDict):
+    one_student: bool
+    one_kind: bool
 
 
 def of_class(
     db: Session, class_id: UUID, wanted: Filter, *, most: int, skipped: int = 0, before: Event | None = None
 ) -> Sequence[Event]:
     """Newest first, with names; those older than `before`, where one is given."""
-    by, student = aliased(Account), aliased(Account)
-    by_seat, student_seat = aliased(Membership), aliased(Membership)
-    query = (
-        select(
-            AuditEvent,
-            by.id,
-            by.name,
-            by_seat.given_name,
-            by_seat.family_name,
-            student.id,
-            student.name,
-            student_seat.given_name,
-            student_seat.family_name,
-        )
-        .outerjoin(by, by.id == AuditEvent.by)
-        .outerjoin(by_seat, and_(by_seat.account_id == AuditEvent.by, by_seat.class_id == AuditEvent.class_id))
-        .outerjoin(student, student.id == AuditEvent.student)
-        .outerjoin(
-            student_seat,
-            and_(student_seat.account_id == AuditEvent.student, student_seat.class_id == AuditEvent.class_id),
-        )
-        .where(_wanted(class_id, wanted))
-        .order_by(AuditEvent.at.desc(), AuditEvent.id.desc())
-    )
+    query, values = _log(class_id, wanted.student, wanted.what, skipped, most=most, **_asked(wanted))
     if before is not None:
         query = query.where(tuple_(AuditEvent.at, AuditEvent.id) < tuple_(before.at, before.id))
-    return [
-        _event(row[0], _named(*row[1:5]), _named(*row[5:9])) for row in db.execute(query.limit(most).offset(skipped))
-    ]
+    return [_event(row[0], _named(*row[1:5]), _named(*row[5:9])) for row in db.execute(query, values)]
+
+
+@prepared
+def _log(
+    class_id: UUID,
+    student: UUID | None,
+    what: What | None,
+    skipped: int,
+    *,
+    most: int,
+    one_student: bool,
+    one_kind: bool,
+) -> Select[*tuple[Any, ...]]:
+    by, about = aliased(Account), aliased(Account)
+    by_seat, seat = aliased(Membership), aliased(Membership)
+    names = (by.id, by.name, by_seat.given_name, by_seat.family_name)
+    query = (
+        select(AuditEvent, *names, about.id, about.name, seat.given_name, seat.family_name)
+        .outerjoin(by, by.id == AuditEvent.by)
+        .outerjoin(by_seat, and_(by_seat.account_id == AuditEvent.by, by_seat.class_id == AuditEvent.class_id))
+        .outerjoin(about, about.id == AuditEvent.student)
+        .outerjoin(seat, and_(seat.account_id == AuditEvent.student, seat.class_id == AuditEvent.class_id))
+        .where(_wanted(class_id, student, what, one_student=one_student, one_kind=one_kind))
+    )
+    return query.order_by(AuditEvent.at.desc(), AuditEvent.id.desc()).limit(most).offset(skipped)
 
 
 def _event(one: AuditEvent, by: Named | None, student: Named | None) -> Event:
@@ -58,16 +64,30 @@ def _named(name: UUID | None, own: str | None, given: str | None, family: str | 
     return None if name is None else Named(name, " ".join(filter(None, (given, family))) or own or "")
 
 
+@prepared
+def _count(
+    class_id: UUID, student: UUID | None, what: What | None, *, one_student: bool, one_kind: bool
+) -> Select[int]:
+    events = _wanted(class_id, student, what, one_student=one_student, one_kind=one_kind)
+    return select(func.count()).select_from(AuditEvent).where(events)
+
+
 def count(db: Session, class_id: UUID, wanted: Filter) -> int:
-    return db.execute(select(func.count()).select_from(AuditEvent).where(_wanted(class_id, wanted))).scalar_one()
+    return ask(db, *_count(class_id, wanted.student, wanted.what, **_asked(wanted))).scalar_one()
 
 
-def _wanted(class_id: UUID, wanted: Filter) -> ColumnElement[bool]:
+def _asked(wanted: Filter) -> _Asked:
+    return {"one_student": wanted.student is not None, "one_kind": wanted.what is not None}
+
+
+def _wanted(
+    class_id: UUID, student: UUID | None, what: What | None, *, one_student: bool, one_kind: bool
+) -> ColumnElement[bool]:
     conditions = [AuditEvent.class_id == class_id]
-    if wanted.student is not None:
-        conditions.append(AuditEvent.student == wanted.student)
-    if wanted.what is not None:
-        conditions.append(AuditEvent.what == wanted.what)
+    if one_student:
+        conditions.append(AuditEvent.student == student)
+    if one_kind:
+        conditions.append(AuditEvent.what == what)
     return and_(*conditions)
 
 

@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import Row, Select, delete, func, select, update
+from sqlalchemy import Row, Select, and_, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, SchoolClass, Seat, Status
@@ -66,6 +66,17 @@ def all_of_account(db: Session, account_id: UUID) -> Sequence[Joined]:
 
 def membership(db: Session, class_id: UUID, account_id: UUID) -> Membership | None:
     return db.get(Membership, (class_id, account_id))
+
+
+@prepared
+def _seen_by(class_id: UUID, account_id: UUID) -> Select[SchoolClass, Membership | None]:
+    seat = and_(Membership.class_id == SchoolClass.id, Membership.account_id == account_id)
+    return select(SchoolClass, Membership).outerjoin(Membership, seat).where(SchoolClass.id == class_id)
+
+
+def seen_by(db: Session, class_id: UUID, account_id: UUID) -> Row[SchoolClass, Membership | None] | None:
+    """A class, and what an account is in it, in one question."""
+    return db.execute(*_seen_by(class_id, account_id)).one_or_none()
 
 
 @prepared

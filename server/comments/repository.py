@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.comments.models import Message, State, Thread
 from server.comments.schemas import News, Said
-from server.database import prepared
+from server.database import NEVER, ask, prepared
 from server.identity.models import Account
 from server.submissions.models import Submission
 
@@ -189,10 +189,14 @@ def open_in(db: Session, classes: Collection[UUID]) -> Mapping[UUID, int]:
     return dict(db.execute(query).all())
 
 
-def open_of(db: Session, account_id: UUID, until: datetime | None) -> Mapping[str, int]:
+@prepared
+def _open_of(account_id: UUID, until: datetime, *, all_times: bool) -> Select[str, int]:
     query = select(Thread.exercise, func.count()).where(Thread.account_id == account_id, Thread.state == State.open)
-    query = query if until is None else query.where(Thread.work_at <= until)
-    return dict(db.execute(query.group_by(Thread.exercise)).all())
+    return (query if all_times else query.where(Thread.work_at <= until)).group_by(Thread.exercise)
+
+
+def open_of(db: Session, account_id: UUID, until: datetime | None) -> Mapping[str, int]:
+    return dict(ask(db, *_open_of(account_id, until or NEVER, all_times=until is None)).all())
 
 
 def _read_in(school_class: SchoolClass) -> ColumnElement[bool]:

@@ -3,16 +3,17 @@
 from collections.abc import Collection, Mapping
 from uuid import UUID
 
-from sqlalchemy import and_, func, select
+from sqlalchemy import Select, and_, func, select
 from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise
 from server.classes.models import Membership, Seat, Status
+from server.database import ask, prepared
 from server.gradebook.models import Standing
 
 
-def finished(db: Session, class_id: UUID, assignments: Collection[UUID]) -> Mapping[UUID, int]:
-    """How many students of the class have once succeeded in every exercise of each assignment, whenever that was."""
+@prepared
+def _finished(class_id: UUID, assignments: Collection[UUID]) -> Select[UUID, int]:
     asked = (
         select(AssignedExercise.assignment_id, func.count().label("asked"))
         .where(AssignedExercise.assignment_id.in_(assignments))
@@ -35,9 +36,13 @@ def finished(db: Session, class_id: UUID, assignments: Collection[UUID]) -> Mapp
         .group_by(AssignedExercise.assignment_id, Standing.account_id)
         .subquery()
     )
-    query = (
+    return (
         select(asked.c.assignment_id, func.count())
         .join(solved, and_(solved.c.assignment_id == asked.c.assignment_id, solved.c.solved == asked.c.asked))
         .group_by(asked.c.assignment_id)
     )
-    return {row[0]: row[1] for row in db.execute(query)}
+
+
+def finished(db: Session, class_id: UUID, assignments: Collection[UUID]) -> Mapping[UUID, int]:
+    """How many students of the class have once succeeded in every exercise of each assignment, whenever that was."""
+    return {row[0]: row[1] for row in ask(db, *_finished(class_id, assignments))}

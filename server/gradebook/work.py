@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, and_, func, select
+from sqlalchemy import ColumnElement, Select, and_, func, select
 from sqlalchemy.orm import Session
 
+from server.database import NEVER, ask, prepared
 from server.gradebook.models import Grading
 from server.submissions.models import Submission
 
@@ -76,28 +77,37 @@ def with_the_one_before(
 
 def by_exercise(db: Session, account_id: UUID, module: str, until: datetime | None) -> Mapping[str, InExercise]:
     """What somebody's attempts come to, for each exercise of a module that they have tried."""
-    there = _sent(account_id, until, Submission.exercise.startswith(f"{module}/", autoescape=True))
-    sums = (
-        select(Submission.exercise, func.count(Submission.id), func.max(Grading.score), func.max(Submission.created_at))
-        .outerjoin(Grading, Grading.id == Submission.grading_id)
-        .where(there)
-        .group_by(Submission.exercise)
-    )
+    mistakes = {row[0]: row[1] for row in ask(db, *_last_mistakes(account_id, until or NEVER))}
+    return {
+        exercise: InExercise(count, best, last_at, mistakes.get(exercise) or "")
+        for exercise, count, best, last_at in ask(db, *_sums(account_id, until or NEVER))
+        if exercise.startswith(f"{module}/")
+    }
+
+
+@prepared
+def _sums(account_id: UUID, until: datetime) -> Select[str, int, float | None, datetime]:
+    query = select(
+        Submission.exercise, func.count(Submission.id), func.max(Grading.score), func.max(Submission.created_at)
+    ).outerjoin(Grading, Grading.id == Submission.grading_id)
+    query = query.where(Submission.account_id == account_id, Submission.created_at <= until)
+    return query.group_by(Submission.exercise)
+
+
+@prepared
+def _last_mistakes(account_id: UUID, until: datetime) -> Select[str, str | None]:
+    """Of the latest attempt at each exercise that was graded without an error of ours."""
     turn = func.row_number().over(
         partition_by=Submission.exercise, order_by=(Submission.created_at.desc(), Submission.id.desc())
     )
     numbered = (
-        select(Submission.exercise, MISTAKE.label("mistake"), turn.label("turn"))
+        select(Submission.exercise, Submission.grading_id, turn.label("turn"))
         .join(Grading, Grading.id == Submission.grading_id)
-        .where(there, Grading.score.is_not(None))
+        .where(Submission.account_id == account_id, Submission.created_at <= until, Grading.score.is_not(None))
         .subquery()
     )
-    last = select(numbered.c.exercise, numbered.c.mistake).where(numbered.c.turn == 1)
-    mistakes: dict[str, str | None] = dict(db.execute(last).all())
-    return {
-        exercise: InExercise(count, best, last_at, mistakes.get(exercise) or "")
-        for exercise, count, best, last_at in db.execute(sums)
-    }
+    latest = select(numbered.c.exercise, MISTAKE).join(Grading, Grading.id == numbered.c.grading_id)
+    return latest.where(numbered.c.turn == 1)
 
 
 def _sent(account_id: UUID, until: datetime | None, also: ColumnElement[bool]) -> ColumnElement[bool]:

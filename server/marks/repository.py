@@ -24,30 +24,26 @@ def _active(class_id: UUID) -> ColumnElement[bool]:
 
 
 @prepared
-def _set_by(
-    class_id: UUID, students: Collection[UUID], exercises: Collection[str]
-) -> Select[Override, str | None, str | None, str | None]:
-    return (
-        select(Override, Account.name, Membership.given_name, Membership.family_name)
-        .outerjoin(Account, Account.id == Override.by)
-        .outerjoin(Membership, and_(Membership.account_id == Override.by, Membership.class_id == Override.class_id))
-        .where(_active(class_id), Override.account_id.in_(students), Override.exercise.in_(exercises))
+def _set_by(class_id: UUID, students: Collection[UUID], exercises: Collection[str]) -> Select[*tuple[Any, ...]]:
+    one, by, seat = table_of(Override), table_of(Account), table_of(Membership)
+    told = (one.c.account_id, one.c.exercise, one.c.points, one.c.excused, one.c.reason, one.c.at, one.c.based_on)
+    query = select(*told, by.c.name, seat.c.given_name, seat.c.family_name)
+    query = query.select_from(
+        one.outerjoin(by, by.c.id == one.c.by).outerjoin(
+            seat, and_(seat.c.account_id == one.c.by, seat.c.class_id == one.c.class_id)
+        )
     )
+    return query.where(_active(class_id), one.c.account_id.in_(students), one.c.exercise.in_(exercises))
 
 
 def active(db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]) -> Mapping[Key, Set]:
     """The overrides in force, each with who set it, in one query."""
-    return {
-        (one.account_id, one.exercise): Set(
-            points=one.points,
-            excused=one.excused,
-            reason=one.reason,
-            by=" ".join(filter(None, (given, family))) or name or "",
-            at=one.at,
-            based_on=frozenset(one.based_on),
-        )
-        for one, name, given, family in db.execute(*_set_by(class_id, students, exercises))
-    }
+    found = {}
+    for row in ask(db, *_set_by(class_id, students, exercises)):
+        account_id, exercise, points, excused, reason, at, based_on, name, given, family = row
+        by = " ".join(filter(None, (given, family))) or name or ""
+        found[account_id, exercise] = Set(points, excused, reason, by, at, frozenset(based_on))
+    return found
 
 
 def one_active(db: Session, class_id: UUID, student: UUID, exercise: str) -> Override | None:

@@ -53,10 +53,10 @@ class Place:
 def place_of(db: Session, account: Account, class_id: UUID | str) -> Place:
     """Raises NotFound for a class that does not concern this account, or is none."""
     identity = identity_of(class_id, UNKNOWN)
-    school_class = classes.by_id(db, identity)
-    if school_class is None:
+    seen = classes.seen_by(db, identity, account.id)
+    if seen is None:
         raise NotFound(UNKNOWN)
-    membership = classes.membership(db, identity, account.id)
+    school_class, membership = seen
     if membership is not None and membership.status == Status.left:
         membership = None
     if membership is None and not account.is_administrator:
