@@ -48,11 +48,12 @@ class Ends:
 class Walls:
     """What a fork under one policy does before any line of the student runs: calls that the template has made ready.
 
-    It joins its seats between the first and the last.
+    It joins its seats between the first and the last, then asks for the memory that it will need, which they bound.
     """
 
     first: Calls
     seats: Calls
+    memory: Calls
     nest: Nest | None
     last: Calls
     parent: int
@@ -67,6 +68,7 @@ class Walls:
         if os.getppid() not in (self.parent, 0):
             os._exit(70)
         libc.make(self.seats[:seats])
+        libc.hint(self.memory)
         if self.nest:
             self.nest.settle()
         libc.make(self.last)
@@ -91,12 +93,14 @@ class Masonry:
         self.ends = Ends()
         self.reserve = mmap.mmap(-1, RESERVE, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS)
         self.base_memory = 0
+        #: What asks for the pages that a fork needs (`pages`), once that is known.
+        self.memory: Calls = ()
 
     def walls(self, limits: Limits) -> Walls:
         folder = self._nest.furnish(limits.folder_bytes) if self._nest else ()
         seats = tuple(libc.writing(seat, b"0") for seat in self.ends.seats)
         last = (*folder, *self._humble(), *self._bounds(limits), *self._ruled(), *self._filters[limits.threads > 1])
-        return Walls(connected(self.ends), seats, self._nest, last, os.getpid())
+        return Walls(connected(self.ends), seats, self.memory, self._nest, last, os.getpid())
 
     def _humble(self) -> Iterator[libc.Call]:
         # Opened anew: the flags of one that all forks of a template shared would be seen by the next student.

@@ -21,6 +21,8 @@ PIVOT_ROOT = {0: 155, 1: 41}
 
 PR_SET_PDEATHSIG, PR_SET_DUMPABLE, PR_SET_SECCOMP, PR_CAPBSET_DROP, PR_SET_NO_NEW_PRIVS = 1, 4, 22, 24, 38
 PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL = 47, 4
+#: The call, the calling process instead of a descriptor, and how many ranges it takes.
+_PROCESS_MADVISE, _THIS_PROCESS, MOST_RANGES = 440, -10_000, 1024
 
 
 class Unsupported(OSError):
@@ -55,6 +57,12 @@ def make(calls: Iterable[Call]) -> None:
     for function, arguments, what in calls:
         if function(*arguments) < 0:
             _checked(-1, what)
+
+
+def hint(calls: Iterable[Call]) -> None:
+    """Makes calls that only save time: what the kernel does not do for them is done when it is needed."""
+    for function, arguments, _ in calls:
+        function(*arguments)
 
 
 def made(call: Call) -> int:
@@ -108,6 +116,21 @@ def process_control(option: int, *arguments: int | ctypes.Structure) -> Call:
 def mounting(target: str, kind: str, flags: int, options: str) -> Call:
     arguments = (b"none", target.encode(), kind.encode(), ctypes.c_ulong(flags), options.encode())
     return _held.mount, arguments, f"mount({target})"
+
+
+class Range(ctypes.Structure):
+    """A ``struct iovec``: `place` and `length`."""
+
+    _fields_ = (("place", ctypes.c_void_p), ("length", ctypes.c_size_t))
+
+
+Ranges = Range * MOST_RANGES
+
+
+def advising(advice: int, ranges: ctypes.Array[Range], count: ctypes.c_long) -> Call:
+    """A `process_madvise` on the first of these ranges of this process's own memory, as many as `count` then says."""
+    numbers = map(ctypes.c_long, (_PROCESS_MADVISE, _THIS_PROCESS))
+    return _held.syscall, (*numbers, ranges, count, ctypes.c_long(advice), ctypes.c_long(0)), "process_madvise"
 
 
 def set_host_name(name: bytes) -> None:

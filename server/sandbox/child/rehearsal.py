@@ -26,7 +26,7 @@ from .serve import Child, calls, configuring, loading, row
 
 #: The interpreter has then made of the code of a fork what it will stay.
 _TIMES = 16
-_LIMITS = orders.Limits(1000.0, 0, 0, 0, 0, 1, 1 << 16, 1 << 16, 8, 1000)
+LIMITS = orders.Limits(1000.0, 0, 0, 0, 0, 1, 1 << 16, 1 << 16, 8, 1000)
 #: What is rehearsed is no exercise's: a child knows nothing of a course, and every program can read this.
 _SAMPLE = b"""
 from __future__ import annotations
@@ -74,9 +74,9 @@ def _live(kits: Mapping[str, Kit]) -> None:
         ours.shutdown(socket.SHUT_WR)
         ends, child = inner.Ends(), Child(kits, _nothing)
         ends.take(theirs.fileno(), 1, theirs.fileno())
-        child.begin(_LIMITS)
+        child.begin(LIMITS)
         try:
-            inner.Walls(inner.connected(ends), (), _Ground(), (), os.getppid()).stand(0)
+            inner.Walls(inner.connected(ends), (), (), _Ground(), (), os.getppid()).stand(0)
             child.rehearse()
             child.send(0, frames.READY, b"")
             child.serve()

@@ -33,7 +33,8 @@ def run(walls: inner.Walls, seats: int, child: Child) -> NoReturn:
     ready = False
     try:
         walls.stand(seats)
-        child.rehearse()
+        if not walls.memory:
+            child.rehearse()
         child.send(0, frames.READY, b"")
         ready = True
         child.serve()
@@ -42,6 +43,13 @@ def run(walls: inner.Walls, seats: int, child: Child) -> NoReturn:
             _write(inner.WIRE, _framed(0, frames.ANOMALY, traceback.format_exc().encode("utf-8", "replace")[-4000:]))
     finally:
         os._exit(0 if ready else 70)
+
+
+def practise(walls: inner.Walls, child: Child) -> None:
+    """The same, in a fork that is not told anything, up to what a submission begins with."""
+    walls.stand(0)
+    child.rehearse()
+    child.send(0, frames.READY, b"")
 
 
 class Child:

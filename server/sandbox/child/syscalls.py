@@ -77,7 +77,7 @@ _sysctl:156/ nfsservctl:180/42 set_mempolicy_home_node:450/450
 SETTING_UP = """
 recvmsg:47/212 sendto:44/206 wait4:61/260 kill:62/129 pidfd_open:434/434 fork:57/ clone:56/220 clone3:435/435
 futex:202/98 mount:165/40 prctl:157/167 capset:126/91 landlock_restrict_self:446/446 setrlimit:160/164
-prlimit64:302/261
+prlimit64:302/261 process_madvise:440/440
 """
 
 #: The last number described by the tables; a younger kernel's calls above it get ENOSYS.

@@ -14,9 +14,10 @@ import select
 import signal
 import socket
 import sys
+from functools import partial
 from typing import Any
 
-from . import codec, drawing, huge, inner, kits, landlock, libc, namespaces, orders, outer, rehearsal, serve
+from . import codec, drawing, huge, inner, kits, landlock, libc, namespaces, orders, outer, pages, rehearsal, serve
 from .codec import Limits, Value
 from .imports import AtForks, modules
 from .program import prepare_interpreter
@@ -26,6 +27,8 @@ _MESSAGE = 256
 _DESCRIPTORS = socket.CMSG_SPACE((inner.ENDS + inner.MAX_SEATS) * 4)
 #: Policies whose walls are kept ready.
 _POLICIES = 16
+#: Walls behind which a fork could not tell what it has needed.
+_SILENCING = frozenset({"descriptors", "dumpable", "rlimits", "seccomp", "landlock"})
 
 
 class Template:
@@ -65,6 +68,9 @@ class Template:
         self._child = serve.Child(self._kits, self._mason.reserve.close)
         prepare_interpreter(__package__)
         huge.collapse(spread)
+        gc.collect()
+        gc.freeze()
+        self._mason.memory = self._needed(processes)
         libc.make(stage)
 
     def _enclose(self) -> bool:
@@ -100,9 +106,23 @@ class Template:
             return None, refusal
         return nest, ""
 
+    def _needed(self, processes: int) -> inner.Calls:
+        """What asks for the pages that a fork needs: a first one goes through its life, without the walls that would
+        keep it from telling."""
+        mason = inner.Masonry(self._nest, {False: ()}, self._lifted | _SILENCING, rules=False)
+        mason.ends.take(0, 2, 0)
+        self._child.begin(rehearsal.LIMITS)
+        life = partial(serve.practise, mason.walls(rehearsal.LIMITS), self._child)
+        try:
+            return pages.needed(self._forked, life, processes)
+        finally:
+            mason.reserve.close()
+
+    def _forked(self) -> int:
+        return self._nest.fork() if self._nest else os.fork()
+
     def serve(self) -> None:
         """Until the other end of the control socket is closed."""
-        gc.collect()
         gc.freeze()
         hello: dict[str, Value] = {"do": "hello", "base_memory": self._mason.base_memory}
         hello["memory"] = inner.own_memory(self._account)
@@ -133,7 +153,7 @@ class Template:
             self._begun = limits
             self._child.begin(orders.limits(limits))
         self._mason.ends.take(*descriptors)
-        pid = self._nest.fork() if self._nest else os.fork()
+        pid = self._forked()
         if pid == 0:
             serve.run(walls, len(descriptors) - inner.ENDS, self._child)
         for descriptor in descriptors:
