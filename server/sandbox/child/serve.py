@@ -84,9 +84,9 @@ class Child:
     def rehearse(self) -> None:
         """Goes once through the least that a submission uses, and tells nobody.
 
-        A fork does it before it says that it is ready: the pages of memory that a submission writes are then its own
-        already, and copying them, which takes longer than most submissions, is not waited for where a spare stands
-        ready. What was rehearsed is let go.
+        The pages of memory that a submission writes are then its own already. The fork from which a template learns
+        what they are does it (`pages`), and where that cannot be learnt, every fork before it says that it is ready:
+        copying them takes longer than most submissions. What was rehearsed is let go.
         """
         granted = self._cpu_seconds
         self._wire, self._cpu_seconds = _NULL, 0.0  # of which no timer rings
