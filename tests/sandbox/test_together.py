@@ -15,6 +15,7 @@ from server.sandbox.child import codec, frames
 from server.sandbox.child.codec import Limits, TooBig, Unsendable, encode, encode_returned
 from server.sandbox.child.frames import framed
 from server.sandbox.session import Block
+from server.sandbox.values import one_by_one
 from server.sandbox.wire import Wire
 
 from .limits import FAR
@@ -213,7 +214,7 @@ def _taken_in(came: list[bytes]) -> str:
         wire, form = Wire(ours), Alike()
         _, answer = wire.answer(10, frozenset({frames.VALUE}), 1 << 16, time.monotonic() + 60)
         form.learn(answer, *codec.measured(answer, LIMITS))
-        values = list(wire.alike(range(11, 16), frames.VALUE, form, END))
+        values = one_by_one(wire.alike(range(11, 16), frames.VALUE, form, END))
         # What is left is what has not been given.
         assert wire.holds is (b"".join(came[1 + len(values) :]) != (END if len(values) == 5 else b""))
         return repr(values)

@@ -16,7 +16,7 @@ from graders.core.code.diagnosis import combined, diagnose, slip_diagnosis
 from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.prober import Prober, Recognised
 from graders.core.code.reenacting import Reenactor
-from graders.core.code.runner import DEFAULT_BUDGET, Observation, Runner
+from graders.core.code.runner import DEFAULT_BUDGET, Runner
 from graders.core.code.running import run_check, run_checks
 from graders.core.compare.shrinking import Budget
 from graders.core.compare.slips import SLIPS
@@ -119,7 +119,7 @@ class CodeGrader:
         alone = {check.functions[0] for check, _ in pairs if len(check.functions) == 1}
         ids, last, follow = self.prober.recognise(runner, asked, alone) if self.prober else Recognised()
         left = (alone if ids else blamed) - set(follow)
-        ids = (*ids, *self._reenacted(ids, left, runner.observations, kit, seed)) or last
+        ids = (*ids, *self._reenacted(ids, left, runner, kit, seed)) or last
         if ids:
             touched = {TOUCHED} & {finding.slip for _, finding in pairs} - set(ids)
             return combined((*ids, *touched), self.misconceptions)
@@ -131,7 +131,7 @@ class CodeGrader:
         self,
         found: Sequence[str],
         blamed: Collection[str],
-        observations: Sequence[Observation],
+        runner: Runner,
         kit: KitSettings,
         seed: int,
     ) -> Sequence[str]:
@@ -140,7 +140,10 @@ class CodeGrader:
         told = {function for m in self.misconceptions if m.id in found for function in m.functions}
         left = set() if set(found) & SLIPS.keys() else set(blamed) - told
         others = [m for m in self.misconceptions if not (m.edited or m.ruled) and left & set(m.functions)]
-        named = diagnose(observations, others, partial(self.reenactor.reenact, checks=self.checks, kit=kit, seed=seed))
+        if not others:
+            return []
+        reenact = partial(self.reenactor.reenact, checks=self.checks, kit=kit, seed=seed)
+        named = diagnose(runner.observations, others, reenact)
         return [named.id] if named else []
 
     def rehearse(self) -> None:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import itertools
 import time
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from graders.core.code.ahead import Ahead
+from graders.core.code.ahead import Ahead, end_of
 from graders.core.compare.shrinking import Budget
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
@@ -71,10 +71,23 @@ class Runner:
         self._program: Program | None = None
         self._dead: dict[str, StudentFault] = {}
         self._ahead = Ahead()
-        self.observations: list[Observation] = []
+        self._seen: list[Observation] = []
+        self._unwritten: list[Callable[[], Iterable[Observation]]] = []
         self.films: dict[str, FigureData] = {}
         self.failed: set[str] = set()
         self.stdout = ""
+
+    @property
+    def observations(self) -> list[Observation]:
+        """What was observed so far, in its order."""
+        unwritten, self._unwritten = self._unwritten, []
+        for written in unwritten:
+            self._seen += written()
+        return self._seen
+
+    def observe(self, written: Callable[[], Iterable[Observation]]) -> None:
+        """Observations that are written down once somebody reads them: of a right program nobody does."""
+        self._unwritten.append(written)
 
     @property
     def program(self) -> Program:
@@ -124,8 +137,7 @@ class Runner:
         Nothing is waited for beyond the answer to the last of the calls.
         """
         if self._refused(asked.function) or not self._ahead.foresees(asked):
-            for answer in itertools.islice(self._asked_now(asked), len(asked.calls)):
-                yield (answer,)
+            yield from self._asked_now(asked)
             return
         try:
             ready = self._ahead.ready(asked)
@@ -140,22 +152,37 @@ class Runner:
                 self._take_in()
                 continue
             answers = ready.popleft()
-            last = answers[-1]
-            if isinstance(last, StudentFault) and last.fatal:
+            if last := end_of(answers):
                 self._dead[asked.function] = last
             self._told += len(answers)
             left -= len(answers)
             yield answers
 
-    def _asked_now(self, asked: Foreseen) -> Iterator[Answer]:
+    def _asked_now(self, asked: Foreseen) -> Iterator[Sequence[Answer]]:
         if not asked.keeping:
-            yield from self.call_many(None, asked.function, asked.calls, faults=asked.faults)
+            yield from self._asked_alone(asked)
             return
         for args in asked.calls:
             try:
-                yield self.call(None, asked.function, args, keep=True)
+                yield (self.call(None, asked.function, args, keep=True),)
             except StudentFault as fault:
-                yield fault
+                yield (fault,)
+
+    def _asked_alone(self, asked: Foreseen) -> Iterator[Sequence[Answer]]:
+        refused = self._refused(asked.function)
+        if refused is not None:
+            yield (refused,)
+            return
+        self._settle()
+        try:
+            given = self.program.together([asked])
+        except StudentFault as fault:
+            given = iter([(0, (fault,))])
+        for _, answers in given:
+            self._told += len(answers)
+            if last := end_of(answers):
+                self._mourn(None, asked.function, last)
+            yield answers
 
     def _asked_with_the_rest(self, asked: Foreseen) -> deque[Sequence[Answer]]:
         self._settle()
