@@ -25,7 +25,7 @@ from graders.core.compare.shrinking import Shrinker, neighbours
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, Foreseen, StudentFault
-from graders.core.contract.rows import Replies
+from graders.core.contract.rows import Replies, Rows
 from graders.core.contract.values import Arguments, Value, same_value
 
 # A function that raised that often has shown enough; each fault may have cost a large part of its time limit.
@@ -223,7 +223,8 @@ class Cases(Check):
         return False
 
     def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
-        return [Foreseen(self.function, tuple(self.cases(bench.rng)), faults=MAX_FAULTS)]
+        drawn = self.cases(bench.rng)
+        return [Foreseen(self.function, drawn if isinstance(drawn, Rows) else tuple(drawn), faults=MAX_FAULTS)]
 
     def run(self, bench: Bench) -> None:
         asked = foreseen_of(self, bench)[-1]

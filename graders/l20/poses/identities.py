@@ -13,6 +13,7 @@ from graders.core.code.at_once import value_of
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Rejection
 from graders.core.compare import words as render
+from graders.core.compare.comparison import WELL_WITHIN
 from graders.core.contract.program import Answer, Foreseen
 from graders.core.contract.rows import Replies, Rows
 from graders.core.contract.values import Floats, Value
@@ -21,6 +22,20 @@ from graders.robotics.poses import SamePose
 
 IS_POSE = SamePose(tolerance=math.inf)
 ON_BOTH_SIDES = SamePose(tolerance=1e-8)
+
+
+class Law(NamedTuple):
+    """An identity, and the poses that it speaks of."""
+
+    words: str
+    of: str
+
+
+LAWS = (
+    Law("composer(a, inverse(a)) = (0, 0, 0)", "a"),
+    Law("composer(a, relatif(a, b)) = b", "ab"),
+    Law("composer(composer(a, b), c) = composer(a, composer(b, c))", "abc"),
+)
 #: Far round.
 BY_HAND = by_hand(
     (
@@ -48,20 +63,31 @@ def identities(bench: Bench) -> None:
     """The three identities of the statement, on the student's own functions."""
     asked = bench.foreseen or identity_calls(bench)
     sides = None if bench.runner.reenacting else _sides(bench, asked)
-    if sides is not None and ON_BOTH_SIDES.surely(*(side.reshape(-1, 3) for side in reversed(sides))):
-        found = sides[0].swapaxes(0, 1).reshape(-1, 3)
-        bench.observe_all("composer", found, [True] * len(found))
+    if sides is not None:
+        _hold_all(bench, asked, *sides)
         return
     call = partial(_pose_or_reject, bench)
     for (a,), (_, b), first, (_, c) in zip(*(one.calls for one in asked), strict=True):
-        law = "composer(a, inverse(a)) = (0, 0, 0)"
-        _hold(bench, law, {"a": a}, call("composer", a, call("inverse", a)), pose(0, 0, 0))
-        law = "composer(a, relatif(a, b)) = b"
-        _hold(bench, law, {"a": a, "b": b}, call("composer", a, call("relatif", a, b)), b)
-        law = "composer(composer(a, b), c) = composer(a, composer(b, c))"
+        _hold(bench, LAWS[0], (a, b, c), call("composer", a, call("inverse", a)), pose(0, 0, 0))
+        _hold(bench, LAWS[1], (a, b, c), call("composer", a, call("relatif", a, b)), b)
         left = call("composer", call("composer", *first), c)
         right = call("composer", a, call("composer", b, c))
-        _hold(bench, law, {"a": a, "b": b, "c": c}, left, right)
+        _hold(bench, LAWS[2], (a, b, c), left, right)
+
+
+def _hold_all(bench: Bench, asked: Sequence[Foreseen], left: Floats, right: Floats) -> None:
+    """As one by one: the identities of each triple in their order, up to the first that does not hold.
+
+    Both sides are (3, n, 3): what is seen at once to hold is not looked at again.
+    """
+    lefts, rights = (side.swapaxes(0, 1).reshape(-1, 3) for side in (left, right))
+    gaps = ON_BOTH_SIDES.gaps(rights, lefts)
+    unsure = range(len(lefts)) if gaps is None else np.flatnonzero(~(gaps <= WELL_WITHIN)).tolist()
+    first = unsure[0] if unsure else len(lefts)
+    bench.observe_all("composer", lefts[:first], [True] * first)
+    for place in range(first, len(lefts)):
+        triple = tuple(column[place // len(LAWS)] for column in asked[0].about)
+        _hold(bench, LAWS[place % len(LAWS)], triple, lefts[place], rights[place])
 
 
 def _sides(bench: Bench, asked: Sequence[Foreseen]) -> tuple[Floats, Floats] | None:
@@ -119,13 +145,13 @@ def _pose_or_reject(bench: Bench, function: str, *args: Value) -> Floats:
     return np.asarray(value, dtype=np.float64)
 
 
-def _hold(bench: Bench, law: str, inputs: dict[str, Value], left: Floats, right: Floats) -> None:
+def _hold(bench: Bench, law: Law, triple: Sequence[Floats], left: Floats, right: Floats) -> None:
     mismatch = ON_BOTH_SIDES(right, left)
     bench.observe("composer", left, ok=mismatch is None)
     if mismatch is not None:
         raise Rejection(
-            f"L'identité {law} n'est pas vérifiée : à gauche {render.text(left)}, à droite {render.text(right)}.",
-            inputs=inputs,
+            f"L'identité {law.words} n'est pas vérifiée : à gauche {render.text(left)}, à droite {render.text(right)}.",
+            inputs=dict(zip(law.of, triple, strict=False)),
             expected=right,
             got=left,
         )
