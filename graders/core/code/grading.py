@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -70,8 +70,7 @@ class CodeGrader:
         kit = self.kit(stream(seed, "kit"))
         runner = Runner(programs, source, kit, budget=self.budget)
         try:
-            # What names a mistake asks a program launched afresh: it comes up while the checks go on.
-            findings = run_checks(self.checks, runner, kit, seed, launches_if_failed=1 if self.prober else 0)
+            findings = self._findings(runner, kit, seed, source)
             checked = time.perf_counter()
             diagnosis = self._diagnosis(findings, runner, kit, seed)
         finally:
@@ -90,6 +89,19 @@ class CodeGrader:
         figures = {f.result.id: f.figure for f in findings if f.figure is not None}
         films = {check: film for check, data in runner.films.items() if (film := plain(data)) is not None}
         return Judgement(verdict, figures, films)
+
+    def _findings(self, runner: Runner, kit: KitSettings, seed: int, source: bytes) -> Sequence[Finding]:
+        """What names a mistake is asked of the same program where this is seen to keep nothing of what it was asked;
+        else of one launched afresh, which comes up while the checks go on."""
+        prober = self.prober
+        if prober is None:
+            return run_checks(self.checks, runner, kit, seed)
+        steady = cache(lambda: prober.sees_no_state(source, kit))
+        return run_checks(
+            self.checks, runner, kit, seed,
+            launches_if_failed=lambda: 0 if steady() else 1,
+            beside=lambda failed: prober.foreseen(*self._asked_of(failed)) if steady() else (),
+        )  # fmt: skip
 
     def first_failed(
         self, source: bytes, programs: Programs, *, seed: int, checks: Sequence[Check] | None = None
@@ -114,9 +126,8 @@ class CodeGrader:
         pairs = [(check, finding) for check, finding in zip(self.checks, findings, strict=True) if not finding.passed]
         if not pairs or all(finding.cause not in DIAGNOSED for _, finding in pairs):
             return None
-        blamed = _blamed([check for check, _ in pairs])
-        asked = [function for function in self.functions if function in blamed]
-        alone = {check.functions[0] for check, _ in pairs if len(check.functions) == 1}
+        failed = [check for check, _ in pairs]
+        blamed, (asked, alone) = _blamed(failed), self._asked_of(failed)
         ids, last, follow = self.prober.recognise(runner, asked, alone) if self.prober else Recognised()
         left = (alone if ids else blamed) - set(follow)
         ids = (*ids, *self._reenacted(ids, left, runner, kit, seed)) or last
@@ -126,6 +137,12 @@ class CodeGrader:
         return slip_diagnosis(
             [(c.functions, f.slip) for c, f in pairs if f.cause in JUDGED and f.result.counterexample]
         )
+
+    def _asked_of(self, failed: Sequence[Check]) -> tuple[Sequence[str], set[str]]:
+        """The functions that are asked what names a mistake, and those that failed a check of their own."""
+        blamed = _blamed(failed)
+        asked = [function for function in self.functions if function in blamed]
+        return asked, {check.functions[0] for check in failed if len(check.functions) == 1}
 
     def _reenacted(
         self,

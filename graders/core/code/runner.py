@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from graders.core.code.ahead import Ahead, end_of
+from graders.core.code.at_once import gathered
 from graders.core.compare.shrinking import Budget
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
@@ -23,12 +24,15 @@ from graders.core.contract.program import (
     Reply,
     StudentFault,
 )
+from graders.core.contract.rows import Replies
 from graders.core.contract.values import Arguments, Value
 
 #: How often the main program may be started anew, and how many others, one for each map or each run of a closed loop.
 MAX_LAUNCHES = 12
 MAX_OTHERS = 64
 DEFAULT_BUDGET = Budget()
+#: Beyond so many seconds, what was asked beside others is asked again by itself.
+BESIDE_SECONDS = 0.5
 
 
 @dataclass(slots=True)
@@ -71,6 +75,8 @@ class Runner:
         self._program: Program | None = None
         self._dead: dict[str, StudentFault] = {}
         self._ahead = Ahead()
+        self._beside: Sequence[Foreseen] = ()
+        self._besides: dict[Foreseen, Sequence[Answer]] = {}
         self._seen: list[Observation] = []
         self._unwritten: list[Callable[[], Iterable[Observation]]] = []
         self.films: dict[str, FigureData] = {}
@@ -112,10 +118,43 @@ class Runner:
     def answered(self, asked: Sequence[Foreseen]) -> Sequence[Sequence[Answer]]:
         """The answers of the main program to all of these calls, which are asked together, as far as there are any.
 
-        A function that is not called again gives none.
+        A function that is not called again gives none. What is to be asked beside goes with them, after them.
         """
-        self.foresee(asked)
-        return [list(self.answers(one)) if self.calls(one.function) else [] for one in asked]
+        beside, self._beside, begun = self._beside, (), time.perf_counter()
+        self.foresee([*asked, *beside])
+        told = [list(self.answers(one)) if self.calls(one.function) else [] for one in asked]
+        if beside:
+            self._take_beside(beside, begun)
+        return told
+
+    def ask_beside(self, asked: Sequence[Foreseen]) -> None:
+        """Has these asked with the next exchange, whenever that is."""
+        self._beside = asked
+
+    def told_beside(self, asked: Foreseen) -> Sequence[Answer] | None:
+        """The answers to what was to be asked beside others; None where that has cost the program its life, or much
+        time, or where it may have answered otherwise under limits of its own."""
+        beside, self._beside = [one for one in self._beside if self.calls(one.function)], ()
+        if beside and self._program is not None:
+            begun = time.perf_counter()
+            self.foresee(beside)
+            self._asked_with_the_rest(beside[0])
+            self._take_beside(beside, begun)
+        return self._besides.get(asked)
+
+    def _take_beside(self, asked: Sequence[Foreseen], begun: float) -> None:
+        """No fault here costs a function anything: it may be asked again, of another program."""
+        told = {one: gathered(self._unmourned(one)) for one in asked if self.calls(one.function)}
+        if time.perf_counter() - begun <= BESIDE_SECONDS and all(map(_are_its_own, told.values())):
+            self._besides = told
+
+    def _unmourned(self, asked: Foreseen) -> Iterator[Sequence[Answer]]:
+        ready = self._ahead.ready(asked)
+        while ready or self._ahead.awaits(asked):
+            if ready:
+                yield ready.popleft()
+            else:
+                self._take_in()
 
     def foresee(self, plan: Sequence[Foreseen]) -> None:
         """What the next checks will ask of the main program, in this order and nothing else in between."""
@@ -296,3 +335,15 @@ class Runner:
             self.stdout = self.stdout or self._program.stdout()
             self._program.close()
             self._program = None
+
+
+def _are_its_own(answers: Sequence[Answer]) -> bool:
+    """Whether a program that remembers nothing gives these answers under whatever limits; it has come to give them."""
+    return isinstance(answers, Replies) or (bool(answers) and all(map(_is_its_own, answers)))
+
+
+def _is_its_own(answer: Answer) -> bool:
+    if isinstance(answer, Reply):
+        return True
+    raised = answer.outcome is Outcome.RUNTIME_ERROR and answer.exception not in (None, MemoryError.__name__)
+    return not answer.fatal and (raised or answer.outcome is Outcome.MISSING_FUNCTION)

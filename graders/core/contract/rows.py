@@ -9,6 +9,8 @@ from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import overload
 
+import numpy as np
+
 from graders.core.contract.program import Answer, Reply
 from graders.core.contract.values import Arguments, Floats, Value
 
@@ -59,6 +61,18 @@ class Replies(Sequence[Answer]):
 
     def __iter__(self) -> Iterator[Answer]:
         return iter(self._answers)
+
+
+def by_columns(calls: Sequence[Arguments]) -> Sequence[Arguments]:
+    """The same calls, as rows where their arguments are arrays of floats, of one shape each."""
+    columns = list(zip(*calls, strict=False))
+    alike = len(set(map(len, calls))) == 1 and all(map(_are_alike, columns))
+    return Rows(*map(np.array, columns)) if columns and alike else calls
+
+
+def _are_alike(column: Sequence[Value]) -> bool:
+    arrays = all(type(one) is np.ndarray and one.dtype == np.float64 and one.ndim for one in column)
+    return arrays and len({one.shape for one in column}) == 1
 
 
 def one_by_one(values: Floats) -> list[Value]:
