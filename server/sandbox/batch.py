@@ -118,7 +118,7 @@ class Batch:
             yield frames.framed(0, frames.ARGUMENTS, row)
         columns = _columns(self._rows) if self._rows else self._columns
         if columns is not None:
-            yield frames.framed(0, frames.COLUMNS, codec.encode(columns, frames.QUESTION_LIMITS))
+            yield frames.framed(0, frames.COLUMNS, codec.encode_columns(columns))
 
     @property
     def waits(self) -> bool:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from graders.core.code.ahead import Ahead, end_of
 from graders.core.code.at_once import gathered
+from graders.core.code.beside import Beside
 from graders.core.compare.shrinking import Budget
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
@@ -24,15 +25,12 @@ from graders.core.contract.program import (
     Reply,
     StudentFault,
 )
-from graders.core.contract.rows import Replies
 from graders.core.contract.values import Arguments, Value
 
 #: How often the main program may be started anew, and how many others, one for each map or each run of a closed loop.
 MAX_LAUNCHES = 12
 MAX_OTHERS = 64
 DEFAULT_BUDGET = Budget()
-#: Beyond so many seconds, what was asked beside others is asked again by itself.
-BESIDE_SECONDS = 0.5
 
 
 @dataclass(slots=True)
@@ -75,8 +73,7 @@ class Runner:
         self._program: Program | None = None
         self._dead: dict[str, StudentFault] = {}
         self._ahead = Ahead()
-        self._beside: Sequence[Foreseen] = ()
-        self._besides: dict[Foreseen, Sequence[Answer]] = {}
+        self._beside = Beside()
         self._seen: list[Observation] = []
         self._unwritten: list[Callable[[], Iterable[Observation]]] = []
         self.films: dict[str, FigureData] = {}
@@ -120,33 +117,36 @@ class Runner:
 
         A function that is not called again gives none. What is to be asked beside goes with them, after them.
         """
-        beside, self._beside, begun = self._beside, (), time.perf_counter()
+        beside = self._beside.begin()
         self.foresee([*asked, *beside])
         told = [list(self.answers(one)) if self.calls(one.function) else [] for one in asked]
-        if beside:
-            self._take_beside(beside, begun)
+        self._take_beside(beside)
         return told
 
     def ask_beside(self, asked: Sequence[Foreseen]) -> None:
-        """Has these asked with the next exchange, whenever that is."""
-        self._beside = asked
+        """Has these asked with the next exchange, whenever that is: see `Beside`."""
+        self._beside.wait(asked)
 
     def told_beside(self, asked: Foreseen) -> Sequence[Answer] | None:
-        """The answers to what was to be asked beside others; None where that has cost the program its life, or much
-        time, or where it may have answered otherwise under limits of its own."""
-        beside, self._beside = [one for one in self._beside if self.calls(one.function)], ()
+        """The answers to what was to be asked beside others; None where it must be asked of a program of its own.
+
+        It is the last thing that the main program is asked, at the latest: what it prints meanwhile is not shown.
+        """
+        beside = [one for one in self._beside.begin() if self.calls(one.function)]
         if beside and self._program is not None:
-            begun = time.perf_counter()
+            self.keep_what_was_printed()
+            printed = self.stdout
             self.foresee(beside)
             self._asked_with_the_rest(beside[0])
-            self._take_beside(beside, begun)
-        return self._besides.get(asked)
+            self._take_beside(beside)
+            self.close()
+            self.stdout = printed
+        return self._beside.told(asked)
 
-    def _take_beside(self, asked: Sequence[Foreseen], begun: float) -> None:
-        """No fault here costs a function anything: it may be asked again, of another program."""
-        told = {one: gathered(self._unmourned(one)) for one in asked if self.calls(one.function)}
-        if time.perf_counter() - begun <= BESIDE_SECONDS and all(map(_are_its_own, told.values())):
-            self._besides = told
+    def _take_beside(self, asked: Sequence[Foreseen]) -> None:
+        """No fault here costs a function anything."""
+        if asked:
+            self._beside.take({one: gathered(self._unmourned(one)) for one in asked if self.calls(one.function)})
 
     def _unmourned(self, asked: Foreseen) -> Iterator[Sequence[Answer]]:
         ready = self._ahead.ready(asked)
@@ -335,15 +335,3 @@ class Runner:
             self.stdout = self.stdout or self._program.stdout()
             self._program.close()
             self._program = None
-
-
-def _are_its_own(answers: Sequence[Answer]) -> bool:
-    """Whether a program that remembers nothing gives these answers under whatever limits; it has come to give them."""
-    return isinstance(answers, Replies) or (bool(answers) and all(map(_is_its_own, answers)))
-
-
-def _is_its_own(answer: Answer) -> bool:
-    if isinstance(answer, Reply):
-        return True
-    raised = answer.outcome is Outcome.RUNTIME_ERROR and answer.exception not in (None, MemoryError.__name__)
-    return not answer.fatal and (raised or answer.outcome is Outcome.MISSING_FUNCTION)

@@ -12,7 +12,8 @@ from __future__ import annotations
 import ast
 import builtins
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
+from collections.abc import Set as AbstractSet
 from typing import Any
 
 import numpy as np
@@ -21,19 +22,28 @@ import numpy as np
 LONGEST = 10_000
 _MODULES = {"numpy": np, "math": math}
 
-#: What nothing is wrong with by itself. Neither `try`, which may hide that time ran out, nor what has other scopes.
-_HARMLESS = frozenset(
-    (
-        *(ast.arguments, ast.arg, ast.Expr, ast.Return, ast.Assign, ast.AugAssign, ast.For, ast.While, ast.If),
-        *(ast.Break, ast.Continue, ast.Pass, ast.Raise, ast.Assert, ast.comprehension, ast.ListComp, ast.GeneratorExp),
-        *(ast.BoolOp, ast.BinOp, ast.UnaryOp, ast.IfExp, ast.Call, ast.Constant, ast.Subscript, ast.Slice, ast.Starred),
-        *(ast.List, ast.Tuple),
-    )
+#: What a function may be made of. Neither `try`, which may hide that time ran out, nor what has other scopes.
+_ALLOWED = (
+    *(
+        ast.FunctionDef,
+        ast.Lambda,
+        ast.arguments,
+        ast.arg,
+        ast.keyword,
+        ast.Expr,
+        ast.Return,
+        ast.Assign,
+        ast.AugAssign,
+    ),
+    *(ast.AnnAssign, ast.For, ast.While, ast.If, ast.Break, ast.Continue, ast.Pass, ast.Raise, ast.Assert),
+    *(ast.comprehension, ast.ListComp, ast.GeneratorExp, ast.BoolOp, ast.BinOp, ast.UnaryOp, ast.IfExp, ast.Compare),
+    *(ast.Call, ast.Constant, ast.Attribute, ast.Subscript, ast.Slice, ast.Starred, ast.Name, ast.List, ast.Tuple),
 )
-#: What a number that functions share may be made of.
+#: And a number that functions share.
 _CONSTANT = frozenset((ast.Constant, ast.Tuple, ast.UnaryOp, ast.BinOp, ast.Name, ast.Attribute))
-#: What stands in a tree for `+`, `not`, `<`, and for being read or written.
-_SIGNS = (ast.operator, ast.unaryop, ast.boolop, ast.cmpop, ast.expr_context)
+#: Fields of these that hold no part of the program: names, signs, and what is no code.
+_NO_PART = frozenset(("arg", "attr", "ctx", "id", "is_async", "kind", "name", "op", "ops", "simple", "type_comment"))
+_PARTS = {kind: tuple(name for name in kind._fields if name not in _NO_PART) for kind in _ALLOWED} | {ast.Constant: ()}
 _BUILTINS = frozenset(
     """
     abs all any bool complex divmod enumerate float int len list max min pow range reversed round sorted sum tuple zip
@@ -80,7 +90,7 @@ def is_stateless(source: bytes, given: Mapping[str, Any]) -> bool:
     return all(_is_harmless(function, shared, hidden) for function in functions)
 
 
-def _bound(statement: ast.stmt, shared: Collection[str]) -> set[str] | None:
+def _bound(statement: ast.stmt, shared: AbstractSet[str]) -> set[str] | None:
     """The names that a statement of the module gives; None of one that may do something else."""
     match statement:
         case ast.FunctionDef():
@@ -92,67 +102,54 @@ def _bound(statement: ast.stmt, shared: Collection[str]) -> set[str] | None:
         case ast.ImportFrom(module=module, names=names, level=0) if module in _MODULES:
             return {one.asname or one.name for one in names} if {one.name for one in names} <= _ATTRIBUTES else None
         case ast.Assign(targets=[ast.Name(id=name)], value=value):
-            return {name} if all(_is_constant(node, shared) for node in _nodes(value)) else None
+            return {name} if _is_harmless(value, shared, (), _CONSTANT) else None
     return None
 
 
-def _is_constant(node: ast.AST, shared: Collection[str]) -> bool:
-    return type(node) in _CONSTANT and _is_allowed(node, shared)
-
-
-def _is_harmless(function: ast.FunctionDef, shared: Collection[str], hidden: Collection[str]) -> bool:
-    """Whether a function only works with its own names, and with those that are shared; `hidden` are others' names."""
-    nodes = list(_nodes(function))
-    own = {name for node in nodes if (name := _given(node)) is not None}
-    names = own.union(shared)
-    return own.isdisjoint(hidden) and all(type(node) in _HARMLESS or _is_allowed(node, names) for node in nodes)
-
-
-def _nodes(tree: ast.AST) -> Iterator[ast.AST]:
-    """As `ast.walk`, without the signs."""
-    waiting = [tree]
+def _is_harmless(
+    tree: ast.AST, shared: AbstractSet[str], hidden: Collection[str], kinds: Collection[type] = _PARTS.keys()
+) -> bool:
+    """Whether a function works with its own names and with those that are shared only; `hidden` are others' names."""
+    read, own = set[str](), set[str]()
+    waiting: list[Any] = [tree]
     while waiting:
         node = waiting.pop()
-        yield node
-        for value in vars(node).values():
-            if isinstance(value, list):
-                waiting += [one for one in value if isinstance(one, ast.AST) and not isinstance(one, _SIGNS)]
-            elif isinstance(value, ast.AST) and not isinstance(value, _SIGNS):
-                waiting.append(value)
+        kind = type(node)
+        if kind not in kinds or not _CHECKS.get(kind, _nothing)(node):
+            return False
+        if kind is ast.Name:
+            (read if type(node.ctx) is ast.Load else own).add(node.id)
+        elif kind is ast.arg or kind is ast.FunctionDef:
+            own.add(node.arg if kind is ast.arg else node.name)
+        for name in _PARTS[kind]:
+            part = getattr(node, name)
+            if type(part) is list:
+                waiting += [one for one in part if one is not None]
+            elif part is not None:
+                waiting.append(part)
+    return own.isdisjoint(hidden) and read <= own | shared
 
 
-def _given(node: ast.AST) -> str | None:
-    """The name that something is given here."""
-    if isinstance(node, ast.Name):
-        return None if isinstance(node.ctx, ast.Load) else node.id
-    return node.arg if isinstance(node, ast.arg) else node.name if isinstance(node, ast.FunctionDef) else None
+def _nothing(node: Any) -> bool:
+    """There is nothing more to be seen of it."""
+    return True
 
 
-def _is_allowed(node: ast.AST, names: Collection[str]) -> bool:
-    """Of what is not harmless by itself."""
-    allowed = _ALLOWED.get(type(node))
-    return type(node) in _HARMLESS if allowed is None else allowed(node, names)
-
-
-def _name(node: Any, names: Collection[str]) -> bool:
-    return node.id in names or not isinstance(node.ctx, ast.Load)
-
-
-def _attribute(node: Any, names: Collection[str]) -> bool:
+def _attribute(node: Any) -> bool:
     return node.attr in _ATTRIBUTES and isinstance(node.ctx, ast.Load)
 
 
-def _keyword(node: Any, names: Collection[str]) -> bool:
+def _keyword(node: Any) -> bool:
     return node.arg is not None and node.arg != _UNWRITTEN
 
 
-def _function(node: Any, names: Collection[str]) -> bool:
+def _function(node: Any) -> bool:
     """What is decorated may be kept by who decorates it; a default that is no constant is shared by all calls."""
     defaults = (*node.args.defaults, *node.args.kw_defaults)
     return not getattr(node, "decorator_list", ()) and all(one is None or type(one) is ast.Constant for one in defaults)
 
 
-def _comparison(node: Any, names: Collection[str]) -> bool:
+def _comparison(node: Any) -> bool:
     """Which objects are the same one is nobody's business."""
     pairs = zip(node.ops, node.comparators, strict=True)
     return all(_is_none(other) for sign, other in pairs if isinstance(sign, ast.Is | ast.IsNot))
@@ -162,12 +159,11 @@ def _is_none(node: ast.expr) -> bool:
     return isinstance(node, ast.Constant) and node.value is None
 
 
-def _annotated(node: Any, names: Collection[str]) -> bool:
+def _annotated(node: Any) -> bool:
     return isinstance(node.target, ast.Name)
 
 
-_ALLOWED: dict[type, Callable[[Any, Collection[str]], bool]] = {
-    ast.Name: _name,
+_CHECKS: dict[type, Callable[[Any], bool]] = {
     ast.Attribute: _attribute,
     ast.keyword: _keyword,
     ast.FunctionDef: _function,
