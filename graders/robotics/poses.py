@@ -46,11 +46,13 @@ class SamePose(OfRows):
             return unreadable(error)
         if pose.shape != (3,):
             return wrong_shape(wanted, pose)
-        if not np.isfinite(pose).all():
+        *where, theta = pose.tolist()  # of three numbers, Python makes shorter work than arrays
+        *there, angle = wanted.tolist()
+        if not all(map(math.isfinite, (*where, theta))):
             return Mismatch("Une des coordonnées n'est pas un nombre fini.", "nan")
-        if not close(wanted[:2], pose[:2], self.tolerance):
+        if not all(abs(a - b) <= self.tolerance * max(1.0, abs(b)) for a, b in zip(where, there, strict=True)):
             return Mismatch(lambda: self._position_message(wanted, pose))
-        return self._angle_mismatch(float(wanted[2]), float(pose[2]))
+        return self._angle_mismatch(angle, theta)
 
     def gaps(self, expected: Floats, got: Floats) -> Floats | None:
         if got.ndim != 2 or got.shape[1] != 3:

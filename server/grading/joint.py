@@ -13,6 +13,7 @@ from uuid import UUID
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, Block, Foreseen, KitSettings, Reply, StudentFault
+from graders.core.contract.rows import Replies, Rows
 from graders.core.contract.values import Arguments, Value
 from graders.core.contract.verdict import internal_error_verdict
 from server import sandbox
@@ -76,7 +77,10 @@ class SandboxProgram:
             if spent := self._patience.spent():
                 yield number, (spent,)
                 return
-            yield number, [_answer(answer) for answer in answers]
+            if isinstance(answers, sandbox.Replies):
+                yield number, Replies(answers.values)
+            else:
+                yield number, [_answer(answer) for answer in answers]
 
     def stdout(self) -> str:
         return self._session.stdout()
@@ -114,7 +118,8 @@ class SandboxPrograms:
 
 
 def _calls(asked: Foreseen) -> Calls:
-    return Calls(asked.function, asked.calls, asked.faults, asked.keeping)
+    columns = asked.calls.columns if isinstance(asked.calls, Rows) else None
+    return Calls(asked.function, asked.calls, asked.faults, asked.keeping, columns)
 
 
 def _answer(answer: sandbox.Reply | ProgramFault) -> Answer:

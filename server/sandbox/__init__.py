@@ -7,7 +7,7 @@ from server.sandbox.policy import Policy
 from server.sandbox.pool import Sandbox
 from server.sandbox.probe import WallReport, WallStatus, probe, safe_to_serve
 from server.sandbox.session import Session
-from server.sandbox.values import Calls, Followed, Kit, Reply, Shelf, Usage
+from server.sandbox.values import Calls, Followed, Kit, Replies, Reply, Shelf, Usage
 
 __all__ = [
     "Calls",
@@ -17,6 +17,7 @@ __all__ = [
     "Kit",
     "Policy",
     "ProgramFault",
+    "Replies",
     "Reply",
     "Sandbox",
     "SandboxFault",

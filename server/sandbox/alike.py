@@ -9,13 +9,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from server.sandbox.child.codec import Value
+from server.sandbox.child.codec import Array, Value
 from server.sandbox.child.frames import HEADER
 from server.sandbox.child.plain import FLOAT
+from server.sandbox.values import one_by_one
 
 _FLOATS = np.dtype("<f8")
 #: After the numbers stands that no arguments have come back: null.
 _AFTER = 1
+NOTHING: Array = np.zeros(0)
 
 
 class Alike:
@@ -47,23 +49,22 @@ class Alike:
     def read(self, answer: bytes) -> Value:
         """The value of an answer of this form; None for any other, which the decoder must read."""
         fits = len(answer) == self.bytes and answer.startswith(self._before) and answer.endswith(self._after)
-        return self._values(answer, 1, 0, self.bytes)[0] if fits else None
+        return one_by_one(self._values(answer, 1, 0, self.bytes))[0] if fits else None
 
-    def values(self, held: bytearray, at: int, tokens: Sequence[int], kind: int) -> Sequence[Value]:
-        """The values of the frames that stand one after the other from `at` on, as far as they are there, are of this
-        kind and this form, and carry these tokens in this order."""
+    def values(self, held: bytearray, at: int, tokens: Sequence[int], kind: int) -> Array:
+        """The values (n, …) of the frames that stand one after the other from `at` on, as far as they are there, are of
+        this kind and this form, and carry these tokens in this order."""
         stride, begins, came = HEADER.size + self.bytes, at, 0
         if not self._before:
-            return ()
+            return NOTHING
         for token in tokens[: (len(held) - at) // stride]:
             head = HEADER.pack(self.bytes, token, kind) + self._before
             if not held.startswith(head, begins) or not held.startswith(self._after, begins + stride - _AFTER):
                 break
             begins, came = begins + stride, came + 1
-        return self._values(held, came, at + HEADER.size, stride) if came else ()
+        return self._values(held, came, at + HEADER.size, stride) if came else NOTHING
 
-    def _values(self, held: bytes | bytearray, count: int, at: int, stride: int) -> Sequence[Value]:
+    def _values(self, held: bytes | bytearray, count: int, at: int, stride: int) -> Array:
         """Of so many answers that have this form, the first at this place, each a stride after the one before."""
         shape, strides = (count, *(self._shape or ())), (stride, *self._strides)
-        numbers = np.ndarray(shape, _FLOATS, held, at + len(self._before), strides).astype(np.float64)
-        return numbers.tolist() if self._shape is None else list(numbers)
+        return np.ndarray(shape, _FLOATS, held, at + len(self._before), strides).astype(np.float64)

@@ -72,9 +72,9 @@ class Batch:
             self.bytes += self._row_bytes
         return self.bytes >= _BYTES or len(self._lengths) >= _CALLS
 
-    def add_columns(self, calls: Sequence[Row]) -> bool:
+    def add_columns(self, calls: Sequence[Row], columns: Columns | None = None) -> bool:
         """Makes it of all of these, where they go by columns; otherwise adds none."""
-        self._columns = _columns(calls)
+        self._columns = columns or _columns(calls)
         if self._columns is None:
             return False
         self._lengths = [len(self._columns)] * len(calls)
@@ -118,7 +118,7 @@ class Batch:
             yield frames.framed(0, frames.ARGUMENTS, row)
         columns = _columns(self._rows) if self._rows else self._columns
         if columns is not None:
-            yield frames.framed(0, frames.COLUMNS, codec.encode(columns, frames.QUESTION_LIMITS))
+            yield frames.framed(0, frames.COLUMNS, codec.encode_columns(columns))
 
     @property
     def waits(self) -> bool:
@@ -227,7 +227,7 @@ def parcels(asked: Sequence[Calls]) -> Iterator[Parcel]:
 
 def _whole(asked: Calls) -> Batch:
     batch = Batch(asked.function, return_arguments=asked.return_arguments)
-    if not batch.add_columns(asked.calls):
+    if not batch.add_columns(asked.calls, asked.columns):
         for arguments in asked.calls:
             batch.add(arguments)
     return batch

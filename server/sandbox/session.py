@@ -12,14 +12,15 @@ from typing import Self
 import numpy as np
 
 from server.sandbox import diagnosis, messages
+from server.sandbox.alike import NOTHING
 from server.sandbox.batch import NO_END, Batch, Parcel, batches, parcels, token
 from server.sandbox.child import codec, drawing, frames, tracer
-from server.sandbox.child.codec import Value
+from server.sandbox.child.codec import Array, Value
 from server.sandbox.conversation import ENDING_SECONDS, Conversation
 from server.sandbox.faults import FaultKind, ProgramFault, SandboxFault, TemplateFault
 from server.sandbox.policy import Policy
 from server.sandbox.process import Child
-from server.sandbox.values import Calls, Followed, Kit, Reply, Usage, shelved
+from server.sandbox.values import Calls, Followed, Kit, Replies, Reply, Usage, shelved
 
 #: Answers that come together, one or more, and the number of what has asked for them.
 Block = tuple[int, Sequence[Reply | ProgramFault]]
@@ -218,8 +219,8 @@ class Session(Conversation):
             for batch in asked:
                 self._ask(batch, faults)
                 while batch.waits:
-                    if here := self._here(batch):
-                        yield from [Reply(value, None) for value in here]
+                    if len(here := self._here(batch)):
+                        yield from Replies(here)
                         continue
                     answer = self._next(batch)
                     faults -= isinstance(answer, ProgramFault)
@@ -245,8 +246,8 @@ class Session(Conversation):
                         yield number, (self._missing(batch.function),)
                         continue
                     while batch.waits:
-                        if here := self._here(batch):
-                            yield number, [Reply(value, None) for value in here]
+                        if len(here := self._here(batch)):
+                            yield number, Replies(here)
                         else:
                             yield number, (self._next(batch),)
                     _must_be_whole(batch)
@@ -297,13 +298,21 @@ class Session(Conversation):
             self._hear(batch.token, _END)
         return answer
 
-    def _here(self, batch: Batch) -> Sequence[Value]:
-        """What the next answers return, as far as they are here and of the form of the last one."""
+    def _here(self, batch: Batch) -> Array:
+        """What the next answers return (n, …), as far as they are here and of the form of the last one.
+
+        Where none is here, the next one is waited for: there may be several then.
+        """
         self._must_be_open()
         form, wire = self._alike, self._child.wire
-        most = min(wire.room(form), self._items_left // max(form.items, 1), self._bytes_left // max(form.bytes, 1))
-        if self._fatal or not (tokens := batch.plain(most)):
-            return ()
+        most = min(self._items_left // max(form.items, 1), self._bytes_left // max(form.bytes, 1))
+        if self._fatal or form.bytes < 0 or not batch.plain(most):
+            return NOTHING
+        if not wire.holds:
+            with self._counted() as deadline:
+                wire.arrive(form, deadline)
+        if not (tokens := batch.plain(min(most, wire.room(form)))):
+            return NOTHING
         values = wire.alike(tokens, frames.VALUE, form, batch.end(len(tokens)))
         batch.came(len(values))
         self._items_left -= len(values) * form.items

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import marshal
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
-from typing import NamedTuple
+from functools import cached_property, lru_cache
+from typing import NamedTuple, overload
 
 import numpy as np
 
 from server.sandbox.child import library
-from server.sandbox.child.codec import Value
+from server.sandbox.child.codec import Array, Value
 from server.sandbox.faults import ProgramFault
 
 #: What a file that imports earlier functions speaks of.
@@ -59,13 +59,14 @@ class Kit:
 @dataclass(frozen=True, eq=False)
 class Calls:
     """Calls of one function that are asked together with others: at most so many `faults` of theirs are waited for
-    (None: all).
+    (None: all). `columns`, where the arguments are floats and arrays of floats of one shape each, holds all of each.
     """
 
     function: str
     calls: Sequence[tuple[Value, ...]]
     faults: int | None = None
     return_arguments: bool = False
+    columns: tuple[Array, ...] | None = None
 
 
 class Reply(NamedTuple):
@@ -73,6 +74,35 @@ class Reply(NamedTuple):
 
     value: Value
     arguments: tuple[Value, ...] | None
+
+
+class Replies(Sequence[Reply]):
+    """Answers that have come together, all a float or an array of floats of one shape: `values` (n, …)."""
+
+    def __init__(self, values: Array) -> None:
+        self.values = values
+
+    @cached_property
+    def _replies(self) -> list[Reply]:
+        return [Reply(value, None) for value in one_by_one(self.values)]
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    @overload
+    def __getitem__(self, place: int) -> Reply: ...
+    @overload
+    def __getitem__(self, place: slice) -> Sequence[Reply]: ...
+    def __getitem__(self, place: int | slice) -> Reply | Sequence[Reply]:
+        return self._replies[place]
+
+    def __iter__(self) -> Iterator[Reply]:
+        return iter(self._replies)
+
+
+def one_by_one(values: Array) -> list[Value]:
+    """Floats, or arrays of floats, each of which stood in a row (n, …)."""
+    return values.tolist() if values.ndim == 1 else list(values)
 
 
 @dataclass(frozen=True)

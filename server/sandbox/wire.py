@@ -8,7 +8,7 @@ import time
 from collections.abc import Sequence
 
 from server.sandbox.alike import Alike
-from server.sandbox.child.codec import Value
+from server.sandbox.child.codec import Array
 from server.sandbox.child.frames import HEADER, framed
 
 _PIECE = 1 << 16
@@ -83,20 +83,26 @@ class Wire:
         """How many answers of this form may be here already."""
         return (len(self._held) - self._at) // (HEADER.size + form.bytes) if form.bytes > 0 else 0
 
-    def alike(self, tokens: Sequence[int], kind: int, form: Alike, end: bytes) -> Sequence[Value]:
-        """The values of the answers that are here already, as long as they have this form and carry these tokens.
+    def alike(self, tokens: Sequence[int], kind: int, form: Alike, end: bytes) -> Array:
+        """The values (n, …) of the answers that are here already, as long as they have this form and these tokens.
 
         With the last of them comes the `end`, if any: it is not among them where that is not here, or is another.
         """
         values = form.values(self._held, self._at, tokens, kind)
         after = self._at + len(values) * (HEADER.size + form.bytes)
-        if end and values and len(values) == len(tokens):
+        if end and len(values) == len(tokens):
             if self._held.startswith(end, after):
                 after += len(end)
             else:
                 values, after = values[:-1], after - HEADER.size - form.bytes
         self._at = after
         return values
+
+    def arrive(self, form: Alike, deadline: float) -> None:
+        """Waits for the next answer, up to its length where it is that of this form: another one is not read yet."""
+        self._fill(HEADER.size, deadline)
+        if HEADER.unpack_from(self._held, self._at)[0] == form.bytes:
+            self._fill(HEADER.size + form.bytes, deadline)
 
     @property
     def holds(self) -> bool:

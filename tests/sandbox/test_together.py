@@ -12,9 +12,10 @@ import pytest
 from server.sandbox import Calls, FaultKind, ProgramFault, Reply, Sandbox, Value
 from server.sandbox.alike import Alike
 from server.sandbox.child import codec, frames
-from server.sandbox.child.codec import Limits, TooBig, Unsendable, encode, encode_returned
+from server.sandbox.child.codec import Limits, TooBig, Unsendable, encode, encode_columns, encode_returned
 from server.sandbox.child.frames import framed
 from server.sandbox.session import Block
+from server.sandbox.values import one_by_one
 from server.sandbox.wire import Wire
 
 from .limits import FAR
@@ -213,10 +214,17 @@ def _taken_in(came: list[bytes]) -> str:
         wire, form = Wire(ours), Alike()
         _, answer = wire.answer(10, frozenset({frames.VALUE}), 1 << 16, time.monotonic() + 60)
         form.learn(answer, *codec.measured(answer, LIMITS))
-        values = list(wire.alike(range(11, 16), frames.VALUE, form, END))
+        values = one_by_one(wire.alike(range(11, 16), frames.VALUE, form, END))
         # What is left is what has not been given.
         assert wire.holds is (b"".join(came[1 + len(values) :]) != (END if len(values) == 5 else b""))
         return repr(values)
+
+
+@pytest.mark.parametrize(
+    "columns", [(np.arange(3.0),), (np.arange(12.0).reshape(4, 3)[::2], np.zeros((2, 1, 5)).T), (np.zeros((0, 3)),)]
+)
+def test_columns_are_encoded_as_all_other_arrays_are(columns: tuple[np.ndarray, ...]) -> None:
+    assert encode_columns(columns) == encode(columns, LIMITS)
 
 
 def test_what_most_answers_are_is_encoded_as_all_others_are() -> None:

@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Collection, Iterator, Sequence
 
 from graders.core.contract.program import Answer, Block, Foreseen, Program, StudentFault
+from graders.core.contract.rows import Replies
 
 
 class Ahead:
@@ -58,10 +59,9 @@ class Ahead:
             return None
         self._reached, answers = came
         self._ready[self._asked[self._reached]].append(answers)
-        last = answers[-1]
-        if not isinstance(last, StudentFault) or not last.fatal:
-            return None
-        self.lose()
+        last = end_of(answers)
+        if last is not None:
+            self.lose()
         return last
 
     def lose(self) -> None:
@@ -70,3 +70,9 @@ class Ahead:
             self._coming = None
             for one in self._asked[self._reached + 1 :]:
                 self._ready.pop(one, None)
+
+
+def end_of(answers: Sequence[Answer]) -> StudentFault | None:
+    """The fault, among answers that have come together, after which there are no others of its program."""
+    last = None if isinstance(answers, Replies) else answers[-1]
+    return last if isinstance(last, StudentFault) and last.fatal else None

@@ -5,26 +5,33 @@ What does not show at once to be right, well within the tolerance, or wrong, wel
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
 from graders.core.compare.comparison import WELL_BEYOND, WELL_WITHIN, Comparator, OfRows
 from graders.core.contract.program import Answer, Foreseen, Reply
-from graders.core.contract.values import Value
+from graders.core.contract.rows import Replies, Rows
+from graders.core.contract.values import Arguments, Floats, Value
 
 #: Numbers in an answer that may wait to be judged with others.
 PLAIN = 2500
 
 
-def plain_answers(blocks: Iterator[Sequence[Answer]]) -> list[Answer]:
+def gathered(blocks: Iterable[Sequence[Answer]]) -> Sequence[Answer]:
+    """The answers of all blocks, as one array where that is what they are."""
+    taken = list(blocks)
+    return _joined(taken) or [answer for answers in taken for answer in answers]
+
+
+def plain_answers(blocks: Iterator[Sequence[Answer]]) -> Sequence[Answer]:
     """The answers up to the first that is not plain, with those that have come with it: none costs much to keep."""
-    plain: list[Answer] = []
+    plain: list[Sequence[Answer]] = []
     for answers in blocks:
-        plain += answers
-        if not all(map(_is_plain, answers)):
+        plain.append(answers)
+        if not _is_plain(answers):
             break
-    return plain
+    return gathered(plain)
 
 
 def seen_at_once(
@@ -34,16 +41,16 @@ def seen_at_once(
 
     Empty where they must all be, or are not all there. `expected` takes arrays, one case a row.
     """
-    if not isinstance(compare, OfRows) or not 0 < len(asked.calls) == len(answers) or not all(map(_is_plain, answers)):
+    if not isinstance(answers, Replies) or not isinstance(compare, OfRows):
         return ()
-    values = list(map(value_of, answers))
-    if len({value.shape if isinstance(value, np.ndarray) else () for value in values}) > 1:
+    if not 0 < len(asked.calls) == len(answers) or not _is_plain(answers):
         return ()
-    wanted = np.asarray(expected(*map(np.array, zip(*asked.calls, strict=True))))
-    got = np.array(values)
+    wanted, got = np.asarray(expected(*_columns(asked.calls))), answers.values
     gaps = compare.gaps(wanted, got) if wanted.shape == got.shape else None
     if gaps is None:
         return ()
+    if (gaps <= WELL_WITHIN).all():
+        return [True] * len(gaps)
     return [True if gap <= WELL_WITHIN else False if gap >= WELL_BEYOND else None for gap in gaps.tolist()]
 
 
@@ -52,11 +59,38 @@ def value_of(answer: Answer) -> Value:
     return answer.value if isinstance(answer, Reply) else None
 
 
-def _is_plain(answer: Answer) -> bool:
-    """A number, or a small array of numbers."""
-    if not isinstance(answer, Reply):
-        return False
-    value = answer.value
-    if type(value) is np.ndarray:
-        return value.dtype == np.float64 and value.size <= PLAIN
-    return isinstance(value, float)
+def _columns(calls: Sequence[Arguments]) -> Iterable[Floats]:
+    return calls.columns if isinstance(calls, Rows) else map(np.array, zip(*calls, strict=True))
+
+
+def _is_plain(answers: Sequence[Answer]) -> bool:
+    """Are all numbers, or small arrays of numbers?"""
+    if isinstance(answers, Replies):
+        return answers.values[:1].size <= PLAIN
+    return all(
+        isinstance(value, float) or (type(value) is np.ndarray and value.dtype == np.float64 and value.size <= PLAIN)
+        for value in map(value_of, answers)
+    )
+
+
+def _joined(blocks: Sequence[Sequence[Answer]]) -> Replies | None:
+    """The same answers, where all are floats, or arrays of floats of one shape, and no arguments have come back."""
+    arrays = [block.values if isinstance(block, Replies) else _as_rows(block) for block in blocks]
+    if not arrays or any(array is None for array in arrays):
+        return None
+    found = [array for array in arrays if array is not None]
+    if any(array.shape[1:] != found[0].shape[1:] for array in found):
+        return None
+    return Replies(found[0] if len(found) == 1 else np.concatenate(found))
+
+
+def _as_rows(answers: Sequence[Answer]) -> Floats | None:
+    if not all(isinstance(answer, Reply) and answer.arguments is None for answer in answers):
+        return None
+    values = list(map(value_of, answers))
+    kinds = set(map(type, values))
+    if kinds == {float}:
+        return np.array(values)
+    if kinds != {np.ndarray} or any(value.dtype != np.float64 or not value.ndim for value in values):
+        return None
+    return np.array(values) if len({value.shape for value in values}) == 1 else None

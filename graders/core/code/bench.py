@@ -15,10 +15,12 @@ from operator import is_not
 
 import numpy as np
 
+from graders.core.code.at_once import gathered
 from graders.core.code.runner import Observation, Runner
 from graders.core.contract.findings import FigureData
 from graders.core.contract.program import Answer, Foreseen, KitSettings, Program, StudentFault, each
-from graders.core.contract.values import Arguments, Value, kept
+from graders.core.contract.rows import one_by_one
+from graders.core.contract.values import Arguments, Floats, Value, kept
 
 Turn = tuple[str, Arguments, Iterator[Answer]]
 Key = tuple[str, tuple[tuple[str, tuple[int, ...], bytes], ...]]
@@ -38,7 +40,7 @@ class Bench:
     foreseen: Sequence[Foreseen] = ()
     _count: list[int] = field(default_factory=lambda: [0])
     _known: dict[Key, deque[Answer]] = field(default_factory=dict)
-    _taken: list[tuple[Foreseen, list[Answer]]] = field(default_factory=list)
+    _taken: list[tuple[Foreseen, Sequence[Answer]]] = field(default_factory=list)
     _first: Iterator[tuple[int, Answer]] | None = None
     _turn: Iterator[Turn] | None = None
     _next: Turn | None = None
@@ -55,8 +57,8 @@ class Bench:
 
     def _asked_before(self, function: str, args: Arguments) -> Answer | None:
         """The answer to a call that was made ahead: one that `ahead` has taken, or the next that was foreseen."""
-        for taken, gathered in self._taken:
-            for given, answer in zip(taken.calls, gathered, strict=False):
+        for taken, came in self._taken:
+            for given, answer in zip(taken.calls, came, strict=False):
                 self._known.setdefault(_key(taken.function, given), deque()).append(answer)
         self._taken.clear()
         known = self._known.get(_key(function, args)) if self._known else None
@@ -79,14 +81,14 @@ class Bench:
             answers = self.runner.answers(asked)
             yield from ((asked.function, args, answers) for args in asked.calls)
 
-    def ahead(self, asked: Foreseen) -> list[Answer]:
+    def ahead(self, asked: Foreseen) -> Sequence[Answer]:
         """The answers of calls made together before a protocol comes to them, which it then finds with `call`.
 
         A re-enacted mistake has no time to win: it makes each call in its turn.
         """
         if self.runner.reenacting:
             return []
-        answers = list(itertools.chain.from_iterable(self.blocks(asked)))
+        answers = gathered(self.blocks(asked))
         self._taken.append((asked, answers))
         return answers
 
@@ -132,16 +134,20 @@ class Bench:
     def observe(self, function: str, value: Value, *, ok: bool, fault: StudentFault | None = None) -> None:
         """Write down what a function gave; a fault is known by its exception's or its outcome's name."""
         name = (fault.exception or fault.outcome.value) if fault else None
-        self.runner.observations.append(Observation(self.check, self._count[0], function, kept(value), name, ok))
+        observation = Observation(self.check, self._count[0], function, kept(value), name, ok)
+        self.runner.observe(lambda: (observation,))
         self._count[0] += 1
 
-    def observe_right(self, function: str, values: Sequence[Value]) -> None:
-        """As `observe`, of values that are small and right."""
-        count = self._count[0]
+    def observe_all(self, function: str, values: Floats, right: Sequence[bool | None]) -> None:
+        """As `observe`, of values that are small (n, …)."""
+        check, begins = self.check, self._count[0]
         self._count[0] += len(values)
-        self.runner.observations += [
-            Observation(self.check, count + k, function, value, None, True) for k, value in enumerate(values)
-        ]
+
+        def written() -> Iterator[Observation]:
+            for index, (value, ok) in enumerate(zip(one_by_one(values), right, strict=True), begins):
+                yield Observation(check, index, function, value, None, bool(ok))
+
+        self.runner.observe(written)
 
     def film(self, data: FigureData) -> None:
         """Keep what the program did in this check, whether it passes or fails, so that its author can watch it.

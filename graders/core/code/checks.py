@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import itertools
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, ClassVar, NoReturn
 
 import numpy as np
 
-from graders.core.code.at_once import plain_answers, seen_at_once, value_of
+from graders.core.code.at_once import plain_answers, seen_at_once
 from graders.core.code.bench import Bench
 from graders.core.code.drawable import drawable_as
 from graders.core.code.simplifying import reject, same_kind
@@ -25,6 +25,7 @@ from graders.core.compare.shrinking import Shrinker, neighbours
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, Foreseen, StudentFault
+from graders.core.contract.rows import Replies, Rows
 from graders.core.contract.values import Arguments, Value, same_value
 
 # A function that raised that often has shown enough; each fault may have cost a large part of its time limit.
@@ -222,18 +223,29 @@ class Cases(Check):
         return False
 
     def foreseen(self, bench: Bench) -> Sequence[Foreseen]:
-        return [Foreseen(self.function, tuple(self.cases(bench.rng)), faults=MAX_FAULTS)]
+        drawn = self.cases(bench.rng)
+        return [Foreseen(self.function, drawn if isinstance(drawn, Rows) else tuple(drawn), faults=MAX_FAULTS)]
 
     def run(self, bench: Bench) -> None:
-        first: Failure | None = None
         asked = foreseen_of(self, bench)[-1]
         blocks = bench.blocks(asked)
-        plain = plain_answers(blocks) if self.rows else []
+        plain = plain_answers(blocks) if self.rows else ()
         at_once = seen_at_once(asked, plain, self.expected, self.compare)
-        if at_once and all(at_once):
-            bench.observe_right(self.function, list(map(value_of, plain)))
-            return
-        answers = itertools.chain(plain, itertools.chain.from_iterable(blocks))
+        if isinstance(plain, Replies) and at_once and None not in at_once:
+            bench.observe_all(self.function, plain.values, at_once)
+            wrong = at_once.index(False) if False in at_once else None
+            first = None if wrong is None else self._judged(asked.calls[wrong], plain[wrong])
+        else:
+            answers = itertools.chain(plain, itertools.chain.from_iterable(blocks))
+            first = self._judged_in_turn(bench, asked, answers, at_once)
+        if first is not None and not bench.runner.reenacting:
+            self._reject(bench, first)
+
+    def _judged_in_turn(
+        self, bench: Bench, asked: Foreseen, answers: Iterator[Answer], at_once: Sequence[bool | None]
+    ) -> Failure | None:
+        """The first failure; what is seen at once of an answer is not asked again."""
+        first: Failure | None = None
         judged = itertools.chain(at_once, itertools.repeat(None))
         for args, answer, right in zip(asked.calls, answers, judged, strict=False):
             bench.last_call = (self.function, args)
@@ -243,8 +255,7 @@ class Cases(Check):
             else:
                 bench.observe(self.function, answer.value, ok=failure is None if right is None else right)
             first = first or failure
-        if first is not None and not bench.runner.reenacting:
-            self._reject(bench, first)
+        return first
 
     def _judged(self, args: Arguments, answer: Answer) -> Failure | None:
         expected = self.expected(*args)

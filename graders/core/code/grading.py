@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +16,7 @@ from graders.core.code.diagnosis import combined, diagnose, slip_diagnosis
 from graders.core.code.folder import Misconception, Specimen, read_specimens
 from graders.core.code.prober import Prober, Recognised
 from graders.core.code.reenacting import Reenactor
-from graders.core.code.runner import DEFAULT_BUDGET, Observation, Runner
+from graders.core.code.runner import DEFAULT_BUDGET, Runner
 from graders.core.code.running import run_check, run_checks
 from graders.core.compare.shrinking import Budget
 from graders.core.compare.slips import SLIPS
@@ -70,8 +70,7 @@ class CodeGrader:
         kit = self.kit(stream(seed, "kit"))
         runner = Runner(programs, source, kit, budget=self.budget)
         try:
-            # What names a mistake asks a program launched afresh: it comes up while the checks go on.
-            findings = run_checks(self.checks, runner, kit, seed, launches_if_failed=1 if self.prober else 0)
+            findings = self._findings(runner, kit, seed, source)
             checked = time.perf_counter()
             diagnosis = self._diagnosis(findings, runner, kit, seed)
         finally:
@@ -90,6 +89,19 @@ class CodeGrader:
         figures = {f.result.id: f.figure for f in findings if f.figure is not None}
         films = {check: film for check, data in runner.films.items() if (film := plain(data)) is not None}
         return Judgement(verdict, figures, films)
+
+    def _findings(self, runner: Runner, kit: KitSettings, seed: int, source: bytes) -> Sequence[Finding]:
+        """What names a mistake is asked of the same program where this is seen to keep nothing of what it was asked;
+        else of one launched afresh, which comes up while the checks go on."""
+        prober = self.prober
+        if prober is None:
+            return run_checks(self.checks, runner, kit, seed)
+        steady = cache(lambda: prober.sees_no_state(source, kit))
+        return run_checks(
+            self.checks, runner, kit, seed,
+            launches_if_failed=lambda: 0 if steady() else 1,
+            beside=lambda failed: prober.foreseen(*self._asked_of(failed)) if steady() else (),
+        )  # fmt: skip
 
     def first_failed(
         self, source: bytes, programs: Programs, *, seed: int, checks: Sequence[Check] | None = None
@@ -114,12 +126,11 @@ class CodeGrader:
         pairs = [(check, finding) for check, finding in zip(self.checks, findings, strict=True) if not finding.passed]
         if not pairs or all(finding.cause not in DIAGNOSED for _, finding in pairs):
             return None
-        blamed = _blamed([check for check, _ in pairs])
-        asked = [function for function in self.functions if function in blamed]
-        alone = {check.functions[0] for check, _ in pairs if len(check.functions) == 1}
+        failed = [check for check, _ in pairs]
+        blamed, (asked, alone) = _blamed(failed), self._asked_of(failed)
         ids, last, follow = self.prober.recognise(runner, asked, alone) if self.prober else Recognised()
         left = (alone if ids else blamed) - set(follow)
-        ids = (*ids, *self._reenacted(ids, left, runner.observations, kit, seed)) or last
+        ids = (*ids, *self._reenacted(ids, left, runner, kit, seed)) or last
         if ids:
             touched = {TOUCHED} & {finding.slip for _, finding in pairs} - set(ids)
             return combined((*ids, *touched), self.misconceptions)
@@ -127,11 +138,17 @@ class CodeGrader:
             [(c.functions, f.slip) for c, f in pairs if f.cause in JUDGED and f.result.counterexample]
         )
 
+    def _asked_of(self, failed: Sequence[Check]) -> tuple[Sequence[str], set[str]]:
+        """The functions that are asked what names a mistake, and those that failed a check of their own."""
+        blamed = _blamed(failed)
+        asked = [function for function in self.functions if function in blamed]
+        return asked, {check.functions[0] for check in failed if len(check.functions) == 1}
+
     def _reenacted(
         self,
         found: Sequence[str],
         blamed: Collection[str],
-        observations: Sequence[Observation],
+        runner: Runner,
         kit: KitSettings,
         seed: int,
     ) -> Sequence[str]:
@@ -140,7 +157,10 @@ class CodeGrader:
         told = {function for m in self.misconceptions if m.id in found for function in m.functions}
         left = set() if set(found) & SLIPS.keys() else set(blamed) - told
         others = [m for m in self.misconceptions if not (m.edited or m.ruled) and left & set(m.functions)]
-        named = diagnose(observations, others, partial(self.reenactor.reenact, checks=self.checks, kit=kit, seed=seed))
+        if not others:
+            return []
+        reenact = partial(self.reenactor.reenact, checks=self.checks, kit=kit, seed=seed)
+        named = diagnose(runner.observations, others, reenact)
         return [named.id] if named else []
 
     def rehearse(self) -> None:

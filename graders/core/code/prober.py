@@ -12,17 +12,21 @@ from __future__ import annotations
 import itertools
 import threading
 import time
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from functools import cached_property
+from typing import Any, NamedTuple
 
 from graders.core.code.mutants import DEEP, Mutants, Row
 from graders.core.code.mutations import Model, Mutant
 from graders.core.code.packed import Packed
 from graders.core.code.probes import Fault, Probes, Rule, Seen, Shown, same_seen, seen
 from graders.core.code.runner import Runner
+from graders.core.code.stateless import is_stateless
 from graders.core.compare.slips import SLIPS
+from graders.core.contract.local import kit_names
 from graders.core.contract.program import Foreseen, KitSettings, StudentFault, each
+from graders.core.contract.rows import by_columns
 
 #: The slips of a function that answers the same input otherwise the second time: by what it keeps, or by chance.
 MEMORY, CHANCE = "memoire", "hasard"
@@ -51,6 +55,23 @@ class Prober:
         self.probes = tuple(probes)
         self._mutants = Mutants(model, self.probes, whole)
         self._lock = threading.Lock()
+        self._foreseen = [Foreseen(one.function, by_columns((*one.calls, one.calls[0]))) for one in self.probes]
+
+    def sees_no_state(self, source: bytes, kit: KitSettings) -> bool:
+        """Whether a program that is launched with this kit answers probes whenever it is asked them as one launched
+        afresh with theirs would."""
+        same = all((one.kit.module, one.kit.without) == (kit.module, kit.without) for one in self.probes)
+        return same and is_stateless(source, self._given)
+
+    @cached_property
+    def _given(self) -> Mapping[str, Any]:
+        """The names that programs find when they are asked the probes."""
+        kits = {id(one.kit): one.kit for one in self.probes}
+        return {name: value for kit in kits.values() for name, value in kit_names(kit).items()}
+
+    def foreseen(self, functions: Collection[str], alone: Collection[str]) -> Sequence[Foreseen]:
+        """All that `recognise` asks a program that it does not see to remember or to draw."""
+        return [self._foreseen[index] for index, _ in self._chosen(functions, alone)]
 
     @property
     def functions(self) -> frozenset[str]:
@@ -108,23 +129,27 @@ class Prober:
         program is then launched once more, with another seed, and asked all that it was asked: what it keeps of the
         probes before is then the same, what it draws is not.
         """
-        chosen = [
-            (index, probes)
-            for index, probes in enumerate(self.probes)
-            if probes.function in functions and not probes.unless.intersection(alone)
-        ]
         deadline = time.monotonic() + LONGEST
+        chosen = self._chosen(functions, alone)
         for _, group in itertools.groupby(chosen, key=lambda pair: id(pair[1].kit)):
             indices, asked = zip(*group, strict=True)
-            told = _told(runner, asked, asked[0].kit, deadline)
+            ahead = [self._foreseen[index] for index in indices]
+            told = _told_beside(runner, asked, ahead) or _told(runner, asked, ahead, asked[0].kit, deadline)
             unlike = [_differs(probes, answers) for probes, answers in zip(asked, told, strict=False)]
             retold: Sequence[list[Seen]] = ()
             if any(unlike):
-                retold = _told(runner, asked, _reseeded(asked[0].kit), time.monotonic() + LONGEST)
+                retold = _told(runner, asked, ahead, _reseeded(asked[0].kit), time.monotonic() + LONGEST)
             for k, answers in enumerate(told):
                 if len(answers) > len(asked[k].calls):
                     again = retold[k] if retold and unlike[k] else ()
                     yield indices[k], answers[:-1], _reason(answers, again)
+
+    def _chosen(self, functions: Collection[str], alone: Collection[str]) -> Sequence[tuple[int, Probes]]:
+        return [
+            (index, probes)
+            for index, probes in enumerate(self.probes)
+            if probes.function in functions and not probes.unless.intersection(alone)
+        ]
 
     def _explained(self, index: int, packed: Packed, blamed: Collection[str]) -> Sequence[str]:
         probes, answers = self.probes[index], packed.answers
@@ -168,14 +193,29 @@ def _agreed(fits: Sequence[Row]) -> Sequence[str]:
     return [one for one in fits[0].mutant.ids if one in common]
 
 
-def _told(runner: Runner, asked: Sequence[Probes], kit: KitSettings, deadline: float) -> list[list[Seen]]:
+def _told_beside(runner: Runner, asked: Sequence[Probes], ahead: Sequence[Foreseen]) -> list[list[Seen]]:
+    """What a program that remembers nothing has answered beside what else it was asked; nothing where it was not, or
+    where it seems to remember."""
+    given = [runner.told_beside(one) if runner.calls(one.function) else () for one in ahead]
+    if any(answers is None for answers in given):
+        return []
+    told = [
+        [seen(args, answer, probes.read) for args, answer in zip(one.calls, answers or (), strict=False)]
+        for probes, one, answers in zip(asked, ahead, given, strict=True)
+    ]
+    return [] if any(map(_differs, asked, told)) else told
+
+
+def _told(
+    runner: Runner, probed: Sequence[Probes], foreseen: Sequence[Foreseen], kit: KitSettings, deadline: float
+) -> list[list[Seen]]:
     """What one launch of the student's program answers to all these probes in turn; nothing when it does not start.
 
     They go with its file. The answers are cut short by a fault that stops it, or when it takes too long.
     """
-    told: list[list[Seen]] = [[] for _ in asked]
-    still = [place for place, probes in enumerate(asked) if runner.calls(probes.function)]
-    ahead = [Foreseen(asked[place].function, (*asked[place].calls, asked[place].calls[0])) for place in still]
+    told: list[list[Seen]] = [[] for _ in probed]
+    still = [place for place, one in enumerate(foreseen) if runner.calls(one.function)]
+    ahead = [foreseen[place] for place in still]
     try:
         with runner.other(kit, ahead) as program:
             for number, answer in each(program.together(ahead)):
@@ -184,7 +224,7 @@ def _told(runner: Runner, asked: Sequence[Probes], kit: KitSettings, deadline: f
                 if time.monotonic() > deadline or (isinstance(answer, StudentFault) and answer.fatal):
                     break
                 args = ahead[number].calls[len(told[place])]
-                told[place].append(seen(args, answer, asked[place].read))
+                told[place].append(seen(args, answer, probed[place].read))
     except StudentFault:
         return []
     return told

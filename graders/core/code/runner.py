@@ -5,11 +5,13 @@ from __future__ import annotations
 import itertools
 import time
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from graders.core.code.ahead import Ahead
+from graders.core.code.ahead import Ahead, end_of
+from graders.core.code.at_once import gathered
+from graders.core.code.beside import Beside
 from graders.core.compare.shrinking import Budget
 from graders.core.contract.findings import FigureData
 from graders.core.contract.outcomes import Outcome
@@ -71,10 +73,24 @@ class Runner:
         self._program: Program | None = None
         self._dead: dict[str, StudentFault] = {}
         self._ahead = Ahead()
-        self.observations: list[Observation] = []
+        self._beside = Beside()
+        self._seen: list[Observation] = []
+        self._unwritten: list[Callable[[], Iterable[Observation]]] = []
         self.films: dict[str, FigureData] = {}
         self.failed: set[str] = set()
         self.stdout = ""
+
+    @property
+    def observations(self) -> list[Observation]:
+        """What was observed so far, in its order."""
+        unwritten, self._unwritten = self._unwritten, []
+        for written in unwritten:
+            self._seen += written()
+        return self._seen
+
+    def observe(self, written: Callable[[], Iterable[Observation]]) -> None:
+        """Observations that are written down once somebody reads them: of a right program nobody does."""
+        self._unwritten.append(written)
 
     @property
     def program(self) -> Program:
@@ -99,10 +115,46 @@ class Runner:
     def answered(self, asked: Sequence[Foreseen]) -> Sequence[Sequence[Answer]]:
         """The answers of the main program to all of these calls, which are asked together, as far as there are any.
 
-        A function that is not called again gives none.
+        A function that is not called again gives none. What is to be asked beside goes with them, after them.
         """
-        self.foresee(asked)
-        return [list(self.answers(one)) if self.calls(one.function) else [] for one in asked]
+        beside = self._beside.begin()
+        self.foresee([*asked, *beside])
+        told = [list(self.answers(one)) if self.calls(one.function) else [] for one in asked]
+        self._take_beside(beside)
+        return told
+
+    def ask_beside(self, asked: Sequence[Foreseen]) -> None:
+        """Has these asked with the next exchange, whenever that is: see `Beside`."""
+        self._beside.wait(asked)
+
+    def told_beside(self, asked: Foreseen) -> Sequence[Answer] | None:
+        """The answers to what was to be asked beside others; None where it must be asked of a program of its own.
+
+        It is the last thing that the main program is asked, at the latest: what it prints meanwhile is not shown.
+        """
+        beside = [one for one in self._beside.begin() if self.calls(one.function)]
+        if beside and self._program is not None:
+            self.keep_what_was_printed()
+            printed = self.stdout
+            self.foresee(beside)
+            self._asked_with_the_rest(beside[0])
+            self._take_beside(beside)
+            self.close()
+            self.stdout = printed
+        return self._beside.told(asked)
+
+    def _take_beside(self, asked: Sequence[Foreseen]) -> None:
+        """No fault here costs a function anything."""
+        if asked:
+            self._beside.take({one: gathered(self._unmourned(one)) for one in asked if self.calls(one.function)})
+
+    def _unmourned(self, asked: Foreseen) -> Iterator[Sequence[Answer]]:
+        ready = self._ahead.ready(asked)
+        while ready or self._ahead.awaits(asked):
+            if ready:
+                yield ready.popleft()
+            else:
+                self._take_in()
 
     def foresee(self, plan: Sequence[Foreseen]) -> None:
         """What the next checks will ask of the main program, in this order and nothing else in between."""
@@ -124,8 +176,7 @@ class Runner:
         Nothing is waited for beyond the answer to the last of the calls.
         """
         if self._refused(asked.function) or not self._ahead.foresees(asked):
-            for answer in itertools.islice(self._asked_now(asked), len(asked.calls)):
-                yield (answer,)
+            yield from self._asked_now(asked)
             return
         try:
             ready = self._ahead.ready(asked)
@@ -140,22 +191,37 @@ class Runner:
                 self._take_in()
                 continue
             answers = ready.popleft()
-            last = answers[-1]
-            if isinstance(last, StudentFault) and last.fatal:
+            if last := end_of(answers):
                 self._dead[asked.function] = last
             self._told += len(answers)
             left -= len(answers)
             yield answers
 
-    def _asked_now(self, asked: Foreseen) -> Iterator[Answer]:
+    def _asked_now(self, asked: Foreseen) -> Iterator[Sequence[Answer]]:
         if not asked.keeping:
-            yield from self.call_many(None, asked.function, asked.calls, faults=asked.faults)
+            yield from self._asked_alone(asked)
             return
         for args in asked.calls:
             try:
-                yield self.call(None, asked.function, args, keep=True)
+                yield (self.call(None, asked.function, args, keep=True),)
             except StudentFault as fault:
-                yield fault
+                yield (fault,)
+
+    def _asked_alone(self, asked: Foreseen) -> Iterator[Sequence[Answer]]:
+        refused = self._refused(asked.function)
+        if refused is not None:
+            yield (refused,)
+            return
+        self._settle()
+        try:
+            given = self.program.together([asked])
+        except StudentFault as fault:
+            given = iter([(0, (fault,))])
+        for _, answers in given:
+            self._told += len(answers)
+            if last := end_of(answers):
+                self._mourn(None, asked.function, last)
+            yield answers
 
     def _asked_with_the_rest(self, asked: Foreseen) -> deque[Sequence[Answer]]:
         self._settle()

@@ -23,11 +23,13 @@ def run_checks(
     kit: KitSettings,
     seed: int,
     *,
-    launches_if_failed: int = 0,
+    launches_if_failed: Callable[[], int] = lambda: 0,
+    beside: Callable[[Sequence[Check]], Sequence[Foreseen]] = lambda failed: (),
 ) -> list[Finding]:
     """What each of the checks finds of the runner's program, with the same draws for the same seed.
 
-    Once one has failed, the file is about to be started so many times more.
+    Once one has failed, the file is about to be started so many times more. What is asked `beside` of the same program,
+    once it is known which checks have failed, goes with what simplifies these.
     """
     benches = [Bench(check.id, runner, stream(seed, check.id), kit) for check in checks]
     found: list[Finding | Unsimplified] = []
@@ -45,8 +47,10 @@ def run_checks(
             found.append(_found(check, bench))
             if isinstance(found[-1], Unsimplified) or not found[-1].passed:
                 if not runner.failed:
-                    runner.expect(launches_if_failed)
+                    runner.expect(launches_if_failed())
                 runner.failed.add(check.id)
+    if runner.failed:
+        runner.ask_beside(beside([check for check in checks if check.id in runner.failed]))
     if failed := [one for one in found if isinstance(one, Unsimplified)]:
         runner.keep_what_was_printed()
         simplify(runner, failed, runner.answered)

@@ -20,9 +20,9 @@ AnswerT = TypeVar("AnswerT")
 FailureT = TypeVar("FailureT")
 
 #: How likely a simpler input fails too; and one that did not before something else was simplified.
-FAILS, FAILS_THEN = 0.65, 0.05
+FAILS, FAILS_THEN = 0.7, 0.02
 #: How likely it must be that an input is come to for it to be asked ahead.
-LEAST = 0.12
+LEAST = 0.06
 #: How many inputs are asked in all for one that the budget lets be tried; how many are looked at for one asked ahead.
 ASKED_FOR_ONE, LOOKED_AT_FOR_ONE = 2, 4
 

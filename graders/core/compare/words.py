@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from graders.core.contract.values import Value
+from graders.core.contract.values import Floats, Value
 
 #: Of one value: items on a level, how many such levels in all, characters of a text, of a key, of all texts.
 MAX_ITEMS = 400
@@ -71,7 +71,7 @@ def _jsonable(value: Value, room: _Room) -> Any:
         if value.size > min(room.level, room.items):
             room.cut = True
             return {"forme": list(value.shape), "premiers": [_scalar(x, room) for x in value.ravel()[:12].tolist()]}
-        return _jsonable(value.tolist(), room)
+        return _numbers(value, room) or _jsonable(value.tolist(), room)
     if isinstance(value, np.generic):
         return _jsonable(value.item(), room)
     if isinstance(value, dict):
@@ -82,6 +82,17 @@ def _jsonable(value: Value, room: _Room) -> Any:
         items = [_jsonable(item, room) for item in room.taken(value)]
         return items if len(items) == len(value) else [*items, MORE]
     return _scalar(value, room)
+
+
+def _numbers(array: Floats, room: _Room) -> list[float]:
+    """A row of numbers for which there is room, as they are; none of what must be written one by one."""
+    if array.ndim != 1 or array.dtype != np.float64 or room.characters <= 0:
+        return []
+    items: list[float] = array.tolist()
+    if not all(map(math.isfinite, items)):
+        return []
+    room.items -= len(items)
+    return items
 
 
 def tidy(value: Any) -> Any:
@@ -144,8 +155,8 @@ def _beyond(value: float) -> str | None:
 
 def _fraction_of_pi(value: float) -> str | None:
     """« π/2 » rather than 1,5708: only for simple fractions, exact to rounding."""
-    if abs(value) > 12 * math.pi:
-        return None
+    if abs(value) > 12 * math.pi or abs((twelfths := value * 12 / math.pi) - round(twelfths)) > 1e-10:
+        return None  # most numbers are no twelfths of it, and are seen at once to be none of the simple fractions
     for denominator in (1, 2, 3, 4, 6):
         multiple = value * denominator / math.pi
         times = round(multiple)

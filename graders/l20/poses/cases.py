@@ -3,15 +3,53 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Sequence
 
 import numpy as np
 
+from graders.core.contract.rows import Rows
 from graders.core.contract.values import Arguments, Floats
 
 QUARTER = math.pi / 2
 PAIR = ("a", "b")
 NAMES = {"composer": PAIR, "inverse": ("a",), "relatif": PAIR}
+
+
+def by_hand(poses: Sequence[object]) -> Floats:
+    """The same for every grading, so that nothing may be written there."""
+    made = np.array(poses, dtype=np.float64)
+    made.flags.writeable = False
+    return made
+
+
+SIMPLE = by_hand(
+    (
+        ((1, 2, QUARTER), (1, 0, 0)),
+        ((0, 0, 0), (1, 2, QUARTER)),
+        ((1, 2, 0), (3, 0, 0)),
+        ((1, 2, QUARTER), (3, 1, -QUARTER)),
+        ((0, 0, -QUARTER), (1, 2, 0)),
+    )
+)
+TURNED = by_hand((((1.5, -2.25, 1.2), (0.75, 2.5, 0.9)), ((-3.5, 1.25, -0.8), (2.75, -1.5, -1.3))))
+WRAPPING = by_hand(
+    (
+        ((0, 0, QUARTER), (0, 0, 3 * math.pi / 4)),
+        ((1, 0, -QUARTER), (0, 1, -3 * math.pi / 4)),
+        ((0, 0, math.pi), (1, 0, math.pi)),
+    )
+)
+SENSES = by_hand(((1,), (-1,), (1,), (-1,)))
+SINGLE = by_hand(((1, 0, QUARTER), (0, 0, 0), (1, 2, 0), (0, 0, QUARTER), (2, 1, -QUARTER), (1, 2, math.pi)))
+NEAR = by_hand(
+    (
+        ((1, 2, QUARTER), (1, 3, QUARTER)),
+        ((1, 2, 0), (1, 2, 0)),
+        ((1, 2, 0), (3, 5, QUARTER)),
+        ((2, 1, -QUARTER), (0, 1, 0)),
+    )
+)
+FAR_ROUND = by_hand((((1, 1, 3.0), (-2, 4, -3.0)), ((1, 1, -3.0), (-2, 4, 3.0))))
 
 
 def pose(x: float, y: float, theta: float) -> Floats:
@@ -20,68 +58,58 @@ def pose(x: float, y: float, theta: float) -> Floats:
 
 def random_poses(rng: np.random.Generator, count: int, reach: float = 10.0) -> Floats:
     """Poses (count, 3) with x, y in [-reach, reach] and theta in [-pi, pi]."""
+    return _within(rng.random((count, 3)), reach)
+
+
+def _within(drawn: Floats, reach: float) -> Floats:
+    """What is drawn in [0, 1[ (…, 3), as poses."""
     limits = pose(reach, reach, math.pi)
-    return np.asarray(-limits + 2.0 * limits * rng.random((count, 3)))
+    return np.asarray(-limits + 2.0 * limits * drawn)
 
 
 def random_pose(rng: np.random.Generator, reach: float = 10.0) -> Floats:
     return np.asarray(random_poses(rng, 1, reach)[0])
 
 
-def simple_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
+def simple_pairs(rng: np.random.Generator) -> Rows:
     """Whole numbers and quarter turns whose sum stays within half a turn.
 
     The first call turns: a program that keeps its first rotation would otherwise look like one that forgets it.
     """
-    yield pose(1, 2, QUARTER), pose(1, 0, 0)
-    yield pose(0, 0, 0), pose(1, 2, QUARTER)
-    yield pose(1, 2, 0), pose(3, 0, 0)
-    yield pose(1, 2, QUARTER), pose(3, 1, -QUARTER)
-    yield pose(0, 0, -QUARTER), pose(1, 2, 0)
+    drawn = []
     for _ in range(4):
-        x1, y1, x2, y2 = rng.integers(-4, 5, 4)
-        yield pose(x1, y1, -QUARTER), pose(x2 or 1, y2 or 2, (0.0, QUARTER)[rng.integers(2)])
+        x1, y1, x2, y2 = rng.integers(-4, 5, 4).tolist()
+        drawn.append(((x1, y1, -QUARTER), (x2 or 1, y2 or 2, (0.0, QUARTER)[rng.integers(2)])))
+    return _pairs(SIMPLE, np.array(drawn))
 
 
-def random_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
+def random_pairs(rng: np.random.Generator) -> Rows:
     """Any two poses whose angles add up, and subtract, to less than half a turn: first to more than a quarter."""
-    yield pose(1.5, -2.25, 1.2), pose(0.75, 2.5, 0.9)
-    yield pose(-3.5, 1.25, -0.8), pose(2.75, -1.5, -1.3)
     drawn = random_poses(rng, 24)
     drawn[:, 2] /= 2.1
-    yield from zip(drawn[::2], drawn[1::2], strict=True)
+    return _pairs(TURNED, drawn.reshape(12, 2, 3))
 
 
-def wrapping_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
+def wrapping_pairs(rng: np.random.Generator) -> Rows:
     """Poses whose angles add up to more than half a turn, in both senses."""
-    yield pose(0, 0, QUARTER), pose(0, 0, 3 * math.pi / 4)
-    yield pose(1, 0, -QUARTER), pose(0, 1, -3 * math.pi / 4)
-    yield pose(0, 0, math.pi), pose(1, 0, math.pi)
-    for sign in (1, -1, 1, -1):
-        a, b = random_pose(rng), random_pose(rng)
-        a[2], b[2] = sign * rng.uniform(1.7, 3.1), sign * rng.uniform(1.7, 3.1)
-        yield a, b
+    drawn = rng.random((4, 8))  # of each pair, two poses and the angles that they get
+    pairs = _within(drawn[:, :6].reshape(4, 2, 3), 10.0)
+    pairs[:, :, 2] = SENSES * (1.7 + (3.1 - 1.7) * drawn[:, 6:])
+    return _pairs(WRAPPING, pairs)
 
 
-def single_poses(rng: np.random.Generator) -> Iterator[Arguments]:
-    yield (pose(1, 0, QUARTER),)
-    yield (pose(0, 0, 0),)
-    yield (pose(1, 2, 0),)
-    yield (pose(0, 0, QUARTER),)
-    yield (pose(2, 1, -QUARTER),)
-    yield (pose(1, 2, math.pi),)
-    yield from ((drawn,) for drawn in random_poses(rng, 10))
+def single_poses(rng: np.random.Generator) -> Rows:
+    return Rows(np.concatenate((SINGLE, random_poses(rng, 10))))
 
 
-def relative_pairs(rng: np.random.Generator) -> Iterator[Arguments]:
-    yield pose(1, 2, QUARTER), pose(1, 3, QUARTER)
-    yield pose(1, 2, 0), pose(1, 2, 0)
-    yield pose(1, 2, 0), pose(3, 5, QUARTER)
-    yield pose(2, 1, -QUARTER), pose(0, 1, 0)
-    drawn = random_poses(rng, 20)
-    yield from zip(drawn[::2], drawn[1::2], strict=True)
-    for sign in (1, -1):
-        yield pose(1, 1, 3.0 * sign), pose(-2, 4, -3.0 * sign)
+def relative_pairs(rng: np.random.Generator) -> Rows:
+    return _pairs(NEAR, random_poses(rng, 20).reshape(10, 2, 3), FAR_ROUND)
+
+
+def _pairs(*pairs: Floats) -> Rows:
+    """The calls of all these pairs of poses (n, 2, 3)."""
+    both = np.concatenate(pairs)
+    return Rows(both[:, 0], both[:, 1])
 
 
 def wraps(args: Arguments) -> bool:

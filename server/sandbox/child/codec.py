@@ -6,7 +6,7 @@ the bytes do not fill.
 """
 
 from .decoder import decode, measured
-from .encoder import encode, encode_returned
+from .encoder import encode, encode_columns, encode_returned
 from .plain import DTYPES, Array, Limits, Malformed, TooBig, TooMany, Unsendable, Value
 
 __all__ = [
@@ -20,6 +20,7 @@ __all__ = [
     "Value",
     "decode",
     "encode",
+    "encode_columns",
     "encode_returned",
     "measured",
 ]

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from graders.core.code.at_once import gathered
 from graders.core.code.bench import Bench
 from graders.core.code.checks import Cases, Check, Untouched
 from graders.core.code.runner import Runner
@@ -30,6 +31,7 @@ from graders.core.contract.program import (
     in_turn,
     one_by_one,
 )
+from graders.core.contract.rows import Replies, Rows, by_columns
 from graders.core.contract.streams import stream
 from graders.robotics.poses import SamePose
 from tests.graders.shipped import CODE
@@ -284,3 +286,37 @@ def test_what_is_seen_at_once_is_seen_one_by_one(compare: OfRows, shape: tuple[i
             if sure is not None:
                 assert (compare(np.array(one), np.array(other)) is None) == sure  # type: ignore[operator]
     assert seen == {True, False, None}
+
+
+def test_calls_and_answers_are_the_same_one_by_one_as_by_columns() -> None:
+    pairs, numbers = np.arange(12.0).reshape(3, 2, 2), np.array([1.0, -0.0, math.inf])
+    calls = Rows(pairs, numbers)
+    assert len(calls) == len(list(calls)) == 3
+    assert [(one.tolist(), number) for one, number in calls] == list(zip(pairs.tolist(), numbers.tolist(), strict=True))
+    assert all(one is other for one, other in zip(calls[1], list(calls)[1], strict=True))
+    assert [type(argument) for argument in calls[0]] == [np.ndarray, float]
+    assert isinstance(by_columns([(pairs[0], pairs[1])]), Rows)
+    for unlike in ([(pairs[0], 1.0)], [(pairs[0],), (pairs[0, 0],)], [(pairs[0],), ()], [(1,)], [()], []):
+        assert by_columns(unlike) is unlike
+
+
+@pytest.mark.parametrize(
+    ("blocks", "joined"),
+    [
+        ([[Reply(1.0)], Replies(np.array([2.0, 3.0]))], True),
+        ([Replies(np.ones((2, 3))), [Reply(np.zeros(3))]], True),
+        ([Replies(np.ones((2, 3))), Replies(np.ones((1, 2)))], False),
+        ([[Reply(1.0), Reply(2)]], False),
+        ([[Reply(1.0), Reply(np.ones(3))]], False),
+        ([[Reply(np.ones(3, dtype=np.float32))]], False),
+        ([[Reply(np.ones(3), (1.0,))]], False),
+        ([[Reply(1.0)], [StudentFault(Outcome.TIMEOUT, "trop long", fatal=True)]], False),
+        ([], False),
+    ],
+)
+def test_answers_are_gathered_in_one_array_where_that_is_all_that_they_are(
+    blocks: list[Sequence[Answer]], joined: bool
+) -> None:
+    answers = gathered(blocks)
+    assert isinstance(answers, Replies) is joined
+    assert [str(one) for one in answers] == [str(one) for block in blocks for one in block]

@@ -1,0 +1,80 @@
+"""Many calls, or many answers, as arrays with one of them a row: one by one they are made when somebody asks for it.
+
+A check of many small calls costs what its arrays cost, as long as nobody looks at a single one of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from typing import overload
+
+import numpy as np
+
+from graders.core.contract.program import Answer, Reply
+from graders.core.contract.values import Arguments, Floats, Value
+
+
+class Rows(Sequence[Arguments]):
+    """Calls by their arguments: of each of these, all values (n, …). A call is always made of the same objects."""
+
+    def __init__(self, *columns: Floats) -> None:
+        self.columns = columns
+
+    @cached_property
+    def _calls(self) -> list[Arguments]:
+        return list(zip(*map(one_by_one, self.columns), strict=True))
+
+    def __len__(self) -> int:
+        return len(self.columns[0])
+
+    @overload
+    def __getitem__(self, place: int) -> Arguments: ...
+    @overload
+    def __getitem__(self, place: slice) -> Sequence[Arguments]: ...
+    def __getitem__(self, place: int | slice) -> Arguments | Sequence[Arguments]:
+        return self._calls[place]
+
+    def __iter__(self) -> Iterator[Arguments]:
+        return iter(self._calls)
+
+
+class Replies(Sequence[Answer]):
+    """Answers that are all a float, or arrays of floats of one shape: `values` (n, …). No arguments have come back."""
+
+    def __init__(self, values: Floats) -> None:
+        self.values = values
+
+    @cached_property
+    def _answers(self) -> list[Answer]:
+        return [Reply(value) for value in one_by_one(self.values)]
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    @overload
+    def __getitem__(self, place: int) -> Answer: ...
+    @overload
+    def __getitem__(self, place: slice) -> Sequence[Answer]: ...
+    def __getitem__(self, place: int | slice) -> Answer | Sequence[Answer]:
+        return self._answers[place]
+
+    def __iter__(self) -> Iterator[Answer]:
+        return iter(self._answers)
+
+
+def by_columns(calls: Sequence[Arguments]) -> Sequence[Arguments]:
+    """The same calls, as rows where their arguments are arrays of floats, of one shape each."""
+    columns = list(zip(*calls, strict=False))
+    alike = len(set(map(len, calls))) == 1 and all(map(_are_alike, columns))
+    return Rows(*map(np.array, columns)) if columns and alike else calls
+
+
+def _are_alike(column: Sequence[Value]) -> bool:
+    arrays = all(type(one) is np.ndarray and one.dtype == np.float64 and one.ndim for one in column)
+    return arrays and len({one.shape for one in column}) == 1
+
+
+def one_by_one(values: Floats) -> list[Value]:
+    """Floats, or arrays."""
+    return values.tolist() if values.ndim == 1 else list(values)
