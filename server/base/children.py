@@ -1,12 +1,17 @@
 """Processes of ours: what they are given, and that they end with the one that started them."""
 
+from __future__ import annotations
+
 import ctypes
 import os
 import signal
 import sys
+from typing import TYPE_CHECKING
 
 from server.base.paths import ROOT
-from server.base.settings import Settings
+
+if TYPE_CHECKING:
+    from server.base.settings import Settings  # with pydantic, which who draws has no use for
 
 _PR_SET_PDEATHSIG = 1
 #: What says nothing secret, and every process needs.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import socket
@@ -22,7 +23,12 @@ class Line:
         self._end, self._sending = end, threading.Lock()
 
     def questions(self) -> Iterator[tuple[int, bytes]]:
-        """Number and content of each question, until the service has nothing more to ask."""
+        """Number and content of each question, until the service has nothing more to ask.
+
+        What has been imported until now stays.
+        """
+        gc.freeze()
+        gc.enable()
         with self._end.makefile("rb") as stream:
             while len(header := stream.read(frames.HEADER.size)) == frames.HEADER.size:
                 length, number, _ = frames.HEADER.unpack(header)
@@ -39,6 +45,7 @@ def to_service(name: str, line: int, parent: int) -> Line:
     Ctrl+C, and whoever stops a service with all its processes, tell helpers too: the service ends them in its order.
     """
     die_with(parent)
+    gc.disable()  # until the first question: nothing of what is imported is to be collected
     logs.start(name, os.environ.get("BALISE_LOG_FORMAT", logs.TEXT))
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)

@@ -5,7 +5,6 @@ It is told the kits first, then one question a frame; it ends when the service c
 
 from __future__ import annotations
 
-import gc
 import json
 import logging
 import threading
@@ -25,7 +24,6 @@ def serve(line: Line) -> None:
     questions = line.questions()
     _, opening = next(questions)
     beginning = json.loads(opening)
-    gc.freeze()
     with Sandbox(beginning["kits"], POLICY) as sandbox:
         threading.Thread(target=_warm, args=(sandbox,), name="warm-up", daemon=True).start()
         pool = ThreadPoolExecutor(beginning["at_once"], thread_name_prefix="cell")

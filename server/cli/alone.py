@@ -14,7 +14,7 @@ def alone(settings: Settings) -> Iterator[None]:
     """One server at a time on a data folder: two would take each other's workers for dead."""
     try:
         settings.data_dir.mkdir(parents=True, exist_ok=True)
-        lock = (settings.data_dir / "balise.lock").open("w")
+        lock = (settings.data_dir / "balise.lock").open("a")  # whose it is stays written there
     except OSError as error:
         raise CannotRun(f"le dossier des données {settings.data_dir} ne convient pas : {error.strerror}.") from error
     with lock:
@@ -22,6 +22,7 @@ def alone(settings: Settings) -> Iterator[None]:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
             raise CannotRun(f"un autre serveur utilise déjà {settings.data_dir} (autre dossier : --data).") from error
+        lock.truncate(0)
         lock.write(f"{os.getpid()}\n")
         lock.flush()
         yield

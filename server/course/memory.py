@@ -57,6 +57,11 @@ class Memory:
         self._used[key] = list(read()) if found is None else found
         return self._used[key]
 
+    @property
+    def knows(self) -> bool:
+        """Whether some course was sound."""
+        return bool(self._sound)
+
     def is_sound(self, found_from: str) -> bool:
         return self._sound == found_from
 

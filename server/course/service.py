@@ -57,13 +57,14 @@ def load(
     Rendering all the texts takes seconds, most of it for the formulas. With `render=False` a text is rendered when it
     is looked at, and its faults are not looked for; with `check=True` too, all of its faults are, but for those of
     formulas: once, where `memory` says that these very files were sound. Their graders are then loaded when they are
-    asked for. With `only`, an exercise ("l20/poses") is read alone, with those that it reuses.
+    asked for, whoever reads them. With `only`, an exercise ("l20/poses") is read alone, with those that it reuses.
     """
     memory = memory or Memory()
     look = Look.drawn if render else Look.read if check else Look.no
     curricula = (curriculum,) if curriculum else tuple(courses.rooms(courses.CURRICULUM))
     roots = (code,) if code else tuple(courses.HERE.places)
-    source = source_of(curricula, roots) if look is Look.read else ""
+    checked = look is Look.read
+    source = source_of(curricula, roots) if checked or memory.knows else ""
     known = memory.found(source) if source else NOTHING_FOUND
     if source and memory.is_sound(source):
         look = Look.no
@@ -79,7 +80,7 @@ def load(
     modules.sort(key=lambda module: (module.order, module.slug))
     problems.extend(_orphans(sources))
     problems.extend(_same_kits(modules))
-    if source:
+    if checked:
         memory.keep("" if problems else source, {} if problems else sources.found)
     return Course(MappingProxyType({module.slug: module for module in modules}), tuple(problems))
 

@@ -107,6 +107,7 @@ def another_server_is_refused(live: Live, data: Path, folder: Path, capsys: pyte
     assert "déjà pris" in capsys.readouterr().err
     assert main(["serve", "--port", "0", "--data", str(data)]) == 2
     assert "utilise déjà" in capsys.readouterr().err
+    assert int((data / "balise.lock").read_text()) == live.process.pid
 
 
 def figures_are_drawn_by_another_process(live: Live, course: Course) -> None:

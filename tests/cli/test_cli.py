@@ -71,7 +71,9 @@ def test_a_wrong_file_is_explained_in_french(tmp_path: Path, course: Course, cap
         assert part in told
 
 
-def test_what_cannot_be_graded_has_its_own_status(right: Path, tmp_path: Path, monkeypatch: Any, capsys: Any) -> None:
+def test_what_cannot_be_graded_has_its_own_status(
+    right: Path, tmp_path: Path, course: Course, monkeypatch: Any, capsys: Any
+) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     stands = WallReport("seccomp", WallStatus.STANDING, "", required=True)
     monkeypatch.setattr("server.cli.sandboxes.probe", lambda **_: [stands])
@@ -86,6 +88,7 @@ def test_what_cannot_be_graded_has_its_own_status(right: Path, tmp_path: Path, m
     monkeypatch.setattr("server.cli.sandboxes.probe", lambda **_: [hole])
     assert main(["grade", EXERCISE, str(right)]) == 2
     assert "rien n’a été refusé" in capsys.readouterr().err
+    monkeypatch.setattr("server.cli.serve.load", lambda **_: course)
     assert main(["serve", "--port", "0", "--data", str(tmp_path / "data")]) == 2
     assert "rien n’a été refusé" in capsys.readouterr().err
     monkeypatch.setattr("server.cli.doctor.probe", lambda **_: [hole])

@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+from graders.discovery import Discovery
+from server.course import Course
 from server.course.closure import Imports
 from server.course.library import Library
 from server.course.memory import Memory
@@ -66,6 +68,27 @@ def test_what_was_sound_is_graded_by_graders_that_are_loaded_when_they_are_neede
         assert "grader" not in vars(again)
         assert again.grader.exercise == known.grader.exercise == name
         assert again.grader is again.grader
+
+
+def test_a_worker_takes_what_the_service_has_found_and_keeps_nothing(
+    course_folder: CourseFolder, tmp_path: Path
+) -> None:
+    """It does not look at the texts, nor for graders as it starts; of other files, nothing is known."""
+    kept = tmp_path / "course.json"
+    served = load_small(course_folder, Memory(kept))
+    remembered = kept.read_text()
+    nowhere = Discovery({}, ())
+
+    def taken() -> Course:
+        return course_folder.load(nowhere, render=False, memory=Memory(kept))
+
+    assert taken().problems == ()
+    assert {name: one.version for name, one in taken().exercises.items()} == {
+        name: one.version for name, one in served.exercises.items()
+    }
+    course_folder.write("graders/core/reader.py", "x = 1\n")
+    assert (len(taken().exercises), len(taken().problems)) == (0, 2)
+    assert kept.read_text() == remembered
 
 
 def test_what_an_older_version_has_remembered_is_no_damage(

@@ -32,7 +32,7 @@ from .users import PROJECT
 HOSTILE = PROJECT / "tests" / "hostile"
 PROGRAMS = sorted(HOSTILE.glob("*/*.py"))
 OUTILS = (HOSTILE / "outils.py").read_text(encoding="utf-8")
-POLICY = only(memory_bytes=96 << 20, frame_bytes=1 << 18, stdout_bytes=1 << 14, items=5000)
+POLICY = only(memory_bytes=48 << 20, frame_bytes=1 << 18, stdout_bytes=1 << 14, items=5000)
 #: For what never ends: whichever limit it meets, the outcome is the same.
 HURRIED = replace(POLICY, cpu_seconds=0.05, wall_seconds=0.2)
 #: Seconds that a program has to end by itself, by how it is filed: those that do are not to be killed on a slow

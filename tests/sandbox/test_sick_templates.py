@@ -16,9 +16,21 @@ from server.sandbox import Policy, ProgramFault, Sandbox, SandboxFault, vitals
 from server.sandbox.child import frames
 from server.sandbox.child.inner import MAX_SEATS, WORDS
 from server.sandbox.child.libc import PR_SET_SECCOMP
+from server.sandbox.faults import TemplateFault
 from server.sandbox.wire import Closed
 
-from .family import LEAVES, OTHERS, SOURCE, answers, children, eventually, root_and_template, running, templates
+from .family import (
+    LEAVES,
+    OTHERS,
+    SOURCE,
+    answers,
+    children,
+    eventually,
+    root_and_template,
+    running,
+    template_of,
+    templates,
+)
 from .limits import FAR, only
 
 pytestmark = pytest.mark.usefixtures("alone")
@@ -138,13 +150,29 @@ STRANGE = {
 }
 
 
+def spoilt(said: str) -> Sandbox:
+    """Its templates report nonsense as soon as they have forked."""
+    kit = SPOILT + f"os.register_at_fork(after_in_parent=lambda: spoil({said}))"
+    return Sandbox({"gatee": kit}, spares=0)
+
+
 @pytest.mark.parametrize("strange", STRANGE)
 def test_a_template_that_reports_nonsense_is_ended_and_nobody_waits(
     strange: str, caplog: pytest.LogCaptureFixture
 ) -> None:
-    said = STRANGE[strange]
-    kit = SPOILT + f"os.register_at_fork(after_in_parent=lambda: spoil({said}))"
-    with Sandbox({"gatee": kit}, spares=0) as sandbox, caplog.at_level("ERROR"):
+    with spoilt(STRANGE[strange]) as sandbox, caplog.at_level("ERROR"):
+        template = template_of(sandbox)
+        child = template.fork(FAR)
+        with pytest.raises(TemplateFault):
+            child.ending(60.0)
+        assert not template.alive()
+        child.close()
+        assert eventually(lambda: not templates())
+    assert "reports nonsense" in caplog.text
+
+
+def test_one_nonsense_costs_a_retry_and_the_second_is_our_fault(caplog: pytest.LogCaptureFixture) -> None:
+    with spoilt(STRANGE["no frame at all"]) as sandbox, caplog.at_level("ERROR"):
         with contextlib.suppress(ProgramFault), pytest.raises(SandboxFault), sandbox.open(LEAVES) as session:
             session.call("f", 1)
         assert eventually(lambda: not templates())
@@ -155,7 +183,7 @@ def test_a_template_that_reports_nonsense_is_ended_and_nobody_waits(
 def test_a_template_that_greets_with_nonsense_does_not_serve(said: str) -> None:
     with Sandbox({"gatee": SPOILT + f"say({said})"}) as sandbox:
         with pytest.raises(SandboxFault, match="did not start"):
-            sandbox.open(SOURCE)
+            sandbox.warm()
         assert not templates()
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from server.sandbox import Sandbox, WallReport, WallStatus, probe, safe_to_serve
 from server.sandbox.assaults import ASSAULTS, Assault
-from server.sandbox.child import landlock, libc, namespaces, seccomp, syscalls
+from server.sandbox.child import landlock, libc, namespaces, outer, seccomp, syscalls
 from server.sandbox.child.imports import AtForks
 from server.sandbox.child.walls import WALLS
 from server.sandbox.probe import crossing
@@ -88,6 +88,15 @@ def test_the_installed_packages_beside_numpy_are_out_of_sight(without: Lifting) 
         seen = session.call("f", 1).value
     assert isinstance(seen, list)
     assert {"numpy"} <= {str(name).partition(".")[0] for name in seen} <= {"numpy", "scipy"}
+
+
+def test_of_what_is_shown_only_the_outermost_is_named(tmp_path: Path) -> None:
+    """A folder whose name begins as another's lies beside it, wherever the order of the letters puts it."""
+    for name in ("a/b/c", "a-b", "ab/c"):
+        (tmp_path / name).mkdir(parents=True)
+    asked = ("ab/c", "a/b/c", "a-b", "a", "a/b", "absent", "a-b/../a")
+    found = outer.outermost(f"{tmp_path}/{name}" for name in asked)
+    assert found == [f"{tmp_path}/{name}" for name in ("a", "a-b", "ab/c")]
 
 
 def test_no_call_is_in_two_tables_and_the_attackers_calls_are_in_none() -> None:

@@ -20,6 +20,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from . import described
 from .plain import Array
 
 #: The name under which a program that draws is asked for its figures: no name that Python code can define.
@@ -42,16 +43,21 @@ def prepare() -> None:
 
     matplotlib.get_cachedir = matplotlib.get_configdir = lambda: _NOWHERE
     matplotlib.set_loglevel("ERROR")
-    with _own_fonts_only(matplotlib.get_data_path()):
+    with _own_fonts_only(os.path.join(matplotlib.get_data_path(), "fonts", "ttf")):
         importlib.import_module("matplotlib.font_manager")
+    described.leave_matplotlib_s()
     matplotlib.rcParams["savefig.dpi"] = RESOLUTION
+    described.leave_scipy_s()
     with suppress(ModuleNotFoundError):  # behind the walls, a child finds the rest of it at the first need
         importlib.import_module("scipy.sparse.linalg")
 
 
 @contextmanager
 def _own_fonts_only(folder: str) -> Iterator[None]:
-    """matplotlib looks through the fonts of the machine, which a child cannot read, with a command and a thread."""
+    """matplotlib looks through the fonts of the machine, which a child cannot read, with a command and a thread.
+
+    The metrics of the fonts that printers have are for their files alone; reading them takes as long as all the others.
+    """
     walk, timer, check_output = os.walk, threading.Timer, subprocess.check_output
 
     def refuse(*_: object, **__: object) -> NoReturn:
@@ -71,12 +77,13 @@ def _own_fonts_only(folder: str) -> Iterator[None]:
 def warm_up() -> None:
     """Draws once what most programs draw, so that fonts and formulas are ready."""
     pyplot: Any = sys.modules["matplotlib.pyplot"]
-    _, axes = pyplot.subplots()
+    _, axes = pyplot.subplots(figsize=(3, 2))
     axes.plot([0, 1], [1, 0], "o-", label="$x$")
     axes.imshow(np.eye(2))
     axes.set_title(r"$\theta_0$")
     axes.legend()
-    pyplot.figure().add_subplot().plot([datetime.date(2000, 1, 1)], [0])  # looks for the time zones, and finds none
+    dated = pyplot.figure(figsize=(3, 2)).add_subplot()
+    dated.plot([datetime.date(2000, 1, 1)], [0])  # looks for the time zones, and finds none
     figures()
     pyplot.close("all")
 

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import sys
 from collections.abc import Mapping
-from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
+from typing import Any
 
 #: Its modules by name; the main one bears the kit's.
 Kit = Mapping[str, ModuleType]
 
 
-class _Files(MetaPathFinder, Loader):
-    """Finds the modules of one kit in its files, and runs them."""
+class _Files:
+    """Finds the modules of one kit in its files, and runs them.
+
+    Of no class of `importlib.abc`, which imports thirty modules that nothing here needs.
+    """
 
     def __init__(self, files: Mapping[str, str]) -> None:
         self.names = {path.removesuffix(".py").removesuffix("/__init__").replace("/", "."): path for path in files}
@@ -25,7 +27,11 @@ class _Files(MetaPathFinder, Loader):
         place = self.names.get(fullname)
         if place is None:
             return None
-        return importlib.util.spec_from_loader(fullname, self, origin=place, is_package=place.endswith("__init__.py"))
+        loader: Any = self
+        return ModuleSpec(fullname, loader, origin=place, is_package=place.endswith("__init__.py"))
+
+    def create_module(self, spec: ModuleSpec) -> None:
+        """Python makes it."""
 
     def exec_module(self, module: ModuleType) -> None:
         place = self.names[module.__name__]

@@ -7,7 +7,7 @@ import signal
 import struct
 import sys
 import traceback
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Iterator
 
 from . import libc
 from .namespaces import FOLDER, UNPRIVILEGED, enter
@@ -77,11 +77,14 @@ def mapped_files() -> list[str]:
 
 def outermost(paths: Iterable[str]) -> list[str]:
     """The existing paths that lie below no other one of them."""
-    kept: list[str] = []
-    for path in sorted({os.path.abspath(path) for path in paths if os.path.exists(path)}):
-        if not any(path == above or path.startswith(above + "/") for above in kept):
-            kept.append(path)
-    return kept
+    there = {os.path.abspath(path) for path in paths if os.path.exists(path)}
+    return sorted(path for path in there if there.isdisjoint(_above(path)))
+
+
+def _above(path: str) -> Iterator[str]:
+    """The folders that an absolute path lies below, but for the root."""
+    while path := path.rpartition("/")[0]:
+        yield path
 
 
 def change_view(libraries: Iterable[str], packages: Iterable[str]) -> None:

@@ -17,7 +17,22 @@ import sys
 from functools import partial
 from typing import Any
 
-from . import codec, drawing, huge, inner, kits, landlock, libc, namespaces, orders, outer, pages, rehearsal, serve
+from . import (
+    codec,
+    described,
+    drawing,
+    huge,
+    inner,
+    kits,
+    landlock,
+    libc,
+    namespaces,
+    orders,
+    outer,
+    pages,
+    rehearsal,
+    serve,
+)
 from .codec import Limits, Value
 from .imports import AtForks, modules
 from .program import prepare_interpreter
@@ -49,6 +64,8 @@ class Template:
         self._own_view = self._configuration["namespaces"] and "view" not in self._lifted
         if self._configuration["imports"] == "matplotlib":
             drawing.prepare()
+        elif self._configuration["imports"] == "scipy":
+            described.leave_scipy_s()
         for name in modules(self._configuration["imports"]):
             importlib.import_module(name)
         self._kits = {name: kits.imported(files) for name, files in self._configuration["kits"].items()}
@@ -124,6 +141,7 @@ class Template:
     def serve(self) -> None:
         """Until the other end of the control socket is closed."""
         gc.freeze()
+        gc.enable()
         hello: dict[str, Value] = {"do": "hello", "base_memory": self._mason.base_memory}
         hello["memory"] = inner.own_memory(self._account)
         hello |= {"landlock": landlock.version(), "refusal": self._refusal}
