@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import hashlib
 import itertools
 from collections import Counter
@@ -16,6 +15,7 @@ from graders.core.code.mutations import Edit, Model, Mutant
 from graders.core.code.packed import Column, Packed
 from graders.core.code.probes import Facet, Fault, Probes, Seen, same_seen
 from graders.core.code.reached import BETWEEN, Piece, reached
+from graders.core.contract.copies import copied
 from graders.core.contract.local import called, kit_names
 from graders.core.contract.values import Arguments
 
@@ -192,7 +192,7 @@ def _answers(
     for piece in pieces:
         exec(piece.code, names)
     for args in calls:
-        given = copy.deepcopy(args)
+        given = copied(args)
         try:
             with np.errstate(all="ignore"):
                 value = called(names, probes.function, given)
