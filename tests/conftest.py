@@ -53,8 +53,15 @@ def pytest_collection() -> Iterator[None]:
 
 
 #: Who grades, or runs in the course's sandbox: their process keeps what known mistakes answer, some ten seconds of the
-#: processor for all exercises, and its templates, which take two to start.
-GRADING = ("tests/graders/", "tests/curriculum/", "tests/web/test_verdicts.py", "tests/grading/test_hostile.py")
+#: processor for all exercises, and its templates, which take two to start. Who draws all formulas of the course goes
+#: with them, as the pages of its texts are among them: drawn twice, they take three more.
+GRADING = (
+    "tests/graders/",
+    "tests/curriculum/",
+    "tests/web/test_verdicts.py",
+    "tests/grading/test_hostile.py",
+    "tests/course/test_course_loading.py",
+)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

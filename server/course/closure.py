@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 from pathlib import Path
 
 from server.course.memory import Memory
@@ -55,8 +55,16 @@ def _on_the_way(module: str) -> Iterator[str]:
         yield from (".".join(parts[:length]) for length in range(1, len(parts) + 1))
 
 
-def _asked(content: bytes, package: str) -> Iterator[str]:
-    """The modules that a file may import: of `from a import b`, `a`, and `a.b`, which may be a module."""
+@lru_cache(maxsize=1024)
+def _asked(content: bytes, package: str) -> tuple[str, ...]:
+    """The modules that a file may import: of `from a import b`, `a`, and `a.b`, which may be a module.
+
+    Kept where a process reads a course again: most of its files are as they were.
+    """
+    return tuple(_read_from(content, package))
+
+
+def _read_from(content: bytes, package: str) -> Iterator[str]:
     try:
         tree = ast.parse(content)
     except (SyntaxError, ValueError):  # discovery has told of it

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import copy
+import hashlib
 import itertools
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
-from types import CodeType
 from typing import Any
 
 import numpy as np
@@ -16,6 +14,8 @@ import numpy as np
 from graders.core.code.mutations import Edit, Model, Mutant
 from graders.core.code.packed import Column, Packed
 from graders.core.code.probes import Facet, Fault, Probes, Seen, same_seen
+from graders.core.code.reached import BETWEEN, Piece, reached
+from graders.core.contract.copies import copied
 from graders.core.contract.local import called, kit_names
 from graders.core.contract.values import Arguments
 
@@ -28,15 +28,22 @@ USUAL_WAYS = 2
 MOST_EXTENDED = 20
 
 
-@dataclass
-class Row:
-    """A mutant and its answers so far."""
+@dataclass(eq=False)
+class Told:
+    """What mutants in which a function reaches the same text have answered so far."""
 
-    mutant: Mutant
     answers: list[Seen] = field(default_factory=list)
     rest: Iterator[Seen] | None = None
     #: As far as they are there, read.
     packed: Packed = field(default_factory=Packed)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A mutant, and what it answers."""
+
+    mutant: Mutant
+    told: Told
 
 
 class Mutants:
@@ -49,6 +56,7 @@ class Mutants:
         self._made: dict[tuple[int, tuple[str, ...]], list[Row]] = {}
         self._edits: dict[int, list[Edit]] = {}
         self._kits: dict[int, dict[str, Any]] = {}
+        self._told: dict[tuple[int, bytes], Told] = {}
 
     def agreeing(self, index: int, row: Row, packed: Packed) -> int:
         """To how many probes a mutant answers so."""
@@ -59,9 +67,9 @@ class Mutants:
 
     def _read(self, index: int, row: Row, count: int) -> Packed:
         """So many of its answers at least, where it has so many to give."""
-        for k in range(len(row.packed.answers), count):
-            row.packed.add(self._answer(index, row, k))
-        return row.packed
+        for k in range(len(row.told.packed.answers), count):
+            row.told.packed.add(self._answer(index, row, k))
+        return row.told.packed
 
     def beginning(self, index: int, mistakes: int, answer: Seen) -> Sequence[Row]:
         """The mutants with so many mistakes, but for those that do not answer the first probe so."""
@@ -98,8 +106,13 @@ class Mutants:
                 made = itertools.chain(self.model.mutants(self.model.edits, 1), self.whole)
             else:
                 made = itertools.islice(self._together(index, mistakes), MOST_TOGETHER)
-            self._rows[key] = [Row(mutant) for mutant in made]
+            self._rows[key] = [self._row(index, mutant) for mutant in made]
         return self._rows[key]
+
+    def _row(self, index: int, mutant: Mutant) -> Row:
+        """Another row's answers, where the function of the probes reaches the same text in both."""
+        key = index, _digest(reached(mutant.text, self.probes[index].function))
+        return Row(mutant, self._told.setdefault(key, Told()))
 
     def _together(self, index: int, mistakes: int) -> Iterator[Mutant]:
         """Programs with several mistakes, each made in its most usual ways, those of the catalogue's head first."""
@@ -123,13 +136,15 @@ class Mutants:
         """The edits that change an answer to these probes."""
         if index not in self._edits:
             calls = range(len(self.probes[index].calls))
-            rights = [Packed([self._answer(index, row, k) for k in calls]) for row in self.all(index, 0)]
+            rights = {row.told: Packed([self._answer(index, row, k) for k in calls]) for row in self.all(index, 0)}
+            edited = {row.told: row for row in self.all(index, 1) if row.mutant.edits and row.told not in rights}
             telling = {
-                row.mutant.edits
-                for row in self.all(index, 1)
-                if row.mutant.edits and not any(self.fits(index, row, right) for right in rights)
+                told
+                for told, row in edited.items()
+                if not any(self.fits(index, row, right) for right in rights.values())
             }
-            self._edits[index] = [edit for edit in self.model.edits if (edit,) in telling]
+            edits = {row.mutant.edits for row in self.all(index, 1) if row.told in telling}
+            self._edits[index] = [edit for edit in self.model.edits if (edit,) in edits]
         return self._edits[index]
 
     def making(self, index: int, ids: Sequence[str]) -> Sequence[Row]:
@@ -137,7 +152,7 @@ class Mutants:
         key = index, tuple(ids)
         if key not in self._made:
             edits = [edit for edit in self.model.edits if edit.id in ids]
-            self._made[key] = [Row(mutant) for mutant in self.model.mutants(edits, len(ids))]
+            self._made[key] = [self._row(index, mutant) for mutant in self.model.mutants(edits, len(ids))]
         return self._made[key]
 
     def extended(self, index: int, answers: Sequence[Seen]) -> Iterator[Row]:
@@ -147,19 +162,22 @@ class Mutants:
             return
         begun = [row for row in self.all(index, DEEP) if self._fits_in(facet, index, row, answers)]
         for row in begun[:MOST_EXTENDED]:
-            yield from (Row(mutant) for mutant in self.model.extended(row.mutant, self._telling(index)))
+            yield from (Row(mutant, Told()) for mutant in self.model.extended(row.mutant, self._telling(index)))
 
     def _answer(self, index: int, row: Row, k: int) -> Seen:
         """What a mutant answers to probe k, having answered those before."""
+        probes, told = self.probes[index], row.told
+        if k == 0 and not told.answers:  # of most mutants no more is asked: nothing is kept to go on with
+            told.answers = list(self._asked(index, row, probes.calls[:1]))
+        while len(told.answers) <= k:
+            if told.rest is None:
+                told.rest = itertools.islice(self._asked(index, row, probes.calls), len(told.answers), None)
+            told.answers.append(next(told.rest))
+        return told.answers[k]
+
+    def _asked(self, index: int, row: Row, calls: Sequence[Arguments]) -> Iterator[Seen]:
         probes = self.probes[index]
-        if k == 0 and not row.answers:  # of most mutants no more is asked: nothing is kept to go on with
-            row.answers = list(_answers(row.mutant, probes, self._names(index), probes.calls[:1]))
-        while len(row.answers) <= k:
-            if row.rest is None:
-                answers = _answers(row.mutant, probes, self._names(index), probes.calls)
-                row.rest = itertools.islice(answers, len(row.answers), None)
-            row.answers.append(next(row.rest))
-        return row.answers[k]
+        return _answers(reached(row.mutant.text, probes.function), probes, self._names(index), calls)
 
     def _names(self, index: int) -> dict[str, Any]:
         """The names that a mutant finds: the kit's, made once for all of them unless they draw at random."""
@@ -169,12 +187,14 @@ class Mutants:
         return dict(self._kits[index])
 
 
-def _answers(mutant: Mutant, probes: Probes, names: dict[str, Any], calls: Sequence[Arguments]) -> Iterator[Seen]:
-    """What a mutant, which is our own code, answers with `names`, where it leaves its own."""
-    for piece in mutant.text.split(BETWEEN):
-        exec(_compiled(piece), names)
+def _answers(
+    pieces: Sequence[Piece], probes: Probes, names: dict[str, Any], calls: Sequence[Arguments]
+) -> Iterator[Seen]:
+    """What these pieces of a mutant, which is our own code, answer with `names`, where they leave their own."""
+    for piece in pieces:
+        exec(piece.code, names)
     for args in calls:
-        given = copy.deepcopy(args)
+        given = copied(args)
         try:
             with np.errstate(all="ignore"):
                 value = called(names, probes.function, given)
@@ -184,11 +204,6 @@ def _answers(mutant: Mutant, probes: Probes, names: dict[str, Any], calls: Seque
             yield probes.read(args, value)
 
 
-#: Between the functions of a model.
-BETWEEN = "\n\n\n"
-
-
-@lru_cache(maxsize=4096)
-def _compiled(piece: str) -> CodeType:
-    """One function of a model, which most of its mutants share."""
-    return compile(piece, "<mutant>", "exec", dont_inherit=True)
+def _digest(pieces: Sequence[Piece]) -> bytes:
+    """Kept for each text that is asked, where the texts themselves would take megabytes."""
+    return hashlib.blake2b(BETWEEN.join(piece.text for piece in pieces).encode(), digest_size=16).digest()

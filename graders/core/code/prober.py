@@ -178,7 +178,7 @@ class Prober:
         rows = self._mutants.all(index, 0)
         agreeing = [self._mutants.agreeing(index, row, packed) for row in rows]
         best = agreeing.index(max(agreeing))
-        return None if agreeing[best] == len(packed.answers) else rows[best].answers
+        return None if agreeing[best] == len(packed.answers) else rows[best].told.answers
 
 
 def _ruled(rules: Sequence[Rule], shown: Shown) -> Sequence[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import builtins
-import copy
 import importlib
 import importlib.util
 import sys
@@ -15,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import graders
+from graders.core.contract.copies import copied
 from graders.core.contract.earlier import NAME, Earlier
 from graders.core.contract.kits import PLAIN, kits_of, module_name
 from graders.core.contract.outcomes import Outcome
@@ -126,13 +126,13 @@ class LocalProgram:
         """Call a function on copies of the arguments. Its exceptions become a StudentFault, as in the sandbox."""
         if function not in self.functions:
             raise StudentFault(Outcome.MISSING_FUNCTION, f"la fonction {function} n'est pas définie")
-        given = tuple(copy.deepcopy(arg) for arg in args)
+        given = tuple(map(copied, args))
         try:
             value = called(self._names, function, given)
         except Exception as error:
             message = f"{type(error).__name__} : {error}"
             raise StudentFault(Outcome.RUNTIME_ERROR, message, exception=type(error).__name__) from error
-        return Reply(copy.deepcopy(_plain(value)), given if return_arguments else None)
+        return Reply(copied(_plain(value)), given if return_arguments else None)
 
     def call_many(self, function: str, calls: Iterable[Arguments], *, faults: int | None = None) -> Iterator[Answer]:
         return one_by_one(self, function, calls, faults)

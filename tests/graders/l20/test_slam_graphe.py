@@ -88,7 +88,7 @@ STYLES = {
         "omega_ignoree",
         edited(VECTORS, "np.stack([a[3] for a in aretes])", "np.stack([np.eye(3) for a in aretes])"),
     ),
-    "weights missing in H, sparse": ("omega_absente_de_h", edited(SPARSE, "sp.csr_matrix(om) @ J", "J")),
+    "weights missing in H, sparse": ("omega_absente_de_h", edited(SPARSE, "J.T @ om @ J", "J.T @ J")),
     "closures left out, numeric": (
         "fermetures_ignorees",
         edited(
