@@ -73,7 +73,7 @@ def configuration(app: ASGIApp, *, grace: int, proxies: Sequence[str] = ()) -> u
     taken for where a request comes from.
 
     The loop is asyncio's own, whatever is installed: that of uvloop starts no process in a group of its own, and leaves
-    it more of ours to inherit.
+    those that it starts descriptors which are not theirs.
     """
     return uvicorn.Config(
         app,
