@@ -14,8 +14,8 @@ from server.api.documentation import content, events, problems
 from server.api.exercises import find
 from server.api.schemas import NewSubmission, SubmissionOut
 from server.api.state import Resource, reader, resource, url_of
+from server.base.provided import needed
 from server.base.request import client_address
-from server.course.dependencies import CourseOf
 from server.course.models import Course, Exercise
 from server.database import Database, is_away
 from server.database.dependencies import DatabaseOf, Db
@@ -30,6 +30,9 @@ from server.submissions.events import STREAM_HEADERS, Events, as_sse
 from server.submissions.service import Submissions, key_of, parse_id
 
 router = APIRouter(tags=["submissions"], route_class=TokenFirst)
+
+_database, _course = needed(Database), needed(Course)
+_store_of, _hub = needed(Submissions), needed(Events)
 
 LONGEST_WAIT = 30.0
 Wait = Annotated[
@@ -69,10 +72,6 @@ async def create(
     request: Request,
     body: NewSubmission,
     token: ShownToken,
-    database: DatabaseOf,
-    store: SubmissionsOf,
-    hub: EventsOf,
-    course: CourseOf,
     wait: Wait = None,
     reuse: Reuse = False,
     key: SendingKey = None,
@@ -83,6 +82,7 @@ async def create(
     Whoever had no answer, or 503, may send the same again with the same `Idempotency-Key`.
     """
     sending = Sending(body, reuse, client_address(request), key, waits=bool(wait))
+    database, store, course = _database(request.app), _store_of(request.app), _course(request.app)
 
     def stored() -> tuple[Account, Resource]:
         account = account_of_token(token, database)
@@ -90,7 +90,8 @@ async def create(
 
     account, current = await run_in_threadpool(stored)
     if wait and not current.done:
-        current = await _wait(hub, reader(database, store, account, current.id), current, min(wait, LONGEST_WAIT))
+        look = reader(database, store, account, current.id)
+        current = await _wait(_hub(request.app), look, current, min(wait, LONGEST_WAIT))
     return _json(current, 200 if current.done and not current.held else 202)
 
 

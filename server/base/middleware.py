@@ -38,6 +38,7 @@ SECURITY_HEADERS = {
     "Referrer-Policy": "same-origin",
     "Cross-Origin-Opener-Policy": "same-origin",
 }
+_SECURITY = [(name.lower().encode(), value.encode()) for name, value in SECURITY_HEADERS.items()]
 API = "/api/"
 #: Who asks there watches the service, and is no visitor.
 WATCHING = frozenset({"/healthz", "/readyz", "/metrics", "/statusz"})
@@ -102,13 +103,17 @@ class Encodings:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] == "http":
+        if scope["type"] == "http" and any(map(_is_weighed, scope["headers"])):
             scope["headers"] = [(name, _taken(name, value)) for name, value in scope["headers"]]
         await self._app(scope, receive, send)
 
 
+def _is_weighed(header: tuple[bytes, bytes]) -> bool:
+    return header[0] == b"accept-encoding" and b";" in header[1]
+
+
 def _taken(name: bytes, value: bytes) -> bytes:
-    weighed = name == b"accept-encoding" and b";" in value
+    weighed = _is_weighed((name, value))
     return ", ".join(encodings(value.decode("latin-1"))).encode("latin-1") if weighed else value
 
 
@@ -122,9 +127,9 @@ class SecurityHeaders:
 
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
-                headers = MutableHeaders(scope=message)
-                for name, value in SECURITY_HEADERS.items():
-                    headers.setdefault(name, value)
+                headers = list(message["headers"])
+                given = {name for name, _ in headers}
+                message["headers"] = [*headers, *(one for one in _SECURITY if one[0] not in given)]
             await send(message)
 
         await self._app(scope, receive, send_with_headers)

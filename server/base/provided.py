@@ -28,6 +28,13 @@ def provided(kind: type[T]) -> Callable[[HTTPConnection], Awaitable[T]]:
     return find
 
 
+def needed(kind: type[T]) -> Callable[[FastAPI], T]:
+    """Gives the application's only object of this type, where it is asked for on the way of every page or submission:
+    as a dependency, FastAPI takes longer to come to each than SQLite to answer."""
+    _asked_for.add(kind)
+    return lambda app: provided_to(app, kind)
+
+
 def provide(app: FastAPI, *objects: object) -> None:
     """Hands these to the application's routes, beside what it has already; a later one of a type replaces it."""
     known: dict[type, object] = getattr(app.state, "provided", {})

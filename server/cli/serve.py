@@ -17,7 +17,7 @@ from fastapi import FastAPI
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
 from server.app import create_app
-from server.base import logs, traces
+from server.base import http, logs, traces
 from server.base.gate import Gate
 from server.base.provided import provided_to
 from server.base.settings import Settings
@@ -152,16 +152,7 @@ class Server(uvicorn.Server):
 
 def configuration(app: FastAPI, settings: Settings) -> uvicorn.Config:
     """What a visitor's headers say of the address that they come from is believed from trusted proxies alone."""
-    proxies = list(settings.trusted_proxies)
-    return uvicorn.Config(
-        app,
-        log_config=None,
-        access_log=False,
-        timeout_graceful_shutdown=GRACE,
-        server_header=False,
-        proxy_headers=bool(proxies),
-        forwarded_allow_ips=proxies,
-    )
+    return http.configuration(app, grace=GRACE, proxies=list(settings.trusted_proxies))
 
 
 def _serve(

@@ -9,16 +9,20 @@ from fastapi import Depends, Request
 from fastapi.concurrency import contextmanager_in_threadpool
 from sqlalchemy.orm import Session
 
-from server.base.provided import provided
+from server.base.provided import needed, provided
 from server.base.request import SAFE_METHODS
 from server.database.engine import Database
 
 DatabaseOf = Annotated[Database, Depends(provided(Database))]
 
 
-async def _session(request: Request, database: DatabaseOf) -> AsyncIterator[Session]:
+_database = needed(Database)
+
+
+async def _session(request: Request) -> AsyncIterator[Session]:
     """Crossing to a thread and back costs more than a statement: a session that only reads says nothing to the database
     before the request's function does, and leaving a file is no wait."""
+    database = _database(request.app)
     if request.method not in SAFE_METHODS:
         async with contextmanager_in_threadpool(database.write()) as db:
             yield db

@@ -8,7 +8,7 @@ from typing import Literal
 from graders.core.contract.progress import Progress
 from server.web.deadlines import DueView
 from server.web.regraded import RegradedView
-from server.web.schemas import DoorView, ModuleLink, OwnState, VerdictView
+from server.web.schemas import DoorView, ModuleLink, OwnState, ShownVerdict
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class WorkView:
     number: int
     status: Literal["queued", "running", "done"]
     waiting: str
-    verdict: VerdictView | None
+    verdict: ShownVerdict | None
     page: str
     events: str
     fragment: str

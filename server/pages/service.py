@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from graders.core.contract.progress import Progress as Mended
@@ -15,7 +16,6 @@ from server.behaviour import service as behaviour
 from server.course import Exercise, Module
 from server.gradebook import accepted, solutions
 from server.gradebook import service as gradebook
-from server.gradebook.models import Grading
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts
 from server.pages import held, kits, marks, opening, talk
 from server.pages.policy import policy_lines
@@ -30,13 +30,12 @@ from server.pages.schemas import (
     ToldView,
     WorkView,
 )
+from server.pages.shown import shown
 from server.pages.waiting import waiting_text
-from server.steps.replayable import can_replay
 from server.submissions import deals
 from server.submissions.models import State
 from server.submissions.service import Place
 from server.web import deadlines, regraded, verdicts
-from server.web.schemas import VerdictView
 from server.web.views import (
     Reader,
     exercise_href,
@@ -241,13 +240,13 @@ def _work(
     submission, verdict = attempt.submission, behaviour.verdict_of(reader.db, attempt)
     href = f"/soumissions/{submission.id}"
     place = Place(State.done) if attempt.held else reader.submissions.place(reader.db, submission)
-    return WorkView(
+    work = WorkView(
         id=str(submission.id),
         number=number,
         status=place.state.value,
         waiting=waiting_text(place),
         held=attempt.held_text,
-        verdict=_verdict_view(exercise, verdict, href, attempt.grading) if verdict and attempt.grading else None,
+        verdict=None,
         page=href,
         events=f"{href}/evenements",
         fragment=f"{href}/verdict{'?deja=true' if again else ''}",
@@ -259,15 +258,9 @@ def _work(
         if attempt.grading and not attempt.feedback.diagnosis
         else None,
     )
-
-
-def _verdict_view(exercise: Exercise, verdict: Verdict, href: str, grading: Grading) -> VerdictView:
-    texts = None if exercise.answers is None else exercise
-    films = (f"{href}/rejeux", grading.filmed or ())
-    replayed = (f"{href}/pas", [check.id for check in verdict.checks if can_replay(exercise, check)])
-    return verdicts.view(
-        verdict, f"{href}/figures", texts, exercise.functions, grading=grading.id, films=films, replayed=replayed
-    )
+    if verdict is None or attempt.grading is None:
+        return work
+    return replace(work, verdict=shown(exercise, verdict, attempt.grading, work))
 
 
 def _progress(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Verdict | None) -> Mended | None:

@@ -142,21 +142,20 @@ class Events:
 
         The job has been put a moment ago: as long as it has not changed since, there is nothing to look at.
         """
-        try:
-            async with asyncio.timeout(seconds):
-                with _among(self._awaiting, key) as event:
-                    if key in self._latest:
-                        event.set()
-                    while not self._closed:
-                        await _wait(event, self._patience())
-                        woken = time.time_ns()
-                        event.clear()
-                        snapshot = await _looked(key, read)
-                        if snapshot is not None and snapshot.done:
-                            traces.news(key, woken)
-                            return snapshot
-        except TimeoutError:
-            pass
+        ends = time.monotonic() + seconds
+        with _among(self._awaiting, key) as event:
+            if key in self._latest:
+                event.set()
+            while not self._closed:
+                await _wait(event, min(ends - time.monotonic(), self._patience()))
+                if time.monotonic() >= ends:
+                    break
+                woken = time.time_ns()
+                event.clear()
+                snapshot = await _looked(key, read)
+                if snapshot is not None and snapshot.done:
+                    traces.news(key, woken)
+                    return snapshot
         return await run_in_threadpool(read)
 
     def _patience(self) -> float:
@@ -188,11 +187,12 @@ async def _looked(key: str, read: Callable[[], S]) -> S | None:
 
 
 async def _wait(event: asyncio.Event, seconds: float) -> None:
+    """Until it is set; it is after so long. (A timeout would cancel, which costs more than waking.)"""
+    over = asyncio.get_running_loop().call_later(seconds, event.set)
     try:
-        async with asyncio.timeout(seconds):
-            await event.wait()
-    except TimeoutError:
-        return
+        await event.wait()
+    finally:
+        over.cancel()
 
 
 async def as_sse(

@@ -7,15 +7,19 @@ from typing import Annotated
 from fastapi import Depends, Request
 from starlette.convertors import Convertor, register_url_convertor
 
+from server.base.provided import needed
 from server.base.request import SAFE_METHODS
-from server.classes.dependencies import PresenceOf
-from server.course.dependencies import CourseOf
+from server.classes.presence import Presence
+from server.course import Course
 from server.course.editions import MODULE
-from server.database.dependencies import DatabaseOf, Db
+from server.database import Database
+from server.database.dependencies import Db
 from server.identity.dependencies import account_of
 from server.identity.models import Account
-from server.submissions.dependencies import SubmissionsOf
+from server.submissions.service import Submissions
 from server.web.views import Reader
+
+_database, _course, _submissions, _presence = needed(Database), needed(Course), needed(Submissions), needed(Presence)
 
 
 class ModuleConvertor(Convertor[str]):
@@ -33,21 +37,14 @@ class ModuleConvertor(Convertor[str]):
 register_url_convertor("module", ModuleConvertor())
 
 
-async def _reader(
-    request: Request,
-    db: Db,
-    database: DatabaseOf,
-    course: CourseOf,
-    submissions: SubmissionsOf,
-    presence: PresenceOf,
-) -> Reader:
+async def _reader(request: Request, db: Db) -> Reader:
     def who() -> Account | None:
-        account = account_of(request, database)
+        account = account_of(request, _database(request.app))
         if request.method in SAFE_METHODS:  # `db` only reads
-            presence.note(db, account)
+            _presence(request.app).note(db, account)
         return account
 
-    return Reader(db, course, submissions, who)
+    return Reader(db, _course(request.app), _submissions(request.app), who)
 
 
 Reading = Annotated[Reader, Depends(_reader)]

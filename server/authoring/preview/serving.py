@@ -17,6 +17,7 @@ from server.app import create_app
 from server.authoring.preview.pages import Previewed, Version, router
 from server.authoring.preview.reading import read_course
 from server.authoring.preview.supervising import Session
+from server.base import http
 from server.base.provided import provided_to
 from server.base.settings import Settings
 from server.course import Course
@@ -35,6 +36,7 @@ from server.submissions.service import GRADE
 
 #: Seconds between two looks at what waits to be graded.
 EVERY = 0.03
+GRACE = 1  # seconds left to open connections when it stops
 MANY = 100_000
 
 
@@ -80,13 +82,7 @@ def serve(session: Session, listener: socket.socket, ready: Callable[[], None]) 
         events.close()
 
     with version.sandbox:
-        config = uvicorn.Config(
-            Previewed(app, version, course),
-            log_config=None,
-            access_log=False,
-            timeout_graceful_shutdown=1,
-            server_header=False,
-        )
+        config = http.configuration(Previewed(app, version, course), grace=GRACE)
         _Server(config, ready, stopping).run([listener])
 
 
