@@ -71,7 +71,7 @@ def test_a_slash_leads_to_the_search_and_a_hit_to_its_passage(visit: NewVisit) -
 
 
 def test_nothing_moves_on_a_page_but_pictures_in_sight_that_are_awaited(visit: NewVisit) -> None:
-    visitor = visit()
+    visitor = visit(reduced_motion="no-preference")
     held: list[object] = []
     visitor.page.route("**/figures/**", lambda route: held.append(route))  # noqa: PLW0108
     page = visitor.open(READ)
