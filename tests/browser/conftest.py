@@ -139,8 +139,12 @@ def enters(visitor: Visit, database: Database, account: Account) -> Visit:
 
 
 @pytest.fixture
-def visit(browser: Browser, server: Server) -> Iterator[NewVisit]:
-    """Makes visitors, each with cookies of their own; `expected` is a pattern of what a test provokes on purpose."""
+def visit(browser: Browser, server: Server, request: pytest.FixtureRequest) -> Iterator[NewVisit]:
+    """Makes visitors, each with cookies of their own; `expected` is a pattern of what a test provokes on purpose.
+
+    They ask for still pages, which are not drawn sixty times a second while one waits, but where a file says `MOVES`.
+    """
+    motion = "no-preference" if getattr(request.module, "MOVES", False) else "reduce"
     opened: list[tuple[Visit, str]] = []
 
     def make(
@@ -150,7 +154,7 @@ def visit(browser: Browser, server: Server) -> Iterator[NewVisit]:
             viewport={"width": width, "height": height},
             locale="fr-FR",
             permissions=["clipboard-read", "clipboard-write"],
-            **options,
+            **{"reduced_motion": motion, **options},
         )
         page = context.new_page()
         page.set_default_timeout(20_000)

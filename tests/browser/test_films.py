@@ -10,6 +10,7 @@ from tests.browser.conftest import ROOT, NewVisit, sync_api
 from tests.browser.test_replays import COLOURS
 
 expect = sync_api.expect
+MOVES = True  # what is played is played as it is for who asks for nothing
 PAGE = "/l20/exercices/predire2d"
 FORGETFUL = (
     (ROOT / "graders/l20/predire2d/solution.py").read_text(encoding="utf-8")

@@ -9,6 +9,7 @@ from tests.browser.test_replays import COLOURS
 from tests.browser.test_story import SOLUTION as POSES
 
 expect = sync_api.expect
+MOVES = True  # what is played is played as it is for who asks for nothing
 Page = sync_api.Page
 #: Seconds: a closed loop, or a long chain, takes some on a machine with nothing else to do.
 LONG = 300

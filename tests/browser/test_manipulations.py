@@ -13,6 +13,7 @@ from tests.browser.test_replays import COLOURS, HEAD
 
 pytestmark = pytest.mark.slow
 expect = sync_api.expect
+MOVES = True  # what is played is played as it is for who asks for nothing
 Locator = sync_api.Locator
 NAMES = Replays().manipulations("l20")
 WHERE = {

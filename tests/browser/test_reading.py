@@ -71,7 +71,7 @@ def test_a_slash_leads_to_the_search_and_a_hit_to_its_passage(visit: NewVisit) -
 
 
 def test_nothing_moves_on_a_page_but_pictures_in_sight_that_are_awaited(visit: NewVisit) -> None:
-    visitor = visit()
+    visitor = visit(reduced_motion="no-preference")
     held: list[object] = []
     visitor.page.route("**/figures/**", lambda route: held.append(route))  # noqa: PLW0108
     page = visitor.open(READ)
@@ -82,6 +82,31 @@ def test_nothing_moves_on_a_page_but_pictures_in_sight_that_are_awaited(visit: N
     page.wait_for_function("() => document.getAnimations().length > 0")
     assert all(-2000 < top < page.viewport_size["height"] for top in page.evaluate(moving))
     assert held
+
+
+#: The inks of the body and of each paragraph, just after a click on the button: nothing is painted yet.
+CLICKED = """() => { document.getElementById('theme').click()
+  const all = [document.body, ...document.querySelectorAll('.reading-body > p')]
+  return all.map((one) => getComputedStyle(one).color) }"""
+INKS = "[...new Set([...document.querySelectorAll('.reading-body > p')].map((one) => getComputedStyle(one).color))]"
+SETTLED = "() => document.documentElement.dataset.theme && !document.querySelector('body[data-theme], [data-kept]')"
+
+
+def test_what_is_in_sight_takes_a_theme_first_and_all_of_the_page_after_it(visit: NewVisit) -> None:
+    visitor = visit(color_scheme="light")
+    page = visitor.open(READ)
+    ink = page.evaluate("getComputedStyle(document.body).color")
+    for theme in ("dark", "light", "dark"):
+        body, *blocks = page.evaluate(CLICKED)
+        assert body != ink
+        assert {blocks[0], blocks[-1]} == {body, ink}, "the first is in sight, the last is not"
+        page.wait_for_function(SETTLED)
+        assert page.evaluate("document.documentElement.dataset.theme") == theme
+        ink = page.evaluate("getComputedStyle(document.body).color")
+        assert page.evaluate(INKS) == [ink]
+    page.evaluate(f"() => {{ ({CLICKED})(); ({CLICKED})() }}")  # twice before anything is painted
+    page.wait_for_function(SETTLED)
+    assert page.evaluate("document.documentElement.dataset.theme") == "dark"
 
 
 def test_the_button_fetches_every_drawing_before_it_prints(visit: NewVisit) -> None:

@@ -10,6 +10,7 @@ from server.replays.service import Replays
 from tests.browser.conftest import NewVisit, Page, Visit, sync_api
 
 expect = sync_api.expect
+MOVES = True  # what is played is played as it is for who asks for nothing
 HEAD = '<meta charset="utf-8"><title>Essai</title><meta name="viewport" content="width=device-width">'
 PIXELS = """canvas => {
   const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });

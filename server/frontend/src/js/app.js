@@ -6,35 +6,9 @@ import { setUpFieldCopies } from "./fields.js";
 import { followToVerdict } from "./follow.js";
 import { setUpSearchKey } from "./search.js";
 import { followProgress } from "./progress.js";
-import { keep } from "./storage.js";
+import { setUpTheme, showTheme } from "./themes.js";
 
-const root = document.documentElement;
-const prefersDark = window.matchMedia("(prefers-color-scheme: dark)");
-
-function currentTheme() {
-  return root.dataset.theme ?? (prefersDark.matches ? "dark" : "light");
-}
-
-function showTheme() {
-  const dark = currentTheme() === "dark";
-  const button = document.getElementById("theme");
-  if (button) {
-    button.setAttribute("aria-label", dark ? "Passer au thème clair" : "Passer au thème sombre");
-    button.title = button.getAttribute("aria-label");
-  }
-  // Figures come in two themes: a <picture> follows the system, and the switch when it was used.
-  for (const source of document.querySelectorAll("picture source[data-theme=dark]")) {
-    source.media = root.dataset.theme ? (dark ? "screen" : "not all") : "screen and (prefers-color-scheme: dark)";
-  }
-}
-
-document.getElementById("theme")?.addEventListener("click", () => {
-  root.dataset.theme = currentTheme() === "dark" ? "light" : "dark";
-  keep("balise-theme", root.dataset.theme);
-  showTheme();
-});
-prefersDark.addEventListener("change", showTheme);
-
+setUpTheme();
 noteAccount();
 
 // Dates are those of the school's clock, as the server writes them: a deadline reads the same for everyone. Whose own
