@@ -85,8 +85,8 @@ class Mutants:
         probes, answers = self.probes[index], packed.answers[: self.probes[index].compared]
         if probes.same is not same_seen:
             return all(probes.same(self._answer(index, row, k), answer) for k, answer in enumerate(answers))
-        if answers and len(row.packed.answers) >= len(answers) == len(packed.answers):
-            return all(row.packed.agreeing(packed))
+        if answers and len(row.told.packed.answers) >= len(answers) == len(packed.answers):
+            return all(row.told.packed.agreeing(packed))
         return all(self._read(index, row, k + 1).same(packed, k) for k in range(len(answers)))
 
     def _fits_in(self, facet: Facet, index: int, row: Row, answers: Sequence[Seen]) -> bool:
