@@ -198,7 +198,7 @@ def test_a_template_that_dies_at_a_fork_is_our_fault_with_its_last_words() -> No
 
 #: A kit, which is ours, that has one call of a fork's walls fail: the one whose number the policy tells.
 BREAKING = """
-import ctypes, sys
+import ctypes, dataclasses, sys
 inner, libc = sys.modules["child.inner"], sys.modules["child.libc"]
 walls = inner.Masonry.walls
 def broken(mason, limits):
@@ -207,7 +207,7 @@ def broken(mason, limits):
     places = [(part, at) for part in parts for at in range(len(part))]
     for part, at in places[limits.stdout_bytes - BASE :][:1]:
         part[at] = libc._held.close, (ctypes.c_int(-1),), "lacking: " + part[at][2]
-    return inner.Walls(tuple(first), tuple(seats), raised.nest, tuple(last), raised.parent)
+    return dataclasses.replace(raised, first=tuple(first), seats=tuple(seats), last=tuple(last))
 inner.Masonry.walls = broken
 """
 BASE = 1 << 14

@@ -86,7 +86,6 @@ class Template:
         prepare_interpreter(__package__)
         huge.collapse(spread)
         gc.collect()
-        gc.freeze()
         self._mason.memory = self._needed(processes)
         libc.make(stage)
 
