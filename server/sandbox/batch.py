@@ -125,10 +125,14 @@ class Batch:
         """Are there answers to come?"""
         return self._answered < len(self._tokens) and self._faults > 0
 
+    @property
+    def is_plain(self) -> bool:
+        """Do answers hold nothing but what is returned, and are some to come?"""
+        return not self.return_arguments and self.waits
+
     def plain(self, most: int) -> tuple[int, ...]:
         """The tokens of so many answers to come at most, where these hold nothing but what is returned."""
-        alone = not self.return_arguments and self._faults > 0
-        return self._tokens[self._answered : self._answered + most] if alone else ()
+        return self._tokens[self._answered : self._answered + most] if self.is_plain else ()
 
     def end(self, answers: int) -> bytes:
         """What must come after so many answers: something if they are all that are to come."""

@@ -305,8 +305,10 @@ class Session(Conversation):
         """
         self._must_be_open()
         form, wire = self._alike, self._child.wire
-        most = min(self._items_left // max(form.items, 1), self._bytes_left // max(form.bytes, 1))
-        if self._fatal or form.bytes < 0 or not batch.plain(most):
+        if self._fatal or form.bytes < 0 or not batch.is_plain:
+            return NOTHING
+        most = min(self._items_left // form.items, self._bytes_left // form.bytes)
+        if not most:
             return NOTHING
         if not wire.holds:
             with self._counted() as deadline:

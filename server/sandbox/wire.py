@@ -56,7 +56,7 @@ class Wire:
             try:
                 view = view[self._end.send(view) :]
             except BlockingIOError:
-                self._wait(select.POLLOUT, deadline)
+                self._wait_to_send(deadline)
             except OSError as error:
                 raise Closed from error
 
@@ -128,7 +128,7 @@ class Wire:
             try:
                 count = self._end.recv_into(self._piece)
             except BlockingIOError:
-                self._wait(select.POLLIN, deadline)
+                self._wait(deadline)
                 continue
             except OSError as error:
                 raise Closed from error
@@ -136,11 +136,14 @@ class Wire:
                 raise Closed
             self._held += self._piece[:count]
 
-    def _wait(self, event: int, deadline: float) -> None:
+    def _wait(self, deadline: float) -> None:
         left = deadline - time.monotonic()
-        self._poll.modify(self._end, event)
+        if left <= 0 or not self._poll.poll(max(1, int(left * 1000))):
+            raise Late
+
+    def _wait_to_send(self, deadline: float) -> None:
+        self._poll.modify(self._end, select.POLLOUT)
         try:
-            if left <= 0 or not self._poll.poll(max(1, int(left * 1000))):
-                raise Late
+            self._wait(deadline)
         finally:
             self._poll.modify(self._end, select.POLLIN)

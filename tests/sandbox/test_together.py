@@ -16,7 +16,7 @@ from server.sandbox.child.codec import Limits, TooBig, Unsendable, encode, encod
 from server.sandbox.child.frames import framed
 from server.sandbox.session import Block
 from server.sandbox.values import one_by_one
-from server.sandbox.wire import Wire
+from server.sandbox.wire import Late, Wire
 
 from .limits import FAR
 
@@ -260,3 +260,20 @@ def _mutants(data: bytes, rng: np.random.Generator) -> list[bytes]:
     for at in rng.integers(0, len(data), 12):
         made.append(data[:at] + bytes([int(rng.integers(256))]) + data[at + 1 :])
     return made
+
+
+@pytest.mark.parametrize("length", [21, 22, 23])
+def test_an_answer_is_waited_for_as_far_as_it_is_of_the_form_of_the_last(length: int) -> None:
+    """Of another length only the beginning is: what must be read of it, if anything, is another's business."""
+    answer = encode((1.0, None), LIMITS)
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        wire, form = Wire(ours), Alike()
+        form.learn(answer, *codec.measured(answer, LIMITS))
+        theirs.sendall(frames.HEADER.pack(form.bytes + length - 22, 10, frames.VALUE))
+        if length == 22:
+            with pytest.raises(Late):
+                wire.arrive(form, time.monotonic() + 0.05)
+            theirs.sendall(answer)
+        wire.arrive(form, time.monotonic() + 60)
+        assert wire.holds is (length == 22)

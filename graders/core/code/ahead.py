@@ -13,7 +13,7 @@ class Ahead:
     """What is foreseen, in the order of the checks. What a program has died before it came to is asked again."""
 
     def __init__(self) -> None:
-        self._plan: Sequence[Foreseen] = ()
+        self._plan: dict[Foreseen, int] = {}
         self._asked: Sequence[Foreseen] = ()
         self._coming: Iterator[Block] | None = None
         self._reached = 0
@@ -22,15 +22,15 @@ class Ahead:
 
     def foresee(self, plan: Sequence[Foreseen]) -> None:
         """Begins anew: what was foreseen before has been asked and taken, or never will be."""
-        self._plan, self._ready = plan, {}
+        self._plan, self._ready = {one: place for place, one in enumerate(plan)}, {}
 
     def foresees(self, asked: Foreseen) -> bool:
-        return any(asked is one for one in self._plan)
+        return asked in self._plan
 
     def from_here(self, asked: Foreseen, dead: Collection[str]) -> Sequence[Foreseen]:
         """What is to be asked together: this and what comes after, but for the functions that are called no more."""
-        here = next(k for k, one in enumerate(self._plan) if one is asked)
-        return [one for one in self._plan[here:] if one.function not in dead]
+        here = self._plan[asked]
+        return [one for one, place in self._plan.items() if place >= here and one.function not in dead]
 
     def begin(self, program: Program, asked: Sequence[Foreseen]) -> None:
         """Has a program answer these."""

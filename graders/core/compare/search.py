@@ -27,7 +27,7 @@ LEAST = 0.06
 ASKED_FOR_ONE, LOOKED_AT_FOR_ONE = 2, 4
 
 
-@dataclass
+@dataclass(slots=True)
 class _Tried(Generic[CaseT, AnswerT, FailureT]):
     """An input, those that are simpler than it as far as they have been looked for, and what is known of it.
 
@@ -125,7 +125,7 @@ class Search(Generic[CaseT, AnswerT, FailureT]):
         found: list[_Tried[CaseT, AnswerT, FailureT]] = []
         while ways and len(found) < most and next(looked) < LOOKED_AT_FOR_ONE * most:
             chance, _, parent, k = heapq.heappop(ways)
-            candidate = self._simpler(parent, k) if -chance >= LEAST else None
+            candidate = self._simpler(parent, k)
             if candidate is None:
                 continue
             fails = FAILS if k >= parent.passed else FAILS_THEN
@@ -135,8 +135,10 @@ class Search(Generic[CaseT, AnswerT, FailureT]):
                 found.append(candidate)
             else:
                 fails = 0.0 if self._failure(candidate) is None else 1.0
-            heapq.heappush(ways, (chance * fails, next(numbers), candidate, 0))
-            heapq.heappush(ways, (chance * (1.0 - fails), next(numbers), parent, k + 1))
+            if -chance * fails >= LEAST:
+                heapq.heappush(ways, (chance * fails, next(numbers), candidate, 0))
+            if -chance * (1.0 - fails) >= LEAST:
+                heapq.heappush(ways, (chance * (1.0 - fails), next(numbers), parent, k + 1))
         return found
 
     def _tried(self, case: CaseT, passed: int) -> _Tried[CaseT, AnswerT, FailureT]:
@@ -144,13 +146,14 @@ class Search(Generic[CaseT, AnswerT, FailureT]):
 
     def _simpler(self, parent: _Tried[CaseT, AnswerT, FailureT], k: int) -> _Tried[CaseT, AnswerT, FailureT] | None:
         """The k-th of the inputs that are simpler than this one; None where there are not so many."""
-        while len(parent.simpler) <= k:
-            for case in itertools.islice(parent.more, 1):
-                parent.simpler.append(self._tried(case, len(parent.simpler)))
+        simpler = parent.simpler
+        while len(simpler) <= k:
+            for case in parent.more:
+                simpler.append(self._tried(case, len(simpler)))
                 break
             else:
                 return None
-        return parent.simpler[k]
+        return simpler[k]
 
     def _is_fair(self, one: _Tried[CaseT, AnswerT, FailureT]) -> bool:
         if one.fair is None:

@@ -175,6 +175,8 @@ def text(value: Value, *, digits: int = 6) -> str:
 
 
 def _text(value: Value, digits: int, room: _Room) -> str:
+    if type(value) is float:  # which most are
+        return number(value, digits)
     if isinstance(value, np.ndarray):
         if value.size > 40:
             return f"un tableau de forme {shape_text(value.shape)}"

@@ -33,6 +33,8 @@ def read_array(value: Value) -> Floats:
 
     Raises UnreadableError for anything else (None, text, ragged lists, complex numbers with an imaginary part).
     """
+    if type(value) is np.ndarray and value.dtype == np.float64 and value.size:
+        return value.astype(np.float64)
     if value is None:
         raise UnreadableError("la fonction n'a rien renvoyé (None) : il manque sans doute un « return »")
     if isinstance(value, str | dict):
