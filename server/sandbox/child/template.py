@@ -106,7 +106,6 @@ class Template:
         """Until the other end of the control socket is closed."""
         gc.collect()
         gc.freeze()
-        gc.enable()
         hello: dict[str, Value] = {"do": "hello", "base_memory": self._mason.base_memory}
         hello["memory"] = inner.own_memory(self._account)
         hello |= {"landlock": landlock.version(), "refusal": self._refusal}
