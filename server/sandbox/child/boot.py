@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import os
 import signal
 import sys
@@ -13,7 +12,6 @@ from .imports import AtForks
 
 def main(control: int, configuration: int, parent: int, namespaces: bool, lifted: list[str], sites: list[str]) -> None:
     """`lifted`: walls left down; `sites`: the directories where numpy and scipy are installed."""
-    gc.disable()  # what is imported stays: a template looks through it once, when all is there
     outer.tie_to_parent(parent)
     forget_inherited_signals()
     control, configuration = lowered(control), lowered(configuration)

@@ -140,7 +140,6 @@ class Template:
     def serve(self) -> None:
         """Until the other end of the control socket is closed."""
         gc.freeze()
-        gc.enable()
         hello: dict[str, Value] = {"do": "hello", "base_memory": self._mason.base_memory}
         hello["memory"] = inner.own_memory(self._account)
         hello |= {"landlock": landlock.version(), "refusal": self._refusal}
