@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import socket
 import threading
 import time
 from collections import Counter
@@ -23,6 +24,7 @@ from graders.core.contract.verdict import CheckResult, Verdict
 from server.api.guide import Guide, shape
 from server.api.words import PARAMETERS, ROUTES, STATUSES
 from server.app import create_app
+from server.base import http
 from server.base.helper import UnansweredError
 from server.base.provided import provided_to
 from server.base.settings import Settings
@@ -479,13 +481,14 @@ def address(sqlite: Database, settings: Settings, course: Course) -> Iterator[st
     """The application behind a real socket, in a thread."""
     app = create_app(settings.model_copy(update={"submission_refill_seconds": 0.0}), course=course)
     draws(app, Drawer())
-    server = uvicorn.Server(uvicorn.Config(app, port=0, log_level="warning", timeout_graceful_shutdown=1))
-    thread = threading.Thread(target=server.run)
+    server = uvicorn.Server(http.configuration(app, grace=1))
+    listener = socket.create_server(("127.0.0.1", 0))
+    thread = threading.Thread(target=server.run, args=([listener],))
     thread.start()
     while not server.started:
         assert thread.is_alive()
         time.sleep(0.01)
-    yield f"http://127.0.0.1:{server.servers[0].sockets[0].getsockname()[1]}"
+    yield f"http://127.0.0.1:{listener.getsockname()[1]}"
     server.should_exit = True
     thread.join()
 
