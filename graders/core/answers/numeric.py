@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
@@ -239,7 +239,7 @@ def _dealt(grader: NumericGrader, seed: int) -> Dealt:
     """
     for try_number in range(DEALS):
         dealt = _one_deal(grader, grader.dealing(stream(seed, f"draw {try_number}")))
-        if all(_apart(quantity, dealt) for quantity in grader.quantities):
+        if dealt is not None:
             return dealt
     raise MalformedExerciseError(
         grader.folder / MODULE_FILE,
@@ -247,17 +247,20 @@ def _dealt(grader: NumericGrader, seed: int) -> Dealt:
     )
 
 
-def _one_deal(grader: NumericGrader, data: Data) -> Dealt:
+def _one_deal(grader: NumericGrader, data: Data) -> Dealt | None:
+    """None as soon as a question would not do: most deals fail early, and nine are made for one that is kept."""
     right: dict[str, float] = {}
     slips: dict[str, dict[str, float]] = {}
     for quantity in grader.quantities:
         slips[quantity.id] = {name: float(formula(data, right)) for name, formula in quantity.slips.items()}
         right[quantity.id] = float(quantity.expected(data, right))
+        if not _apart(quantity, right[quantity.id], slips[quantity.id].values()):
+            return None
     return Dealt(data, right, slips)
 
 
-def _apart(quantity: Quantity, dealt: Dealt) -> bool:
-    values = [dealt.right[quantity.id], *dealt.slips[quantity.id].values()]
+def _apart(quantity: Quantity, right: float, slips: Iterable[float]) -> bool:
+    values = [right, *slips]
     if not all(map(math.isfinite, values)) or quantity.same(values[0], 0.0, APART):
         return False
     pairs = ((value, other) for place, value in enumerate(values) for other in values[:place])
