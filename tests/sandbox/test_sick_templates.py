@@ -183,7 +183,7 @@ def test_one_nonsense_costs_a_retry_and_the_second_is_our_fault(caplog: pytest.L
 def test_a_template_that_greets_with_nonsense_does_not_serve(said: str) -> None:
     with Sandbox({"gatee": SPOILT + f"say({said})"}) as sandbox:
         with pytest.raises(SandboxFault, match="did not start"):
-            sandbox.warm()
+            sandbox.open(SOURCE)
         assert not templates()
 
 

@@ -9,12 +9,17 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 
+from graders.core.code.ahead import end_of
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Answer, Foreseen, Reply
 from graders.core.contract.rows import Replies
 
 #: Of a program that takes longer, answers count for nothing: who asks it by itself may have less patience.
 LONGEST = 0.5
+#: Seconds that it may be expected to take from what simplifies a mistake.
+PATIENCE = 0.1
+#: After so many, nobody asks a program any more to name its mistake.
+GIVEN_UP = 2.0
 
 
 class Beside:
@@ -28,18 +33,30 @@ class Beside:
     def wait(self, asked: Sequence[Foreseen]) -> None:
         self._waiting = asked
 
-    def begin(self) -> Sequence[Foreseen]:
-        """What has waited until now, and is asked."""
+    def begin(self, pace: float) -> Sequence[Foreseen]:
+        """What has waited until now, and is asked; what would take long, at so many seconds a call, is for a program of
+        its own."""
+        if pace * sum(len(one.calls) for one in self._waiting) > PATIENCE:
+            return ()
         begun, self._waiting, self._begun = self._waiting, (), time.perf_counter()
         return begun
 
     def take(self, told: Mapping[Foreseen, Sequence[Answer]]) -> None:
-        """The answers to all of it."""
-        if time.perf_counter() - self._begun <= LONGEST and all(map(_are_its_own, told.values())):
-            self._told = dict(told)
+        """The answers to all of it. Where it has hung for long, what came before stands, and the rest is not asked: to
+        wait for it once is enough."""
+        spent = time.perf_counter() - self._begun
+        own = {one: answers if _are_its_own(answers) else () for one, answers in told.items()}
+        hung = spent > GIVEN_UP and any(map(_hangs, told.values()))
+        if hung or (spent <= LONGEST and all(own.values())):
+            self._told = own
 
     def told(self, asked: Foreseen) -> Sequence[Answer] | None:
         return self._told.get(asked)
+
+
+def _hangs(answers: Sequence[Answer]) -> bool:
+    last = end_of(answers) if answers else None
+    return last is not None and last.outcome is Outcome.TIMEOUT
 
 
 def _are_its_own(answers: Sequence[Answer]) -> bool:

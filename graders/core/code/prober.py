@@ -17,6 +17,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
+from graders.core.code.beside import GIVEN_UP
 from graders.core.code.mutants import DEEP, Mutants, Row
 from graders.core.code.mutations import Model, Mutant
 from graders.core.code.packed import Packed
@@ -32,7 +33,7 @@ from graders.core.contract.rows import by_columns
 MEMORY, CHANCE = "memoire", "hasard"
 OTHER_SEED = 1
 #: Seconds that all the probes may take a program: one that is slower is not named by them.
-LONGEST = 2.0
+LONGEST = GIVEN_UP
 
 
 class Recognised(NamedTuple):

@@ -117,7 +117,7 @@ class Runner:
 
         A function that is not called again gives none. What is to be asked beside goes with them, after them.
         """
-        beside = self._beside.begin()
+        beside = self._beside.begin(self.pace)
         self.foresee([*asked, *beside])
         told = [list(self.answers(one)) if self.calls(one.function) else [] for one in asked]
         self._take_beside(beside)
@@ -132,7 +132,7 @@ class Runner:
 
         It is the last thing that the main program is asked, at the latest: what it prints meanwhile is not shown.
         """
-        beside = [one for one in self._beside.begin() if self.calls(one.function)]
+        beside = [one for one in self._beside.begin(self.pace) if self.calls(one.function)]
         if beside and self._program is not None:
             self.keep_what_was_printed()
             printed = self.stdout

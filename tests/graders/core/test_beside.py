@@ -7,8 +7,12 @@ from dataclasses import replace
 
 import pytest
 
+from graders.core.code import beside as beside_
+from graders.core.code.beside import GIVEN_UP, LONGEST, PATIENCE, Beside
 from graders.core.code.grading import CodeGrader
 from graders.core.compare.shrinking import Budget
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import Foreseen, Reply, StudentFault
 from graders.core.contract.verdict import Verdict
 from tests.graders.core.test_ahead import Watched
 from tests.graders.shipped import CODE
@@ -70,3 +74,38 @@ def test_a_program_that_dies_of_a_probe_is_asked_them_all_afresh(deadly: int) ->
     assert again.misconception == verdict.misconception
     assert [check.passed for check in again.checks] == [check.passed for check in verdict.checks]
     assert dies.launches >= 2
+
+
+FIRST, SECOND, LAST = (Foreseen(name, ((1.0,),) * 10) for name in "fgh")
+REPLIES = tuple(Reply(0.5) for _ in range(10))
+
+
+def test_what_would_take_long_is_not_asked_beside_anything() -> None:
+    """The time that it takes is that of the simplification."""
+    beside = Beside()
+    beside.wait([FIRST, SECOND])
+    assert beside.begin(pace=1.01 * PATIENCE / 20) == ()
+    assert beside.begin(pace=0.99 * PATIENCE / 20) == [FIRST, SECOND]
+    assert beside.begin(pace=0.0) == (), "once"
+
+
+def taken(
+    seconds: float, last: StudentFault, monkeypatch: pytest.MonkeyPatch
+) -> list[tuple[Reply | StudentFault, ...] | None]:
+    """What is told of three series, of which the second has ended so after so many seconds."""
+    now = 100.0
+    monkeypatch.setattr(beside_.time, "perf_counter", lambda: now)
+    beside = Beside()
+    beside.wait([FIRST, SECOND, LAST])
+    beside.begin(0.0)
+    now += seconds
+    beside.take({FIRST: REPLIES, SECOND: (*REPLIES[:3], last), LAST: ()})
+    return [None if told is None else tuple(told) for told in map(beside.told, (FIRST, SECOND, LAST))]
+
+
+def test_who_hangs_for_long_is_waited_for_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    hung = StudentFault(Outcome.TIMEOUT, "Trop long.", fatal=True)
+    died = StudentFault(Outcome.RUNTIME_ERROR, "Mort.", fatal=True)
+    assert taken(1.1 * GIVEN_UP, hung, monkeypatch) == [REPLIES, (), ()]
+    assert taken(1.1 * GIVEN_UP, died, monkeypatch) == [None] * 3
+    assert taken(0.9 * LONGEST, hung, monkeypatch) == [None] * 3, "under limits of its own it may have come to an end"
