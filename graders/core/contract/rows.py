@@ -16,9 +16,14 @@ from graders.core.contract.values import Arguments, Floats, Value
 
 
 class Rows(Sequence[Arguments]):
-    """Calls by their arguments: of each of these, all values (n, …). A call is always made of the same objects."""
+    """Calls by their arguments: of each of these, all values (n, …). A call is always made of the same objects.
+
+    Raises TypeError for other numbers than floats of 64 bits: they are sent as these.
+    """
 
     def __init__(self, *columns: Floats) -> None:
+        if any(column.dtype != np.float64 for column in columns):
+            raise TypeError(f"rows of {', '.join(str(column.dtype) for column in columns)}: float64 is asked for")
         self.columns = columns
 
     @cached_property
