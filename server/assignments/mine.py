@@ -43,11 +43,14 @@ def one(db: Session, assignment: Assignment, account_id: UUID, labels: Collectio
 def running(db: Session, account_id: UUID, now: datetime, exercise: str | None = None) -> Sequence[Mine]:
     """What one may still send something for, in any class where one learns; those with this exercise.
 
-    The first to be due is first; one query where one has no assignment, three else.
+    The first to be due is first; one query where one has no assignment, two else, three where some is another one for
+    some.
     """
     given = repository.given_to(db, account_id, now, exercise)
-    rows = [(assignment, membership.groups) for assignment, membership in given]
-    found = [one for one in _as_of(db, rows, account_id, now) if one.stage in {Stage.open, Stage.late}]
+    rows = [(assignment, groups) for assignment, groups, _ in given]
+    differing = [assignment.id for assignment, _, differs in given if differs]
+    mine = _as_of(db, rows, account_id, now, differing)
+    found = [one for one in mine if one.stage in {Stage.open, Stage.late}]
     return sorted(found, key=lambda one: (one.rules.due_at is None, one.rules.due_at or now, one.assignment.title))
 
 
@@ -61,12 +64,18 @@ def due_within(found: Collection[Mine], now: datetime, soon: timedelta) -> Seque
 
 
 def _as_of(
-    db: Session, rows: Sequence[tuple[Assignment, Collection[str]]], account_id: UUID, now: datetime
+    db: Session,
+    rows: Sequence[tuple[Assignment, Collection[str]]],
+    account_id: UUID,
+    now: datetime,
+    differing: Collection[UUID] | None = None,
 ) -> Sequence[Mine]:
+    """`differing`: those that are known to have exemptions, where that is known."""
     if not rows:
         return []
     names = [assignment.id for assignment, _ in rows]
-    exercises, exemptions = repository.exercises(db, names), repository.exemptions(db, names)
+    asked = names if differing is None else differing
+    exercises, exemptions = repository.exercises(db, names), repository.exemptions(db, asked) if asked else {}
     found = []
     for assignment, labels in rows:
         theirs = exemptions.get(assignment.id, ())

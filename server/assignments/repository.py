@@ -5,7 +5,7 @@ from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import Select, delete, func, select, update
+from sqlalchemy import Row, Select, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from server.assignments.models import Assigned, AssignedExercise, Assignment, Exemption
@@ -106,10 +106,11 @@ def counted_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UU
 @prepared
 def _given_to(
     account_id: UUID, opened_by: datetime, exercise: str, *, everything: bool
-) -> Select[Assignment, Membership]:
+) -> Select[Assignment, list[str], bool]:
     earlier = select(Exemption.assignment_id).where(Exemption.opens_at <= opened_by, Exemption.revoked_at.is_(None))
+    differs = select(Exemption.id).where(Exemption.assignment_id == Assignment.id, Exemption.revoked_at.is_(None))
     query = (
-        select(Assignment, Membership)
+        select(Assignment, Membership.groups, differs.exists())
         .join(Membership, Membership.class_id == Assignment.class_id)
         .join(SchoolClass, SchoolClass.id == Assignment.class_id)
         .where(
@@ -127,13 +128,13 @@ def _given_to(
 
 def given_to(
     db: Session, account_id: UUID, opened_by: datetime, exercise: str | None = None
-) -> Sequence[tuple[Assignment, Membership]]:
-    """The assignments of the classes where this account learns, with their membership, but of archived classes.
+) -> Sequence[Row[Assignment, list[str], bool]]:
+    """The assignments of the classes where this account learns, but of archived classes; with the groups that it is in
+    there, and whether the assignment is another one for some.
 
     Those that an exemption may have opened by then already, with `exercise` those that ask for it.
     """
-    found = db.execute(*_given_to(account_id, opened_by, exercise or "", everything=exercise is None))
-    return [(assignment, membership) for assignment, membership in found]
+    return db.execute(*_given_to(account_id, opened_by, exercise or "", everything=exercise is None)).all()
 
 
 def exemptions_of(db: Session, account_id: UUID, class_id: UUID) -> Sequence[tuple[str, Exemption]]:

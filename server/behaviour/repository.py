@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from datetime import datetime
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Select, and_, func, select, tuple_
+from sqlalchemy import ColumnElement, Row, Select, and_, func, select, tuple_
 from sqlalchemy.orm import Session, undefer
 
 from graders.core.code.plain import NEAR
@@ -108,9 +108,11 @@ def near(db: Session, exercise: str, version: str, structure: str, projection: f
 
 
 @prepared
-def _name_for(account_id: UUID, grading_id: UUID) -> Select[BehaviourName]:
+def _name_for(account_id: UUID, grading_id: UUID) -> Select[str, str, str, str]:
+    name = BehaviourName
     return (
-        select(BehaviourName)
+        select(name.group_id, name.title, name.explanation, name.question)
+        .select_from(BehaviourName)
         .join(Fingerprint, Fingerprint.group_id == BehaviourName.group_id)
         .join(Membership, Membership.class_id == BehaviourName.class_id)
         .where(
@@ -124,9 +126,10 @@ def _name_for(account_id: UUID, grading_id: UUID) -> Select[BehaviourName]:
     )
 
 
-def name_for(db: Session, account_id: UUID, grading_id: UUID) -> BehaviourName | None:
-    """What a teacher of the author's calls the behaviour of this grading's program; the newest name of several."""
-    return db.execute(*_name_for(account_id, grading_id)).scalar_one_or_none()
+def name_for(db: Session, account_id: UUID, grading_id: UUID) -> Row[str, str, str, str] | None:
+    """Group, title, explanation and question: what a teacher of the author's calls the behaviour of this grading's
+    program; the newest name of several."""
+    return ask(db, *_name_for(account_id, grading_id)).one_or_none()
 
 
 def group(db: Session, group_id: str) -> BehaviourGroup | None:

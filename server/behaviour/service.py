@@ -50,12 +50,11 @@ def verdict_of(db: Session, attempt: Attempt) -> Verdict | None:
     name = repository.name_for(db, attempt.submission.account_id, attempt.grading.id)
     if name is None:
         return verdict
-    return bounded(Judgement(replace(verdict, diagnosis=_diagnosis(name)))).verdict
+    return bounded(Judgement(replace(verdict, diagnosis=_diagnosis(*name)))).verdict
 
 
-def _diagnosis(name: BehaviourName) -> Diagnosis:
-    parts = (name.explanation, name.question)
-    return Diagnosis(name.group_id, name.title, "\n\n".join(part for part in parts if part), TEACHER)
+def _diagnosis(group_id: str, title: str, explanation: str, question: str) -> Diagnosis:
+    return Diagnosis(group_id, title, "\n\n".join(part for part in (explanation, question) if part), TEACHER)
 
 
 def unnamed(db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]) -> Sequence[Unnamed]:

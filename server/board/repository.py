@@ -87,7 +87,7 @@ def _history() -> Select[*tuple[Any, ...]]:
 
 def history(db: Session, scope: Scope) -> Sequence[Told]:
     """Every attempt that counts: by student, then by exercise, in the order in which they were sent."""
-    return list(map(tuple, ask(db, _history(), scope())))
+    return list(map(tuple, ask(db, _history(), scope()).all()))
 
 
 @cache

@@ -116,12 +116,13 @@ def _cell(done: Done, pair: Pair, mark: Set | None, stuck: frozenset[Pair]) -> C
 
 def _counts(work: Work, cells: Mapping[Pair, Cell], excused: Collection[Pair]) -> Counts:
     """Who is excused from an exercise finishes without it."""
-    states = [(pair, cell.state) for pair, cell in cells.items()]
-    asked = {pair[0] for pair in cells if pair not in excused}
-    missing = {pair[0] for pair, state in states if state is not State.solved and pair not in excused}
-    return Counts(
-        students=len(work.students),
-        started=len({pair[0] for pair, state in states if state is not State.none}),
-        finished=len(asked - missing),
-        stuck=len({pair[0] for pair, state in states if state is State.stuck}),
-    )
+    shown, width = list(cells.values()), len(work.scope.exercises)
+    started = finished = stuck = 0
+    for place in range(len(work.students)):
+        row = shown[place * width : (place + 1) * width]
+        states = {cell.state for cell in row}
+        asked = {cell.state for cell in row if (cell.student, cell.exercise) not in excused} if excused else states
+        started += bool(states - {State.none})
+        finished += asked == {State.solved}
+        stuck += State.stuck in states
+    return Counts(len(work.students), started, finished, stuck)

@@ -140,16 +140,22 @@ def failed_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -
 
 
 @prepared
-def _before(account_id: UUID, exercise: str, sent_at: datetime, submission_id: UUID) -> Select[dict[str, Any] | None]:
-    query = select(Grading.verdict).select_from(Submission).outerjoin(Grading, Grading.id == Submission.grading_id)
+def _before(account_id: UUID, exercise: str, sent_at: datetime, submission_id: UUID) -> Select[UUID, dict[str, Any]]:
+    query = (
+        select(Grading.id, Grading.verdict)
+        .select_from(Submission)
+        .outerjoin(Grading, Grading.id == Submission.grading_id)
+    )
     query = query.where(_of(account_id, exercise), _sending(sent_at, submission_id) > SENDING)
     return query.order_by(*NEWEST_FIRST).limit(1)
 
 
-def before(db: Session, submission: Submission) -> dict[str, Any] | None:
-    """The verdict of its author's attempt at the same exercise just before this one, where that was graded."""
+def before(db: Session, submission: Submission) -> Row[UUID, dict[str, Any]] | None:
+    """The grading of its author's attempt at the same exercise just before this one, and its verdict, where that was
+    graded."""
     asked = _before(submission.account_id, submission.exercise, submission.created_at, submission.id)
-    return ask(db, *asked).scalar_one_or_none()
+    found = ask(db, *asked).one_or_none()
+    return None if found is None or found[0] is None else found
 
 
 def _sending(sent_at: datetime, submission_id: UUID) -> ColumnElement[tuple[Any, ...]]:

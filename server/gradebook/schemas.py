@@ -9,6 +9,7 @@ from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import Verdict
 from server.assignments.feedback import NOTHING_HELD, Feedback, Test
 from server.database import utc_now
+from server.gradebook import verdicts
 from server.gradebook.models import Grading
 from server.submissions.models import Submission
 
@@ -54,7 +55,9 @@ class Attempt:
     @cached_property
     def verdict(self) -> Verdict | None:
         """Without what is held back of it from who looks."""
-        return None if self.grading is None else self.feedback.shown(Verdict.from_json(self.grading.verdict))
+        if self.grading is None:
+            return None
+        return self.feedback.shown(verdicts.read(self.grading.id, self.grading.verdict))
 
 
 HELD = "Reçu. Le résultat paraîtra quand l’enseignant publiera ceux du contrôle « {title} »."

@@ -11,7 +11,7 @@ from graders.core.contract.verdict import Verdict
 from server.assignments import feedback
 from server.base.errors import NotFound
 from server.database import Database
-from server.gradebook import repository, standings
+from server.gradebook import repository, standings, verdicts
 from server.gradebook.models import Grading
 from server.gradebook.schemas import Attempt, AttemptLine, Attempts, Graded, Progress
 from server.gradebook.standings import Counted, Sums
@@ -146,7 +146,7 @@ def sent_before(db: Session, account: Account, exercise_id: str, code: str, vers
 def verdict_before(db: Session, attempt: Attempt) -> Verdict | None:
     """That of its author's attempt just before this one at the exercise."""
     found = repository.before(db, attempt.submission)
-    return None if found is None else attempt.feedback.shown(Verdict.from_json(found))
+    return None if found is None else attempt.feedback.shown(verdicts.read(*found))
 
 
 def number_of(db: Session, submission: Submission) -> int:

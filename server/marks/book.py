@@ -22,7 +22,7 @@ from server.classes.schemas import Member
 from server.course import Course
 from server.marks import repository
 from server.marks.schemas import AssignmentMark, Book, ExerciseMark, Key, Row, Set, State
-from server.marks.sent import Graded, Trail, Trails, graded, known_mark, mark_of
+from server.marks.sent import Graded, Terms, Trail, Trails, graded, known, known_mark, mark_of
 
 ALL_TITLE = "Exercices du module"
 ALWAYS = datetime(2000, 1, 1, tzinfo=UTC)
@@ -97,7 +97,7 @@ def outside(db: Session, school_class: SchoolClass, student: UUID, exercise: str
     found = _Found(sent, repository.active(db, school_class.id, [student], [exercise]))
     rules = in_force(_everything(school_class), (), student, ())
     key = (student, exercise)
-    return found.at(key, found.sent.get(key, ()), 1.0, rules, Counts.best)
+    return found.at(key, found.sent.get(key, ()), rules, Terms.of(rules, Counts.best, 1.0))
 
 
 class _Found:
@@ -106,25 +106,26 @@ class _Found:
     def __init__(self, sent: Trails, overrides: Mapping[Key, Set]) -> None:
         self.sent, self.overrides = sent, overrides
 
-    def at(self, key: Key, sent: Sequence[Graded], weight: float, rules: Rules, counts: Counts) -> ExerciseMark:
-        if isinstance(sent, Trail):
-            mark = known_mark(key[1], sent, rules, counts, weight)
-        else:
-            mark = mark_of(key[1], sent, rules, counts, weight)
+    def at(self, key: Key, sent: Sequence[Graded], rules: Rules, terms: Terms) -> ExerciseMark:
+        """`terms` are those of the rules."""
+        mark = (
+            known_mark(key[1], sent, rules, terms) if isinstance(sent, Trail) else mark_of(key[1], sent, rules, terms)
+        )
         override = self.overrides.get(key)
         return mark if override is None else replace(mark, override=override)
 
 
 @dataclass(frozen=True)
 class _Asked:
-    """An assignment of a class, read once for all its students; `rules` are those of all, None where some differ."""
+    """An assignment of a class, read once for all its students; `rules` and `terms` (of each exercise) are those of
+    all, None where some differ."""
 
     assignment: Assignment
     exercises: Sequence[Assigned]
     exemptions: Sequence[Exemption]
     sittings: Mapping[UUID, Sitting]
     rules: Rules | None
-    counts: Counts
+    terms: Sequence[Terms]
     is_test: bool
 
     @classmethod
@@ -136,22 +137,23 @@ class _Asked:
         sittings: Mapping[UUID, Sitting],
     ) -> _Asked:
         rules = None if exemptions else in_force(assignment, (), assignment.class_id, ())
-        counts, is_test = Counts(assignment.counts), assignment.mode == Mode.test
-        return cls(assignment, exercises, exemptions, sittings, rules, counts, is_test)
+        terms = () if rules is None else _terms(assignment, exercises, rules)
+        return cls(assignment, exercises, exemptions, sittings, rules, terms, assignment.mode == Mode.test)
 
     def mark(self, member: Member, found: _Found, now: datetime) -> AssignmentMark:
         student = member.id
         rules = self.rules or in_force(self.assignment, self.exemptions, student, member.groups)
+        terms = self.terms if self.rules else _terms(self.assignment, self.exercises, rules)
         sitting = self.sittings.get(student)
         marks = []
-        for exercise, weight in self.exercises:
+        for (exercise, _), its_terms in zip(self.exercises, terms, strict=True):
             sent: Sequence[Graded] = found.sent.get((student, exercise), ())
             if self.is_test:
                 sent = in_sitting(sent, sitting.began_at, sitting.handed_in_at) if sitting else ()
-            marks.append(found.at((student, exercise), sent, weight, rules, self.counts))
+            marks.append(found.at((student, exercise), sent, rules, its_terms))
         ended = self._ended(rules, sitting, now)
         state = state_of(rules, marks, now, sat=sitting is not None, ended=ended)
-        return AssignmentMark(rules, state, tuple(marks), ended)
+        return known(AssignmentMark(rules, state, tuple(marks), ended), (self.assignment.id, student))
 
     def _ended(self, rules: Rules, sitting: Sitting | None, now: datetime) -> bool:
         """Whether it is a test in which this student can send nothing any more, whatever its dates: they have handed
@@ -159,6 +161,11 @@ class _Asked:
         if not self.is_test:
             return False
         return stage_of(self.assignment, rules, sitting, now) in {Stage.over, Stage.missed, Stage.shown}
+
+
+def _terms(assignment: Assignment, exercises: Sequence[Assigned], rules: Rules) -> Sequence[Terms]:
+    counts = Counts(assignment.counts)
+    return [Terms.of(rules, counts, weight) for _, weight in exercises]
 
 
 def state_of(

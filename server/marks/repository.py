@@ -75,7 +75,7 @@ def graded(
     `until`: when the class was archived; nothing that is sent later is its business.
     """
     asked = _graded(students, exercises, until or NEVER, all_times=until is None)
-    return list(map(tuple, ask(db, *asked)))
+    return list(map(tuple, ask(db, *asked).all()))
 
 
 def overrides_of(db: Session, account_id: UUID) -> Sequence[Row[Override, str]]:

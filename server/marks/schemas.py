@@ -129,15 +129,15 @@ class AssignmentMark:
         """The points that a student's average takes: what is not over yet stays out of it."""
         return self.points if self.state in {State.done, State.absent} else None
 
-    @property
+    @cached_property
     def days_late(self) -> int:
         return max((one.days_late for one in self.exercises), default=0)
 
-    @property
+    @cached_property
     def overridden(self) -> bool:
         return any(one.override is not None for one in self.exercises)
 
-    @property
+    @cached_property
     def stale(self) -> bool:
         return any(one.stale for one in self.exercises)
 

@@ -20,7 +20,7 @@ from server.base.caches import Lately
 from server.database import Told
 from server.database import told as database
 from server.marks import repository
-from server.marks.schemas import ExerciseMark, Key
+from server.marks.schemas import AssignmentMark, ExerciseMark, Key
 
 MOST_KEPT = 60_000  # attempts of all who were asked about last, 1 kB each at most
 MOST_TERMS = 8  # under which one student's attempts at an exercise are kept reckoned
@@ -58,15 +58,15 @@ class Trail(tuple[Graded, ...]):
 Trails = Mapping[Key, Trail]
 
 
-def mark_of(exercise: str, sent: Sequence[Graded], rules: Rules, counts: Counts, weight: float) -> ExerciseMark:
-    """As the attempts make it."""
+def mark_of(exercise: str, sent: Sequence[Graded], rules: Rules, terms: Terms) -> ExerciseMark:
+    """As the attempts make it; `terms` are those of the rules."""
     if not sent:
-        return _nothing(exercise, weight)
-    found = result(rules, counts, sent)
+        return _nothing(exercise, terms.weight)
+    found = result(rules, Counts(terms.counts), sent)
     counted = None if found.counted is None else next(one for one in sent if one.id == found.counted.attempt)
     return ExerciseMark(
         exercise=exercise,
-        weight=weight,
+        weight=terms.weight,
         counted=found.counted,
         grading=None if counted is None else counted.grading,
         sent_at=None if counted is None else counted.sent_at,
@@ -75,15 +75,20 @@ def mark_of(exercise: str, sent: Sequence[Graded], rules: Rules, counts: Counts,
     )
 
 
-def known_mark(exercise: str, sent: Trail, rules: Rules, counts: Counts, weight: float) -> ExerciseMark:
+def known_mark(exercise: str, sent: Trail, rules: Rules, terms: Terms) -> ExerciseMark:
     """The same, reckoned once."""
-    terms = Terms.of(rules, counts, weight)
     mark = sent.marks.get(terms)
     if mark is None:
         if len(sent.marks) >= MOST_TERMS:
             sent.marks.clear()
-        mark = sent.marks[terms] = mark_of(exercise, sent, rules, counts, weight)
+        mark = sent.marks[terms] = mark_of(exercise, sent, rules, terms)
     return mark
+
+
+def known(mark: AssignmentMark, of: tuple[UUID, UUID]) -> AssignmentMark:
+    """The same mark as it was made last, `of` this assignment and student, with all that it was found to come to."""
+    before = _MADE.get(of)
+    return before if before == mark else _MADE.put(of, mark)
 
 
 @lru_cache(maxsize=MOST_EMPTY)
@@ -101,6 +106,8 @@ class _Kept:
 _KEPT: Lately[tuple[Sequence[UUID], frozenset[str], datetime | None], _Kept] = Lately(
     MOST_KEPT, size=lambda kept: len(kept.told) + 1
 )
+
+_MADE: Lately[tuple[UUID, UUID], AssignmentMark] = Lately(MOST_KEPT, size=lambda mark: len(mark.exercises) + 1)
 
 
 def graded(db: Session, students: Collection[UUID], exercises: Collection[str], until: datetime | None) -> Trails:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
+from markupsafe import Markup
 from starlette.datastructures import FormData
 
 from graders.core.answers import AnswersGrader, Question
@@ -18,10 +20,12 @@ from server.gradebook.schemas import Attempt
 from server.pages import held, service
 from server.pages.schemas import AnswersPage, GivenView, PieceView, QuestionView, ToldView
 from server.submissions.models import Submission
+from server.web.rendering import environment
 from server.web.views import Reader
 from server.web.words import points
 
 FIELD, PLACE = "q.", "place."  # the names of the form's fields: q.<question>, place.<question>.<step>
+MOST_OPTIONS = 1024
 SAME_PLACE = "Deux étapes portent le même numéro : revenez en arrière et donnez une place à chacune."
 
 
@@ -71,7 +75,12 @@ def question_view(exercise: Exercise, number: int, question: Question, answer: A
     places = {letter: place for place, letter in enumerate(chosen, 1) if isinstance(letter, str)}
     order = question.form == "order"
     pieces = tuple(
-        PieceView(piece.id, exercise.line(piece.text), piece.id in places, places.get(piece.id, 0))
+        PieceView(
+            piece.id,
+            exercise.line(piece.text),
+            piece.id in places,
+            _options(len(question.pieces), places.get(piece.id, 0)) if order else Markup(),
+        )
         for piece in question.pieces
     )
     return QuestionView(
@@ -87,6 +96,13 @@ def question_view(exercise: Exercise, number: int, question: Question, answer: A
         pieces=pieces,
         section=section,
     )
+
+
+@lru_cache(maxsize=MOST_OPTIONS)
+def _options(count: int, chosen: int) -> Markup:
+    """Of each step the same, but for the one that is chosen (0: none)."""
+    macros: Any = environment().get_template("exercise_answers_options.html").module
+    return Markup(macros.options(count, chosen))
 
 
 def read_form(exercise: Exercise, fields: FormData) -> dict[str, Any]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from markupsafe import Markup
+
 from graders.core.contract.progress import Progress
 from server.web.deadlines import DueView
 from server.web.regraded import RegradedView
@@ -236,12 +238,13 @@ class GivenView:
 
 @dataclass(frozen=True)
 class PieceView:
-    """An option or a step. `chosen` and `place` (from 1, 0 for none) put back an earlier answer."""
+    """An option or a step. `chosen` puts back an earlier answer; `options` are the places that a step may be given, as
+    HTML."""
 
     id: str
     html: str
     chosen: bool
-    place: int
+    options: Markup
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import secrets
 import struct
-import zlib
 from dataclasses import dataclass
 from functools import lru_cache
 from hashlib import blake2b
 
 from markupsafe import Markup
+from zlib_ng import zlib_ng as zlib
 
 from server.base import root
 

@@ -135,17 +135,9 @@ class ChartView:
 
 
 @dataclass(frozen=True)
-class BoardPage:
-    head: ClassHead
-    counts: CountsView
-    rule: str
-    waiting: int
-    code: CodeView | None
-    version: str
-    stream: str
-    again: str
-    generated: str
-    generated_text: str
+class WorkView:
+    """What the students did, as it is asked for: misconceptions and the table."""
+
     mistakes: tuple[MistakeRow, ...]
     more_mistakes: Choice | None
     names: Sorter
@@ -156,12 +148,36 @@ class BoardPage:
     rows: tuple[RowView, ...]
     found: int
     pages: tuple[Choice, ...]
+
+
+@dataclass(frozen=True)
+class BesideView:
+    """What is read at leisure beside it."""
+
     unnamed: tuple[UnnamedView, ...]
     helped: tuple[HelpedRow, ...]
     helped_hidden: int
     hints: tuple[HelpedRow, ...]
     items: tuple[ItemView, ...]
     charts: tuple[ChartView, ...]
+
+
+@dataclass(frozen=True)
+class BoardPage:
+    """`work` and `beside`: a `WorkView` and a `BesideView`, as they were drawn."""
+
+    head: ClassHead
+    counts: CountsView
+    rule: str
+    waiting: int
+    code: CodeView | None
+    version: str
+    stream: str
+    again: str
+    generated: str
+    generated_text: str
+    work: Markup
+    beside: Markup
 
 
 @dataclass(frozen=True)

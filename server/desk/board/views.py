@@ -15,8 +15,8 @@ from server.board.schemas import Cell, Misconception, State, Student
 from server.board.states import RULE
 from server.classes import repository as classes
 from server.database import utc_now
-from server.desk.board import insight_views as told
-from server.desk.board.schemas import BoardPage, CellView, Choice, CountsView, MistakeRow, RowView, Sorter
+from server.desk.board import kept
+from server.desk.board.schemas import BoardPage, CellView, Choice, CountsView, MistakeRow, RowView, Sorter, WorkView
 from server.desk.board.shown import Shown, ShownBoard, mistake_href, work_href
 from server.desk.views import code_view, group_counts, head, href_of
 from server.rights.models import Right
@@ -63,9 +63,6 @@ def board_page(reader: Reader, place: Place, asked: Asked, base: str) -> BoardPa
     db, course, school_class = reader.db, reader.course, place.school_class
     board, insights = service.dashboard(db, course, school_class, utc_now())
     shown = ShownBoard.of(course, href_of(school_class), board)
-    chosen = [one for one in board.students if not asked.group or asked.group in one.groups]
-    ordered = _ordered(shown, chosen, asked)
-    first = (asked.page - 1) * STUDENTS_A_PAGE
     query = "?erreurs=toutes" if asked.everything else ""
     return BoardPage(
         head=head(course, place, ""),
@@ -78,6 +75,17 @@ def board_page(reader: Reader, place: Place, asked: Asked, base: str) -> BoardPa
         again=_href(shown, asked),
         generated=moment(board.generated_at),
         generated_text=moment_text(board.generated_at),
+        work=kept.work(shown, asked, lambda: _work(shown, asked)),
+        beside=kept.beside(shown, insights, may_regrade=place.may(Right.regrade)),
+    )
+
+
+def _work(shown: ShownBoard, asked: Asked) -> WorkView:
+    board = shown.board
+    chosen = [one for one in board.students if not asked.group or asked.group in one.groups]
+    ordered = _ordered(shown, chosen, asked)
+    first = (asked.page - 1) * STUDENTS_A_PAGE
+    return WorkView(
         mistakes=mistake_rows(shown, everything=asked.everything),
         more_mistakes=_more(shown, asked),
         names=_sorter(shown, asked, BY_NAME, "Élève"),
@@ -94,12 +102,6 @@ def board_page(reader: Reader, place: Place, asked: Asked, base: str) -> BoardPa
             Choice(str(number), _href(shown, asked, page=number), number == asked.page)
             for number in range(1, -(-len(ordered) // STUDENTS_A_PAGE) + 1)
         ),
-        unnamed=told.unnamed(shown, insights.unnamed),
-        helped=told.helped(shown, insights.helped),
-        helped_hidden=sum(one.share is None for one in insights.helped),
-        hints=told.hints(shown, insights.hints),
-        items=told.items(shown, insights.items, may_regrade=place.may(Right.regrade)),
-        charts=told.charts(insights),
     )
 
 
