@@ -1,4 +1,4 @@
-"""Queries on all that a class's assignments are, as the database tells it: for what is kept as long as it is the same."""
+"""Queries on all that a class's assignments are, as the database tells it: for what is kept while it is the same."""
 
 from __future__ import annotations
 

@@ -18,7 +18,8 @@ from server.rights.models import Right
 from tests.support.classes import person, seat
 from tests.support.client import TestClient
 from tests.support.counting import Counted
-from tests.support.marks import AFTER, DUE, ODOMETRY, POSES, Term, forget
+from tests.support.kept import forget
+from tests.support.marks import AFTER, DUE, ODOMETRY, POSES, Term
 from tests.support.service import Site
 
 

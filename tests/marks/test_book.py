@@ -21,7 +21,8 @@ from server.marks.models import Override
 from server.marks.schemas import AssignmentMark, Book, State
 from tests.support.classes import seat
 from tests.support.counting import Counted
-from tests.support.marks import AFTER, CLOSES, DAY, DUE, ODOMETRY, OPENS, POSES, Term, forget
+from tests.support.kept import forget
+from tests.support.marks import AFTER, CLOSES, DAY, DUE, ODOMETRY, OPENS, POSES, Term
 from tests.support.service import new_account
 
 

@@ -18,7 +18,7 @@ from server.marks.schemas import AssignmentMark, Book
 from server.submissions.models import Submission
 from tests.support.classes import assign, new_class
 from tests.support.crowd import Sent, seated, store
-from tests.support.marks import forget
+from tests.support.kept import forget
 from tests.support.service import EXERCISE, new_account
 
 OTHER = "l20/kabsch"

@@ -13,7 +13,6 @@ from server.database import Database
 from server.gradebook import service as gradebook
 from server.gradebook.models import Grading
 from server.identity.models import Account, Role
-from server.marks import book, sent
 from server.submissions.models import Submission
 from tests.support.classes import new_class, seat
 from tests.support.service import new_account
@@ -22,12 +21,6 @@ DAY = timedelta(days=1)
 OPENS = datetime(2026, 3, 2, 8, tzinfo=UTC)
 DUE, CLOSES, AFTER = OPENS + 7 * DAY, OPENS + 10 * DAY, OPENS + 20 * DAY
 POSES, ODOMETRY = "l20/poses", "l20/calcul_odometrie"
-
-
-def forget() -> None:
-    """What was kept of marks, as if the process had just begun."""
-    for kept in (book._KEPT, sent._SENT.kept, sent._MADE):
-        kept.clear()
 
 
 @dataclass
