@@ -1,5 +1,5 @@
-"""What the classes looked at last have done. The database is asked each time whether it is still so; what has not changed
-is not read, nor reckoned, again."""
+"""What the classes looked at last have done. The database is asked each time whether it is still so; what has not
+changed is not read, nor reckoned, again."""
 
 from __future__ import annotations
 
