@@ -30,8 +30,11 @@ def work(shown: ShownBoard, asked: Hashable, view: Callable[[], WorkView]) -> Ma
 
 def beside(shown: ShownBoard, insights: Insights, *, may_regrade: bool) -> Markup:
     """Names of students are the board's; times are told on the school's clock."""
-    people = tuple((one.id, one.name) for one in shown.students)
-    key = ("beside", shown.course, shown.href, people, insights, may_regrade, school_time.zone().key)
+    people, slots = tuple(one.name for one in shown.students), (insights.lesson[:1], insights.days[:1])
+    key = (
+        *("beside", shown.course, shown.href, people, insights.made, insights.unnamed, slots),
+        *(may_regrade, school_time.zone().key),
+    )
     return _KEPT.get(key) or _KEPT.put(key, Markup(_macros().beside(_beside(shown, insights, may_regrade=may_regrade))))
 
 
