@@ -49,7 +49,7 @@ def of_class(db: Session, class_id: UUID) -> ToldAssignments:
 
 
 def _told(db: Session, query: Query, values: dict[str, Any]) -> Sequence[Told]:
-    return [tuple(row) for row in ask(db, query, values)]
+    return [tuple(row) for row in ask(db, query, values).all()]
 
 
 def read(db: Session, told: ToldAssignments) -> Given:

@@ -120,7 +120,7 @@ def _learners(class_id: UUID) -> Select[UUID, str | None, str | None, str, list[
 def learners(db: Session, class_id: UUID) -> Sequence[Learner]:
     """The students of now, in the order of a list of names."""
     found = []
-    for identity, given, family, own, groups, seen_at in ask(db, *_learners(class_id)):
+    for identity, given, family, own, groups, seen_at in ask(db, *_learners(class_id)).all():
         learner = Learner(identity, listed_name(given, family, own), tuple(groups), seen_at)
         found.append((place_in_list(family, learner.name), str(identity), learner))
     return [learner for *_, learner in sorted(found, key=lambda one: one[:2])]
@@ -148,7 +148,7 @@ def _told(class_id: UUID, accounts: Collection[UUID], *, everyone: bool) -> Sele
 
 def told(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -> Sequence[Told]:
     """The students of now, or some of them, as the database tells them."""
-    return [tuple(row) for row in ask(db, *_told(class_id, only or (), everyone=only is None))]
+    return [tuple(row) for row in ask(db, *_told(class_id, only or (), everyone=only is None)).all()]
 
 
 def identities(db: Session, told: Sequence[Told]) -> Sequence[UUID]:

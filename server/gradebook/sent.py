@@ -80,7 +80,7 @@ def _revisions(accounts: Collection[UUID]) -> Select[*tuple[Any, ...]]:
 
 def revisions(db: Session, accounts: Collection[UUID]) -> Revisions:
     """Those of accounts of which something was graded. The same again: what they have sent is the same."""
-    return {account: (int(low), int(high)) for account, low, high in ask(db, *_revisions(accounts))}
+    return {account: (int(low), int(high)) for account, low, high in ask(db, *_revisions(accounts)).all()}
 
 
 @prepared
@@ -92,7 +92,7 @@ def _attempts(accounts: Collection[UUID]) -> Select[*tuple[Any, ...]]:
 def _read(db: Session, accounts: Collection[UUID]) -> Mapping[UUID, tuple[Revision, Sequence[Attempt]]]:
     """By account, all that it has sent, by exercise and in order."""
     read = TOLD.reader(db)
-    rows = sorted((read(row) for row in ask(db, *_attempts(accounts))), key=itemgetter(slice(0, 4)))
+    rows = sorted((read(row) for row in ask(db, *_attempts(accounts)).all()), key=itemgetter(slice(0, 4)))
     found = {}
     for account, group in groupby(rows, key=itemgetter(0)):
         mine = list(group)

@@ -55,7 +55,7 @@ def told(db: Session, class_id: UUID, students: Collection[UUID] | None) -> Sequ
     """The overrides in force of a class, or of some of its students, each with who set it, as the database tells
     them."""
     asked = _told(class_id, students or (), (), everyone=students is None, everything=True)
-    return [tuple(row) for row in ask(db, *asked)]
+    return [tuple(row) for row in ask(db, *asked).all()]
 
 
 def read(db: Session, told: Iterable[Told]) -> Mapping[Key, Set]:
