@@ -8,7 +8,7 @@ from datetime import timedelta
 
 from sqlalchemy import delete, select, update
 
-from server.board import kept, service
+from server.board import kept, repository, service
 from server.board.repository import Scope
 from server.board.schemas import Board, Insights
 from server.classes.models import Membership, SchoolClass, Status
@@ -131,3 +131,39 @@ def test_what_a_database_tells_is_read_by_its_own_types(database: Database, cour
     (sent,) = trail
     assert (sent.account, sent.exercise, sent.sent_at, sent.submission) == (ada, EXERCISE, NOW, submission)
     assert (sent.outcome, sent.score, sent.diagnosis) == ("wrong_answer", 0.5, WRONG)
+
+
+def test_its_pulse_is_another_one_whenever_the_board_may_be(database: Database, course: Course) -> None:
+    made = new_class(database, new_account(database, Role.teacher))
+    ada, alan = seated(database, made, 2)
+    (submission,) = store(database, [Sent(ada, EXERCISE, NOW, 0.5, WRONG)])
+    guest = new_account(database)
+
+    def pulse() -> str:
+        with database.read() as db:
+            return str(repository.pulse(db, made.id))
+
+    def graded_anew() -> None:
+        """Of as many points."""
+        with database.write() as db:
+            counting = update(Grading).where(Grading.submission_id == submission)
+            db.execute(counting.values(diagnosis="another"))
+
+    def left() -> None:
+        with database.write() as db:
+            db.execute(update(Membership).where(Membership.account_id == alan).values(status=Status.left))
+
+    seen = [pulse()]
+    for change in (
+        graded_anew,
+        left,
+        lambda: seat(database, made, guest),
+        lambda: store(database, [Sent(guest.id, OTHER, NOW, None)]),
+        lambda: store(database, [Sent(guest.id, OTHER, NOW, 0.0)]),
+    ):
+        assert pulse() == seen[-1]
+        change()
+        seen.append(pulse())
+    assert len(set(seen)) == 6
+    store(database, [Sent(alan, EXERCISE, NOW, 1.0)])
+    assert pulse() == seen[-1], "who has left is nobody there"
