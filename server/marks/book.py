@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from uuid import UUID
 
@@ -30,7 +30,7 @@ from server.marks.sent import Graded, Terms, Trail, Trails, graded, known, known
 
 ALL_TITLE = "Exercices du module"
 ALWAYS = datetime(2000, 1, 1, tzinfo=UTC)
-MOST_KEPT = 60_000  # marks at exercises of the books looked at last, and attempts below them
+MOST_KEPT = 60_000  # marks at exercises of the books looked at last, and rows that they are made of: 1 kB each at most
 
 
 @dataclass(frozen=True)
@@ -47,20 +47,29 @@ class _Told:
 
 @dataclass(frozen=True, eq=False)
 class _Kept:
-    """A book. `instants`: those on which it depends; `place`: where its moment is among them."""
+    """What a book holds, made of what was `told`. `instants`: those on which it depends; `place`: where its moment is
+    among them. Nothing of it belongs to a session."""
 
     course: Course
     told: _Told
-    book: Book
+    assignments: tuple[Assignment, ...]
+    rows: tuple[Row, ...]
+    titles: Mapping[str, str]
+    exercises: Mapping[UUID, tuple[Assigned, ...]]
     instants: Sequence[datetime]
     place: tuple[int, int]
+    made: object = field(default_factory=object)
 
     def holds(self, course: Course, told: _Told, now: datetime) -> bool:
         return self.course is course and self.place == _place(self.instants, now) and self.told == told
 
+    def book(self, school_class: SchoolClass, now: datetime) -> Book:
+        return Book(school_class, now, self.assignments, self.rows, self.titles, self.exercises, self.made)
+
     @property
     def size(self) -> int:
-        return len(self.book.rows) * sum(map(len, self.book.exercises.values())) + 1
+        told = sum(map(len, (*self.told.given, self.told.students, self.told.overrides)))
+        return told + len(self.rows) * sum(map(len, self.exercises.values())) + 1
 
 
 _KEPT: Lately[tuple[UUID, tuple[UUID, ...] | None], _Kept] = Lately(MOST_KEPT, size=lambda kept: kept.size)
@@ -75,7 +84,7 @@ def of_class(
     kept = _KEPT.get(key)
     if kept is None or not kept.holds(course, told, now):
         kept = _KEPT.put(key, _made(db, course, school_class, told, now))
-    return replace(kept.book, school_class=school_class, at=now)
+    return kept.book(school_class, now)
 
 
 def _told(db: Session, school_class: SchoolClass, only: Collection[UUID] | None) -> _Told:
@@ -107,15 +116,16 @@ def _made(db: Session, course: Course, school_class: SchoolClass, told: _Told, n
     weights = tuple(one.weight for one in given)
     rows = tuple(Row(member, tuple(one.mark(member, marks, now) for one in asked), weights) for member in students)
     instants = _instants(asked, rows)
-    book = Book(
-        school_class=school_class,
-        at=now,
+    return _Kept(
+        course=course,
+        told=replace(told, revisions=sent_as),
         assignments=tuple(given),
         rows=rows,
         titles={name: course.exercises[name].title for name in names if name in course.exercises},
         exercises={one.id: tuple(exercises.get(one.id, ())) for one in given},
+        instants=instants,
+        place=_place(instants, now),
     )
-    return _Kept(course, replace(told, revisions=sent_as), book, instants, _place(instants, now))
 
 
 def _place(instants: Sequence[datetime], now: datetime) -> tuple[int, int]:
