@@ -8,6 +8,6 @@ from server.marks import book, sent
 
 def forget() -> None:
     """As if it had just begun."""
-    drawn = (board_pages._KEPT, gradebook_pages._KEPT)
+    drawn = (board_pages._KEPT, board_pages._KNOWN, gradebook_pages._KEPT)
     for kept in (book._KEPT, sent._SENT.kept, sent._MADE, board._KEPT, board._SENT.kept, *drawn):
         kept.clear()
