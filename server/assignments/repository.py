@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from server.assignments.models import Assigned, AssignedExercise, Assignment, Exemption
 from server.classes.models import Membership, SchoolClass, Seat, Status
-from server.database import ask, prepared
+from server.database import ask, prepared, table_of
 
 
 def by_id(db: Session, class_id: UUID, assignment_id: UUID) -> Assignment | None:
@@ -58,16 +58,18 @@ def exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UUID, Sequ
     return found
 
 
+@prepared
+def _opened(class_id: UUID, now: datetime) -> Select[str | None, bool]:
+    given, asked = table_of(Assignment), table_of(AssignedExercise)
+    query = select(asked.c.exercise, given.c.opens_at <= now)
+    rows = given.outerjoin(asked, asked.c.assignment_id == given.c.id)
+    return query.select_from(rows).where(given.c.class_id == class_id)
+
+
 def opened_exercises(db: Session, class_id: UUID, now: datetime) -> frozenset[str] | None:
     """The exercises of the class's assignments that are open or past; None where it has no assignment at all."""
-    query = (
-        select(AssignedExercise.exercise, Assignment.opens_at)
-        .select_from(Assignment)
-        .outerjoin(AssignedExercise, AssignedExercise.assignment_id == Assignment.id)
-        .where(Assignment.class_id == class_id)
-    )
-    rows = db.execute(query).all()
-    return frozenset(name for name, opens_at in rows if name and opens_at <= now) if rows else None
+    rows = ask(db, *_opened(class_id, now)).all()
+    return frozenset(name for name, is_open in rows if name and is_open) if rows else None
 
 
 def drop_exercises(db: Session, assignment_id: UUID) -> None:

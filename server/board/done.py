@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cached_property
 from uuid import UUID
@@ -13,21 +13,34 @@ from graders.core.contract.verdict import MAX_POINTS
 from server.board import insights
 from server.board.names import named
 from server.board.repository import Sent
-from server.board.schemas import Cell, Helped, Hints, Item, Misconception
+from server.board.schemas import Cell, Helped, Hints, Item, Misconception, Shown
 from server.board.states import Latest, latest_of, median_of, state_of
 from server.board.trails import Had, Pair, Trails, unexplained
 from server.course import Course
 from server.gradebook.standings import Sums
+from server.marks.schemas import Set
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
+class Looked:
+    """Who was stuck, and what teachers had set, when it was looked at; what was shown of it then."""
+
+    stuck: frozenset[Pair]
+    marks: Mapping[Pair, Set]
+    shown: Shown
+
+
+@dataclass(eq=False)
 class Done:
-    """The `students` of now, in the `exercises` that count there."""
+    """The `students` of now, in the `exercises` that count there. `made` stands for all of it where something is kept
+    of it elsewhere; `looked`: the last look."""
 
     course: Course
     students: Sequence[UUID]
     exercises: Sequence[str]
     trails: Trails
+    made: object = field(default_factory=object)
+    looked: Looked | None = None
 
     @cached_property
     def standings(self) -> Mapping[Pair, Sums]:

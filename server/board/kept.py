@@ -1,57 +1,75 @@
-"""What the classes looked at last have done. The database is asked each time; what it tells as it did before is not
-read, nor reckoned, again."""
+"""What the classes looked at last have done. The database is asked each time whether it is still so; what has not
+changed is not read, nor reckoned, again."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from operator import itemgetter
+from datetime import datetime
+from itertools import groupby
+from operator import attrgetter
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
 from server.base.caches import Lately
-from server.board import repository
 from server.board.done import Done
-from server.board.repository import TOLD, Scope, Sent
+from server.board.repository import Scope, Sent
 from server.board.trails import Trail
 from server.course import Course
-from server.database import Told
-from server.database import told as database
+from server.gradebook.sent import Attempt, Histories, Revisions, revisions
 
 MOST_KEPT = 60_000  # attempts and cells of all classes that are kept: 1 kB each at most
-
-Attempts = database.Kept[Trail]
 
 
 @dataclass(frozen=True)
 class Kept:
-    """A class's attempts as the database told them, by student and exercise with what was read, and what they are."""
+    """What a class has done, and the revisions of what was read of it."""
 
-    told: Sequence[Told]
-    attempts: Attempts
+    revisions: Revisions
     done: Done
 
     @property
     def size(self) -> int:
-        return len(self.told) + len(self.done.students) * len(self.done.exercises) + 1
+        return sum(map(len, self.done.trails.values())) + len(self.done.students) * len(self.done.exercises) + 1
 
 
-_KEPT: Lately[tuple[UUID, Sequence[str]], Kept] = Lately(MOST_KEPT, size=lambda kept: kept.size)
+_KEPT: Lately[tuple[UUID, Sequence[str], datetime | None], Kept] = Lately(MOST_KEPT, size=lambda kept: kept.size)
 
 
 def done(db: Session, course: Course, scope: Scope, students: Sequence[UUID]) -> Done:
     """What the students of a class have done by now."""
-    told, key = repository.history(db, scope), (scope.class_id, tuple(scope.exercises))
+    told, key = revisions(db, students), (scope.class_id, tuple(scope.exercises), scope.until)
     kept = _KEPT.get(key)
-    if kept is not None and kept.told == told and kept.done.course is course and kept.done.students == tuple(students):
+    if kept is not None and _is_of(kept.done, course, students) and kept.revisions == told:
         return kept.done
-    attempts = _attempts(db, told, kept.attempts if kept is not None else {})
-    trails = {(trail[0].account, trail[0].exercise): trail for _, trail in attempts.values()}
+    known = _SENT.told(db, told)
+    trails = {
+        (student, exercise): trail
+        for student, one in known.items()
+        for exercise, whole in one.value.items()
+        if exercise in scope.exercises and (trail := _until(whole, scope.until))
+    }
     found = Done(course, tuple(students), tuple(scope.exercises), trails)
-    return _KEPT.put(key, Kept(told, attempts, found)).done
+    return _KEPT.put(key, Kept({student: one.revision for student, one in known.items()}, found)).done
 
 
-def _attempts(db: Session, told: Sequence[Told], before: Attempts) -> Attempts:
-    read = TOLD.reader(db)
-    return database.kept(told, itemgetter(0, 1), before, lambda rows: Trail(Sent(*read(row)) for row in rows))
+def _is_of(done: Done, course: Course, students: Sequence[UUID]) -> bool:
+    return done.course is course and done.students == tuple(students)
+
+
+def _until(trail: Trail, until: datetime | None) -> Trail:
+    return trail if until is None or trail[-1].sent_at <= until else Trail(one for one in trail if one.sent_at <= until)
+
+
+def _trails(attempts: Sequence[Attempt]) -> Mapping[str, Trail]:
+    """By exercise, errors of ours left out."""
+    sent = (_sent(one, one.score) for one in attempts if one.score is not None)
+    return {exercise: Trail(group) for exercise, group in groupby(sent, attrgetter("exercise"))}
+
+
+def _sent(one: Attempt, score: float) -> Sent:
+    return Sent(one.account, one.exercise, one.sent_at, one.digest, one.outcome, score, one.diagnosis, one.submission)
+
+
+_SENT = Histories.of(_trails, MOST_KEPT)

@@ -9,7 +9,7 @@ import asyncio
 import logging
 import time
 from collections import Counter
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
@@ -41,7 +41,7 @@ TOO_MANY = "Ce tableau est déjà ouvert dans beaucoup d’onglets : fermez-en, 
 class Reading:
     """A class as it was read; `done` when it is no more. The same as another that shows the same."""
 
-    pulse: tuple[object, ...]
+    pulse: Sequence[object]
     board: Board | None
     read_at: float
     took: float

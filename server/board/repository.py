@@ -1,7 +1,7 @@
 """Queries on what the students of a class have sent: each answers for all of them at once.
 
-The board is reckoned from one reading of their attempts, in Python: a statement for each of its figures would read the
-same rows again and again.
+The board is reckoned from their attempts (`gradebook.sent`), in Python: a statement for each of its figures would read
+the same rows again and again.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from functools import cache
 from typing import Any, NamedTuple
 from uuid import UUID
 
-from sqlalchemy import Row, Select, and_, bindparam, func, select
+from sqlalchemy import Row, Select, and_, bindparam, select
 from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, Seat, Status
-from server.database import NEVER, Telling, Told, ask, table_of
-from server.gradebook.models import Grading, Standing
+from server.database import NEVER, ask, table_of
+from server.gradebook.models import Grading
+from server.gradebook.sent import SUMS
 from server.submissions.models import Submission
 
 _submissions, _gradings, _members = table_of(Submission), table_of(Grading), table_of(Membership)
-_standings = table_of(Standing)
 _sent, _found = _submissions.c, _gradings.c
 IN_CLASS = and_(
     _members.c.class_id == bindparam("class_id"),
@@ -67,44 +67,16 @@ class Sent(NamedTuple):
     submission: UUID
 
 
-TOLD = Telling(
-    _sent.account_id,
-    _sent.exercise,
-    _sent.created_at,
-    _sent.digest,
-    _found.outcome,
-    _found.score,
-    _found.diagnosis,
-    _sent.id,
-)
-
-
 @cache
-def _history() -> Select[*tuple[Any, ...]]:
-    query = select(*TOLD.asked).select_from(ATTEMPTS).where(SENT)
-    return query.order_by(_sent.account_id, _sent.exercise, _sent.created_at, _sent.id)
+def _pulse() -> Select[*tuple[Any, ...]]:
+    graded = and_(_sent.account_id == _members.c.account_id, _sent.revision.is_not(None))
+    query = select(_members.c.account_id, *SUMS).select_from(_members.outerjoin(_submissions, graded))
+    return query.where(IN_CLASS).group_by(_members.c.account_id).order_by(_members.c.account_id)
 
 
-def history(db: Session, scope: Scope) -> Sequence[Told]:
-    """Every attempt that counts: by student, then by exercise, in the order in which they were sent."""
-    return list(map(tuple, ask(db, _history(), scope()).all()))
-
-
-@cache
-def _pulse() -> Select[Any, Any, Any, Any]:
-    members = _members.outerjoin(_standings, _standings.c.account_id == _members.c.account_id)
-    columns = (
-        func.count(_members.c.account_id.distinct()),
-        func.sum(_standings.c.attempts),
-        func.max(_standings.c.last_at),
-        func.sum(_standings.c.best_score),
-    )
-    return select(*columns).select_from(members).where(IN_CLASS)
-
-
-def pulse(db: Session, class_id: UUID) -> tuple[object, ...]:
+def pulse(db: Session, class_id: UUID) -> Sequence[object]:
     """What changes whenever an attempt of one of the class's students is graded, or somebody comes or goes."""
-    return tuple(db.execute(_pulse(), {"class_id": class_id}).one())
+    return list(map(tuple, ask(db, _pulse(), {"class_id": class_id})))
 
 
 @cache

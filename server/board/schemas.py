@@ -86,24 +86,48 @@ class Misconception:
 
 
 @dataclass(frozen=True)
-class Board:
-    """A class at one time. `cells` has one for each student and each exercise that counts, in order."""
+class Shown:
+    """What is on a board but for its students' names. `cells` has one for each student and each exercise that counts,
+    in order."""
 
-    class_id: UUID
-    generated_at: datetime
-    students: tuple[Student, ...]
-    exercises: tuple[str, ...]
     cells: Mapping[tuple[UUID, str], Cell]
     counts: Counts
     misconceptions: tuple[Misconception, ...]
 
     @cached_property
     def version(self) -> str:
-        """The same for two boards that show the same, whenever they were read."""
-        told = [repr((self.students_shown, self.exercises, self.counts))]
-        told += [cell.told for cell in self.cells.values()]
+        told = [repr(self.counts), *(cell.told for cell in self.cells.values())]
         told += [one.told for one in self.misconceptions]
         return blake2b("\n".join(told).encode(), digest_size=12).hexdigest()
+
+
+@dataclass(frozen=True)
+class Board:
+    """A class at one time."""
+
+    class_id: UUID
+    generated_at: datetime
+    students: tuple[Student, ...]
+    exercises: tuple[str, ...]
+    shown: Shown
+
+    @property
+    def cells(self) -> Mapping[tuple[UUID, str], Cell]:
+        return self.shown.cells
+
+    @property
+    def counts(self) -> Counts:
+        return self.shown.counts
+
+    @property
+    def misconceptions(self) -> tuple[Misconception, ...]:
+        return self.shown.misconceptions
+
+    @cached_property
+    def version(self) -> str:
+        """The same for two boards that show the same, whenever they were read."""
+        told = repr((self.students_shown, self.exercises, self.shown.version))
+        return blake2b(told.encode(), digest_size=12).hexdigest()
 
     @cached_property
     def rows(self) -> Mapping[UUID, Sequence[Cell]]:
@@ -191,7 +215,11 @@ class Slot:
 
 @dataclass(frozen=True)
 class Insights:
-    """What is read at leisure beside the board."""
+    """What is read at leisure beside the board.
+
+    `made`: the same object where all is made of the same attempts of the same students; slots of the same times are the
+    same then.
+    """
 
     unnamed: tuple[Unnamed, ...]
     items: tuple[Item, ...]
@@ -199,6 +227,7 @@ class Insights:
     hints: tuple[Hints, ...]
     lesson: tuple[Slot, ...]
     days: tuple[Slot, ...]
+    made: object = field(compare=False, repr=False)
 
 
 FEWEST_FOR_A_SHARE = 10

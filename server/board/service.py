@@ -14,9 +14,9 @@ from sqlalchemy.orm import Session
 
 from server.assignments.service import counting_exercises
 from server.board import insights, kept
-from server.board.done import Done, cell_of
+from server.board.done import Done, Looked, cell_of
 from server.board.repository import Scope
-from server.board.schemas import Board, Cell, Counts, Insights, State, Student
+from server.board.schemas import Board, Cell, Counts, Insights, Shown, State, Student
 from server.board.states import going_nowhere, gone_quiet
 from server.board.trails import Pair
 from server.board.unnamed import unnamed
@@ -57,6 +57,7 @@ def dashboard(db: Session, course: Course, school_class: SchoolClass, now: datet
         hints=done.hints,
         lesson=lesson,
         days=days,
+        made=done.made,
     )
 
 
@@ -92,21 +93,20 @@ def _work(db: Session, course: Course, school_class: SchoolClass, now: datetime,
 
 
 def _board(db: Session, work: Work) -> Board:
-    seen = {one.id: one.seen_at for one in work.students}
-    stuck = going_nowhere(work.done.trails, work.now) | gone_quiet(work.done.latest, seen, work.now)
-    marks = overrides.active(db, work.scope.class_id, list(seen), work.scope.exercises)
-    other = {pair: _cell(work.done, pair, marks.get(pair), stuck) for pair in stuck | marks.keys()}
-    cells = {**work.done.cells, **{pair: cell for pair, cell in other.items() if pair in work.done.cells}}
+    done, seen = work.done, {one.id: one.seen_at for one in work.students}
+    stuck = going_nowhere(done.trails, work.now) | gone_quiet(done.latest, seen, work.now)
+    marks = overrides.read(db, overrides.told(db, work.scope.class_id, None))
+    looked = done.looked
+    if looked is None or (looked.stuck, looked.marks) != (stuck, marks):
+        looked = done.looked = Looked(stuck, marks, _shown(done, stuck, marks))
+    return Board(work.scope.class_id, work.now, work.students, tuple(work.scope.exercises), looked.shown)
+
+
+def _shown(done: Done, stuck: frozenset[Pair], marks: Mapping[Pair, Set]) -> Shown:
+    other = {pair: _cell(done, pair, marks.get(pair), stuck) for pair in stuck | marks.keys()}
+    cells = {**done.cells, **{pair: cell for pair, cell in other.items() if pair in done.cells}}
     excused = {pair for pair, mark in marks.items() if mark.excused}
-    return Board(
-        class_id=work.scope.class_id,
-        generated_at=work.now,
-        students=work.students,
-        exercises=tuple(work.scope.exercises),
-        cells=cells,
-        counts=_counts(work, cells, excused),
-        misconceptions=work.done.misconceptions,
-    )
+    return Shown(cells, _counts(done, cells, excused), done.misconceptions)
 
 
 def _cell(done: Done, pair: Pair, mark: Set | None, stuck: frozenset[Pair]) -> Cell:
@@ -114,15 +114,15 @@ def _cell(done: Done, pair: Pair, mark: Set | None, stuck: frozenset[Pair]) -> C
     return cell_of(pair, done.standings.get(pair), points, stuck=pair in stuck)
 
 
-def _counts(work: Work, cells: Mapping[Pair, Cell], excused: Collection[Pair]) -> Counts:
+def _counts(done: Done, cells: Mapping[Pair, Cell], excused: Collection[Pair]) -> Counts:
     """Who is excused from an exercise finishes without it."""
-    shown, width = list(cells.values()), len(work.scope.exercises)
+    shown, width = list(cells.values()), len(done.exercises)
     started = finished = stuck = 0
-    for place in range(len(work.students)):
+    for place in range(len(done.students)):
         row = shown[place * width : (place + 1) * width]
         states = {cell.state for cell in row}
         asked = {cell.state for cell in row if (cell.student, cell.exercise) not in excused} if excused else states
         started += bool(states - {State.none})
         finished += asked == {State.solved}
         stuck += State.stuck in states
-    return Counts(len(work.students), started, finished, stuck)
+    return Counts(len(done.students), started, finished, stuck)

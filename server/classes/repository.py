@@ -2,14 +2,15 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
+from typing import Any
 from uuid import UUID
 
 from sqlalchemy import Row, Select, and_, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, SchoolClass, Seat, Status
-from server.classes.schemas import Joined, Learner, Member, listed_name, place_in_list
-from server.database import ask, prepared, table_of
+from server.classes.schemas import Joined, Learner, Listed, Member, listed_name, place_in_list
+from server.database import Telling, Told, ask, prepared, table_of
 from server.identity.models import Account
 
 STAFF = (Seat.assistant, Seat.teacher)
@@ -119,10 +120,50 @@ def _learners(class_id: UUID) -> Select[UUID, str | None, str | None, str, list[
 def learners(db: Session, class_id: UUID) -> Sequence[Learner]:
     """The students of now, in the order of a list of names."""
     found = []
-    for identity, given, family, own, groups, seen_at in ask(db, *_learners(class_id)):
+    for identity, given, family, own, groups, seen_at in ask(db, *_learners(class_id)).all():
         learner = Learner(identity, listed_name(given, family, own), tuple(groups), seen_at)
         found.append((place_in_list(family, learner.name), str(identity), learner))
     return [learner for *_, learner in sorted(found, key=lambda one: one[:2])]
+
+
+_seats, _accounts = table_of(Membership).c, table_of(Account).c
+LISTED = Telling(
+    _seats.account_id,
+    _seats.family_name,
+    _seats.given_name,
+    _accounts.name,
+    _seats.email,
+    _accounts.login,
+    _seats.groups,
+)
+IDENTITY = Telling(_seats.account_id)
+
+
+@prepared
+def _told(class_id: UUID, accounts: Collection[UUID], *, everyone: bool) -> Select[*tuple[Any, ...]]:
+    query = select(*LISTED.asked).join(table_of(Account), _accounts.id == _seats.account_id)
+    query = query.where(_seats.class_id == class_id, _seats.role == Seat.student, _seats.status == Status.active)
+    return query.order_by(_seats.account_id) if everyone else query.where(_seats.account_id.in_(accounts))
+
+
+def told(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -> Sequence[Told]:
+    """The students of now, or some of them, as the database tells them."""
+    return [tuple(row) for row in ask(db, *_told(class_id, only or (), everyone=only is None)).all()]
+
+
+def identities(db: Session, told: Sequence[Told]) -> Sequence[UUID]:
+    """Who they are, in the order in which they are told."""
+    read = IDENTITY.reader(db)
+    return [read(row[:1])[0] for row in told]
+
+
+def listed(db: Session, told: Sequence[Told]) -> Sequence[Listed]:
+    """The same as they are read, in the order of a list of names."""
+    found = []
+    for identity, family, given, own, email, login, groups in map(LISTED.reader(db), told):
+        name = listed_name(given, family, own)
+        found.append(Listed(identity, name, family, given, email, login or "", tuple(groups)))
+    return sorted(found, key=lambda one: (*one.sorted_by, str(one.id)))
 
 
 def _listed(db: Session, query: Select[Membership, Account], values: Mapping[str, object]) -> Sequence[Member]:

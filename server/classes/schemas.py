@@ -44,6 +44,23 @@ class Learner(NamedTuple):
 
 
 @dataclass(frozen=True)
+class Listed:
+    """Who sits in a class as a student now, with all that its list says of them, and their account's login."""
+
+    id: UUID
+    name: str
+    family_name: str
+    given_name: str
+    email: str
+    login: str
+    groups: tuple[str, ...]
+
+    @property
+    def sorted_by(self) -> tuple[str, str]:
+        return place_in_list(self.family_name, self.name)
+
+
+@dataclass(frozen=True)
 class Member:
     """A membership, with the account that it is of."""
 

@@ -20,13 +20,17 @@ MOST_WORDS = 20
 MOST_TOLD = 100
 
 
-def phrases(db: Session, account_id: UUID, exercise: str, misconception: str | None, most: int) -> Sequence[Phrase]:
-    """One's phrases: first those for this misconception, then those for this exercise, then those most used."""
+@prepared
+def _phrases(account_id: UUID, exercise: str, misconception: str | None, *, most: int) -> Select[Phrase]:
     fits = case((Phrase.misconception == misconception, 0), (Phrase.misconception.is_(None), 1), else_=2)
     here = case((Phrase.exercise == exercise, 0), (Phrase.exercise.is_(None), 1), else_=2)
     query = select(Phrase).where(Phrase.account_id == account_id)
-    query = query.order_by(fits, here, Phrase.uses.desc(), Phrase.created_at.desc(), Phrase.id)
-    return db.execute(query.limit(most)).scalars().all()
+    return query.order_by(fits, here, Phrase.uses.desc(), Phrase.created_at.desc(), Phrase.id).limit(most)
+
+
+def phrases(db: Session, account_id: UUID, exercise: str, misconception: str | None, most: int) -> Sequence[Phrase]:
+    """One's phrases: first those for this misconception, then those for this exercise, then those most used."""
+    return db.execute(*_phrases(account_id, exercise, misconception, most=most)).scalars().all()
 
 
 def all_phrases(db: Session, account_id: UUID) -> Sequence[Phrase]:

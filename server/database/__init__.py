@@ -11,13 +11,14 @@ from server.database.engine import (
     upserting,
 )
 from server.database.prepared import ask, change, prepared
-from server.database.told import Telling, Told
+from server.database.told import Copies, Telling, Told
 
 __all__ = [
     "MOST_CONNECTIONS",
     "NEVER",
     "STARTING_SECONDS",
     "Base",
+    "Copies",
     "Database",
     "Telling",
     "Told",

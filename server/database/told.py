@@ -5,18 +5,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from itertools import groupby
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, Generic, TypeAlias, TypeVar
 
-from sqlalchemy import ColumnElement, type_coerce
+from sqlalchemy import JSON, ColumnElement, type_coerce
 from sqlalchemy.orm import Session
 from sqlalchemy.types import NullType
 
-from server.database.base import Identity, UtcDateTime
+from server.database.base import Base, Identity, UtcDateTime, table_of
 
 Value = TypeVar("Value")
+Model = TypeVar("Model", bound=Base)
 Told: TypeAlias = tuple[Any, ...]
 #: By what rows begin with: those that are told, and what was made of them.
 Kept: TypeAlias = Mapping[Hashable, tuple[Sequence[Told], Value]]
+#: The types of which a database tells something else than what is read.
+READ = (Identity, UtcDateTime, JSON)
 
 
 class Telling:
@@ -24,7 +27,7 @@ class Telling:
 
     def __init__(self, *columns: ColumnElement[Any]) -> None:
         self._columns = columns
-        self._read = [place for place, one in enumerate(columns) if isinstance(one.type, (Identity, UtcDateTime))]
+        self._read = [place for place, one in enumerate(columns) if isinstance(one.type, READ)]
 
     @property
     def asked(self) -> Sequence[ColumnElement[Any]]:
@@ -44,6 +47,20 @@ class Telling:
             return values
 
         return read
+
+
+class Copies(Telling, Generic[Model]):
+    """Of a model's rows. The objects that are made of them are of no session: what is kept of one transaction for
+    another neither expires nor is written."""
+
+    def __init__(self, model: type[Model]) -> None:
+        columns = table_of(model).columns
+        super().__init__(*columns)
+        self._model, self._names = model, columns.keys()
+
+    def made(self, db: Session, rows: Sequence[Told]) -> Sequence[Model]:
+        read = self.reader(db)
+        return [self._model(**dict(zip(self._names, read(row), strict=True))) for row in rows]
 
 
 def kept(

@@ -299,7 +299,11 @@ def access(
     return ask(db, *_access(account_id, exercise, module, teaching=teaching)).one()
 
 
+@prepared
+def _classes_opened(exercise: str, classes: Collection[UUID]) -> Select[UUID]:
+    return select(ClassOpening.class_id).where(ClassOpening.exercise == exercise, ClassOpening.class_id.in_(classes))
+
+
 def classes_opened(db: Session, exercise: str, classes: Collection[UUID]) -> frozenset[UUID]:
     """Those of these classes that have been given the solution."""
-    query = select(ClassOpening.class_id).where(ClassOpening.exercise == exercise, ClassOpening.class_id.in_(classes))
-    return frozenset(db.execute(query).scalars())
+    return frozenset(ask(db, *_classes_opened(exercise, classes)).scalars())

@@ -41,11 +41,11 @@ class InExercise:
     mistake: str
 
 
-def attempts(
-    db: Session, account_id: UUID, exercise: str, until: datetime | None, *, most: int, skipped: int = 0
-) -> tuple[Sequence[Tried], int]:
-    """Some attempts, newest first, and how many there are in all."""
-    there = _sent(account_id, until, Submission.exercise == exercise)
+@prepared
+def _attempts(
+    account_id: UUID, exercise: str, until: datetime, skipped: int, *, most: int
+) -> Select[int, UUID, datetime, str | None, float | None, str | None, str | None]:
+    there = _sent(account_id, exercise, until)
     total = select(func.count()).select_from(Submission).where(there).scalar_subquery()
     query = (
         select(total, Submission.id, Submission.created_at, Grading.outcome, Grading.score, MISTAKE, Grading.diagnosis)
@@ -53,7 +53,14 @@ def attempts(
         .where(there)
         .order_by(Submission.created_at.desc(), Submission.id.desc())
     )
-    rows = db.execute(query.limit(most).offset(skipped)).all()
+    return query.limit(most).offset(skipped)
+
+
+def attempts(
+    db: Session, account_id: UUID, exercise: str, until: datetime | None, *, most: int, skipped: int = 0
+) -> tuple[Sequence[Tried], int]:
+    """Some attempts, newest first, and how many there are in all."""
+    rows = ask(db, *_attempts(account_id, exercise, until or NEVER, skipped, most=most)).all()
     tried = [
         Tried(name, count - place, sent_at, outcome, score, mistake or "", diagnosis)
         for place, (count, name, sent_at, outcome, score, mistake, diagnosis) in enumerate(rows, skipped)
@@ -61,17 +68,19 @@ def attempts(
     return tried, rows[0][0] if rows else 0
 
 
+@prepared
+def _in_order(account_id: UUID, exercise: str, until: datetime, skipped: int, most: int) -> Select[Submission]:
+    query = select(Submission).where(_sent(account_id, exercise, until))
+    return query.order_by(Submission.created_at, Submission.id).limit(most).offset(skipped)
+
+
 def with_the_one_before(
     db: Session, account_id: UUID, exercise: str, until: datetime | None, number: int
 ) -> Sequence[Submission]:
     """The attempt of that number (from 1) after the one before it; it alone where it is the first; none beyond."""
-    query = (
-        select(Submission)
-        .where(_sent(account_id, until, Submission.exercise == exercise))
-        .order_by(Submission.created_at, Submission.id)
-    )
     first = max(0, number - 2)
-    found = db.execute(query.limit(number - first).offset(first)).scalars().all()
+    query = _in_order(account_id, exercise, until or NEVER, first, number - first)
+    found = db.execute(*query).scalars().all()
     return found if len(found) == number - first else []
 
 
@@ -110,6 +119,5 @@ def _last_mistakes(account_id: UUID, until: datetime) -> Select[str, str | None]
     return latest.where(numbered.c.turn == 1)
 
 
-def _sent(account_id: UUID, until: datetime | None, also: ColumnElement[bool]) -> ColumnElement[bool]:
-    before = [] if until is None else [Submission.created_at <= until]
-    return and_(Submission.account_id == account_id, also, *before)
+def _sent(account_id: UUID, exercise: str, until: datetime) -> ColumnElement[bool]:
+    return and_(Submission.account_id == account_id, Submission.exercise == exercise, Submission.created_at <= until)

@@ -1,71 +1,147 @@
-"""The marks of a class, made anew each time that they are asked for: six queries, or seven, whatever the class."""
+"""The marks of a class. All that they are made of is asked for each time; they are made again where something of it has
+changed, or time has passed by an instant on which they depend."""
 
 from __future__ import annotations
 
-from collections import defaultdict
+from bisect import bisect_left, bisect_right
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
-from server.assignments import papers
-from server.assignments import repository as assignments
+from server.assignments import told as assignments
 from server.assignments.counting import in_sitting
 from server.assignments.feedback import Stage, stage_of
 from server.assignments.models import Assigned, Assignment, Counts, Exemption, Late, Mode, Sitting
 from server.assignments.rules import Rules, in_force
+from server.assignments.told import ToldAssignments
+from server.base.caches import Lately
 from server.classes import repository as classes
-from server.classes.models import SchoolClass, Seat, Status
-from server.classes.schemas import Member
+from server.classes.models import SchoolClass
+from server.classes.schemas import Listed
 from server.course import Course
+from server.database import Told
+from server.gradebook.sent import Revisions, revisions
 from server.marks import repository
 from server.marks.schemas import AssignmentMark, Book, ExerciseMark, Key, Row, Set, State
 from server.marks.sent import Graded, Terms, Trail, Trails, graded, known, known_mark, mark_of
 
 ALL_TITLE = "Exercices du module"
 ALWAYS = datetime(2000, 1, 1, tzinfo=UTC)
+MOST_KEPT = 60_000  # marks at exercises of the books looked at last, and rows that they are made of: 1 kB each at most
+
+
+@dataclass(frozen=True)
+class _Told:
+    """All that a book is made of. Told again as it was, the book is the same at the same time."""
+
+    students: Sequence[Told]
+    given: ToldAssignments
+    overrides: Sequence[Told]
+    revisions: Revisions
+    module: str
+    archived_at: datetime | None
+
+
+@dataclass(frozen=True, eq=False)
+class _Kept:
+    """What a book holds, made of what was `told`. `instants`: those on which it depends; `place`: where its moment is
+    among them. Nothing of it belongs to a session."""
+
+    course: Course
+    told: _Told
+    assignments: tuple[Assignment, ...]
+    rows: tuple[Row, ...]
+    titles: Mapping[str, str]
+    exercises: Mapping[UUID, tuple[Assigned, ...]]
+    instants: Sequence[datetime]
+    place: tuple[int, int]
+    made: object = field(default_factory=object)
+
+    def holds(self, course: Course, told: _Told, now: datetime) -> bool:
+        return self.course is course and self.place == _place(self.instants, now) and self.told == told
+
+    def book(self, school_class: SchoolClass, now: datetime) -> Book:
+        return Book(school_class, now, self.assignments, self.rows, self.titles, self.exercises, self.made)
+
+    @property
+    def size(self) -> int:
+        told = sum(map(len, (*self.told.given, self.told.students, self.told.overrides)))
+        return told + len(self.rows) * sum(map(len, self.exercises.values())) + 1
+
+
+_KEPT: Lately[tuple[UUID, tuple[UUID, ...] | None], _Kept] = Lately(MOST_KEPT, size=lambda kept: kept.size)
 
 
 def of_class(
     db: Session, course: Course, school_class: SchoolClass, now: datetime, only: Collection[UUID] | None = None
 ) -> Book:
     """The marks of its students, or of some; no staff, and nobody who has left or only asks to join."""
-    students = [one for one in classes.members(db, school_class.id, only) if _learns(one)]
-    given = assignments.of_class(db, school_class.id)
-    exercises = assignments.exercises(db, [one.id for one in given])
-    if not given:
-        given, exercises = _without_assignment(course, school_class)
-    asked = _asked(db, given, exercises)
-    ids = [one.id for one in students]
-    names = {one.exercise for rows in exercises.values() for one in rows}
-    sent = graded(db, ids, names, school_class.archived_at)
-    found = _Found(sent, repository.active(db, school_class.id, ids, names))
-    weights = tuple(one.weight for one in given)
-    return Book(
-        school_class=school_class,
-        at=now,
-        assignments=tuple(given),
-        rows=tuple(Row(member, tuple(one.mark(member, found, now) for one in asked), weights) for member in students),
-        titles={name: course.exercises[name].title for name in names if name in course.exercises},
-        exercises={one.id: tuple(exercises.get(one.id, ())) for one in given},
+    told = _told(db, school_class, only)
+    key = school_class.id, None if only is None else tuple(only)
+    kept = _KEPT.get(key)
+    if kept is None or not kept.holds(course, told, now):
+        kept = _KEPT.put(key, _made(db, course, school_class, told, now))
+    return kept.book(school_class, now)
+
+
+def _told(db: Session, school_class: SchoolClass, only: Collection[UUID] | None) -> _Told:
+    """Five queries, six where there are tests, whatever the class."""
+    students = classes.told(db, school_class.id, only)
+    return _Told(
+        students=students,
+        given=assignments.of_class(db, school_class.id),
+        overrides=repository.told(db, school_class.id, only),
+        revisions=revisions(db, classes.identities(db, students)),
+        module=school_class.module,
+        archived_at=school_class.archived_at,
     )
 
 
-def _asked(db: Session, given: Sequence[Assignment], exercises: Mapping[UUID, Sequence[Assigned]]) -> Sequence[_Asked]:
-    exemptions = assignments.exemptions(db, [one.id for one in given])
-    tests = [one.id for one in given if one.mode == Mode.test]
-    sittings: dict[UUID, dict[UUID, Sitting]] = defaultdict(dict)
-    for (assignment, student), sitting in (papers.sittings_of(db, tests) if tests else {}).items():
-        sittings[assignment][student] = sitting
-    return [
-        _Asked.of(one, exercises.get(one.id, ()), exemptions.get(one.id, ()), sittings.get(one.id, {})) for one in given
+def _made(db: Session, course: Course, school_class: SchoolClass, told: _Told, now: datetime) -> _Kept:
+    students = classes.listed(db, told.students)
+    found = assignments.read(db, told.given)
+    given, exercises = found.assignments, found.exercises
+    if not given:
+        given, exercises = _without_assignment(course, school_class)
+    asked = [
+        _Asked.of(one, exercises.get(one.id, ()), found.exemptions.get(one.id, ()), found.sittings.get(one.id, {}))
+        for one in given
     ]
+    names = {one.exercise for rows in exercises.values() for one in rows}
+    sent, sent_as = graded(db, told.revisions, names, school_class.archived_at)
+    marks = _Found(sent, repository.read(db, told.overrides))
+    weights = tuple(one.weight for one in given)
+    rows = tuple(Row(member, tuple(one.mark(member, marks, now) for one in asked), weights) for member in students)
+    instants = _instants(asked, rows)
+    return _Kept(
+        course=course,
+        told=replace(told, revisions=sent_as),
+        assignments=tuple(given),
+        rows=rows,
+        titles={name: course.exercises[name].title for name in names if name in course.exercises},
+        exercises={one.id: tuple(exercises.get(one.id, ())) for one in given},
+        instants=instants,
+        place=_place(instants, now),
+    )
 
 
-def _learns(member: Member) -> bool:
-    return member.seat is Seat.student and member.status is Status.active
+def _place(instants: Sequence[datetime], now: datetime) -> tuple[int, int]:
+    """Before, at or after which of them: whatever compares a time with them finds the same where this is the same."""
+    return bisect_left(instants, now), bisect_right(instants, now)
+
+
+def _instants(asked: Sequence[_Asked], rows: Sequence[Row]) -> Sequence[datetime]:
+    """All that a book compares its moment with (`state_of`, `feedback.stage_of`, `schemas.held_back`)."""
+    found = {one.assignment.released_at for one in asked}
+    for row in rows:
+        for one, mark in zip(asked, row.marks, strict=True):
+            rules, sitting = mark.rules, one.sittings.get(row.member.id)
+            found |= {rules.opens_at, rules.due_at, rules.closes_at}
+            found.add(None if sitting is None else rules.end_of_sitting(sitting.began_at))
+    return sorted(one for one in found if one is not None)
 
 
 def _without_assignment(
@@ -93,7 +169,7 @@ def _everything(school_class: SchoolClass) -> Assignment:
 
 def outside(db: Session, school_class: SchoolClass, student: UUID, exercise: str) -> ExerciseMark:
     """A student's mark at an exercise that no assignment of the class asks: the best of all attempts."""
-    sent = graded(db, [student], [exercise], school_class.archived_at)
+    sent, _ = graded(db, revisions(db, [student]), [exercise], school_class.archived_at)
     found = _Found(sent, repository.active(db, school_class.id, [student], [exercise]))
     rules = in_force(_everything(school_class), (), student, ())
     key = (student, exercise)
@@ -140,7 +216,7 @@ class _Asked:
         terms = () if rules is None else _terms(assignment, exercises, rules)
         return cls(assignment, exercises, exemptions, sittings, rules, terms, assignment.mode == Mode.test)
 
-    def mark(self, member: Member, found: _Found, now: datetime) -> AssignmentMark:
+    def mark(self, member: Listed, found: _Found, now: datetime) -> AssignmentMark:
         student = member.id
         rules = self.rules or in_force(self.assignment, self.exemptions, student, member.groups)
         terms = self.terms if self.rules else _terms(self.assignment, self.exercises, rules)

@@ -78,9 +78,7 @@ def _told(one: ExerciseMark) -> tuple[Cell, ...]:
 def _names(rows: Sequence[Row]) -> Mapping[UUID, _Called]:
     """By family name. Two of one name have files of their own."""
     members = [row.member for row in rows]
-    names = [
-        " ".join(filter(None, (one.membership.family_name, one.membership.given_name))) or one.name for one in members
-    ]
+    names = [" ".join(filter(None, (one.family_name, one.given_name))) or one.name for one in members]
     files = _unique([ascii_name(name, "eleve") for name in names])
     return {one.id: _Called(*called) for one, *called in zip(members, names, files, strict=True)}
 

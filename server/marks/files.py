@@ -10,7 +10,7 @@ from enum import StrEnum
 from typing import Any
 
 from server.assignments.models import Assignment, Mode
-from server.classes.schemas import Member
+from server.classes.schemas import Listed
 from server.marks.cells import Cell, Sheet, ascii_name, guarded, plain_csv
 from server.marks.means import number, rounded
 from server.marks.schemas import AssignmentMark, Book, ExerciseMark, State, Summary, held_back
@@ -50,11 +50,11 @@ def titles(assignments: Sequence[Assignment]) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _person(member: Member) -> tuple[str, str, str, str]:
+def _person(member: Listed) -> tuple[str, str, str, str]:
     """Family name, given name, login, groups; who has no family name in the list is named whole."""
-    listed = member.membership.family_name
-    family, given = (listed, member.membership.given_name) if listed else (member.name, "")
-    return family, given, member.account.login or "", ", ".join(member.groups)
+    listed = member.family_name
+    family, given = (listed, member.given_name) if listed else (member.name, "")
+    return family, given, member.login, ", ".join(member.groups)
 
 
 PERSON = ("Nom", "Prénom", "Identifiant", "Groupe")
@@ -165,10 +165,10 @@ def for_moodle(book: Book, identifier: Identifier) -> ForMoodle:
     return ForMoodle((COLUMNS[identifier], *(named[place] for place in told)), tuple(rows), tuple(left_out))
 
 
-def _identity(member: Member, identifier: Identifier) -> str:
+def _identity(member: Listed, identifier: Identifier) -> str:
     if identifier is Identifier.email:
-        return member.membership.email.strip().casefold()
-    return member.account.login or ""
+        return member.email.strip().casefold()
+    return member.login
 
 
 def _final(mark: AssignmentMark) -> float | None:

@@ -1,8 +1,8 @@
-"""Queries on overrides, and on the attempts that marks are made of. No list reads a source or a verdict."""
+"""Queries on overrides."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from datetime import datetime
 from typing import Any
 from uuid import UUID
@@ -11,8 +11,7 @@ from sqlalchemy import ColumnElement, Row, Select, and_, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, SchoolClass
-from server.database import NEVER, Telling, Told, ask, prepared, table_of
-from server.gradebook.models import Grading
+from server.database import Telling, Told, ask, prepared, table_of
 from server.identity.models import Account
 from server.marks.models import Override
 from server.marks.schemas import Key, Set
@@ -23,59 +22,61 @@ def _active(class_id: UUID) -> ColumnElement[bool]:
     return and_(Override.class_id == class_id, Override.withdrawn_at.is_(None))
 
 
+_by, _seats = table_of(Account), table_of(Membership)
+_overrides = table_of(Override)
+_set = _overrides.c
+TOLD = Telling(
+    _set.account_id,
+    _set.exercise,
+    _set.points,
+    _set.excused,
+    _set.reason,
+    _set.at,
+    _set.based_on,
+    _by.c.name,
+    _seats.c.given_name,
+    _seats.c.family_name,
+)
+
+
 @prepared
-def _set_by(class_id: UUID, students: Collection[UUID], exercises: Collection[str]) -> Select[*tuple[Any, ...]]:
-    one, by, seat = table_of(Override), table_of(Account), table_of(Membership)
-    told = (one.c.account_id, one.c.exercise, one.c.points, one.c.excused, one.c.reason, one.c.at, one.c.based_on)
-    query = select(*told, by.c.name, seat.c.given_name, seat.c.family_name)
-    query = query.select_from(
-        one.outerjoin(by, by.c.id == one.c.by).outerjoin(
-            seat, and_(seat.c.account_id == one.c.by, seat.c.class_id == one.c.class_id)
-        )
-    )
-    return query.where(_active(class_id), one.c.account_id.in_(students), one.c.exercise.in_(exercises))
+def _told(
+    class_id: UUID, students: Collection[UUID], exercises: Collection[str], *, everyone: bool, everything: bool
+) -> Select[*tuple[Any, ...]]:
+    seated = and_(_seats.c.account_id == _set.by, _seats.c.class_id == _set.class_id)
+    rows = _overrides.outerjoin(_by, _by.c.id == _set.by).outerjoin(_seats, seated)
+    query = select(*TOLD.asked).select_from(rows).where(_set.class_id == class_id, _set.withdrawn_at.is_(None))
+    query = query if everyone else query.where(_set.account_id.in_(students))
+    query = query if everything else query.where(_set.exercise.in_(exercises))
+    return query.order_by(_set.account_id, _set.exercise)
 
 
-def active(db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]) -> Mapping[Key, Set]:
-    """The overrides in force, each with who set it, in one query."""
+def told(db: Session, class_id: UUID, students: Collection[UUID] | None) -> Sequence[Told]:
+    """The overrides in force of a class, or of some of its students, each with who set it, as the database tells
+    them."""
+    asked = _told(class_id, students or (), (), everyone=students is None, everything=True)
+    return [tuple(row) for row in ask(db, *asked).all()]
+
+
+def read(db: Session, told: Iterable[Told]) -> Mapping[Key, Set]:
+    """The same as they are read."""
     found = {}
-    for row in ask(db, *_set_by(class_id, students, exercises)):
+    for row in map(TOLD.reader(db), told):
         account_id, exercise, points, excused, reason, at, based_on, name, given, family = row
         by = " ".join(filter(None, (given, family))) or name or ""
         found[account_id, exercise] = Set(points, excused, reason, by, at, frozenset(based_on))
     return found
 
 
+def active(db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]) -> Mapping[Key, Set]:
+    """The overrides in force of these students at these exercises, in one query."""
+    asked = _told(class_id, students, exercises, everyone=False, everything=False)
+    return read(db, map(tuple, ask(db, *asked)))
+
+
 def one_active(db: Session, class_id: UUID, student: UUID, exercise: str) -> Override | None:
     query = select(Override).where(_active(class_id), Override.account_id == student, Override.exercise == exercise)
     return db.execute(query).scalar_one_or_none()
-
-
-_submissions, _gradings = table_of(Submission), table_of(Grading)
-_sent = _submissions.c
-TOLD = Telling(_sent.account_id, _sent.exercise, _sent.id, _sent.created_at, _gradings.c.score, _sent.grading_id)
-
-
-@prepared
-def _graded(
-    students: Collection[UUID], exercises: Collection[str], until: datetime, *, all_times: bool
-) -> Select[*tuple[Any, ...]]:
-    query = select(*TOLD.asked).select_from(_submissions.join(_gradings, _gradings.c.id == _sent.grading_id))
-    query = query.where(
-        _sent.account_id.in_(students), _sent.exercise.in_(exercises), _gradings.c.score.is_not(None)
-    ).order_by(_sent.account_id, _sent.exercise, _sent.created_at, _sent.id)
-    return query if all_times else query.where(_sent.created_at <= until)
-
-
-def graded(
-    db: Session, students: Collection[UUID], exercises: Collection[str], until: datetime | None
-) -> Sequence[Told]:
-    """The graded attempts of many students at many exercises, errors of ours left out: by student, then by exercise.
-
-    `until`: when the class was archived; nothing that is sent later is its business.
-    """
-    asked = _graded(students, exercises, until or NEVER, all_times=until is None)
-    return list(map(tuple, ask(db, *asked).all()))
 
 
 def overrides_of(db: Session, account_id: UUID) -> Sequence[Row[Override, str]]:

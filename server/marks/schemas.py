@@ -13,7 +13,7 @@ from server.assignments.counting import Mark
 from server.assignments.models import Assigned, Assignment, Mode
 from server.assignments.rules import Rules
 from server.classes.models import SchoolClass
-from server.classes.schemas import Member
+from server.classes.schemas import Listed
 from server.marks.means import mean, median, weighted_mean
 
 Key = tuple[UUID, str]
@@ -146,7 +146,7 @@ class AssignmentMark:
 class Row:
     """A student's marks, in the order of the book's assignments."""
 
-    member: Member
+    member: Listed
     marks: tuple[AssignmentMark, ...]
     weights: tuple[float, ...]
 
@@ -172,7 +172,10 @@ def summary(points: Sequence[float]) -> Summary:
 
 @dataclass(frozen=True)
 class Book:
-    """The marks of a class at one moment, its students sorted as a list of names."""
+    """The marks of a class at one moment, its students sorted as a list of names.
+
+    `made`: the same object in books that hold the same, but for their moment.
+    """
 
     school_class: SchoolClass
     at: datetime
@@ -180,6 +183,7 @@ class Book:
     rows: tuple[Row, ...]
     titles: Mapping[str, str] = field(default_factory=dict)
     exercises: Mapping[UUID, tuple[Assigned, ...]] = field(default_factory=dict)
+    made: object = field(default_factory=object, compare=False, repr=False)
 
     def title_of(self, exercise: str) -> str:
         """An exercise may have left the course."""

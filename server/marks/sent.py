@@ -1,13 +1,13 @@
-"""What students have sent, for their marks. The database is asked each time; of what it tells as it did before, nothing
-is read nor reckoned again."""
+"""What students have sent, for their marks: of what is as it was before, nothing is read nor reckoned again."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
-from functools import lru_cache
-from operator import itemgetter
+from functools import cached_property, lru_cache
+from itertools import groupby
+from operator import attrgetter
 from typing import NamedTuple
 from uuid import UUID
 
@@ -17,9 +17,7 @@ from server.assignments.counting import Sent, result
 from server.assignments.models import Counts
 from server.assignments.rules import Rules
 from server.base.caches import Lately
-from server.database import Told
-from server.database import told as database
-from server.marks import repository
+from server.gradebook.sent import Attempt, Histories, Revisions
 from server.marks.schemas import AssignmentMark, ExerciseMark, Key
 
 MOST_KEPT = 60_000  # attempts of all who were asked about last, 1 kB each at most
@@ -52,7 +50,9 @@ class Terms(NamedTuple):
 class Trail(tuple[Graded, ...]):
     """What one student sent to one exercise, with the marks that it comes to."""
 
-    marks: dict[Terms, ExerciseMark]
+    @cached_property
+    def marks(self) -> dict[Terms, ExerciseMark]:
+        return {}
 
 
 Trails = Mapping[Key, Trail]
@@ -96,36 +96,39 @@ def _nothing(exercise: str, weight: float) -> ExerciseMark:
     return ExerciseMark(exercise, weight, None, None, None, 0, None)
 
 
-@dataclass(frozen=True)
-class _Kept:
-    told: Sequence[Told]
-    attempts: database.Kept[tuple[Key, Trail]]
-    trails: Trails
-
-
-_KEPT: Lately[tuple[Sequence[UUID], frozenset[str], datetime | None], _Kept] = Lately(
-    MOST_KEPT, size=lambda kept: len(kept.told) + 1
-)
-
 _MADE: Lately[tuple[UUID, UUID], AssignmentMark] = Lately(MOST_KEPT, size=lambda mark: len(mark.exercises) + 1)
 
 
-def graded(db: Session, students: Collection[UUID], exercises: Collection[str], until: datetime | None) -> Trails:
-    """The graded attempts of students at exercises, errors of ours left out.
+def _trails(attempts: Sequence[Attempt]) -> Mapping[str, Trail]:
+    """By exercise, errors of ours left out."""
+    counted = (one for one in attempts if one.score is not None)
+    return {exercise: _trail(group) for exercise, group in groupby(counted, attrgetter("exercise"))}
+
+
+def _trail(attempts: Iterable[Attempt]) -> Trail:
+    return Trail(Graded(one.submission, one.sent_at, one.score or 0.0, str(one.grading)) for one in attempts)
+
+
+_SENT = Histories.of(_trails, MOST_KEPT)
+
+
+def graded(
+    db: Session, revisions: Revisions, exercises: Collection[str], until: datetime | None
+) -> tuple[Trails, Revisions]:
+    """The graded attempts at exercises of those whose `revisions` were just asked for, errors of ours left out; and the
+    revisions that they have.
 
     `until`: when the class was archived; nothing that is sent later is its business.
     """
-    told, key = repository.graded(db, students, exercises, until), (tuple(students), frozenset(exercises), until)
-    kept = _KEPT.get(key)
-    if kept is not None and kept.told == told:
-        return kept.trails
-    read = repository.TOLD.reader(db)
+    told = _SENT.told(db, revisions)
+    found = {
+        (account, exercise): _until(trail, until)
+        for account, known in told.items()
+        for exercise, trail in known.value.items()
+        if exercise in exercises
+    }
+    return {key: trail for key, trail in found.items() if trail}, {one: known.revision for one, known in told.items()}
 
-    def trail(rows: Sequence[Told]) -> tuple[Key, Trail]:
-        found = [read(row) for row in rows]
-        made = Trail(Graded(name, at, score, str(grading)) for _, _, name, at, score, grading in found)
-        made.marks = {}
-        return (found[0][0], found[0][1]), made
 
-    attempts = database.kept(told, itemgetter(0, 1), kept.attempts if kept is not None else {}, trail)
-    return _KEPT.put(key, _Kept(told, attempts, dict(made for _, made in attempts.values()))).trails
+def _until(trail: Trail, until: datetime | None) -> Trail:
+    return trail if until is None or trail[-1].sent_at <= until else Trail(one for one in trail if one.sent_at <= until)

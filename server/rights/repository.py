@@ -49,8 +49,8 @@ def reads_work(
     return ask(db, *_reads_work(reader, author, module, sent_at, seats=tuple(seats))).first() is not None
 
 
-def seen_through(db: Session, reader: UUID | None, author: UUID, module: str) -> Member | None:
-    """How a class of this module in which the reader helps or teaches (any, without one) lists its student."""
+@prepared
+def _seen_through(reader: UUID, author: UUID, module: str, *, anybody: bool) -> Select[Membership, Account]:
     query = (
         select(Membership, Account)
         .join(Account, Account.id == Membership.account_id)
@@ -62,10 +62,14 @@ def seen_through(db: Session, reader: UUID | None, author: UUID, module: str) ->
             Membership.status != Status.pending,
         )
         .order_by(Membership.status, SchoolClass.archived_at.is_not(None), Membership.joined_at.desc())
+        .limit(1)
     )
-    if reader is not None:
-        query = query.where(Membership.class_id.in_(_seats(reader, module, STAFF)))
-    row = db.execute(query.limit(1)).first()
+    return query if anybody else query.where(Membership.class_id.in_(_seats(reader, module, STAFF)))
+
+
+def seen_through(db: Session, reader: UUID | None, author: UUID, module: str) -> Member | None:
+    """How a class of this module in which the reader helps or teaches (any, without one) lists its student."""
+    row = db.execute(*_seen_through(reader or author, author, module, anybody=reader is None)).first()
     return None if row is None else Member(*row)
 
 
@@ -104,10 +108,15 @@ def learns(db: Session, account_id: UUID, module: str) -> bool:
     return db.execute(select(seats.exists())).scalar_one()
 
 
+@prepared
+def _of_teacher(account_id: UUID, module: str) -> Select[SchoolClass]:
+    query = select(SchoolClass).where(_is_open(module), SchoolClass.id.in_(_seats(account_id, module, (Seat.teacher,))))
+    return query.order_by(SchoolClass.name, SchoolClass.id)
+
+
 def classes_of_teacher(db: Session, account_id: UUID, module: str) -> Sequence[SchoolClass]:
     """The classes of this module in which one teaches, by their names, but those archived."""
-    query = select(SchoolClass).where(_is_open(module), SchoolClass.id.in_(_seats(account_id, module, (Seat.teacher,))))
-    return db.execute(query.order_by(SchoolClass.name, SchoolClass.id)).scalars().all()
+    return db.execute(*_of_teacher(account_id, module)).scalars().all()
 
 
 def classes_of_module(db: Session, module: str) -> Sequence[SchoolClass]:

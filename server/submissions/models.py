@@ -17,7 +17,11 @@ class State(StrEnum):
 
 
 class Submission(Base):
-    """One file sent by one account. `grading_id` is the grading that counts: none while it waits for its first."""
+    """One file sent by one account. `grading_id` is the grading that counts: none while it waits for its first.
+
+    `revision` is drawn at random by the database itself, by triggers, each time that something changes that is read of
+    a graded attempt (`gradebook.sent`): what an account has sent is the same as long as its revisions are.
+    """
 
     __tablename__ = "submission"
 
@@ -32,6 +36,7 @@ class Submission(Base):
         ForeignKey("grading.id", name="fk_submission_grading_id_grading", use_alter=True),
         index=True,  # a grading that goes looks for who counts it
     )
+    revision: Mapped[int | None] = mapped_column(BigInteger)
 
     __table_args__ = (Index("ix_submission_attempts", "account_id", "exercise", "created_at"),)
 
@@ -47,6 +52,13 @@ Index(
     Submission.exercise,
     sqlite_where=Submission.grading_id.is_(None),
     postgresql_where=Submission.grading_id.is_(None),
+)
+Index(
+    "ix_submission_revisions",
+    Submission.account_id,
+    Submission.revision,
+    sqlite_where=Submission.revision.is_not(None),
+    postgresql_where=Submission.revision.is_not(None),
 )
 
 

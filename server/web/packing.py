@@ -25,6 +25,7 @@ RAW = -zlib.MAX_WBITS
 HEAD = b"\x1f\x8b\x08\x00\x00\x00\x00\x00\x00\xff"  # deflated, without a name, a time, or a system
 WORD = 0xFFFFFFFF
 MOST_KEPT = 512
+MOST_CHANGING = 32  # of hundreds of kilobytes
 
 
 @dataclass(frozen=True)
@@ -51,15 +52,25 @@ def _written(html: str) -> bytes:
     return root.written(str(html)).encode()  # as plain text: what is put into markup is escaped
 
 
-def steady(html: str) -> Steady:
-    """Of the HTML of the part, whose addresses are still the service's own."""
-    return _steady(html, root.root())
+def steady(html: str, *, changing: bool = False) -> Steady:
+    """Of the HTML of the part, whose addresses are still the service's own. `changing`: it is the same for a while
+    alone, and not worth to be compressed longer than what is written for one reader."""
+    return _changing(html, root.root()) if changing else _steady(html, root.root())
 
 
 @lru_cache(maxsize=MOST_KEPT)
 def _steady(html: str, _root: str) -> Steady:
+    return _packed(html, STEADY_LEVEL)
+
+
+@lru_cache(maxsize=MOST_CHANGING)
+def _changing(html: str, _root: str) -> Steady:
+    return _packed(html, LEVEL)
+
+
+def _packed(html: str, level: int) -> Steady:
     content = _written(html)
-    packer = zlib.compressobj(STEADY_LEVEL, zlib.DEFLATED, RAW)
+    packer = zlib.compressobj(level, zlib.DEFLATED, RAW)
     packed = packer.compress(content) + packer.flush(zlib.Z_FULL_FLUSH)
     crc = zlib.crc32(content)
     shift = tuple(zlib.crc32(content, 1 << place) ^ crc for place in range(32))
@@ -73,13 +84,14 @@ class Page:
     before: bytes
     long: str | None = None
     after: bytes = b""
+    changing: bool = False
 
     @property
     def tag(self) -> str:
         """Of its content, whoever compresses it."""
         told = blake2b(self.before, digest_size=12)
         if self.long is not None:
-            told.update(steady(self.long).digest)
+            told.update(steady(self.long, changing=self.changing).digest)
             told.update(self.after)
         return f'W/"{told.hexdigest()}"'
 
@@ -94,7 +106,7 @@ class Page:
         if self.long is None:
             body = packer.compress(self.before) + packer.flush()
             return HEAD + body + struct.pack("<II", zlib.crc32(self.before), len(self.before) & WORD)
-        part = steady(self.long)
+        part = steady(self.long, changing=self.changing)
         first = packer.compress(self.before) + packer.flush(zlib.Z_FULL_FLUSH)
         last = packer.compress(self.after) + packer.flush()
         crc = zlib.crc32(self.after, part.after(zlib.crc32(self.before)))
@@ -102,7 +114,7 @@ class Page:
         return b"".join((HEAD, first, part.packed, last, struct.pack("<II", crc, length & WORD)))
 
 
-def page(html: str, long: str) -> Page:
+def page(html: str, long: str, *, changing: bool = False) -> Page:
     """A page as its template wrote it, and what comes in it at `PLACE`, if that stands there."""
     before, place, after = root.written(html).partition(PLACE)
-    return Page(before.encode(), long, after.encode()) if place else Page(before.encode())
+    return Page(before.encode(), long, after.encode(), changing) if place else Page(before.encode())

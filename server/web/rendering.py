@@ -110,11 +110,13 @@ def page(
     status: int = 200,
     headers: Mapping[str, str] | None = None,
     steady: str = "",
+    changing: bool = False,
     **context: Any,
 ) -> HTMLResponse:
     """A whole page: `template` extends `base.html`, which shows `account` and the modules of the course.
 
-    `steady` is what comes at `packing.PLACE`: HTML that is long, and the same for many pages.
+    `steady` is what comes at `packing.PLACE`: HTML that is long, and the same for many pages; with `changing`, only
+    for a while.
     """
     course = provided_to(request.app, Course)
     surroundings = {
@@ -126,7 +128,7 @@ def page(
     html = environment().get_template(template).render(account=account_view(account), **surroundings, **context)
     # A page shows one person's own work: nobody else's cache may keep it.
     all_headers = {"Cache-Control": "private, no-cache", **(headers or {})}
-    return _sent(request, packing.page(html, steady), status, all_headers)
+    return _sent(request, packing.page(html, steady, changing=changing), status, all_headers)
 
 
 def _sent(request: Request, written: packing.Page, status: int, headers: dict[str, str]) -> HTMLResponse:

@@ -15,7 +15,7 @@ from typing import Any
 from uuid import UUID
 
 import pytest
-from sqlalchemy import select, text
+from sqlalchemy import select, text, update
 
 from server.backup import service
 from server.backup.archive import MANIFEST, BackupError
@@ -30,6 +30,7 @@ from server.identity.models import Account
 from server.queue.models import Job
 from server.submissions.models import Submission
 from server.submissions.service import Submissions
+from tests.support.crowd import Sent, store
 from tests.support.service import EXERCISE, QUIET, new_account, worker_of
 
 #: What COPY, JSON and SQLite each have a way of their own to write.
@@ -102,6 +103,33 @@ def test_what_was_acknowledged_before_a_backup_under_load_is_restored(
     assert not waiting & graded
     assert len(names) == 3
     assert (kept is not None) == both.url.startswith("sqlite")
+
+
+def test_revisions_are_what_they_were_and_are_drawn_anew_again(
+    database: Database, both: Settings, tmp_path: Path
+) -> None:
+    ada = new_account(database)
+
+    def told(database: Database) -> tuple[object, ...]:
+        with database.read() as db:
+            return tuple(db.execute(select(Submission.revision, Submission.grading_id)).one())
+
+    (graded,) = store(database, [Sent(ada.id, EXERCISE, utc_now(), 0.5)])
+    before = told(database)
+    file = tmp_path / "save.zip"
+    service.back_up(both, file, OURS)
+    with database.write() as db:
+        db.execute(update(Grading).where(Grading.submission_id == graded).values(score=1.0))
+    assert told(database) != before
+    database.close()
+    service.restore(both, file, OURS, replace=True, now=utc_now())
+    again = Database(both.url)
+    assert told(again) == before
+    with again.write() as db:
+        db.execute(update(Grading).where(Grading.submission_id == graded).values(score=1.0))
+    after = told(again)
+    again.close()
+    assert after[0] not in {None, before[0]}
 
 
 #: What the test under load tries on PostgreSQL too is tried there alone among the slow ones.

@@ -9,6 +9,7 @@ from datetime import timedelta
 from sqlalchemy import delete, select, update
 
 from server.board import kept, repository, service
+from server.board.repository import Scope
 from server.board.schemas import Board, Insights
 from server.classes.models import Membership, SchoolClass, Status
 from server.course import Course
@@ -19,6 +20,7 @@ from server.marks.models import Override
 from server.submissions.models import Submission
 from tests.support.classes import assign, new_class, seat
 from tests.support.crowd import Sent, lessons, seated, store
+from tests.support.kept import forget
 from tests.support.service import EXERCISE, new_account
 
 OTHER, LATER = "l20/kabsch", "l20/predire2d"
@@ -90,7 +92,7 @@ def test_each_change_is_seen_at_the_next_look(database: Database, course: Course
     for change in changes:
         change()
         again = read(database, course, made)
-        kept._KEPT.clear()
+        forget()
         assert again == read(database, course, made), change.__name__
         assert again[0].version != before[0].version, change.__name__
         before = again
@@ -120,12 +122,48 @@ def test_what_is_the_same_is_not_reckoned_again(database: Database, course: Cour
         assert kept.done(db, course, scope, students[:1]).students == (students[0],)
 
 
-def test_what_a_database_tells_is_read_by_its_own_types(database: Database) -> None:
+def test_what_a_database_tells_is_read_by_its_own_types(database: Database, course: Course) -> None:
     made = new_class(database, new_account(database, Role.teacher))
     (ada,) = seated(database, made, 1)
     (submission,) = store(database, [Sent(ada, EXERCISE, NOW, 0.5, WRONG, "x = 2\n")])
     with database.read() as db:
-        (told,) = repository.history(db, repository.Scope(made.id, [EXERCISE], None))
-        sent = repository.Sent(*repository.TOLD.reader(db)(told))
+        (trail,) = kept.done(db, course, Scope(made.id, [EXERCISE], None), [ada]).trails.values()
+    (sent,) = trail
     assert (sent.account, sent.exercise, sent.sent_at, sent.submission) == (ada, EXERCISE, NOW, submission)
     assert (sent.outcome, sent.score, sent.diagnosis) == ("wrong_answer", 0.5, WRONG)
+
+
+def test_its_pulse_is_another_one_whenever_the_board_may_be(database: Database, course: Course) -> None:
+    made = new_class(database, new_account(database, Role.teacher))
+    ada, alan = seated(database, made, 2)
+    (submission,) = store(database, [Sent(ada, EXERCISE, NOW, 0.5, WRONG)])
+    guest = new_account(database)
+
+    def pulse() -> str:
+        with database.read() as db:
+            return str(repository.pulse(db, made.id))
+
+    def graded_anew() -> None:
+        """Of as many points."""
+        with database.write() as db:
+            counting = update(Grading).where(Grading.submission_id == submission)
+            db.execute(counting.values(diagnosis="another"))
+
+    def left() -> None:
+        with database.write() as db:
+            db.execute(update(Membership).where(Membership.account_id == alan).values(status=Status.left))
+
+    seen = [pulse()]
+    for change in (
+        graded_anew,
+        left,
+        lambda: seat(database, made, guest),
+        lambda: store(database, [Sent(guest.id, OTHER, NOW, None)]),
+        lambda: store(database, [Sent(guest.id, OTHER, NOW, 0.0)]),
+    ):
+        assert pulse() == seen[-1]
+        change()
+        seen.append(pulse())
+    assert len(set(seen)) == 6
+    store(database, [Sent(alan, EXERCISE, NOW, 1.0)])
+    assert pulse() == seen[-1], "who has left is nobody there"

@@ -11,20 +11,24 @@ from pathlib import Path
 from subprocess import PIPE, Popen
 from threading import Barrier
 from typing import Any
+from uuid import uuid4
 
 import pytest
+from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import select, text
+from sqlalchemy import insert, select, text, update
 
 from server.base.paths import ROOT
 from server.base.settings import Settings
 from server.cli import main
-from server.database import Database, after_commit, engine
+from server.database import Database, after_commit, engine, table_of
 from server.database.migrate import WrongSchema, configuration, head, is_known, require_current, upgrade
+from server.gradebook.models import Grading
 from server.identity.models import Account
 from server.limits.models import Allowance
+from server.submissions.models import Submission
 from server.tables import metadata
 from tests.support.quick import migrated
 
@@ -116,6 +120,39 @@ def test_processes_that_start_together_migrate_once(postgres_url: str, tmp_path:
         with ThreadPoolExecutor(4) as pool:
             for done in [pool.submit(start) for _ in range(4)]:
                 done.result()
+
+
+def test_revisions_come_and_go_with_their_migration(postgres_url: str, tmp_path: Path) -> None:
+    schema = f"{postgres_url}{'&' if '?' in postgres_url else '?'}options=-csearch_path%3Drevised"
+    with closing(Database(postgres_url)) as first, first.engine.begin() as connection:
+        connection.execute(text("DROP SCHEMA IF EXISTS revised CASCADE"))
+        connection.execute(text("CREATE SCHEMA revised"))
+    for url in (f"sqlite:///{tmp_path / 'balise.sqlite3'}", schema):
+        with closing(Database(url)) as database:
+            upgrade(database.engine, "0020")
+            account, graded, waits, grading = uuid4(), uuid4(), uuid4(), uuid4()
+            sent = {"account_id": account, "exercise": "m/a", "source": b"", "digest": "", "seed": 1}
+            found = {"outcome": "ok", "exercise_version": "v", "seed": 1, "verdict": {}, "figures": {}}
+            with database.write() as db:
+                db.execute(insert(table_of(Account)), {"id": account, "name": "Ada", "role": "student"})
+                db.execute(insert(table_of(Submission)), [{"id": one, **sent} for one in (graded, waits)])
+                at = dict.fromkeys(("started_at", "finished_at"), datetime.now(UTC))
+                db.execute(insert(table_of(Grading)), {"id": grading, "submission_id": graded, **found, **at})
+                points = update(table_of(Submission)).where(table_of(Submission).c.id == graded)
+                db.execute(points.values(grading_id=grading))
+            seen = set()
+            for _ in range(2):
+                upgrade(database.engine)
+                with database.read() as db:
+                    revisions = dict(db.execute(select(Submission.id, Submission.revision)).tuples().all())
+                assert revisions[waits] is None
+                seen.add(revisions[graded])
+                with database.engine.begin() as connection:
+                    command.downgrade(configuration(connection), "0020")
+                with database.write() as db:
+                    db.execute(points.values(digest="other"))
+                    db.execute(update(table_of(Grading)).values(outcome="timeout"))
+            assert len(seen - {None}) == 2
 
 
 def test_a_new_file_whose_mode_another_process_changes_is_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -24,6 +24,7 @@ from tests.desk.test_classes import text_of
 from tests.support.classes import Person, new_class, person, seat
 from tests.support.counting import Counted
 from tests.support.crowd import Sent, lessons, seated, store
+from tests.support.kept import forget
 from tests.support.service import EXERCISE, Site
 
 WRONG = "rotation_oubliee"
@@ -178,6 +179,7 @@ def test_the_page_asks_no_more_for_more_students(site: Site, martin: Person, mad
     browser, href = martin.browser(site), f"/classes/{made.id}"
 
     def statements() -> int:
+        forget()
         with Counted(site.database) as counted:
             text_of(browser, href)
         return len(counted.statements)

@@ -18,6 +18,7 @@ from server.rights.models import Right
 from tests.support.classes import person, seat
 from tests.support.client import TestClient
 from tests.support.counting import Counted
+from tests.support.kept import forget
 from tests.support.marks import AFTER, DUE, ODOMETRY, POSES, Term
 from tests.support.service import Site
 
@@ -170,14 +171,17 @@ def test_the_page_asks_no_more_for_a_bigger_class(site: Site, term: Term, martin
     term.send(term.student("Ada", "Lovelace", groups=["TP1"]), POSES, 3)
     paths = [f"{href}/carnet", f"{href}/carnet?devoir={given.id}", f"{href}/journal"]
     text_of(martin, paths[0])  # that they were there is noted
+    forget()
     few = [statements(path) for path in paths for _ in range(2)]
     for number in range(3):
         term.assignment(f"DM {number}")
         term.send(term.student("Ada", f"n° {number}"), POSES, 4)
         with site.database.write() as db:
             audit.note(db, term.made.id, term.teacher.id, What.staff_changed, about=str(number))
+    forget()
     again = [statements(path) for path in paths for _ in range(2)]
     assert again == few
+    assert again[0] > again[1], "of what has not changed, nothing more is asked"
     assert max(again) <= 14
 
 

@@ -12,12 +12,13 @@ from server.course import Course
 from server.database import Database, utc_now
 from server.gradebook.models import Grading
 from server.identity.models import Role
-from server.marks import book, sent
+from server.marks import book
 from server.marks.models import Override
 from server.marks.schemas import AssignmentMark, Book
 from server.submissions.models import Submission
 from tests.support.classes import assign, new_class
 from tests.support.crowd import Sent, seated, store
+from tests.support.kept import forget
 from tests.support.service import EXERCISE, new_account
 
 OTHER = "l20/kabsch"
@@ -73,8 +74,7 @@ def test_each_change_is_seen_at_the_next_look(database: Database, course: Course
     for change in (sent_more, graded_anew, due, last_counts, marked, purged):
         change()
         again = marks(read(database, course, made))
-        sent._KEPT.clear()
-        sent._MADE.clear()
+        forget()
         assert again == marks(read(database, course, made)), change.__name__
         assert again != before, change.__name__
         before = again

@@ -17,10 +17,10 @@ TEXT = st.text(max_size=60) | st.text(max_size=3).map(lambda text: text * 9000)
 
 
 @settings(max_examples=25)
-@given(before=TEXT, long=TEXT, after=TEXT)
-def test_what_is_unpacked_is_the_page(before: str, long: str, after: str) -> None:
+@given(before=TEXT, long=TEXT, after=TEXT, changing=st.booleans())
+def test_what_is_unpacked_is_the_page(before: str, long: str, after: str, changing: bool) -> None:
     whole = (before + long + after).encode()
-    page = packing.page(f"{before}{packing.PLACE}{after}", long)
+    page = packing.page(f"{before}{packing.PLACE}{after}", long, changing=changing)
     reader = zlib.decompressobj(16 + zlib.MAX_WBITS)
     assert reader.decompress(page.packed) == whole, "as a browser reads it: one member, whose checksum is right"
     assert (reader.eof, reader.unused_data) == (True, b"")

@@ -17,9 +17,11 @@ from server.desk.board.shown import ShownBoard
 from server.web import school_time
 from server.web.rendering import environment
 
+MOST_KNOWN = 64  # boards, by what they were found from
 KEPT_CHARACTERS = 8_000_000  # of HTML: thirty boards of 35 students and 26 exercises
 
 _KEPT: Lately[Hashable, Markup] = Lately(KEPT_CHARACTERS, size=len)
+_KNOWN: Lately[Hashable, Markup] = Lately(MOST_KNOWN)
 
 
 def work(shown: ShownBoard, asked: Hashable, view: Callable[[], WorkView]) -> Markup:
@@ -29,10 +31,18 @@ def work(shown: ShownBoard, asked: Hashable, view: Callable[[], WorkView]) -> Ma
 
 
 def beside(shown: ShownBoard, insights: Insights, *, may_regrade: bool) -> Markup:
-    """Names of students are the board's; times are told on the school's clock."""
-    people = tuple((one.id, one.name) for one in shown.students)
-    key = ("beside", shown.course, shown.href, people, insights, may_regrade, school_time.zone().key)
-    return _KEPT.get(key) or _KEPT.put(key, Markup(_macros().beside(_beside(shown, insights, may_regrade=may_regrade))))
+    """Names of students are the board's; times are told on the school's clock. What was found of the same attempts is
+    known by their name (`Insights.made`): to compare all of it would take longer than the rest of the page."""
+    of_all = (shown.course, shown.href, tuple(one.name for one in shown.students), may_regrade, school_time.zone().key)
+    known = (of_all, insights.made, insights.unnamed, insights.lesson[:1], insights.days[:1])
+    drawn = _KNOWN.get(known)
+    if drawn is None:
+        key = ("beside", of_all, tuple(one.id for one in shown.students), insights)
+        drawn = _KEPT.get(key) or _KEPT.put(
+            key, Markup(_macros().beside(_beside(shown, insights, may_regrade=may_regrade)))
+        )
+        _KNOWN.put(known, drawn)
+    return drawn
 
 
 def _beside(shown: ShownBoard, insights: Insights, *, may_regrade: bool) -> BesideView:

@@ -11,8 +11,9 @@ from server.course.dependencies import CourseOf
 from server.database import utc_now
 from server.database.dependencies import DatabaseOf, Db
 from server.desk.asking import UNKNOWN_ACTION, Group, log_in_first
+from server.desk.marks.mark_views import mark_page
 from server.desk.marks.schemas import MarkForm
-from server.desk.marks.views import UNKNOWN, Gradebook, mark_page
+from server.desk.marks.views import UNKNOWN, Gradebook
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.marks import book, repository, service

@@ -77,20 +77,16 @@ class MoodleView:
 
 
 @dataclass(frozen=True)
-class GradebookPage:
-    """`column` is the text of the column that is to be copied; `assignment` the title of the one that is detailed.
+class GradebookWork:
+    """What of the page is the same until something changes. `href` is that of the class; `column` the text of the
+    column that is to be copied.
 
     `kept`: what else is asked for, for a form that asks for one thing more.
     """
 
-    head: ClassHead
-    at: str
-    at_text: str
+    href: str
     total: int
     table: TableView
-    assignment: str
-    assignment_href: str
-    back: str
     everyone: str
     everyone_count: int
     groups: tuple[Choice, ...]
@@ -102,6 +98,21 @@ class GradebookPage:
     column: str | None
     moodle: tuple[MoodleView, ...]
     notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class GradebookPage:
+    """`assignment`: the title of the one that is detailed; `work` is drawn already (`GradebookWork`)."""
+
+    head: ClassHead
+    at: str
+    at_text: str
+    total: int
+    group: str
+    assignment: str
+    assignment_href: str
+    back: str
+    work: Markup
 
 
 @dataclass(frozen=True)

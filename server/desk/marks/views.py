@@ -15,46 +15,37 @@ from markupsafe import Markup
 from server.assignments.models import Assignment
 from server.base.errors import NotFound
 from server.course import Course
+from server.desk.marks import kept
 from server.desk.marks.schemas import (
     CellView,
     Choice,
     ColumnView,
-    ExerciseView,
     GradebookPage,
-    MarkPage,
+    GradebookWork,
     MoodleView,
-    OverrideView,
     RowView,
     TableView,
 )
 from server.desk.views import group_counts, head, href_of, regrade_href
 from server.marks.files import ABSENT, EXCUSED, NOTES, Identifier, cell, column, for_moodle, titles
-from server.marks.means import number, rounded, written
+from server.marks.means import number, written
 from server.marks.schemas import AssignmentMark, Book, ExerciseMark, Row, State, Summary, held_back, summary
 from server.rights.models import Right
 from server.rights.service import Place
 from server.web.rendering import environment
-from server.web.words import moment, moment_text, plural
+from server.web.words import moment, moment_text
 
 NONE = "—"
 TOTAL = "moyenne"
 A_PAGE = 200  # students
 MOST_CELLS = 8192  # kept as they were drawn
 UNKNOWN = "La classe n’a pas ce devoir, ou cet élève."
-STATES = {
-    State.upcoming: "pas encore ouvert",
-    State.open: "en cours",
-    State.done: "fini",
-    State.absent: "fini, rien n’a été envoyé",
-    State.excused: "dispensé",
-}
-AHEAD = ", et déjà travaillé"
 BY = {Identifier.email: "par adresse électronique", Identifier.id: "par identifiant"}
 
 Score = Callable[[Row], float | None]
 
 
-def _shown(points: float | None) -> str:
+def shown(points: float | None) -> str:
     return NONE if points is None else written(points)
 
 
@@ -94,17 +85,27 @@ class Gradebook:
         book = self.book
         chosen = self.place_of.get(self.assignment)
         about = None if chosen is None else self._about(book.assignments[chosen])
-        copied = {TOTAL: None, **self.place_of}
-        text = column(book, copied[self.to_copy]) if self.to_copy in copied else None
+        asked = (self.group, self.assignment, self.order, self.to_copy, self.number, self.place.may(Right.regrade))
         return GradebookPage(
             head=head(course, self.place, "/carnet"),
             at=moment(book.at),
             at_text=moment_text(book.at),
             total=len(book.rows),
-            table=self._overview() if chosen is None else self._of_exercises(chosen),
+            group=self.group,
             assignment="" if chosen is None else self.titles[chosen],
             assignment_href="" if about is None else about[1],
             back=self.address(devoir="", tri=""),
+            work=kept.work(self.everyone, self.path, asked, self._work),
+        )
+
+    def _work(self) -> GradebookWork:
+        book = self.book
+        chosen = self.place_of.get(self.assignment)
+        copied = {TOTAL: None, **self.place_of}
+        return GradebookWork(
+            href=href_of(self.place.school_class),
+            total=len(book.rows),
+            table=self._overview() if chosen is None else self._of_exercises(chosen),
             everyone=self.address(groupe=""),
             everyone_count=len(self.everyone.rows),
             groups=tuple(
@@ -122,7 +123,7 @@ class Gradebook:
                 Choice(name, title, name == self.to_copy)
                 for name, title in zip([*self.place_of, TOTAL], [*self.titles, "Moyenne"], strict=True)
             ),
-            column=text,
+            column=column(book, copied[self.to_copy]) if self.to_copy in copied else None,
             moodle=tuple(MoodleView(one.value, BY[one], for_moodle(self.everyone, one).left_out) for one in Identifier),
             notes=NOTES,
         )
@@ -153,9 +154,9 @@ class Gradebook:
 
     def _cells(self, row: Row) -> tuple[CellView, ...]:
         cells = [
-            _cell(mark, self._detail(row, one)) for mark, one in zip(row.marks, self.book.assignments, strict=True)
+            cell_view(mark, self._detail(row, one)) for mark, one in zip(row.marks, self.book.assignments, strict=True)
         ]
-        return (*cells, CellView(_shown(row.average)))
+        return (*cells, CellView(shown(row.average)))
 
     def _detail(self, row: Row, assignment: Assignment) -> str:
         return f"{self.path}/{row.member.id}/{assignment.id}"
@@ -183,7 +184,7 @@ class Gradebook:
         told = []
         for row in rows:
             mark, href = row.marks[place], self._detail(row, assignment)
-            told.append((row, (*(_exercise_cell(one, mark, href) for one in mark.exercises), _cell(mark, href))))
+            told.append((row, (*(_exercise_cell(one, mark, href) for one in mark.exercises), cell_view(mark, href))))
         return self._table(f"Notes du devoir « {self.titles[place]} »", columns, told)
 
     def _about(self, assignment: Assignment) -> tuple[str, str] | None:
@@ -209,8 +210,8 @@ class Gradebook:
             is_sorted=key == self.order,
             notes=notes,
             count=found.count,
-            mean=_shown(found.mean),
-            median=_shown(found.median),
+            mean=shown(found.mean),
+            median=shown(found.median),
             about=about,
         )
 
@@ -272,7 +273,7 @@ def _notes(one: Assignment, now: datetime) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _cell(mark: AssignmentMark, href: str) -> CellView:
+def cell_view(mark: AssignmentMark, href: str) -> CellView:
     found = cell(mark)
     text = found if isinstance(found, str) else NONE if found is None else number(found)
     pending = mark.state in {State.open, State.upcoming} and found is not None
@@ -283,58 +284,5 @@ def _cell(mark: AssignmentMark, href: str) -> CellView:
 def _exercise_cell(one: ExerciseMark, mark: AssignmentMark, href: str) -> CellView:
     if one.excused or mark.state is State.excused:
         return CellView(EXCUSED, href, changed=one.override is not None, stale=one.stale)
-    text = ABSENT if mark.state is State.absent else _shown(one.points)
+    text = ABSENT if mark.state is State.absent else shown(one.points)
     return CellView(text, href, one.days_late, one.override is not None, one.stale)
-
-
-def mark_page(course: Course, place: Place, book: Book, assignment: str) -> MarkPage:
-    """Of one student at one assignment. Raises NotFound."""
-    at = next((n for n, one in enumerate(book.assignments) if str(one.id) == assignment), None)
-    if at is None or not book.rows:
-        raise NotFound(UNKNOWN)
-    (row,) = book.rows
-    mark = row.marks[at]
-    path = f"{href_of(place.school_class)}/carnet"
-    return MarkPage(
-        head=head(course, place, "/carnet"),
-        student=row.member.name,
-        assignment=titles(book.assignments)[at],
-        path=f"{path}/{row.member.id}/{assignment}",
-        mark=_cell(mark, ""),
-        state=STATES[mark.state] + (AHEAD if mark.state is State.upcoming and mark.points is not None else ""),
-        notes=_rules(mark),
-        exercises=tuple(_exercise(book, one) for one in mark.exercises),
-        may_change=place.may(Right.change_marks) and place.school_class.archived_at is None,
-    )
-
-
-def _rules(mark: AssignmentMark) -> tuple[str, ...]:
-    """The dates in force for this student."""
-    dates = (("Ouvre", mark.rules.opens_at), ("À rendre", mark.rules.due_at), ("Ferme", mark.rules.closes_at))
-    told = [f"{word} le {moment_text(at)}" for word, at in dates if at is not None]
-    return (*told, plural(mark.days_late, "jour de retard", "jours de retard")) if mark.days_late else tuple(told)
-
-
-def _exercise(book: Book, one: ExerciseMark) -> ExerciseView:
-    counted, sent = one.counted, one.sent_at
-    return ExerciseView(
-        exercise=one.exercise,
-        title=book.title_of(one.exercise),
-        weight=number(one.weight),
-        points=EXCUSED if one.excused else _shown(one.points),
-        automatic=_shown(one.in_force.automatic),
-        late=0 if counted is None else counted.days_late,
-        attempts=one.attempts,
-        attempt="" if counted is None else f"/soumissions/{counted.attempt}",
-        sent="" if sent is None else moment(sent),
-        sent_text="" if sent is None else moment_text(sent),
-        override=_override(one),
-    )
-
-
-def _override(one: ExerciseMark) -> OverrideView | None:
-    found = one.override
-    if found is None:
-        return None
-    text = "dispense" if found.points is None else f"{number(rounded(found.points))} / 20"
-    return OverrideView(text, found.by, moment(found.at), moment_text(found.at), found.reason, one.stale)

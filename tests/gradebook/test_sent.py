@@ -1,0 +1,204 @@
+"""What is kept of what accounts have sent is what the database holds, whatever is done to it, and undone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from uuid import UUID, uuid4
+
+import pytest
+from sqlalchemy import delete, insert, select, text, update
+
+from graders.core.contract.outcomes import Outcome
+from server.database import Database, table_of, utc_now
+from server.gradebook import service
+from server.gradebook.models import Grading
+from server.gradebook.sent import Attempt, Histories, Revision, revisions
+from server.identity.models import Account
+from server.personal.joining import adopt
+from server.submissions.models import Submission
+from tests.gradebook.test_gradebook import graded, record, sent
+from tests.support.service import new_account
+
+Kept = Histories[tuple[Attempt, ...]]
+
+
+@pytest.fixture
+def ada(database: Database) -> UUID:
+    """Who has sent two attempts, of which the first was graded twice."""
+    account = new_account(database).id
+    for _ in range(2):
+        name = sent(database, account)
+        record(database, name, graded(score=0.25))
+    with database.write() as db:
+        first = db.execute(select(Submission.id).order_by(Submission.created_at).limit(1)).scalar_one()
+        service.regraded(db, first, graded(Outcome.OK))
+    return account
+
+
+def revision(database: Database, account: UUID) -> Revision | None:
+    with database.read() as db:
+        return revisions(db, [account]).get(account)
+
+
+def look(database: Database, kept: Kept, *accounts: UUID) -> dict[UUID, tuple[Attempt, ...]]:
+    with database.read() as db:
+        return {one: known.value for one, known in kept.told(db, revisions(db, accounts)).items()}
+
+
+def anew() -> Kept:
+    return Histories.of(tuple, 1000)
+
+
+def test_each_change_is_seen_at_the_next_look(database: Database, ada: UUID) -> None:
+    alan, kept = new_account(database).id, anew()
+    with database.read() as db:
+        first, last = db.execute(select(Submission.id).order_by(Submission.created_at)).scalars()
+        old, new = db.execute(
+            select(Grading.id).where(Grading.submission_id == first).order_by(Grading.finished_at)
+        ).scalars()
+
+    def chosen(grading: UUID) -> Callable[[], None]:
+        def choose() -> None:
+            with database.write() as db:
+                service.choose(db, first, grading)
+
+        return choose
+
+    def changed(model: type[Submission] | type[Grading], name: UUID, **values: object) -> Callable[[], None]:
+        def change() -> None:
+            with database.write() as db:
+                db.execute(update(model).where(model.id == name).values(**values))
+
+        return change
+
+    def inserted() -> None:
+        """As no part of the service does: an attempt that comes with its grading, of another one."""
+        with database.write() as db:
+            row = {"account_id": ada, "exercise": "m/a", "source": b"", "seed": 1, "digest": "d", "grading_id": old}
+            db.execute(insert(table_of(Submission)), {"id": uuid4(), "created_at": utc_now(), **row})
+
+    def purged() -> None:
+        with database.write() as db:
+            db.execute(delete(Submission).where(Submission.exercise == "m/a"))
+
+    def sent_more() -> None:
+        record(database, sent(database, ada), graded(Outcome.OK))
+
+    def waits_again() -> None:
+        changed(Submission, last, grading_id=None)()
+
+    def moved() -> None:
+        with database.write() as db:
+            db.execute(update(Submission).where(Submission.id == last).values(account_id=alan))
+
+    def adopted() -> None:
+        with database.write() as db:
+            adopt(db, ada, alan)
+
+    def erased() -> None:
+        with database.write() as db:
+            db.execute(delete(Account).where(Account.id == alan))
+
+    changes = (
+        *(chosen(new), chosen(old), sent_more, inserted, purged),
+        *(changed(Submission, last, exercise="m/b"), changed(Submission, last, digest="other")),
+        *(changed(Submission, last, created_at=utc_now()), changed(Grading, old, score=0.75)),
+        *(changed(Grading, old, outcome="timeout"), changed(Grading, old, diagnosis="tri"), moved, adopted),
+        *(waits_again, erased),
+    )
+    before = look(database, kept, ada, alan)
+    seen = {revision(database, ada): before[ada]}
+    for change in changes:
+        change()
+        after = look(database, kept, ada, alan)
+        assert after == look(database, anew(), ada, alan)
+        assert after != before
+        before, again = after, after.get(ada, ())
+        assert seen.setdefault(revision(database, ada), again) == again, "none ever returns with anything else"
+    assert before == {}
+    assert len(seen) == 1 + len(changes) - 3, "after the purge it is what it was before; who has none has no other"
+
+
+def test_what_is_not_read_changes_nothing(database: Database, ada: UUID) -> None:
+    before = revision(database, ada)
+    with database.write() as db:
+        db.execute(update(Submission).values(source=b"y = 2\n", seed=7))
+        db.execute(update(Grading).values(verdict={}, figures={}, total_ms=3.0))
+        service.regraded(db, db.execute(select(Submission.id).limit(1)).scalar_one(), graded(Outcome.OK))
+    sent(database, ada)
+    assert revision(database, ada) == before
+
+
+def test_what_is_rolled_back_has_never_been(database: Database, ada: UUID) -> None:
+    """Whoever looks in a transaction that is undone keeps what it saw, and nobody else is ever shown it."""
+    kept, before = anew(), look(database, anew(), ada)
+    for score in (0.5, 0.75):
+        with database.write() as db:
+            db.execute(update(Grading).values(score=score))
+            inside = kept.told(db, revisions(db, [ada]))[ada].value
+            assert {one.score for one in inside} == {score}
+            db.rollback()
+        assert look(database, kept, ada) == before
+    with database.write() as db:
+        with db.begin_nested() as nested:
+            db.execute(update(Grading).values(score=0.1))
+            assert {one.score for one in kept.told(db, revisions(db, [ada]))[ada].value} == {0.1}
+            nested.rollback()
+        assert kept.told(db, revisions(db, [ada]))[ada].value == before[ada]
+        db.execute(update(Grading).values(score=0.2))
+        assert {one.score for one in kept.told(db, revisions(db, [ada]))[ada].value} == {0.2}
+    assert {one.score for one in look(database, kept, ada)[ada]} == {0.2}
+
+
+def test_what_changes_while_somebody_looks(database: Database, ada: UUID) -> None:
+    """Of two transactions side by side: what is kept is what was read together, whatever was told before. SQLite shows
+    a transaction what was there when it began, PostgreSQL what is there when it asks."""
+    kept = anew()
+    with database.read() as db:
+        told = revisions(db, [ada])
+        with_file = database.engine.dialect.name == "sqlite"
+        record(database, sent(database, ada), graded(Outcome.OK))
+        known = kept.told(db, told)[ada]
+        assert len(known.value) == 2 if with_file else 3
+        assert (known.revision == told[ada]) is with_file
+        assert (revisions(db, [ada])[ada] == told[ada]) is with_file
+    assert look(database, kept, ada) == look(database, anew(), ada)
+    with database.write() as writing:
+        writing.execute(update(Grading).values(score=0.3))
+        inside = kept.told(writing, revisions(writing, [ada]))[ada].value
+        outside = look(database, kept, ada)[ada]
+        assert {one.score for one in inside} == {0.3}
+        assert {one.score for one in outside} == {0.25, 1.0}, "nobody sees what is not committed"
+        assert kept.told(writing, revisions(writing, [ada]))[ada].value == inside
+    assert look(database, kept, ada)[ada] == inside
+
+
+def test_only_who_has_changed_is_read_again(database: Database, ada: UUID) -> None:
+    alan, made = new_account(database).id, list[UUID]()
+    record(database, sent(database, alan), graded())
+
+    def make(attempts: object) -> tuple[Attempt, ...]:
+        found = tuple(attempts)  # type: ignore[arg-type]
+        made.append(found[0].account)
+        return found
+
+    kept = Histories.of(make, 1000)
+    look(database, kept, ada, alan)
+    first = look(database, kept, ada, alan)
+    assert sorted(made) == sorted([ada, alan])
+    record(database, sent(database, alan), graded(Outcome.OK))
+    second = look(database, kept, ada, alan)
+    assert made[2:] == [alan]
+    assert second[ada] is first[ada]
+
+
+def test_a_great_many_attempts_have_a_revision(sqlite: Database) -> None:
+    """Sums of sixty bits would outgrow what SQLite counts with after eight."""
+    account = new_account(sqlite).id
+    for _ in range(12):
+        record(sqlite, sent(sqlite, account), graded())
+    with sqlite.write() as db:
+        db.execute(text("UPDATE submission SET revision = 1152921504606846975"))
+    found = look(sqlite, anew(), account)
+    assert len(found[account]) == 12
+    assert revision(sqlite, account) == (12 * (2**32 - 1), 12 * (2**28 - 1))

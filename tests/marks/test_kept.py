@@ -1,0 +1,264 @@
+"""What is kept of a gradebook between two looks is never what it was: each look tells what a first one would, after
+whatever has changed, and at whatever time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import replace
+from datetime import datetime, timedelta
+from itertools import product
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+from uuid import UUID
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sqlalchemy import delete, select, update
+from sqlalchemy.orm import Session
+
+from server.assignments.models import AssignedExercise, Assignment, Counts, EndedBy, Exemption, Late, Mode, Sitting
+from server.base.settings import Settings
+from server.classes.models import Membership, SchoolClass, Status
+from server.course import Course
+from server.database import Database
+from server.gradebook import service as gradebook
+from server.gradebook.models import Grading
+from server.identity.models import Account
+from server.marks import book
+from server.marks.models import Override
+from server.marks.schemas import Book
+from server.personal.joining import adopt
+from server.submissions.models import Submission
+from tests.support.kept import forget
+from tests.support.marks import AFTER, DAY, ODOMETRY, OPENS, POSES, Term
+from tests.support.quick import migrated, the_course
+from tests.support.service import new_account
+
+HOUR, INSTANT = timedelta(hours=1), timedelta(microseconds=1)
+
+
+def read(term: Term, course: Course, now: datetime = AFTER, only: list[UUID] | None = None) -> Book:
+    with term.database.read() as db:
+        return inside(db, term, course, now, only)
+
+
+def inside(db: Session, term: Term, course: Course, now: datetime = AFTER, only: list[UUID] | None = None) -> Book:
+    school_class = db.get(SchoolClass, term.made.id)
+    assert school_class is not None
+    return book.of_class(db, course, school_class, now, only)
+
+
+def told(found: Book) -> list[object]:
+    """All that a book holds."""
+    columns = Assignment.__table__.columns.keys()
+    given = [[getattr(one, name) for name in columns] for one in found.assignments]
+    return [given, found.rows, found.titles, found.exercises, found.at, found.school_class.name]
+
+
+def test_each_change_is_seen_at_the_next_look(database: Database, course: Course) -> None:
+    term = Term.begin(database)
+    given = term.assignment(exercises={POSES: 1.0, ODOMETRY: 2.0})
+    test = term.assignment("Contrôle", {POSES: 1.0}, mode=Mode.test, duration_minutes=60)
+    ada, alan = term.student("Ada", "Lovelace", groups=["TP1"]), term.student("Alan", "Turing")
+    guest, martin = new_account(database), new_account(database, name="M. Roy")
+    first = term.send(ada, POSES, 8)
+    for who, exercise, points in ((ada, ODOMETRY, 12), (alan, POSES, 20), (guest, ODOMETRY, 16)):
+        term.send(who, exercise, points)
+
+    def doing(change: Callable[[Any], object]) -> Callable[[], None]:
+        def done() -> None:
+            with database.write() as db:
+                change(db)
+
+        return done
+
+    def setting(model: Any, *of: Any, **values: Any) -> Callable[[], None]:
+        return doing(lambda db: db.execute(update(model).where(*of).values(**values)))
+
+    def regraded(points: float) -> Callable[[], None]:
+        def choose(db: Any) -> None:
+            query = select(Grading.id).where(Grading.submission_id == first, Grading.score == points / 20)
+            gradebook.choose(db, first, db.execute(query).scalar_one())
+
+        return doing(choose)
+
+    def marked() -> None:
+        with database.write() as db:
+            row = {"class_id": term.made.id, "reason": "oral", "based_on": [], "by": martin.id}
+            db.add(Override(account_id=ada.id, exercise=POSES, points=18.0, **row))
+
+    def listed(**values: Any) -> Callable[[], None]:
+        return setting(Membership, Membership.class_id == term.made.id, Membership.account_id == alan.id, **values)
+
+    def exempt() -> None:
+        term.exempt(given, ada, due_at=AFTER + DAY, closes_at=AFTER + DAY, reason="malade")
+
+    def exempt_a_group() -> None:
+        with database.write() as db:
+            db.add(Exemption(assignment_id=given.id, label="TP1", excused=True))
+
+    of_given, of_test = Assignment.id == given.id, Assignment.id == test.id
+    asks_poses = AssignedExercise.exercise == POSES
+    changes: dict[str, Callable[[], None]] = {
+        "graded anew": lambda: [term.grade(first, 14), None][1],
+        "regrade undone": regraded(8),
+        "regrade applied": regraded(14),
+        "sent": lambda: [term.send(alan, ODOMETRY, 5), None][1],
+        "marked": marked,
+        "who marked is called otherwise": setting(Account, Account.id == martin.id, name="Mme Roy"),
+        "who marked has gone": doing(lambda db: db.execute(delete(Account).where(Account.id == martin.id))),
+        "mark withdrawn": setting(Override, withdrawn_at=AFTER),
+        "exempt": exempt,
+        "exempt by a label": exempt_a_group,
+        "revoked": setting(Exemption, Exemption.label == "TP1", revoked_at=AFTER),
+        "sitting begun": lambda: term.sit(test, alan),
+        "sent in it": lambda: [term.send(alan, POSES, 3, OPENS + HOUR / 2), None][1],
+        "sitting ended": setting(Sitting, handed_in_at=OPENS + HOUR / 4, ended_by=EndedBy.student),
+        "released": setting(Assignment, of_test, released_at=AFTER - HOUR),
+        "no test any more": setting(Assignment, of_test, mode=Mode.practice),
+        "in another group": listed(groups=["TP2"]),
+        "called otherwise": listed(family_name="Aaron", email="alan@example.org"),
+        "logs in otherwise": setting(Account, Account.id == alan.id, login="alan.t"),
+        "title": setting(Assignment, of_given, title="DM de mai"),
+        "weight": setting(Assignment, of_given, weight=3.0),
+        "weight of an exercise": setting(AssignedExercise, AssignedExercise.exercise == ODOMETRY, weight=7.0),
+        "due": setting(Assignment, of_given, due_at=OPENS, late=Late.penalty, late_per_day=1.0),
+        "the last counts": setting(Assignment, of_given, counts=Counts.last),
+        "asked no more": doing(lambda db: db.execute(delete(AssignedExercise).where(asks_poses))),
+        "adopted": doing(lambda db: adopt(db, guest.id, alan.id)),
+        "purged": doing(lambda db: db.execute(delete(Submission).where(Submission.account_id == alan.id))),
+        "archived": setting(SchoolClass, archived_at=OPENS),
+        "back": setting(SchoolClass, archived_at=None),
+        "named": setting(SchoolClass, name="MPSI 3"),
+        "left": listed(status=Status.left),
+        "erased": doing(lambda db: db.execute(delete(Account).where(Account.id == ada.id))),
+        "joined": lambda: [term.student("Emmy", "Noether"), None][1],
+        "no assignment": doing(lambda db: db.execute(delete(Assignment))),
+        "another module": setting(SchoolClass, module="aucun"),
+    }
+    before = told(read(term, course))
+    for name, change in changes.items():
+        change()
+        after = told(read(term, course))
+        assert told(read(term, course)) == after
+        forget()
+        assert told(read(term, course)) == after, name
+        assert after != before, name
+        before = after
+
+
+def test_what_has_not_changed_is_not_made_again(database: Database, course: Course) -> None:
+    term = Term.begin(database)
+    term.assignment()
+    ada, alan = term.student("Ada", "Lovelace"), term.student("Alan", "Turing")
+    term.send(ada, POSES, 8)
+    first = read(term, course)
+    again = read(term, course, AFTER + DAY)
+    assert again.rows is first.rows
+    assert again.made is first.made
+    assert again.at == AFTER + DAY, "but its moment"
+    assert read(term, course, only=[ada.id]).rows == first.rows[:1]
+    assert read(term, course, only=[alan.id]).rows == first.rows[1:]
+    assert read(term, replace(course)).made is not first.made, "another edition of the course"
+    term.send(alan, POSES, 5)
+    second = read(term, course)
+    assert second.made is not first.made
+    assert second.rows[0].marks[0] is first.rows[0].marks[0]
+
+
+def test_what_was_seen_in_a_transaction_that_is_undone_is_told_to_nobody(database: Database, course: Course) -> None:
+    term = Term.begin(database)
+    given = term.assignment()
+    term.send(term.student("Ada", "Lovelace"), POSES, 8)
+    before = told(read(term, course))
+    for change in (
+        update(Grading).values(score=1.0),
+        update(Assignment).where(Assignment.id == given.id).values(weight=9.0),
+        update(Membership).values(family_name="Byron"),
+    ):
+        with database.write() as db:
+            db.execute(change)
+            assert told(inside(db, term, course)) != before
+            db.rollback()
+        assert told(read(term, course)) == before
+
+
+def test_two_transactions_side_by_side(database: Database, course: Course) -> None:
+    """Who writes sees what they have written, and nobody else does before it is committed."""
+    term = Term.begin(database)
+    term.assignment()
+    term.send(term.student("Ada", "Lovelace"), POSES, 8)
+    before = told(read(term, course))
+    with database.write() as db:
+        db.execute(update(Grading).values(score=1.0))
+        mine = told(inside(db, term, course))
+        assert mine != before
+        assert told(read(term, course)) == before
+        assert told(inside(db, term, course)) == mine
+    assert told(read(term, course)) == mine
+
+
+#: Of half hours after the opening of the earliest.
+HALF = st.integers(0, 12)
+SOMETIMES = st.one_of(st.none(), HALF)
+GIVEN = st.fixed_dictionaries(
+    {
+        "opens": HALF, "due": SOMETIMES, "closes": SOMETIMES, "released": SOMETIMES, "late": st.sampled_from(Late),
+        "mode": st.sampled_from(Mode), "minutes": st.sampled_from([None, 30, 60, 120]),
+        "exempt": st.sampled_from([None, "due_at", "closes_at", "opens_at", "time_factor", "excused"]), "to": HALF,
+        "sits": SOMETIMES, "ended": SOMETIMES, "sent": SOMETIMES,
+    }
+)  # fmt: skip
+
+
+def at(half: int | None) -> datetime | None:
+    return None if half is None else OPENS + half * HOUR / 2
+
+
+def give(term: Term, wanted: dict[str, Any], students: list[Account]) -> None:
+    """An assignment for all, that is another one for the first student."""
+    opens = at(wanted["opens"])
+    dates = {"opens_at": opens, "due_at": at(wanted["due"]), "closes_at": at(wanted["closes"])}
+    penalty = 2.0 if wanted["late"] is Late.penalty else None
+    rules = {"late": wanted["late"], "late_per_day": penalty, "mode": wanted["mode"]}
+    more = {"duration_minutes": wanted["minutes"], "released_at": at(wanted["released"])}
+    one = term.assignment("Un devoir", {POSES: 1.0}, **dates, **rules, **more)
+    values = {"time_factor": 1.5, "excused": True}
+    if wanted["exempt"] is not None:
+        term.exempt(one, students[0], **{wanted["exempt"]: values.get(wanted["exempt"], at(wanted["to"]))})
+    began = at(wanted["sits"])
+    if wanted["mode"] is Mode.test and began is not None:
+        ended = None if wanted["ended"] is None else began + wanted["ended"] * HOUR / 2
+        by = None if ended is None else EndedBy.student if wanted["to"] % 2 else EndedBy.time
+        with term.database.write() as db:
+            for student in students[:2]:
+                row = {"began_at": began, "handed_in_at": ended, "ended_by": by}
+                db.add(Sitting(assignment_id=one.id, account_id=student.id, **row))
+    sent_at = at(wanted["sent"])
+    if sent_at is not None:
+        term.send(students[0], POSES, 11, sent_at)
+
+
+@given(st.lists(GIVEN, min_size=1, max_size=3), st.randoms(use_true_random=False))
+@settings(max_examples=12, deadline=None, database=None)
+def test_a_kept_book_is_that_of_every_time(wanted: list[dict[str, Any]], draw: Any) -> None:
+    """At each time on which something may depend, just before it, and just after; in whatever order one looks."""
+    course = the_course()
+    with TemporaryDirectory() as folder, closing(migrated(Settings(data_dir=Path(folder), workers=0))) as database:
+        term = Term.begin(database)
+        students = [term.student("Ada", "Lovelace"), term.student("Alan", "Turing"), term.student("Emmy", "Noether")]
+        for one in wanted:
+            give(term, one, students)
+        # Times that were extended by a half, of a half hour, fall on quarters.
+        times = [OPENS + place * HOUR / 4 + near * INSTANT for place, near in product(range(-1, 42), (-1, 0, 1))]
+        forget()
+        kept = [told(read(term, course, now)) for now in times]
+        mixed = draw.sample(range(len(times)), 40)
+        again = {place: told(read(term, course, times[place])) for place in mixed}
+        for place, now in enumerate(times):
+            forget()
+            fresh = told(read(term, course, now))
+            assert kept[place] == fresh, now
+            assert again.get(place, fresh) == fresh, now
