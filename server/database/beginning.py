@@ -1,5 +1,5 @@
-"""How a transaction of SQLite begins. Its driver would open it by itself, too late; were it told by an event of SQLAlchemy,
-each statement would take a third longer: all of them then look for events."""
+"""How a transaction of SQLite begins. Its driver would open it by itself, too late; were that told by an event, each
+statement would take a third longer: all of them then look for events."""
 
 from sqlalchemy import Engine, PoolProxiedConnection
 from sqlalchemy.dialects import registry
