@@ -13,13 +13,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import Connection, Engine, create_engine, event, make_url
+from sqlalchemy import Engine, create_engine, event, make_url
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
 from sqlalchemy.orm import Session, sessionmaker
 
 from server.base import traces
 from server.database.base import Base, table_of
+from server.database.beginning import DRIVER, writing
 
 log = logging.getLogger(__name__)
 
@@ -46,11 +47,11 @@ ENDED_IDLE = "25P03"
 def make_engine(url: str) -> Engine:
     """An engine for `url`; a SQLite file's folder is created."""
     asked = make_url(url)
-    checked = not url.startswith("sqlite")
+    checked = asked.get_backend_name() != "sqlite"
     reaching = {name: value for name, value in REACHING.items() if checked and name not in asked.query}
     # What a statement carries is no business of the logs: it may be a student's code.
     engine = create_engine(
-        url,
+        asked if checked else asked.set(drivername=f"sqlite+{DRIVER}"),
         pool_size=KEPT_CONNECTIONS,
         max_overflow=MOST_CONNECTIONS - KEPT_CONNECTIONS,
         pool_pre_ping=checked,
@@ -62,7 +63,6 @@ def make_engine(url: str) -> Engine:
     else:
         Path(asked.database or "").parent.mkdir(parents=True, exist_ok=True)
         event.listen(engine, "connect", _prepare_sqlite)
-        event.listen(engine, "begin", _begin_sqlite)
     return engine
 
 
@@ -90,17 +90,6 @@ def _prepare_postgres(connection: Any, _record: object) -> None:
     with connection.cursor() as cursor:
         cursor.execute("SELECT set_config('idle_in_transaction_session_timeout', %s, false)", (IDLE_TRANSACTION,))
     connection.commit()
-
-
-def _begin_sqlite(connection: Connection) -> None:
-    """Said to the driver itself: what is made of a statement on the way takes longer than this one."""
-    begin = "BEGIN IMMEDIATE" if connection.get_execution_options().get("immediate", False) else "BEGIN"
-    driver = connection.connection.dbapi_connection
-    assert driver is not None  # it has just been opened
-    try:
-        driver.execute(begin)
-    except sqlite3.OperationalError as error:
-        raise OperationalError(begin, None, error) from error
 
 
 def after_commit(db: Session, action: Callable[[], None]) -> None:
@@ -133,7 +122,7 @@ class Database:
     def __init__(self, url: str) -> None:
         self.engine = make_engine(url)
         self._reads = sessionmaker(self.engine, expire_on_commit=False)
-        self._writes = sessionmaker(self.engine.execution_options(immediate=True), expire_on_commit=False)
+        self._writes = sessionmaker(writing(self.engine), expire_on_commit=False)
 
     @property
     def is_near(self) -> bool:

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy import Connection, Engine, inspect, text
 
+from server.database.beginning import writing
+
 if TYPE_CHECKING:
     from alembic.config import Config
 
@@ -37,7 +39,7 @@ def upgrade(engine: Engine, revision: str = "head") -> None:
 
     Raises WrongSchema, before anything changes, where the database comes from a newer Balise.
     """
-    with engine.execution_options(immediate=True).begin() as connection:
+    with writing(engine).begin() as connection:
         one_at_a_time(connection)
         upgrade_on(connection, revision)
 
