@@ -55,6 +55,12 @@ def test_a_sample_tells_what_all_the_additions_would_take(monkeypatch: pytest.Mo
     assert pace.wall == pytest.approx(1.0)
 
 
+def test_what_the_machine_was_worth_is_told_beside_the_figures() -> None:
+    rows = [Row("as a half", "ms", 10.0, 10.0), Row("as one", "s", 4.0, 2.0), Row("others", "a second", 70.0, 160.0)]
+    assert gather.weather([*rows, Row("raw", "ms", 3.0)]) == "ten million additions: 0.50 to 1.00 s"
+    assert gather.weather([Row("raw", "ms", 3.0)]) == ""
+
+
 def fine(_: Wanted) -> list[Row]:
     print("this is no row")
     return [Row("a subject", "ms", 1.0)]

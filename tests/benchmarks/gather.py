@@ -18,7 +18,7 @@ from multiprocessing.connection import Connection
 from multiprocessing.context import ForkProcess
 from pathlib import Path
 
-from tests.benchmarks.measure import Row, figure, table
+from tests.benchmarks.measure import REFERENCE, Row, figure, table
 from tests.benchmarks.parts import DATA, PARTS, Part, Wanted
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -26,6 +26,8 @@ HEAD = ("subject", "measured", "normalised", "processor", "limit", "peers", "goa
 #: One processor for each computation, as the sandbox leaves one to a program; libraries read it once, when they load.
 QUIET = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 GRACE = 5.0  # seconds
+#: Of which a normalised figure tells how long the additions took beside it.
+TIMES = frozenset({"s", "ms", "ns a particle"})
 Found = list[Row] | str
 
 
@@ -106,6 +108,14 @@ def summary(rows: Sequence[Row]) -> str:
     return "{} goals met, {} not met, {} not measured".format(*counts)
 
 
+def weather(rows: Sequence[Row]) -> str:
+    """How long the additions took beside these figures, at least and at most. What is normalised at one moment is to be
+    compared with another's no further than that: real work is seldom slowed down as much as they are."""
+    times = [row for row in rows if row.measured and row.normalised and row.unit in TIMES]
+    found = [REFERENCE * row.measured / row.normalised for row in times if row.measured and row.normalised]
+    return f"ten million additions: {min(found):.2f} to {max(found):.2f} s" if found else ""
+
+
 def chosen(words: Sequence[str], *, quick: bool, suite: bool) -> list[Part]:
     """Those that a word names, whatever they take; else all but those that take minutes, which are asked for."""
     if words:
@@ -130,5 +140,5 @@ def main(words: Sequence[str] | None = None, description: str = "") -> int:
     for row in rows_of(chosen(asked.only, quick=asked.quick, suite=asked.suite), wanted, failed):
         print(f"| {' | '.join(line(row))} |", flush=True)  # at once: what is stopped has told what it knows
         rows.append(row)
-    print(f"\n{summary(rows)}")
+    print(f"\n{summary(rows)}", weather(rows), sep="\n")
     return 1 if failed else 0
