@@ -36,7 +36,7 @@ BITS = 61
 # As many rays as the nearest memory holds well, however many there are to cast.
 BLOCK = 16384
 # Rays that have landed are carried along until so many have: moving the others has a price too.
-COMPACTION = 0.6
+COMPACTION = 0.4
 # The last rays go on to the end of the map at once, when that makes no more places than so many: leaping one by one
 # along a wall, they would keep all the others waiting.
 LAST_PLACES = 8192
@@ -221,7 +221,7 @@ class RayCaster:
         return _Starts(first, speed, origin, stride), _Rays(height, slope, ahead, stride, number), places
 
     def _origins(self, cells: Floats, mirror: Integers, sector: Floats) -> Floats:
-        """The places (n,), whole, of cells (2, n) in their mirrors and sectors (n,); both numbers are spent on it."""
+        """The places (n,), whole, of cells (2, n), each in its mirror and sector (n,); both are spent on it."""
         # Off the map, the nearest cell of its frame is as good a wall.
         for along, side in zip(cells, self.free.shape[::-1], strict=True):
             np.clip(along, -1.0, side, out=along)
@@ -235,12 +235,13 @@ class RayCaster:
     def _fly(self, rays: _Rays, places: Integers) -> Integers:
         """Let rays leap from their first `places` (n,) until all have landed; where they have."""
         ends, longest = places.copy(), max(self.free.shape) + 2
-        left = len(places)
+        # What lands where it starts is told by its first place alone: its height at the column's line cannot give it.
+        left, share = len(places), 1.0
         while left:
             columns = self.table.take(places)
             left = int(np.count_nonzero(columns))
             few = left * longest <= LAST_PLACES
-            if few or left <= COMPACTION * columns.size:
+            if few or left <= share * columns.size:
                 flying = columns > 0
                 landed, kept = np.flatnonzero(~flying), np.flatnonzero(flying)
                 ends[rays.number.take(landed)] = places.take(landed)
@@ -249,7 +250,7 @@ class RayCaster:
             if few:
                 ends[rays.number] = self._finish(rays.ways(self.unit, longest))
                 break
-            places = rays.places(self.unit)
+            places, share = rays.places(self.unit), COMPACTION
         return ends
 
     def _finish(self, ways: Integers) -> Integers:
