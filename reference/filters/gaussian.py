@@ -91,7 +91,7 @@ def joseph(covariance: Floats, K: Floats, H: Floats, R: Floats) -> Floats:
 def checked_vector(argument: str, values: ArrayLike, size: int | None = None) -> Floats:
     """The array (size,) of finite numbers that a control or a measurement must be. Raises InvalidArgumentError."""
     vector = np.asarray(values, dtype=np.float64)
-    if vector.ndim != 1 or (size is not None and vector.size != size) or not np.all(np.isfinite(vector)):
+    if vector.ndim != 1 or (size is not None and vector.size != size) or not np.isfinite(vector).all():
         length = "n" if size is None else size
         raise InvalidArgumentError(argument, f"of shape {vector.shape} is not an array ({length},) of finite numbers")
     return vector

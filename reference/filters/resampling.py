@@ -125,14 +125,14 @@ def _running_sums(w: Floats, scale: float, start: float, buffer: Floats) -> Floa
     if w.size < _BLOCK:
         np.multiply(w, scale, out=sums)
         sums[0] += start
-        return np.cumsum(sums, out=sums)
+        return np.add.accumulate(sums, out=sums)
     groups = sums.reshape(_GROUP, -1)
     np.multiply(w.reshape(-1, _GROUP).T, scale, out=groups)
     for before, row in pairwise(groups):
         np.add(before, row, out=row)
     starts = np.empty(groups.shape[1])
     starts[0], starts[1:] = start, groups[-1, :-1]
-    groups += np.cumsum(starts, out=starts)
+    groups += np.add.accumulate(starts, out=starts)
     return sums
 
 
@@ -141,7 +141,7 @@ def _place(ancestors: Integers, placed: int, below: Integers, first: int) -> int
     `first`, …, in any order but for the last one's. Returns how many teeth have theirs."""
     passed, more = np.bincount(below), int(below[-1])
     passed[0] += first
-    np.cumsum(passed[:more], out=ancestors[placed : placed + more])
+    np.add.accumulate(passed[:more], out=ancestors[placed : placed + more])
     return placed + more
 
 

@@ -58,7 +58,7 @@ def turn_advance_turn(T_before_after: ArrayLike) -> Floats:
     Raises InvalidArgumentError.
     """
     move = np.asarray(T_before_after, dtype=np.float64)
-    if move.shape != (3,) or not np.all(np.isfinite(move)):
+    if move.shape != (3,) or not all(map(math.isfinite, move.tolist())):
         raise InvalidArgumentError("T_before_after", f"of shape {move.shape} is not a pose (3,) of finite numbers")
     x, y, turn = move.tolist()
     advance = math.hypot(x, y)
@@ -75,10 +75,14 @@ def sample_odometry(
         raise InvalidArgumentError("poses", f"has shape {before.shape}, not (n, 3)")
     move = turn_advance_turn(T_before_after)
     sigmas = noise.sigmas(*move.tolist())
-    first, advance, second = move[:, None] + sigmas[:, None] * rng.standard_normal((3, len(before)))
-    heading = before[:, 2] + first
+    drawn = rng.standard_normal((3, len(before)))
+    drawn *= sigmas[:, None]
+    drawn += move[:, None]
+    first, advance, second = drawn
     after = np.empty_like(before)
-    after[:, 0] = before[:, 0] + advance * np.cos(heading)
-    after[:, 1] = before[:, 1] + advance * np.sin(heading)
-    after[:, 2] = wrap_angle(heading + second)
+    heading = np.add(before[:, 2], first, out=first)
+    np.add(before[:, 0], advance * np.cos(heading), out=after[:, 0])
+    np.add(before[:, 1], advance * np.sin(heading), out=after[:, 1])
+    heading += second
+    after[:, 2] = wrap_angle(heading)
     return after

@@ -48,8 +48,13 @@ class LikelihoodField:
         density = np.exp(-0.5 * (grid_map.distance_to_wall / sigma) ** 2) / (sigma * np.sqrt(2.0 * np.pi))
         self.log_field = checked_power(power) * np.log(hit * density + noise)
         self.log_field.flags.writeable = False
-        # With one cell of noise all around, whatever lies off the map falls on the margin once clipped to it.
-        self._table = np.pad(self.log_field, 1, constant_values=power * np.log(noise))
+        # One cell of noise all around, and more behind each row, which also comes before the next one: what ends as far
+        # off the map as that needs no clipping. It is as wide as the map, or else as far as twice what a beam reaches.
+        width = grid_map.shape[1]
+        self._behind = 1 + int(min(2.0 * max_range / grid_map.resolution, width))
+        self._table = np.pad(self.log_field, ((1, 1), (1, self._behind)), constant_values=power * np.log(noise))
+        # Whole numbers of half the size, where they hold every place, even off the table by its width.
+        self._place = np.int32 if self._table.size + self._table.shape[1] ** 2 < 2**31 else np.int64
         self._to_table = rotation(-grid_map.T_world_map[2]) / grid_map.resolution
         self._corner = 1.0 - self._to_table @ grid_map.T_world_map[:2]
 
@@ -61,16 +66,24 @@ class LikelihoodField:
         """
         poses = checked_poses(poses_world, scan)
         points = scan.points()
-        x, y = self._to_table @ poses[:, :2].T + self._corner[:, None]
+        starts = self._to_table @ poses[:, :2].T + self._corner[:, None]
         headings = poses[:, 2] - self.grid_map.T_world_map[2]
-        c, s, ends = np.cos(headings), np.sin(headings), np.ones((len(points), 3))
+        (x, y), c, s, ends = starts, np.cos(headings), np.sin(headings), np.ones((len(points), 3))
         np.divide(points, self.grid_map.resolution, out=ends[:, :2])
-        height, width = self._table.shape
         columns = ends @ np.array([c, -s, x])
         rows = ends @ np.array([s, c, y])
-        np.clip(columns, 0.0, width - 1.0, out=columns)
-        np.clip(rows, 0.0, height - 1.0, out=rows)
-        cells = np.floor(rows, out=rows)
-        cells *= width
-        cells += columns
-        return np.asarray(self._table.ravel().take(cells.astype(np.int64)).sum(axis=0))
+        if not self._surrounds(starts, scan.max_range / self.grid_map.resolution):
+            # Whatever lies off the map falls on the one cell of noise around it.
+            np.clip(columns, 0.0, self.grid_map.shape[1] + 1.0, out=columns)
+            np.clip(rows, 0.0, self.grid_map.shape[0] + 1.0, out=rows)
+        cells = rows.astype(self._place)
+        cells *= self._table.shape[1]
+        cells += columns.astype(self._place)
+        # Before the first row and after the last one all is noise, as their ends are.
+        return np.asarray(self._table.ravel().take(cells, mode="clip").sum(axis=0))
+
+    def _surrounds(self, starts: Floats, reach: float) -> bool:
+        """Is the noise around the map wide enough for beams of that reach from points (2, n) = (x, y) of the table?"""
+        (right, top), (height, width) = starts.max(axis=1, initial=0.0).tolist(), self.grid_map.shape
+        room = self._behind - reach
+        return bool(starts.min(initial=0.0) >= -room) and right <= width + room and top <= height + room

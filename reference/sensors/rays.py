@@ -43,7 +43,7 @@ def checked_power(power: float) -> float:
 def checked_poses(poses_world: Floats, scan: Scan) -> Floats:
     """Poses (n, 3) and a scan that can be weighed. Raises InvalidArgumentError, also for a scan without beams."""
     poses = np.asarray(poses_world, dtype=np.float64)
-    if poses.ndim != 2 or poses.shape[1] != 3 or not np.all(np.isfinite(poses)):
+    if poses.ndim != 2 or poses.shape[1] != 3 or not np.isfinite(poses).all():
         raise InvalidArgumentError("poses_world", f"of shape {poses.shape} is not an array (n, 3) of finite numbers")
     if len(scan) == 0:
         raise InvalidArgumentError("scan", "has no beams")

@@ -36,7 +36,7 @@ BITS = 61
 # As many rays as the nearest memory holds well, however many there are to cast.
 BLOCK = 16384
 # Rays that have landed are carried along until so many have: moving the others has a price too.
-COMPACTION = 0.6
+COMPACTION = 0.4
 # The last rays go on to the end of the map at once, when that makes no more places than so many: leaping one by one
 # along a wall, they would keep all the others waiting.
 LAST_PLACES = 8192
@@ -157,7 +157,9 @@ class RayCaster:
         distances = np.empty(len(headings))
         for first in range(0, len(headings), BLOCK):
             block = slice(first, first + BLOCK)
-            directions = np.stack([np.cos(headings[block]), np.sin(headings[block])])
+            directions = np.empty((2, len(headings[block])))
+            np.cos(headings[block], out=directions[0])
+            np.sin(headings[block], out=directions[1])
             distances[block] = self._distances(starts[block].T, directions)
         return np.minimum(distances, max_range, out=distances)
 
@@ -195,27 +197,31 @@ class RayCaster:
 
     def _launch(self, points: Floats, directions: Floats) -> tuple[_Starts, _Rays, Integers]:
         """Rays from points (2, n), about to leap from the columns of their starts; and those columns' places."""
-        cells, ways, back = np.floor(points), np.empty((2, *points.shape)), directions < 0.0
-        np.subtract(points, cells, out=ways[0])
+        # Fresh memory costs most of all. In one piece, as the C library keeps for the next block no more than twice the
+        # largest piece that it was ever given back.
+        room = np.empty((17, points.shape[1]))
+        cells, ways, (first, speed) = room[:2], room[2:6].reshape(2, 2, -1), room[6:10].reshape(2, 2, -1)
+        height, slope, origin, places, ahead, stride, number = whole = room[10:].view(np.int64)
+        back = directions < 0.0
+        np.subtract(points, np.floor(points, out=cells), out=ways[0])
         ways[0] -= ~back
         ways[1] = directions
         np.abs(ways, out=ways)
         steep = ways[1, 1] > ways[1, 0]
-        first, speed = np.where(steep, ways[:, ::-1], ways)
-        height, slope, sector = _climbs(first, speed, steep, 2**self.unit, ways)
+        first[:], speed[:] = np.where(steep, ways[:, ::-1], ways)
+        sector = _climbs(first, speed, steep, 2**self.unit, ways, whole[:2])
         mirror = (4 * steep.view(np.uint8) + 2 * back[1].view(np.uint8) + back[0].view(np.uint8)).astype(np.int64)
-        origin = self._origins(cells, mirror, sector)
-        del cells, ways, sector, mirror  # fresh memory costs most of all: it is given back before more is asked for
-        stride = np.where(steep, 2 * self.free.shape[1] + 4, 2 * self.free.shape[0] + 4)
-        places = height >> self.unit
+        origin[:] = ahead[:] = self._origins(cells, mirror, sector)
+        stride[:] = np.where(steep, 2 * self.free.shape[1] + 4, 2 * self.free.shape[0] + 4)
+        number[:] = np.arange(len(number))
+        np.right_shift(height, self.unit, out=places)
         places += origin
         # As if they had come into the columns that they start in.
         height -= slope
-        rays = _Rays(height, slope, origin.copy(), stride, np.arange(len(origin)))
-        return _Starts(first, speed, origin, stride), rays, places
+        return _Starts(first, speed, origin, stride), _Rays(height, slope, ahead, stride, number), places
 
-    def _origins(self, cells: Floats, mirror: Integers, sector: Floats) -> Integers:
-        """The places (n,) of cells (2, n), each in its mirror and sector (n,); what is not whole is spent on it."""
+    def _origins(self, cells: Floats, mirror: Integers, sector: Floats) -> Floats:
+        """The places (n,), whole, of cells (2, n), each in its mirror and sector (n,); both are spent on it."""
         # Off the map, the nearest cell of its frame is as good a wall.
         for along, side in zip(cells, self.free.shape[::-1], strict=True):
             np.clip(along, -1.0, side, out=along)
@@ -224,17 +230,18 @@ class RayCaster:
             term = steps.take(mirror)
             term *= along
             place += term
-        return place.astype(np.int64)
+        return place
 
     def _fly(self, rays: _Rays, places: Integers) -> Integers:
         """Let rays leap from their first `places` (n,) until all have landed; where they have."""
         ends, longest = places.copy(), max(self.free.shape) + 2
-        left = len(places)
+        # What lands where it starts is told by its first place alone: its height at the column's line cannot give it.
+        left, share = len(places), 1.0
         while left:
             columns = self.table.take(places)
             left = int(np.count_nonzero(columns))
             few = left * longest <= LAST_PLACES
-            if few or left <= COMPACTION * columns.size:
+            if few or left <= share * columns.size:
                 flying = columns > 0
                 landed, kept = np.flatnonzero(~flying), np.flatnonzero(flying)
                 ends[rays.number.take(landed)] = places.take(landed)
@@ -243,7 +250,7 @@ class RayCaster:
             if few:
                 ends[rays.number] = self._finish(rays.ways(self.unit, longest))
                 break
-            places = rays.places(self.unit)
+            places, share = rays.places(self.unit), COMPACTION
         return ends
 
     def _finish(self, ways: Integers) -> Integers:
@@ -252,11 +259,9 @@ class RayCaster:
         return np.take_along_axis(ways, where[:, None], axis=1)[:, 0]
 
 
-def _climbs(
-    first: Floats, speed: Floats, steep: NDArray[np.bool_], one: int, spare: Floats
-) -> tuple[Integers, Integers, Floats]:
-    """How high rays (n,) are above the row of their start when they leave its column, and how much they rise in a
-    column, both in units, of which `one` make a row; and the sector of that slope, in `spare` (2, 2, n).
+def _climbs(first: Floats, speed: Floats, steep: NDArray[np.bool_], one: int, spare: Floats, found: Integers) -> Floats:
+    """Into `found` (2, n): how high rays are above the row of their start when they leave its column, and how much they
+    rise in a column, both in units, of which `one` make a row. Returns the sector of that slope, in `spare` (2, 2, n).
 
     Fresh memory costs more than what is computed here: arrays that are done with take the results.
     """
@@ -273,14 +278,14 @@ def _climbs(
     np.abs(height, out=height)
     np.subtract(1.0, first[1], out=sector)
     sector *= one
-    climbed = height.astype(np.int64)
+    climbed, found[1] = found[0], slope
+    climbed[:] = height
     climbed -= steep
     climbed += sector.astype(np.int64)
     # From one corner to another, rounding leaves the choice: a column is left by its first row or by the next one.
     np.clip(climbed, 0, 2 * one - 1, out=climbed)
     np.multiply(slope, SECTORS / one, out=sector)
-    np.minimum(np.floor(sector, out=sector), SECTORS - 1.0, out=sector)
-    return climbed, slope.astype(np.int64), sector
+    return np.asarray(np.minimum(np.floor(sector, out=sector), SECTORS - 1.0, out=sector))
 
 
 def _places(height: int, width: int) -> Floats:

@@ -68,7 +68,10 @@ class Scan:
         """Where the beams that hit something ended, (k, 2) = (x, y) in the robot's frame, in the order of the beams."""
         hits = self.hits
         ranges, angles = self.ranges[hits], self.angles[hits]
-        return np.column_stack([ranges * np.cos(angles), ranges * np.sin(angles)])
+        points = np.empty((len(ranges), 2))
+        np.multiply(ranges, np.cos(angles), out=points[:, 0])
+        np.multiply(ranges, np.sin(angles), out=points[:, 1])
+        return points
 
     def every(self, step: int) -> Scan:
         """The scan of one beam out of `step`, the first one included. Raises ScanError."""

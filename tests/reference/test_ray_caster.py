@@ -131,6 +131,18 @@ def test_no_ray_slips_between_two_walls_that_touch_at_a_corner(quarter: int) -> 
     assert np.all(found >= to_the_wall - math.sqrt(2.0) / 2 - 1e-9)
 
 
+def test_a_ray_that_lands_where_it_starts_stays_there_while_others_fly(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From the very line behind which there is a wall, all but along it, in the company of rays far from landing."""
+    monkeypatch.setattr(ray_caster, "LAST_PLACES", 0)
+    free = np.ones((40, 400), dtype=bool)
+    free[3] = False
+    origins = np.array([[5.5, 4.0]] + [[1.5, 20.5]] * 50)
+    angles = np.append(-1e-17, np.linspace(0.01, 0.4, 50))
+    found = RayCaster.of(free).cast(origins, angles, 1e3)
+    assert found[0] == 0.0
+    np.testing.assert_allclose(found, cast_rays(free, origins, angles, 1e3), atol=1e-9)
+
+
 def test_rays_nearly_along_an_axis_lose_no_digit() -> None:
     free = np.ones((3, 3000), dtype=bool)
     angles = np.array([1e-3, 3e-4, 1e-9, -1e-9, math.pi - 1e-9, math.pi + 5e-4])

@@ -142,6 +142,39 @@ def test_the_field_is_the_density_of_the_nearest_wall_by_brute_force() -> None:
     assert np.allclose(field.log_likelihood(poses, scan), expected, atol=1e-9)
 
 
+@pytest.mark.parametrize("away", [0.0, 0.3, 3.0, 7.0, 30.0, 1e4, 1e30])
+@pytest.mark.parametrize("max_range", [0.5, 2.0, 8.0, 50.0, 1e9])
+def test_wherever_beams_end_off_the_map_the_field_is_noise(away: float, max_range: float) -> None:
+    """From on the map and off it, by scans that reach as far as the field's and further, cell by cell."""
+    rng, shape = np.random.default_rng(int(max_range)), (40, 60)
+    # Walls up to the very edge: a beam taken for one of the next row would be told.
+    grid_map = GridMap.from_free(rng.random(shape) < 0.5, 0.1)
+    field = LikelihoodField(grid_map, sigma=0.25, max_range=2.0)
+    starts = rng.uniform(-away, away + np.array([6.0, 4.0]), (60, 2))
+    poses = np.column_stack([starts, rng.uniform(-3.0, 3.0, 60)])
+    scan = Scan.full_turn(rng.uniform(0.1, 1.0, 25) * 0.99 * max_range, max_range)
+    angles = poses[:, 2] + scan.angles[:, None]
+    columns = np.floor((poses[:, 0] + scan.ranges[:, None] * np.cos(angles)) / 0.1)
+    rows = np.floor((poses[:, 1] + scan.ranges[:, None] * np.sin(angles)) / 0.1)
+    inside = (columns >= 0) & (columns < shape[1]) & (rows >= 0) & (rows < shape[0])
+    cells = np.where(inside, rows * shape[1] + columns, 0).astype(np.int64)
+    logs = np.where(inside, field.log_field.ravel()[cells], math.log(0.1 / 2.0))
+    assert np.allclose(field.log_likelihood(poses, scan), logs.sum(axis=0), atol=1e-9)
+
+
+def test_a_beam_that_ends_by_one_rounding_before_a_cell_is_not_in_it() -> None:
+    """However far down the map its row is."""
+    free = np.ones((40, 60), dtype=bool)
+    free[:, 1] = False
+    field = LikelihoodField(GridMap.from_free(free))
+    found = field.log_likelihood(np.array([[0.5, 37.5, 0.0]]), Scan.full_turn([0.5 - 2.0**-51], 8.0))
+    assert found[0] == field.log_field[37, 0] != field.log_field[37, 1]
+
+
+def test_no_pose_has_no_likelihood() -> None:
+    assert LikelihoodField(room()).log_likelihood(np.zeros((0, 3)), Scan.full_turn([1.0, 2.0], 8.0)).shape == (0,)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_the_true_pose_is_the_likeliest_of_many(seed: int) -> None:
     grid_map, rng = room(), np.random.default_rng(seed)
