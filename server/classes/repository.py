@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.classes.schemas import Joined, Learner, Listed, Member, listed_name, place_in_list
-from server.database import Telling, Told, ask, prepared, table_of
+from server.database import Telling, Told, ask, one_of, prepared, table_of
 from server.identity.models import Account
 
 STAFF = (Seat.assistant, Seat.teacher)
@@ -95,7 +95,7 @@ def _some(class_id: UUID, accounts: Collection[UUID]) -> Select[Membership, Acco
 @prepared
 def _staff(class_id: UUID) -> Select[Membership, Account]:
     query = select(Membership, Account).join(Account, Account.id == Membership.account_id)
-    return query.where(Membership.class_id == class_id, Membership.role.in_(STAFF))
+    return query.where(Membership.class_id == class_id, one_of(Membership.role, STAFF))
 
 
 def members(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -> Sequence[Member]:
@@ -178,7 +178,7 @@ def _counts(classes: Collection[UUID]) -> Select[UUID, str, int]:
         .where(
             Membership.class_id.in_(classes),
             Membership.role == Seat.student,
-            Membership.status.in_((Status.active, Status.pending)),
+            one_of(Membership.status, (Status.active, Status.pending)),
         )
         .group_by(Membership.class_id, Membership.status)
     )

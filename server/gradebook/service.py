@@ -1,6 +1,6 @@
 """Gradings and what they open. Every function works inside the caller's transaction."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from datetime import datetime
 from uuid import UUID
 
@@ -11,7 +11,7 @@ from graders.core.contract.verdict import Verdict
 from server.assignments import feedback
 from server.base.errors import NotFound
 from server.database import Database
-from server.gradebook import repository, standings, verdicts
+from server.gradebook import repository, standings, verdicts, whole
 from server.gradebook.models import Grading
 from server.gradebook.schemas import Attempt, AttemptLine, Attempts, Graded, Progress
 from server.gradebook.standings import Counted, Sums
@@ -90,7 +90,7 @@ def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
 
 def find(db: Session, account: Account | None, submission_id: UUID | str) -> Attempt:
     """An attempt that this account may see (`server.rights`); raises NotFound for any other, whatever exists."""
-    row = repository.attempt(db, parse_id(submission_id))
+    row = whole.attempt(db, parse_id(submission_id))
     if row is None or account is None or not may_see(db, account, row[0]):
         raise NotFound(UNKNOWN)
     return as_seen(db, account.id, *row)
@@ -109,7 +109,7 @@ def as_seen(db: Session, account_id: UUID, submission: Submission, grading: Grad
 
 def latest(db: Session, account: Account | None, exercise_id: str) -> Attempt | None:
     """One's last attempt at an exercise."""
-    row = None if account is None else repository.latest(db, account.id, exercise_id)
+    row = None if account is None else whole.latest(db, account.id, exercise_id)
     return None if row is None or account is None else as_seen(db, account.id, *row)
 
 
@@ -197,11 +197,12 @@ def failed_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -
 
 
 def distinct_failed_attempts(
-    db: Session, account: Account | None, exercise_id: str, *, besides: Sequence[str] = ()
+    db: Session, account: Account | None, exercise_id: str, *, besides: str | None = None
 ) -> int:
-    """How many different codes one knows to have been graded without full marks; `besides`: codes that do not count
+    """How many different codes one knows to have been graded without full marks; `besides`: a code that does not count
     (starter)."""
     if account is None:
         return 0
     held_from = feedback.of(db, account.id, exercise_id).held_from
-    return repository.failed_digests(db, account.id, exercise_id, [digest(code) for code in besides], held_from)
+    uncounted = "" if besides is None else digest(besides)
+    return repository.failed_digests(db, account.id, exercise_id, uncounted, held_from)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import replace
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, StreamingResponse
@@ -41,6 +41,7 @@ from server.submissions.service import Submissions, key_of, parse_id
 from server.web import assets
 from server.web.dependencies import Reading
 from server.web.forms import FormFields
+from server.web.packing import PLACE
 from server.web.rendering import fragment, page
 from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader, exercise_href, find_exercise, find_module
@@ -84,7 +85,7 @@ def exercise(
     exercise = find_exercise(reader.course, module, slug)
     if exercise.answers is not None:
         account = account_or_guest(request, reader.account, accounts)
-        seed = deals.seed_to_show(database, account, exercise.id)
+        seed = deals.seed_on_page(reader.db, database, account, exercise.id)
         taken = service.attempt_at(reader, exercise, reprendre) if reprendre else None
         return exercise_page(request, replace(reader, who=lambda: account), database, exercise, seed, taken)
     taken = service.attempt_at(reader, exercise, reprendre) if reprendre else None
@@ -111,7 +112,8 @@ def exercise_page(
     work = view.results.work
     asks = work.asks if work else talk.may_ask(reader, exercise)
     said = talk.exercise_talk(reader, exercise, asks=asks, draft=draft)
-    answer = page(request, template, reader.account, status=status, page=view, results=view.results, talk=said)
+    shown: dict[str, Any] = {"page": view, "results": view.results, "talk": said, "place": PLACE}
+    answer = page(request, template, reader.account, status=status, steady=view.statement, **shown)
     note_seen(request, database, said.unread)
     return answer
 
