@@ -10,7 +10,7 @@ from server.database.engine import (
     is_locked,
     upserting,
 )
-from server.database.prepared import ask, change, loaded, one_of, prepared
+from server.database.prepared import ask, change, loaded, one_of, prepared, rows_of
 from server.database.told import Copies, Telling, Told
 
 __all__ = [
@@ -31,6 +31,7 @@ __all__ = [
     "loaded",
     "one_of",
     "prepared",
+    "rows_of",
     "table_of",
     "upserting",
     "utc_now",

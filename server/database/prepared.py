@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache, wraps
 from inspect import Parameter, signature
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar, TypeVarTuple
@@ -11,7 +11,7 @@ from sqlalchemy import bindparam, or_
 from sqlalchemy.orm import make_transient_to_detached
 from sqlalchemy.orm.attributes import instance_dict
 
-from server.database.base import Base
+from server.database.base import Base, table_of
 
 if TYPE_CHECKING:
     from sqlalchemy import ColumnElement, CursorResult
@@ -51,6 +51,13 @@ def loaded(model: type[Model], values: Iterable[tuple[str, object]]) -> Model:
     instance_dict(found).update(values)
     make_transient_to_detached(found)
     return found
+
+
+def rows_of(model: type[Model], rows: Iterable[Sequence[Any]]) -> Iterator[tuple[Model, Sequence[Any]]]:
+    """`loaded` of rows that begin with all the columns of a model's table; with what comes after these."""
+    names = tuple(table_of(model).c.keys())
+    for row in rows:
+        yield loaded(model, zip(names, row, strict=False)), row[len(names) :]
 
 
 def prepared(build: Callable[P, T]) -> Callable[P, tuple[T, dict[str, Any]]]:

@@ -14,6 +14,7 @@ from starlette.datastructures import FormData
 
 from server.base import root
 from server.base.errors import Invalid
+from server.base.provided import needed
 from server.base.request import SAFE_METHODS, client_address
 from server.comments import service as comments
 from server.comments.carrying import Place
@@ -26,8 +27,9 @@ from server.database.dependencies import DatabaseOf, Db
 from server.gradebook import service as gradebook
 from server.gradebook.dependencies import SolutionDoor
 from server.gradebook.schemas import Attempt
-from server.identity.dependencies import AccountsOf, BrowserAccount, OptionalAccount, SignedIn, account_or_guest
+from server.identity.dependencies import BrowserAccount, OptionalAccount, SignedIn, account_or_guest
 from server.identity.models import Account
+from server.identity.service import Accounts
 from server.pages import answers, kits, service, talk
 from server.pages.home import home_page
 from server.pages.schemas import ExerciseFrame
@@ -49,7 +51,7 @@ from server.web.words import moment
 
 MOVES_ON = 303
 MOST_PAGES = 10**9
-
+_database, _accounts = needed(Database), needed(Accounts)
 
 router = APIRouter(include_in_schema=False)
 
@@ -77,14 +79,12 @@ def exercise(
     module: str,
     slug: str,
     reader: Reading,
-    database: DatabaseOf,
-    accounts: AccountsOf,
     reprendre: Annotated[str | None, Query()] = None,
 ) -> HTMLResponse:
     """An exercise answered without code is dealt to an account, so that a visitor becomes a guest here already."""
-    exercise = find_exercise(reader.course, module, slug)
+    exercise, database = find_exercise(reader.course, module, slug), _database(request.app)
     if exercise.answers is not None:
-        account = account_or_guest(request, reader.account, accounts)
+        account = account_or_guest(request, reader.account, _accounts(request.app))
         seed = deals.seed_on_page(reader.db, database, account, exercise.id)
         taken = service.attempt_at(reader, exercise, reprendre) if reprendre else None
         return exercise_page(request, replace(reader, who=lambda: account), database, exercise, seed, taken)
@@ -228,7 +228,6 @@ def attempt(
     request: Request,
     submission_id: str,
     reader: Reading,
-    database: DatabaseOf,
     deja: bool = False,
     ligne: Number = None,
     derniere: Number = None,
@@ -237,7 +236,7 @@ def attempt(
     """`deja`: it was sent again, and is told to have been sent already. The rest is what one wants to write of."""
     attempt = gradebook.find(reader.db, reader.account, submission_id)
     lines = None if ligne is None else Place(ligne, max(ligne, derniere or ligne))
-    return attempt_page(request, reader, database, attempt, Aim(lines, verification), again=deja)
+    return attempt_page(request, reader, _database(request.app), attempt, Aim(lines, verification), again=deja)
 
 
 def attempt_page(
