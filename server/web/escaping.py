@@ -16,6 +16,8 @@ def escaped(value: Any) -> str:
     kind = type(value)
     if kind is Markup:
         return str.__str__(value)
+    if kind is int:
+        return str(value)
     return plain(value) if kind is str else escape(value)
 
 
