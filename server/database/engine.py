@@ -64,7 +64,8 @@ def make_engine(url: str) -> Engine:
     else:
         Path(asked.database or "").parent.mkdir(parents=True, exist_ok=True)
         event.listen(engine, "connect", _prepare_sqlite)
-    return engine.execution_options(compiled_cache=Compiled())
+    engine.update_execution_options(compiled_cache=Compiled())
+    return engine
 
 
 def _prepare_sqlite(connection: Any, _record: object) -> None:
