@@ -111,9 +111,9 @@ def _everyone(class_id: UUID) -> Select[*tuple[Any, ...]]:
 
 def everyone(db: Session, class_id: UUID) -> Sequence[Member]:
     """All members for who only looks at them: what is given back is not the session's."""
-    rows = rows_of(Membership, ask(db, *_everyone(class_id)))
-    found = (Member(seat, account) for seat, rest in rows for account, _ in rows_of(Account, [rest]))
-    return _in_order(found)
+    seats = list(rows_of(Membership, ask(db, *_everyone(class_id))))
+    accounts = rows_of(Account, (rest for _, rest in seats))
+    return _in_order(Member(seat, account) for (seat, _), (account, _) in zip(seats, accounts, strict=True))
 
 
 def staff(db: Session, class_id: UUID) -> Sequence[Member]:

@@ -53,9 +53,14 @@ def loaded(model: type[Model], values: Iterable[tuple[str, object]]) -> Model:
     return found
 
 
+@cache
+def _names(model: type[Base]) -> tuple[str, ...]:
+    return tuple(table_of(model).c.keys())
+
+
 def rows_of(model: type[Model], rows: Iterable[Sequence[Any]]) -> Iterator[tuple[Model, Sequence[Any]]]:
     """`loaded` of rows that begin with all the columns of a model's table; with what comes after these."""
-    names = tuple(table_of(model).c.keys())
+    names = _names(model)
     for row in rows:
         yield loaded(model, zip(names, row, strict=False)), row[len(names) :]
 
