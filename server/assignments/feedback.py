@@ -125,6 +125,11 @@ def of(db: Session, account_id: UUID, exercise: str) -> Feedback:
     return _remembered(db, account_id, exercise).get(exercise, NOTHING_HELD)
 
 
+def note_nothing(db: Session, account_id: UUID, exercise: str) -> None:
+    """What was learnt in this transaction with something else (`held.anything`): in this exercise nothing is held."""
+    db.info.setdefault(MEMO, {}).setdefault((account_id, exercise), {})
+
+
 def of_all(db: Session, account_id: UUID) -> Mapping[str, Feedback]:
     """By exercise, those where something is held."""
     return _remembered(db, account_id, None)

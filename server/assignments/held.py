@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from uuid import UUID
 
+from sqlalchemy import ColumnElement, Select, Table, Uuid, and_, bindparam, exists, or_, select
 from sqlalchemy import Row as Found
-from sqlalchemy import Select, Uuid, and_, bindparam, exists, or_, select
 from sqlalchemy.orm import Session
 
 from server.assignments.models import AssignedExercise, Assignment, Exemption, Mode, Shown, Sitting
@@ -76,6 +76,14 @@ OF_ALL = OF_EVERYONE.where(Membership.account_id == bindparam("account", type_=U
 OF_ONE = OF_ALL.where(AssignedExercise.exercise == bindparam("exercise"))
 #: Nothing is, for most and most of the time: asked for one column, it takes half as long.
 ANY_OF_ONE = OF_ONE.with_only_columns(Assignment.id, maintain_column_froms=True).limit(1)
+
+
+def anything(table: Table) -> ColumnElement[bool]:
+    """Whether there is something for the account and the exercise of a row of this table, to be asked with the row. The
+    time is the value `now`."""
+    row = table.c
+    query = OF_EVERYONE.where(Membership.account_id == row.account_id, AssignedExercise.exercise == row.exercise)
+    return query.with_only_columns(Assignment.id, maintain_column_froms=True).correlate(table).exists()
 
 
 def of_student(db: Session, account_id: UUID, exercise: str | None, now: datetime) -> Sequence[Row]:

@@ -3,14 +3,15 @@
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
+from typing import Any
 from uuid import UUID
 
-from sqlalchemy import Row, Select, delete, func, select, update
+from sqlalchemy import Select, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from server.assignments.models import Assigned, AssignedExercise, Assignment, Exemption
 from server.classes.models import Membership, SchoolClass, Seat, Status
-from server.database import ask, prepared, table_of
+from server.database import ask, prepared, rows_of, table_of
 
 
 def by_id(db: Session, class_id: UUID, assignment_id: UUID) -> Assignment | None:
@@ -106,13 +107,12 @@ def counted_exemptions(db: Session, assignments: Collection[UUID]) -> Mapping[UU
 
 
 @prepared
-def _given_to(
-    account_id: UUID, opened_by: datetime, exercise: str, *, everything: bool
-) -> Select[Assignment, list[str], bool]:
+def _given_to(account_id: UUID, opened_by: datetime, exercise: str, *, everything: bool) -> Select[*tuple[Any, ...]]:
     earlier = select(Exemption.assignment_id).where(Exemption.opens_at <= opened_by, Exemption.revoked_at.is_(None))
     differs = select(Exemption.id).where(Exemption.assignment_id == Assignment.id, Exemption.revoked_at.is_(None))
     query = (
-        select(Assignment, Membership.groups, differs.exists())
+        select(*table_of(Assignment).c, Membership.groups, differs.exists())
+        .select_from(Assignment)
         .join(Membership, Membership.class_id == Assignment.class_id)
         .join(SchoolClass, SchoolClass.id == Assignment.class_id)
         .where(
@@ -130,13 +130,14 @@ def _given_to(
 
 def given_to(
     db: Session, account_id: UUID, opened_by: datetime, exercise: str | None = None
-) -> Sequence[Row[Assignment, list[str], bool]]:
+) -> Sequence[tuple[Assignment, list[str], bool]]:
     """The assignments of the classes where this account learns, but of archived classes; with the groups that it is in
     there, and whether the assignment is another one for some.
 
     Those that an exemption may have opened by then already, with `exercise` those that ask for it.
     """
-    return db.execute(*_given_to(account_id, opened_by, exercise or "", everything=exercise is None)).all()
+    found = ask(db, *_given_to(account_id, opened_by, exercise or "", everything=exercise is None))
+    return [(assignment, groups, differs) for assignment, (groups, differs) in rows_of(Assignment, found)]
 
 
 def exemptions_of(db: Session, account_id: UUID, class_id: UUID) -> Sequence[tuple[str, Exemption]]:

@@ -12,7 +12,7 @@ from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
 from server.behaviour.schemas import Asked, MemberLine
 from server.classes.models import Membership, SchoolClass, Seat, Status
-from server.database import ask, prepared, upserting, utc_now
+from server.database import ask, one_of, prepared, upserting, utc_now
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -119,7 +119,7 @@ def _name_for(account_id: UUID, grading_id: UUID) -> Select[str, str, str, str]:
             Fingerprint.grading_id == grading_id,
             Membership.account_id == account_id,
             Membership.role == Seat.student,
-            Membership.status.in_((Status.active, Status.left)),
+            one_of(Membership.status, (Status.active, Status.left)),
         )
         .order_by(BehaviourName.named_at.desc(), BehaviourName.class_id)
         .limit(1)

@@ -1,6 +1,6 @@
 """Queries on classes and their members."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from datetime import datetime
 from typing import Any
 from uuid import UUID
@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.classes.schemas import Joined, Learner, Listed, Member, listed_name, place_in_list
-from server.database import Telling, Told, ask, prepared, table_of
+from server.database import Telling, Told, ask, one_of, prepared, rows_of, table_of
 from server.identity.models import Account
 
 STAFF = (Seat.assistant, Seat.teacher)
@@ -95,12 +95,25 @@ def _some(class_id: UUID, accounts: Collection[UUID]) -> Select[Membership, Acco
 @prepared
 def _staff(class_id: UUID) -> Select[Membership, Account]:
     query = select(Membership, Account).join(Account, Account.id == Membership.account_id)
-    return query.where(Membership.class_id == class_id, Membership.role.in_(STAFF))
+    return query.where(Membership.class_id == class_id, one_of(Membership.role, STAFF))
 
 
 def members(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -> Sequence[Member]:
     """All that ever were, or some, in the order of a list of names."""
     return _listed(db, *(_members(class_id) if only is None else _some(class_id, only)))
+
+
+@prepared
+def _everyone(class_id: UUID) -> Select[*tuple[Any, ...]]:
+    query = select(*table_of(Membership).c, *table_of(Account).c).select_from(Membership)
+    return query.join(Account, Account.id == Membership.account_id).where(Membership.class_id == class_id)
+
+
+def everyone(db: Session, class_id: UUID) -> Sequence[Member]:
+    """All members for who only looks at them: what is given back is not the session's."""
+    seats = list(rows_of(Membership, ask(db, *_everyone(class_id))))
+    accounts = rows_of(Account, (rest for _, rest in seats))
+    return _in_order(Member(seat, account) for (seat, _), (account, _) in zip(seats, accounts, strict=True))
 
 
 def staff(db: Session, class_id: UUID) -> Sequence[Member]:
@@ -167,7 +180,10 @@ def listed(db: Session, told: Sequence[Told]) -> Sequence[Listed]:
 
 
 def _listed(db: Session, query: Select[Membership, Account], values: Mapping[str, object]) -> Sequence[Member]:
-    found = [Member(*row) for row in db.execute(query, values)]
+    return _in_order(Member(*row) for row in db.execute(query, values))
+
+
+def _in_order(found: Iterable[Member]) -> Sequence[Member]:
     return sorted(found, key=lambda member: (*member.sorted_by, str(member.id)))
 
 
@@ -178,7 +194,7 @@ def _counts(classes: Collection[UUID]) -> Select[UUID, str, int]:
         .where(
             Membership.class_id.in_(classes),
             Membership.role == Seat.student,
-            Membership.status.in_((Status.active, Status.pending)),
+            one_of(Membership.status, (Status.active, Status.pending)),
         )
         .group_by(Membership.class_id, Membership.status)
     )

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
+from typing import Any
 from uuid import UUID
 
 from sqlalchemy import ColumnElement, Select, and_, func, or_, select, tuple_, type_coerce, update
@@ -10,7 +11,7 @@ from sqlalchemy.orm import Session
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.comments.models import Message, State, Thread
 from server.comments.schemas import News, Said
-from server.database import NEVER, ask, prepared
+from server.database import NEVER, ask, prepared, rows_of, table_of
 from server.identity.models import Account
 from server.submissions.models import Submission
 
@@ -40,7 +41,7 @@ def count_threads(db: Session, account_id: UUID, exercise: str) -> int:
 
 
 @prepared
-def _on(account_id: UUID, exercise: str, sent_at: datetime, submission_id: UUID) -> Select[Thread]:
+def _on(account_id: UUID, exercise: str, sent_at: datetime, submission_id: UUID) -> Select[*tuple[Any, ...]]:
     at, name = type_coerce(sent_at, Submission.created_at.type), type_coerce(submission_id, Submission.id.type)
     earlier = select(Submission.id).where(
         Submission.account_id == account_id,
@@ -48,7 +49,7 @@ def _on(account_id: UUID, exercise: str, sent_at: datetime, submission_id: UUID)
         tuple_(Submission.created_at, Submission.id) < tuple_(at, name),
     )
     carried = and_(Thread.first_line.is_not(None), Thread.state != State.settled, Thread.submission_id.in_(earlier))
-    query = select(Thread).where(
+    query = select(*table_of(Thread).c).where(
         _of(account_id, exercise),
         or_(Thread.submission_id == submission_id, Thread.submission_id.is_(None), carried),
     )
@@ -58,7 +59,7 @@ def _on(account_id: UUID, exercise: str, sent_at: datetime, submission_id: UUID)
 def on(db: Session, submission: Submission) -> Sequence[Thread]:
     """The threads of a submission, and those on lines of earlier ones by the same author that are not settled."""
     asked = _on(submission.account_id, submission.exercise, submission.created_at, submission.id)
-    return db.execute(*asked).scalars().all()
+    return [thread for thread, _ in rows_of(Thread, ask(db, *asked))]
 
 
 def of_exercise(db: Session, account_id: UUID, exercise: str, until: datetime | None = None) -> Sequence[Thread]:
@@ -93,14 +94,14 @@ def sources(db: Session, submissions: Collection[UUID]) -> Mapping[UUID, Submiss
 
 
 @prepared
-def _on_page(account_id: UUID, exercise: str) -> Select[Thread]:
-    query = select(Thread).where(_of(account_id, exercise), or_(Thread.submission_id.is_(None), _is_new()))
+def _on_page(account_id: UUID, exercise: str) -> Select[*tuple[Any, ...]]:
+    query = select(*table_of(Thread).c).where(_of(account_id, exercise), or_(Thread.submission_id.is_(None), _is_new()))
     return query.order_by(Thread.created_at, Thread.id).limit(MOST_SHOWN)
 
 
 def on_page(db: Session, account_id: UUID, exercise: str) -> Sequence[Thread]:
     """The threads on an exercise as a whole, and those that its student has not read, oldest first."""
-    return db.execute(*_on_page(account_id, exercise)).scalars().all()
+    return [thread for thread, _ in rows_of(Thread, ask(db, *_on_page(account_id, exercise)))]
 
 
 def _is_new() -> ColumnElement[bool]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from datetime import datetime
+from typing import Any
 from uuid import UUID
 
 from sqlalchemy import Select, and_, case, delete, func, insert, select, update
@@ -11,7 +12,7 @@ from server.classes.models import Membership, Seat, Status
 from server.classes.schemas import Member
 from server.comments.models import Note, NoteReader, Phrase
 from server.comments.schemas import Told, Word
-from server.database import prepared, table_of
+from server.database import ask, prepared, rows_of, table_of
 from server.gradebook.models import Grading, Standing
 from server.identity.models import Account
 from server.submissions.models import Submission
@@ -117,11 +118,10 @@ def tell(db: Session, note: Note, readers: Collection[UUID]) -> None:
 
 
 @prepared
-def _words(
-    account_id: UUID, exercise: str, *, everywhere: bool, unread: bool
-) -> Select[Note, str | None, datetime | None]:
+def _words(account_id: UUID, exercise: str, *, everywhere: bool, unread: bool) -> Select[*tuple[Any, ...]]:
     query = (
-        select(Note, Account.name, NoteReader.seen_at)
+        select(*table_of(Note).c, Account.name, NoteReader.seen_at)
+        .select_from(Note)
         .join(NoteReader, NoteReader.note_id == Note.id)
         .outerjoin(Account, Account.id == Note.account_id)
         .where(NoteReader.account_id == account_id)
@@ -133,8 +133,8 @@ def _words(
 
 def words(db: Session, account_id: UUID, exercise: str | None = None, *, unread: bool = False) -> Sequence[Word]:
     """What somebody was told with others, newest first: on one exercise, or on all."""
-    found = db.execute(*_words(account_id, exercise or "", everywhere=exercise is None, unread=unread))
-    return [Word(note, name or "", seen_at) for note, name, seen_at in found]
+    found = ask(db, *_words(account_id, exercise or "", everywhere=exercise is None, unread=unread))
+    return [Word(note, name or "", seen_at) for note, (name, seen_at) in rows_of(Note, found)]
 
 
 def all_words(db: Session, account_id: UUID) -> Sequence[Word]:

@@ -10,7 +10,7 @@ from server.database.engine import (
     is_locked,
     upserting,
 )
-from server.database.prepared import ask, change, prepared
+from server.database.prepared import ask, change, loaded, one_of, prepared, rows_of
 from server.database.told import Copies, Telling, Told
 
 __all__ = [
@@ -28,7 +28,10 @@ __all__ = [
     "change",
     "is_away",
     "is_locked",
+    "loaded",
+    "one_of",
     "prepared",
+    "rows_of",
     "table_of",
     "upserting",
     "utc_now",

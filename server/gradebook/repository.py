@@ -26,7 +26,7 @@ from sqlalchemy.orm import Session, defer, undefer
 from graders.core.contract.bounds import bounded
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.classes.models import Membership, Status
-from server.database import NEVER, ask, change, prepared, table_of
+from server.database import NEVER, ask, change, one_of, prepared, table_of
 from server.gradebook.models import ClassOpening, Grading, SolutionOpening
 from server.gradebook.schemas import Graded
 from server.identity.models import Account
@@ -37,12 +37,6 @@ NEWEST_FIRST = (Submission.created_at.desc(), Submission.id.desc())
 SENDING = tuple_(Submission.created_at, Submission.id)
 
 #: What is on the way to a verdict is made once.
-ATTEMPT = (
-    select(Submission, Grading)
-    .outerjoin(Grading, Grading.id == Submission.grading_id)
-    .where(Submission.id == bindparam("submission"))
-    .execution_options(populate_existing=True)
-)
 LOCK = (
     select(Submission.account_id, Submission.exercise, Submission.created_at, Submission.grading_id)
     .where(Submission.id == bindparam("locked"))
@@ -53,21 +47,6 @@ POINT = update(_submissions).where(_submissions.c.id == bindparam("pointing")).v
 FAILURES = blamed_on(Blame.STUDENT)
 #: Which the same file gets whenever it is graded; whether a limit is met may depend on what else the machine does.
 LASTING = tuple(one for one in Outcome if one.counts and one not in {Outcome.TIMEOUT, Outcome.MEMORY_LIMIT})
-
-
-def attempt(db: Session, submission_id: UUID) -> Row[Submission, Grading | None] | None:
-    """A submission with the grading that counts, as they stand now."""
-    return db.execute(ATTEMPT, {"submission": submission_id}).one_or_none()
-
-
-@prepared
-def _latest(account_id: UUID, exercise: str) -> Select[Submission, Grading | None]:
-    query = select(Submission, Grading).outerjoin(Grading, Grading.id == Submission.grading_id)
-    return query.where(_of(account_id, exercise)).order_by(*NEWEST_FIRST).limit(1)
-
-
-def latest(db: Session, account_id: UUID, exercise: str) -> Row[Submission, Grading | None] | None:
-    return db.execute(*_latest(account_id, exercise)).one_or_none()
 
 
 @prepared
@@ -168,21 +147,17 @@ def _of(account_id: UUID, exercise: str) -> ColumnElement[bool]:
 
 
 @prepared
-def _failed_digests(
-    account_id: UUID, exercise: str, besides: Collection[str], until: datetime, *, all_times: bool
-) -> Select[int]:
+def _failed_digests(account_id: UUID, exercise: str, besides: str, until: datetime, *, all_times: bool) -> Select[int]:
     query = (
         select(func.count(Submission.digest.distinct()))
         .join(Grading, Grading.id == Submission.grading_id)
-        .where(_of(account_id, exercise), Grading.outcome.in_(FAILURES), Submission.digest.not_in(besides))
+        .where(_of(account_id, exercise), one_of(Grading.outcome, FAILURES), Submission.digest != besides)
     )
     return query if all_times else query.where(Submission.created_at < until)
 
 
-def failed_digests(
-    db: Session, account_id: UUID, exercise: str, besides: Collection[str], until: datetime | None = None
-) -> int:
-    """How many different codes were graded and failed, of those sent before `until`."""
+def failed_digests(db: Session, account_id: UUID, exercise: str, besides: str, until: datetime | None = None) -> int:
+    """How many different codes were graded and failed, of those sent before `until`, but the one of this digest."""
     asked = _failed_digests(account_id, exercise, besides, until or NEVER, all_times=until is None)
     found: int = ask(db, *asked).scalar_one()
     return found

@@ -1,6 +1,6 @@
 """Gradings and what they open. Every function works inside the caller's transaction."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from datetime import datetime
 from uuid import UUID
 
@@ -11,10 +11,11 @@ from graders.core.contract.verdict import Verdict
 from server.assignments import feedback
 from server.base.errors import NotFound
 from server.database import Database
-from server.gradebook import repository, standings, verdicts
+from server.gradebook import repository, standings, verdicts, whole
 from server.gradebook.models import Grading
 from server.gradebook.schemas import Attempt, AttemptLine, Attempts, Graded, Progress
 from server.gradebook.standings import Counted, Sums
+from server.gradebook.whole import Whole
 from server.identity.models import Account
 from server.sandbox.values import MENTION
 from server.submissions import deals
@@ -90,10 +91,16 @@ def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
 
 def find(db: Session, account: Account | None, submission_id: UUID | str) -> Attempt:
     """An attempt that this account may see (`server.rights`); raises NotFound for any other, whatever exists."""
-    row = repository.attempt(db, parse_id(submission_id))
-    if row is None or account is None or not may_see(db, account, row[0]):
+    found = whole.attempt(db, parse_id(submission_id))
+    if found is None or account is None or not may_see(db, account, found.submission):
         raise NotFound(UNKNOWN)
-    return as_seen(db, account.id, *row)
+    return _seen(db, account.id, found)
+
+
+def _seen(db: Session, account_id: UUID, found: Whole) -> Attempt:
+    if not found.may_be_held:
+        feedback.note_nothing(db, found.submission.account_id, found.submission.exercise)
+    return as_seen(db, account_id, found.submission, found.grading)
 
 
 def as_seen(db: Session, account_id: UUID, submission: Submission, grading: Grading | None) -> Attempt:
@@ -109,8 +116,8 @@ def as_seen(db: Session, account_id: UUID, submission: Submission, grading: Grad
 
 def latest(db: Session, account: Account | None, exercise_id: str) -> Attempt | None:
     """One's last attempt at an exercise."""
-    row = None if account is None else repository.latest(db, account.id, exercise_id)
-    return None if row is None or account is None else as_seen(db, account.id, *row)
+    found = None if account is None else whole.latest(db, account.id, exercise_id)
+    return None if found is None or account is None else _seen(db, account.id, found)
 
 
 def attempts(db: Session, account: Account | None, exercise_id: str, most: int, skipped: int = 0) -> Attempts:
@@ -197,11 +204,12 @@ def failed_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -
 
 
 def distinct_failed_attempts(
-    db: Session, account: Account | None, exercise_id: str, *, besides: Sequence[str] = ()
+    db: Session, account: Account | None, exercise_id: str, *, besides: str | None = None
 ) -> int:
-    """How many different codes one knows to have been graded without full marks; `besides`: codes that do not count
+    """How many different codes one knows to have been graded without full marks; `besides`: a code that does not count
     (starter)."""
     if account is None:
         return 0
     held_from = feedback.of(db, account.id, exercise_id).held_from
-    return repository.failed_digests(db, account.id, exercise_id, [digest(code) for code in besides], held_from)
+    uncounted = "" if besides is None else digest(besides)
+    return repository.failed_digests(db, account.id, exercise_id, uncounted, held_from)

@@ -3,12 +3,13 @@
 from secrets import compare_digest
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Request, Response
+from fastapi import Depends, Request, Response
 from fastapi.responses import JSONResponse
 
 from server.base.errors import Forbidden, NotFound, Unauthorised
 from server.base.logs import RECENT
 from server.base.provided import provided
+from server.base.routing import Room
 from server.base.settings import Settings
 from server.base.tally import VISITS
 from server.database.dependencies import Db
@@ -20,7 +21,7 @@ from server.health.readiness import CARRIER, Readiness
 from server.identity.dependencies import ApiAccount
 from server.submissions.events import Events
 
-router = APIRouter(include_in_schema=False)
+router = Room(include_in_schema=False)
 
 SettingsOf = Annotated[Settings, Depends(provided(Settings))]
 MetricsOf = Annotated[Metrics, Depends(provided(Metrics))]

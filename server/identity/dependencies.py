@@ -7,6 +7,7 @@ from fastapi import Depends, Request, Response, Security
 from fastapi.exceptions import RequestValidationError
 from fastapi.routing import APIRoute
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
+from sqlalchemy.orm import Session
 from starlette.concurrency import run_in_threadpool
 
 from server.base.errors import Unauthorised
@@ -35,11 +36,16 @@ def forget(request: Request) -> None:
 
 def account_of(request: Request, database: Database) -> Account | None:
     """The account of the browser's session, if there is one; nothing is created."""
-    token = session_token(request)
-    if not token:
+    if not session_token(request):
         return None
     with database.read() as db:
-        return service.account_of_session(db, token)
+        return account_through(db, request)
+
+
+def account_through(db: Session, request: Request) -> Account | None:
+    """The same in a transaction that only reads: another one takes as long as to ask who it is."""
+    token = session_token(request)
+    return service.account_of_session(db, token) if token else None
 
 
 def _current(request: Request, database: DatabaseOf) -> Account | None:

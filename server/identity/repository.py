@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from datetime import datetime
+from typing import Any
 from uuid import UUID
 
 from sqlalchemy import ColumnElement, Select, and_, delete, func, or_, select, update
 from sqlalchemy.orm import Session
 
-from server.database import prepared, upserting, utc_now
+from server.database import ask, loaded, prepared, table_of, upserting, utc_now
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, PasswordLink, Role
 
 _enabled = Account.disabled_at.is_(None)
@@ -21,32 +22,39 @@ def by_login(db: Session, login: str) -> Account | None:
     return db.execute(select(Account).where(Account.login == login)).scalar_one_or_none()
 
 
+#: Of who asks, with every request: read as columns, and no object of the session's.
+_accounts, _sessions, _tokens = table_of(Account), table_of(BrowserSession).c, table_of(ApiToken).c
+_COLUMNS = tuple(_accounts.c.keys())
+
+
+def _account(values: Sequence[Any]) -> Account:
+    return loaded(Account, zip(_COLUMNS, values, strict=True))
+
+
 @prepared
-def _by_session(token_digest: str, now: datetime) -> Select[Account]:
-    return (
-        select(Account)
-        .join(BrowserSession, BrowserSession.account_id == Account.id)
-        .where(BrowserSession.token_digest == token_digest, BrowserSession.expires_at > now, _enabled)
-    )
+def _by_session(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
+    query = select(_accounts).join(_sessions.token_digest.table, _sessions.account_id == _accounts.c.id)
+    good = (_sessions.token_digest == token_digest, _sessions.expires_at > now)
+    return query.where(*good, _accounts.c.disabled_at.is_(None))
 
 
 def by_session(db: Session, token_digest: str, now: datetime) -> Account | None:
-    return db.execute(*_by_session(token_digest, now)).scalar_one_or_none()
+    """Whose session it is. What is given back is not the session's."""
+    row = ask(db, *_by_session(token_digest, now)).one_or_none()
+    return None if row is None else _account(row)
 
 
 @prepared
-def _by_api_token(token_digest: str, now: datetime) -> Select[Account, datetime | None]:
-    return (
-        select(Account, ApiToken.last_used_at)
-        .join(ApiToken, ApiToken.account_id == Account.id)
-        .where(ApiToken.token_digest == token_digest, ApiToken.expires_at > now, _enabled)
-    )
+def _by_api_token(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
+    query = select(_accounts, _tokens.last_used_at).join(_tokens.id.table, _tokens.account_id == _accounts.c.id)
+    good = (_tokens.token_digest == token_digest, _tokens.expires_at > now)
+    return query.where(*good, _accounts.c.disabled_at.is_(None))
 
 
 def by_api_token(db: Session, token_digest: str, now: datetime) -> tuple[Account, datetime | None] | None:
-    """Whose token it is, and when it last served."""
-    row = db.execute(*_by_api_token(token_digest, now)).one_or_none()
-    return None if row is None else (row[0], row[1])
+    """Whose token it is, and when it last served. What is given back is not the session's."""
+    row = ask(db, *_by_api_token(token_digest, now)).one_or_none()
+    return None if row is None else (_account(row[:-1]), row[-1])
 
 
 def note_use(db: Session, token_digest: str, now: datetime) -> None:

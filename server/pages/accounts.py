@@ -1,10 +1,11 @@
 """Pages by which one comes and goes: sign up, log in, log out, one-time links."""
 
-from fastapi import APIRouter, Request
+from fastapi import Request
 from fastapi.responses import HTMLResponse, Response
 from starlette.concurrency import run_in_threadpool
 
 from server.base.request import client_address, session_token
+from server.base.routing import Room
 from server.database.dependencies import Db
 from server.identity import links, service
 from server.identity.dependencies import AccountsOf, OptionalAccount, forget, remember
@@ -13,7 +14,7 @@ from server.identity.schemas import RefusedForm, new_account
 from server.identity.service import Accounts, Opened
 from server.web.forms import Field, form, go, local
 
-router = APIRouter(include_in_schema=False)
+router = Room(include_in_schema=False)
 
 
 @router.get("/inscription")

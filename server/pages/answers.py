@@ -43,7 +43,7 @@ def answers_page(reader: Reader, exercise: Exercise, seed: int, taken: Attempt |
     sections = ["", *(question.section for question in paper.questions)]
     heads = [section if section != before else "" for before, section in pairwise(sections)]
     return AnswersPage(
-        **service.common_parts(reader, exercise, latest, saved),
+        **service.common_parts(reader, exercise, latest, saved, seed),
         given=tuple(
             GivenView(exercise.line(f"${datum.symbol}$"), datum.name, datum.text, datum.unit) for datum in paper.given
         ),

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from uuid import UUID
 
-from fastapi import APIRouter, Request
+from fastapi import Request
 from fastapi.responses import HTMLResponse, Response
 
 from server.base.dependencies import SettingsOf
 from server.base.errors import Conflict, Invalid, NotFound, TooMany
+from server.base.routing import Room
 from server.comments import service, words, words_repository
 from server.comments.carrying import Place
 from server.comments.schemas import WHOLE, Target
@@ -28,7 +29,7 @@ from server.web.rendering import page
 from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader, exercise_href, find_exercise
 
-router = APIRouter(include_in_schema=False)
+router = Room(include_in_schema=False)
 
 REFUSALS = (Invalid, Conflict, TooMany)
 LINE = "Indiquez la ligne par son numéro."

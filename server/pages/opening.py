@@ -19,12 +19,16 @@ def hints(reader: Reader, exercise: Exercise, progress: Progress, access: Access
     if access.hints_held is not None and not access.teaches:
         return ()
     everything = progress.succeeded or access.teaches
-    failed = gradebook.distinct_failed_attempts(reader.db, reader.account, exercise.id, besides=[exercise.starter])
+    failed = 0 if everything else _failed(reader, exercise)
     views = []
     for number, (html, needed) in enumerate(zip(exercise.hints, HINT_OPENS_AFTER, strict=True), 1):
         closed = "" if everything or failed >= needed else _opens(needed, needed - failed)
         views.append(HintView(number, "" if closed else html, closed))
     return tuple(views)
+
+
+def _failed(reader: Reader, exercise: Exercise) -> int:
+    return gradebook.distinct_failed_attempts(reader.db, reader.account, exercise.id, besides=exercise.starter)
 
 
 def _opens(needed: int, left: int) -> str:

@@ -5,16 +5,18 @@ from __future__ import annotations
 import json
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import replace
-from typing import Annotated
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import Query, Request, Response
 from fastapi.responses import HTMLResponse, JSONResponse, RedirectResponse, StreamingResponse
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import FormData
 
 from server.base import root
 from server.base.errors import Invalid
+from server.base.provided import needed
 from server.base.request import SAFE_METHODS, client_address
+from server.base.routing import Room
 from server.comments import service as comments
 from server.comments.carrying import Place
 from server.comments.models import CHECK_LENGTH
@@ -26,8 +28,9 @@ from server.database.dependencies import DatabaseOf, Db
 from server.gradebook import service as gradebook
 from server.gradebook.dependencies import SolutionDoor
 from server.gradebook.schemas import Attempt
-from server.identity.dependencies import AccountsOf, BrowserAccount, OptionalAccount, SignedIn, account_or_guest
+from server.identity.dependencies import BrowserAccount, OptionalAccount, SignedIn, account_or_guest
 from server.identity.models import Account
+from server.identity.service import Accounts
 from server.pages import answers, kits, service, talk
 from server.pages.home import home_page
 from server.pages.schemas import ExerciseFrame
@@ -41,6 +44,7 @@ from server.submissions.service import Submissions, key_of, parse_id
 from server.web import assets
 from server.web.dependencies import Reading
 from server.web.forms import FormFields
+from server.web.packing import PLACE
 from server.web.rendering import fragment, page
 from server.web.threads import NO_DRAFT, Draft
 from server.web.views import Reader, exercise_href, find_exercise, find_module
@@ -48,9 +52,9 @@ from server.web.words import moment
 
 MOVES_ON = 303
 MOST_PAGES = 10**9
+_database, _accounts = needed(Database), needed(Accounts)
 
-
-router = APIRouter(include_in_schema=False)
+router = Room(include_in_schema=False)
 
 
 @router.get("/static/{version}/{name:path}")
@@ -76,15 +80,13 @@ def exercise(
     module: str,
     slug: str,
     reader: Reading,
-    database: DatabaseOf,
-    accounts: AccountsOf,
     reprendre: Annotated[str | None, Query()] = None,
 ) -> HTMLResponse:
     """An exercise answered without code is dealt to an account, so that a visitor becomes a guest here already."""
-    exercise = find_exercise(reader.course, module, slug)
+    exercise, database = find_exercise(reader.course, module, slug), _database(request.app)
     if exercise.answers is not None:
-        account = account_or_guest(request, reader.account, accounts)
-        seed = deals.seed_to_show(database, account, exercise.id)
+        account = account_or_guest(request, reader.account, _accounts(request.app))
+        seed = deals.seed_on_page(reader.db, database, account, exercise.id)
         taken = service.attempt_at(reader, exercise, reprendre) if reprendre else None
         return exercise_page(request, replace(reader, who=lambda: account), database, exercise, seed, taken)
     taken = service.attempt_at(reader, exercise, reprendre) if reprendre else None
@@ -111,7 +113,8 @@ def exercise_page(
     work = view.results.work
     asks = work.asks if work else talk.may_ask(reader, exercise)
     said = talk.exercise_talk(reader, exercise, asks=asks, draft=draft)
-    answer = page(request, template, reader.account, status=status, page=view, results=view.results, talk=said)
+    shown: dict[str, Any] = {"page": view, "results": view.results, "talk": said, "place": PLACE}
+    answer = page(request, template, reader.account, status=status, steady=view.statement, **shown)
     note_seen(request, database, said.unread)
     return answer
 
@@ -226,7 +229,6 @@ def attempt(
     request: Request,
     submission_id: str,
     reader: Reading,
-    database: DatabaseOf,
     deja: bool = False,
     ligne: Number = None,
     derniere: Number = None,
@@ -235,7 +237,7 @@ def attempt(
     """`deja`: it was sent again, and is told to have been sent already. The rest is what one wants to write of."""
     attempt = gradebook.find(reader.db, reader.account, submission_id)
     lines = None if ligne is None else Place(ligne, max(ligne, derniere or ligne))
-    return attempt_page(request, reader, database, attempt, Aim(lines, verification), again=deja)
+    return attempt_page(request, reader, _database(request.app), attempt, Aim(lines, verification), again=deja)
 
 
 def attempt_page(

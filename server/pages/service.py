@@ -32,7 +32,6 @@ from server.pages.schemas import (
 )
 from server.pages.shown import shown
 from server.pages.waiting import waiting_text
-from server.submissions import deals
 from server.submissions.models import State
 from server.submissions.service import Place
 from server.web import deadlines, regraded, verdicts
@@ -99,13 +98,15 @@ def _lesson(module: Module, exercise: Exercise) -> tuple[str, str] | None:
     return (lesson_href(lesson), lesson.label) if lesson else None
 
 
-def common_parts(reader: Reader, exercise: Exercise, latest: Attempt | None, saved: SavedWork | None) -> dict[str, Any]:
+def common_parts(
+    reader: Reader, exercise: Exercise, latest: Attempt | None, saved: SavedWork | None, deal: int | None = None
+) -> dict[str, Any]:
     """What the page of an exercise holds, of whatever kind; it shows the verdict of the latest attempt.
 
-    `saved` is what the fields hold of what was saved in a test.
+    `saved` is what the fields hold of what was saved in a test; `deal`, in an exercise answered without code, is the
+    seed of what was dealt to this account.
     """
     attempts = gradebook.attempts(reader.db, reader.account, exercise.id, RECENT_ATTEMPTS)
-    deal = _deal(reader, exercise)
     work = _work(reader, exercise, latest, attempts.total, deal)
     module = reader.course.modules[exercise.module]
     previous, following = _neighbours(module, exercise)
@@ -188,13 +189,6 @@ def attempts_page(reader: Reader, exercise: Exercise, number: int) -> AttemptsPa
         newer=f"{href}?page={number - 1}" if number > 2 else href if number == 2 else "",
         older=f"{href}?page={number + 1}" if skipped + ATTEMPTS_A_PAGE < attempts.total else "",
     )
-
-
-def _deal(reader: Reader, exercise: Exercise) -> int | None:
-    """The seed of what was dealt to this account, where something was."""
-    if exercise.answers is None or reader.account is None:
-        return None
-    return deals.find(reader.db, reader.account, exercise.id)
 
 
 def results(

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from uuid import UUID
 
-from sqlalchemy import func, select, update
+from sqlalchemy import Select, func, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, Seat, Status
-from server.database import table_of, upserting, utc_now
+from server.database import ask, prepared, table_of, upserting, utc_now
 from server.polls.models import PollAnswer
 from server.polls.schemas import Said
 
@@ -43,8 +43,8 @@ def first_answers(db: Session, account_id: UUID, polls: Sequence[str]) -> Mappin
     return dict(db.execute(query).all())
 
 
-def spread(db: Session, class_id: UUID, polls: Sequence[str]) -> Sequence[Said]:
-    """How the active students of a class answered these polls: one query for all."""
+@prepared
+def _spread(class_id: UUID, polls: Sequence[str]) -> Select[str, str, str, int]:
     columns = (PollAnswer.poll, PollAnswer.answer, PollAnswer.last)
     query = select(*columns, func.count()).join(Membership, Membership.account_id == PollAnswer.account_id)
     query = query.where(
@@ -53,15 +53,24 @@ def spread(db: Session, class_id: UUID, polls: Sequence[str]) -> Sequence[Said]:
         Membership.status == Status.active,
         PollAnswer.poll.in_(polls),
     )
-    return [Said._make(row) for row in db.execute(query.group_by(*columns).order_by(*columns)).all()]
+    return query.group_by(*columns).order_by(*columns)
+
+
+def spread(db: Session, class_id: UUID, polls: Sequence[str]) -> Sequence[Said]:
+    """How the active students of a class answered these polls: one query for all."""
+    return [Said._make(row) for row in ask(db, *_spread(class_id, polls))]
+
+
+@prepared
+def _students(class_id: UUID) -> Select[int]:
+    active = (Membership.role == Seat.student, Membership.status == Status.active)
+    return select(func.count()).select_from(Membership).where(Membership.class_id == class_id, *active)
 
 
 def students(db: Session, class_id: UUID) -> int:
     """How many active students a class has."""
-    query = select(func.count()).where(
-        Membership.class_id == class_id, Membership.role == Seat.student, Membership.status == Status.active
-    )
-    return db.execute(query).scalar_one()
+    found: int = ask(db, *_students(class_id)).scalar_one()
+    return found
 
 
 def move(db: Session, old: UUID, new: UUID) -> None:

@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session, aliased
 
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.classes.schemas import Member
-from server.database import ask, prepared
+from server.database import ask, one_of, prepared
 from server.identity.models import Account
 
 STAFF = (Seat.assistant, Seat.teacher)
@@ -26,7 +26,7 @@ def _reads_work(reader: UUID, author: UUID, module: str, sent_at: datetime, *, s
             SchoolClass.module == module,
             or_(SchoolClass.archived_at.is_(None), SchoolClass.archived_at >= sent_at),
             staff.account_id == reader,
-            staff.role.in_(seats),
+            one_of(staff.role, seats),
             staff.status == Status.active,
             student.account_id == author,
             student.role == Seat.student,
@@ -85,7 +85,7 @@ def _has_readers(author: UUID, module: str) -> Select[UUID]:
             Membership.account_id == author,
             Membership.role == Seat.student,
             Membership.status == Status.active,
-            staff.role.in_(STAFF),
+            one_of(staff.role, STAFF),
             staff.status == Status.active,
         )
         .limit(1)
@@ -136,6 +136,6 @@ def _seats(account_id: UUID, module: str, seats: Sequence[Seat]) -> Select[UUID]
             SchoolClass.module == module,
             Membership.account_id == account_id,
             Membership.status == Status.active,
-            Membership.role.in_(seats),
+            one_of(Membership.role, seats),
         )
     )

@@ -22,14 +22,20 @@ def find(db: Session, account: Account, exercise_id: str) -> int | None:
     return repository.find_seed(db, account.id, exercise_id)
 
 
-def seed_to_show(database: Database, account: Account, exercise_id: str) -> int:
-    """The same for who only reads: the first time alone is anything written."""
-    with database.read() as db:
-        seed = find(db, account, exercise_id)
+def seed_on_page(db: Session, database: Database, account: Account, exercise_id: str) -> int:
+    """The same for who only reads, through `db`: the first time alone is anything written, in a transaction of its own,
+    of which what `db` reads later may know nothing yet."""
+    seed = find(db, account, exercise_id)
     if seed is not None:
         return seed
-    with database.write() as db:
-        return seed_of(db, account, exercise_id)
+    with database.write() as writing:
+        return seed_of(writing, account, exercise_id)
+
+
+def seed_to_show(database: Database, account: Account, exercise_id: str) -> int:
+    """The same where nothing else is read."""
+    with database.read() as db:
+        return seed_on_page(db, database, account, exercise_id)
 
 
 def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:

@@ -8,7 +8,7 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, Select, and_, bindparam, func, insert, or_, select, update
 from sqlalchemy.orm import Session, defer
 
-from server.database import ask, change, prepared, table_of, upserting, utc_now
+from server.database import ask, change, loaded, prepared, table_of, upserting, utc_now
 from server.submissions.models import Deal, Submission
 
 
@@ -46,7 +46,7 @@ def sent(db: Session, submission_id: UUID) -> Sent | None:
 def add(db: Session, **values: Any) -> Submission:
     """Stores a submission that waits for its first grading. What is given back is not the session's."""
     change(db, ADD, values)
-    return Submission(**values, grading_id=None)
+    return loaded(Submission, {**values, "grading_id": None}.items())
 
 
 def ungraded(db: Session) -> Sequence[Submission]:

@@ -14,7 +14,7 @@ from server.course import Course
 from server.course.editions import MODULE
 from server.database import Database
 from server.database.dependencies import Db
-from server.identity.dependencies import account_of
+from server.identity.dependencies import account_of, account_through
 from server.identity.models import Account
 from server.submissions.service import Submissions
 from server.web.views import Reader
@@ -39,9 +39,10 @@ register_url_convertor("module", ModuleConvertor())
 
 async def _reader(request: Request, db: Db) -> Reader:
     def who() -> Account | None:
-        account = account_of(request, _database(request.app))
-        if request.method in SAFE_METHODS:  # `db` only reads
-            _presence(request.app).note(db, account)
+        if request.method not in SAFE_METHODS:
+            return account_of(request, _database(request.app))
+        account = account_through(db, request)  # it only reads
+        _presence(request.app).note(db, account)
         return account
 
     return Reader(db, _course(request.app), _submissions(request.app), who)

@@ -11,7 +11,7 @@ import secrets
 import struct
 from dataclasses import dataclass
 from functools import lru_cache
-from hashlib import blake2b
+from hashlib import sha256
 
 from markupsafe import Markup
 from zlib_ng import zlib_ng as zlib
@@ -24,6 +24,7 @@ LEVEL, STEADY_LEVEL = 4, 9  # what is compressed for each reader, and what is co
 RAW = -zlib.MAX_WBITS
 HEAD = b"\x1f\x8b\x08\x00\x00\x00\x00\x00\x00\xff"  # deflated, without a name, a time, or a system
 WORD = 0xFFFFFFFF
+TAG = 24  # of the digits of a digest: SHA-256, which processors have an instruction for
 MOST_KEPT = 512
 MOST_CHANGING = 32  # of hundreds of kilobytes
 
@@ -74,7 +75,7 @@ def _packed(html: str, level: int) -> Steady:
     packed = packer.compress(content) + packer.flush(zlib.Z_FULL_FLUSH)
     crc = zlib.crc32(content)
     shift = tuple(zlib.crc32(content, 1 << place) ^ crc for place in range(32))
-    return Steady(packed, len(content), blake2b(content, digest_size=12).digest(), crc, shift)
+    return Steady(packed, len(content), sha256(content).digest(), crc, shift)
 
 
 @dataclass(frozen=True)
@@ -89,11 +90,11 @@ class Page:
     @property
     def tag(self) -> str:
         """Of its content, whoever compresses it."""
-        told = blake2b(self.before, digest_size=12)
+        told = sha256(self.before)
         if self.long is not None:
             told.update(steady(self.long, changing=self.changing).digest)
             told.update(self.after)
-        return f'W/"{told.hexdigest()}"'
+        return f'W/"{told.hexdigest()[:TAG]}"'
 
     @property
     def plain(self) -> bytes:

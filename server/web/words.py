@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from datetime import UTC, datetime
+from functools import lru_cache
+from zoneinfo import ZoneInfo
 
 from graders.core.compare.words import number
 from server.web import school_time
@@ -13,14 +15,18 @@ MONTHS = (
     "janvier", "février", "mars", "avril", "mai", "juin",
     "juillet", "août", "septembre", "octobre", "novembre", "décembre",
 )  # fmt: skip
+#: Marks and times that were written lately: a list of attempts is read again with each of them.
+KEPT = 4096
 WHOLE = 1e-9  # points that rounding may take from a full mark
 
 
+@lru_cache(maxsize=KEPT)
 def points(value: float) -> str:
     """A mark in French, at most two decimals: 12,5."""
     return number(round(float(value), 2), 4)
 
 
+@lru_cache(maxsize=KEPT)
 def mark(value: float, most: float = 20.0) -> str:
     """What was obtained of `most` points, to the nearest quarter: 2,75. Less than all of them is never shown as all.
 
@@ -39,12 +45,20 @@ def plural(count: int, singular: str, many: str | None = None) -> str:
 
 def moment(when: datetime) -> str:
     """A date as ISO text for a `<time>` element."""
-    aware = when if when.tzinfo else when.replace(tzinfo=UTC)
-    return aware.astimezone(UTC).isoformat(timespec="seconds")
+    return _instant(when).isoformat(timespec="seconds")
+
+
+def _instant(when: datetime) -> datetime:
+    return (when if when.tzinfo else when.replace(tzinfo=UTC)).astimezone(UTC)
 
 
 def moment_text(when: datetime) -> str:
     """The same date on the school's clock, short, for a table: « 21/11/2026 à 12:05 »."""
+    return _moment_text(_instant(when), school_time.zone())
+
+
+@lru_cache(maxsize=KEPT)
+def _moment_text(when: datetime, _zone: ZoneInfo) -> str:
     return school_time.local(when).strftime("%d/%m/%Y à %H:%M") + _which(when)
 
 

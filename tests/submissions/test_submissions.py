@@ -167,7 +167,7 @@ def test_only_changed_failed_attempts_open_hints(desk: Desk, ada: Account) -> No
     desk.grade_all()
     with desk.database.read() as db:
         assert gradebook.distinct_failed_attempts(db, ada, EXERCISE) == 2
-        assert gradebook.distinct_failed_attempts(db, ada, EXERCISE, besides=[STARTER + tag]) == 1
+        assert gradebook.distinct_failed_attempts(db, ada, EXERCISE, besides=STARTER + tag) == 1
         assert gradebook.distinct_failed_attempts(db, None, EXERCISE) == 0
 
 

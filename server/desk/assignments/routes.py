@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Request
+from fastapi import Request
 from fastapi.responses import HTMLResponse, Response
 
 from server.assignments import keeping
 from server.assignments.models import Assignment
 from server.assignments.schemas import Wanted, checked
 from server.base.errors import FieldsRefused
+from server.base.routing import Room
 from server.classes.service import require_open
 from server.course.dependencies import CourseOf
 from server.database.dependencies import Db
@@ -25,7 +26,7 @@ from server.web.dependencies import Reading
 from server.web.forms import FormFields, go
 from server.web.rendering import page
 
-router = APIRouter(include_in_schema=False)
+router = Room(include_in_schema=False)
 
 LIST, ONE = "/classes/{class_id}/devoirs", "/classes/{class_id}/devoirs/{aid}"
 

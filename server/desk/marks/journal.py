@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from urllib.parse import urlencode
 from uuid import UUID
 
-from fastapi import APIRouter, Query, Request
+from fastapi import Query, Request
 from fastapi.responses import Response, StreamingResponse
 
 from server.audit import repository
@@ -15,6 +15,7 @@ from server.audit import service as audit
 from server.audit.models import WORDS, What
 from server.audit.schemas import Event, Filter
 from server.audit.words import changes
+from server.base.routing import Room
 from server.classes import repository as classes
 from server.classes.models import Seat
 from server.course import Course
@@ -33,7 +34,7 @@ from server.web.dependencies import Reading
 from server.web.rendering import page
 from server.web.words import moment, moment_text
 
-router = APIRouter(include_in_schema=False)
+router = Room(include_in_schema=False)
 
 A_PAGE = 100
 HEADER = ("Date", "Par", "Changement", "Élève", "Objet", "Avant et après", "Motif")

@@ -4,7 +4,7 @@ from functools import partial
 from typing import Annotated
 from uuid import UUID
 
-from fastapi import APIRouter, File, Form, Request, UploadFile
+from fastapi import File, Form, Request, UploadFile
 from fastapi.responses import HTMLResponse, Response
 
 from server.assignments import keeping as assignments
@@ -12,6 +12,7 @@ from server.audit.members import noted
 from server.base.dependencies import SettingsOf
 from server.base.errors import Invalid, NotFound, ServiceError
 from server.base.root import service_address
+from server.base.routing import Room
 from server.classes import copying, service
 from server.classes.dependencies import ClassesOf
 from server.classes.models import Seat
@@ -31,7 +32,7 @@ from server.web.dependencies import Reading
 from server.web.forms import Field, go
 from server.web.rendering import page
 
-router = APIRouter(include_in_schema=False)
+router = Room(include_in_schema=False)
 
 Ids = Annotated[list[UUID] | None, Form()]
 ACTIONS = {

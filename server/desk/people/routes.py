@@ -2,13 +2,14 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Request
+from fastapi import Query, Request
 from fastapi.responses import HTMLResponse, Response
 
 from server.audit.members import noted
 from server.base.errors import Invalid
 from server.base.request import client_address
 from server.base.root import service_address
+from server.base.routing import Room
 from server.classes import service
 from server.classes.dependencies import ClassesOf
 from server.classes.schemas import own_name
@@ -28,7 +29,7 @@ from server.web.packing import PLACE
 from server.web.rendering import page
 from server.web.views import find_module
 
-router = APIRouter(include_in_schema=False)
+router = Room(include_in_schema=False)
 
 Code = Annotated[str, Query(max_length=100)]
 EMPTY = JoinForm("", "", "")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Request
+from fastapi import Request
 from fastapi.responses import Response
 
+from server.base.routing import Room
 from server.desk.asking import log_in_first
 from server.desk.polls.views import polls_page
 from server.rights import service as rights
@@ -12,7 +13,7 @@ from server.rights.models import Right
 from server.web.dependencies import Reading
 from server.web.rendering import page
 
-router = APIRouter(include_in_schema=False)
+router = Room(include_in_schema=False)
 
 
 @router.get("/classes/{class_id}/previsions")

@@ -1,0 +1,70 @@
+"""Rows that are read as columns, and lists of constants that are asked of a column."""
+
+from __future__ import annotations
+
+import pytest
+from sqlalchemy import inspect, select
+from sqlalchemy.orm.exc import DetachedInstanceError
+
+from server.classes import repository
+from server.classes.models import Membership, SchoolClass, Seat, Status
+from server.database import Database, loaded, one_of, table_of
+from server.identity.models import Account
+from tests.support.service import new_account
+
+
+def test_a_row_of_columns_is_what_a_closed_session_leaves(database: Database) -> None:
+    made = new_account(database)
+    columns = table_of(Account).c
+    names = columns.keys()
+    with database.read() as db:
+        (row,) = db.execute(select(*columns).where(columns.id == made.id)).all()
+        kept = db.execute(select(Account).where(Account.id == made.id)).scalar_one()
+        found = loaded(Account, zip(names, row, strict=True))
+        assert found not in db
+        assert {name: getattr(found, name) for name in names} == dict(zip(names, row, strict=True))
+    assert inspect(found).detached
+    assert inspect(found).identity == inspect(kept).identity
+    assert not inspect(found).modified
+
+
+def test_a_class_is_listed_alike_for_who_changes_it_and_for_who_looks(database: Database) -> None:
+    ada, bob = new_account(database), new_account(database)
+    with database.write() as db:
+        room = SchoolClass(name="M2", module="l20", created_by=ada.id)
+        db.add(room)
+        db.flush()
+        for number, one in enumerate((ada, bob)):
+            names = {"family_name": f"Z{1 - number}", "given_name": "É", "groups": ["A"] * number}
+            db.add(Membership(class_id=room.id, account_id=one.id, role=Seat.student, status=Status.active, **names))
+    with database.read() as db:
+        told = [
+            (one.id, one.name, one.seat, one.status, one.groups, one.account.login, one.membership.joined_at)
+            for one in repository.everyone(db, room.id)
+        ]
+        assert told == [
+            (one.id, one.name, one.seat, one.status, one.groups, one.account.login, one.membership.joined_at)
+            for one in repository.members(db, room.id)
+        ]
+    assert [identity for identity, *_ in told] == [bob.id, ada.id]
+
+
+def test_a_column_that_was_not_asked_for_is_an_error(database: Database) -> None:
+    made = new_account(database)
+    found = loaded(Account, [("id", made.id), ("name", "Ada")])
+    assert found.name == "Ada"
+    with pytest.raises(DetachedInstanceError):
+        _ = found.login
+
+
+def test_one_of_a_few_asks_what_a_list_would_without_making_the_text_anew() -> None:
+    few = (Status.active, Status.left)
+    either = select(Membership.account_id).where(one_of(Membership.status, few))
+    listed = select(Membership.account_id).where(Membership.status.in_(few))
+    assert not _remade(either)
+    assert _remade(listed)
+    assert str(one_of(Membership.status, few[:1])) == str(Membership.status == few[0])
+
+
+def _remade(query: object) -> bool:
+    return bool(query.compile().post_compile_params)  # type: ignore[attr-defined]
