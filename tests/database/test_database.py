@@ -144,7 +144,7 @@ def test_revisions_come_and_go_with_their_migration(postgres_url: str, tmp_path:
             for _ in range(2):
                 upgrade(database.engine)
                 with database.read() as db:
-                    revisions = dict(db.execute(select(Submission.id, Submission.revision)).tuples().all())
+                    revisions = dict(db.execute(select(Submission.id, Submission.revision)).all())
                 assert revisions[waits] is None
                 seen.add(revisions[graded])
                 with database.engine.begin() as connection:
