@@ -1,6 +1,6 @@
 """Time from submit to verdict over HTTP, on a freshly started `balise serve` that has warmed up, and where it goes.
 
-    PYTHONPATH=. python tests/benchmarks/bench_http.py l20/poses [FILE] [--count 200] [--pause 0.03]
+    PYTHONPATH=. python tests/benchmarks/bench_http.py l20/poses [FILE | --mistake ID] [--count 200] [--pause 0.03]
 
 One student, who pauses between two submissions; the client is a socket. The steps are told apart by the times that the
 server itself writes in the rows of the submission and of its grading. Each figure is also told normalised: divided by
@@ -27,6 +27,8 @@ from uuid import UUID
 
 import httpx
 
+from graders.core.code.grading import CodeGrader
+from server.course import load
 from tests.benchmarks.light import PROGRAMS, Answer, Line, settle, spent
 from tests.benchmarks.measure import additions, figure, median, p95, table
 
@@ -96,8 +98,15 @@ class Measured:
         return REFERENCE / self.processor
 
 
-def measured(exercise: str, code: str, count: int, pause: float) -> Measured:
-    """On a server of its own."""
+def code_of(exercise: str, mistake: str = "") -> str:
+    """The exercise's solution, or the whole file of a catalogued mistake: what its folder holds of that may be less."""
+    grader = load(render=False).exercises[exercise].grader
+    assert isinstance(grader, CodeGrader)
+    return next(one.source for one in grader.misconceptions if one.id == mistake) if mistake else grader.solution
+
+
+def measured(exercise: str, code: str, count: int, pause: float, named: str | None = None) -> Measured:
+    """On a server of its own. Raises RuntimeError for a verdict that is not `named` so (empty: not named), if given."""
     units = []
     with tempfile.TemporaryDirectory() as folder, serving(Path(folder)) as (address, pid):
         line = Line(address, token_of(address, "banc"))
@@ -121,6 +130,9 @@ def measured(exercise: str, code: str, count: int, pause: float) -> Measured:
         units.clear()
         answers, parts = submitted(code, count)
         line.close()
+        names = {((told := answer.json()["verdict"]["diagnosis"]) and told["id"]) or "" for answer in answers}
+        if named is not None and names != {named}:
+            raise RuntimeError(f"{exercise}: named {names}, and not {named!r}")
         known = rows(Path(folder))
     found = [steps(answer, known) for answer in answers]
     wall, processor = (median(one) for one in zip(*units, strict=True))
@@ -178,11 +190,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("exercise")
     parser.add_argument("file", type=Path, nargs="?", help="the exercise's solution, unless it is given")
+    parser.add_argument("--mistake", default="", help="the whole file of a catalogued one, instead")
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--pause", type=float, default=0.03, help="seconds between a verdict and the next submission")
     options = parser.parse_args()
-    file = options.file or PROJECT / "graders" / options.exercise / "solution.py"
-    code = file.read_text(encoding="utf-8")
+    own = options.file.read_text(encoding="utf-8") if options.file else ""
+    code = own or code_of(options.exercise, options.mistake)
     report(options.exercise, measured(options.exercise, code, options.count, options.pause))
 
 

@@ -55,21 +55,22 @@ def exchange(wanted: Wanted) -> list[Row]:
 class Sent:
     """A program sent over HTTP: milliseconds from submitting to the verdict, as they are to be: median and p95.
 
-    `apart`: these hold for what is left when the program's own computing is taken away.
+    The solution, or the file of a catalogued `mistake`. `apart`: these hold for what is left when the program's own
+    computing is taken away.
     """
 
     name: str
     exercise: str
-    file: str
+    mistake: str = ""
     middle: Goal | None = None
     late: Goal | None = None
     apart: bool = False
 
 
 SENT = (
-    Sent("l20/poses, right", "l20/poses", "solution.py", Goal(12), Goal(25)),
-    Sent("l20/poses, wrong and named", "l20/poses", "misconceptions/ordre_echange.py"),
-    Sent("l20/slam_graphe, right", "l20/slam_graphe", "solution.py", Goal(45), Goal(70), apart=True),
+    Sent("l20/poses, right", "l20/poses", "", Goal(12), Goal(25)),
+    Sent("l20/poses, wrong and named", "l20/poses", "ordre_echange"),
+    Sent("l20/slam_graphe, right", "l20/slam_graphe", "", Goal(45), Goal(70), apart=True),
 )
 TWICE = Goal(2)  # a wrong answer with its name, by a right one
 PAUSE = 0.03  # seconds between a verdict and the next submission
@@ -81,8 +82,8 @@ def http(wanted: Wanted) -> list[Row]:
 
     made, middles = [], []
     for one in SENT:
-        code = (ROOT / "graders" / one.exercise / one.file).read_text(encoding="utf-8")
-        found = bench.measured(one.exercise, code, wanted.rounds(200), PAUSE)
+        code = bench.code_of(one.exercise, one.mistake)
+        found = bench.measured(one.exercise, code, wanted.rounds(200), PAUSE, named=one.mistake)
         taken, spent = found.steps[bench.WHOLE], sum(found.parts.values()) * found.by_processor
         own = found.own * found.by_processor
         told = f"of it, {figure(own)} ms of processor are the program's own"
