@@ -17,7 +17,7 @@ from server.board.done import Done
 from server.board.repository import Scope, Sent
 from server.board.trails import Trail
 from server.course import Course
-from server.gradebook.sent import Attempt, Histories, Revisions, revisions
+from server.gradebook.sent import Attempt, Histories, Revisions, revisions, until
 
 MOST_KEPT = 60_000  # attempts and cells of all classes that are kept: 1 kB each at most
 
@@ -48,7 +48,7 @@ def done(db: Session, course: Course, scope: Scope, students: Sequence[UUID]) ->
         (student, exercise): trail
         for student, one in known.items()
         for exercise, whole in one.value.items()
-        if exercise in scope.exercises and (trail := _until(whole, scope.until))
+        if exercise in scope.exercises and (trail := until(whole, scope.until))
     }
     found = Done(course, tuple(students), tuple(scope.exercises), trails)
     return _KEPT.put(key, Kept({student: one.revision for student, one in known.items()}, found)).done
@@ -56,10 +56,6 @@ def done(db: Session, course: Course, scope: Scope, students: Sequence[UUID]) ->
 
 def _is_of(done: Done, course: Course, students: Sequence[UUID]) -> bool:
     return done.course is course and done.students == tuple(students)
-
-
-def _until(trail: Trail, until: datetime | None) -> Trail:
-    return trail if until is None or trail[-1].sent_at <= until else Trail(one for one in trail if one.sent_at <= until)
 
 
 def _trails(attempts: Sequence[Attempt]) -> Mapping[str, Trail]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from itertools import groupby
 from operator import itemgetter
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 from uuid import UUID
 
 from sqlalchemy import Integer, Select, func, literal, select
@@ -24,6 +24,16 @@ from server.gradebook.models import Grading
 from server.submissions.models import Submission
 
 Value = TypeVar("Value")
+
+
+class Dated(Protocol):
+    """What has a place in time."""
+
+    @property
+    def sent_at(self) -> datetime: ...
+
+
+Trail = TypeVar("Trail", bound=tuple[Dated, ...])
 #: Of all that an account has sent: the sums of both halves of its revisions, which no sum of many of them outgrows.
 Revision = tuple[int, int]
 Revisions = Mapping[UUID, Revision]
@@ -99,6 +109,13 @@ def _read(db: Session, accounts: Collection[UUID]) -> Mapping[UUID, tuple[Revisi
         revision = sum(row[-1] & LOW for row in mine), sum(row[-1] >> HALF for row in mine)
         found[account] = revision, [Attempt(*row[:-1]) for row in mine]
     return found
+
+
+def until(trail: Trail, moment: datetime | None) -> Trail:
+    """What of attempts in order was sent by then (None: all)."""
+    if moment is None or trail[-1].sent_at <= moment:
+        return trail
+    return type(trail)(one for one in trail if one.sent_at <= moment)
 
 
 @dataclass(frozen=True)

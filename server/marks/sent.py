@@ -18,6 +18,7 @@ from server.assignments.models import Counts
 from server.assignments.rules import Rules
 from server.base.caches import Lately
 from server.gradebook.sent import Attempt, Histories, Revisions
+from server.gradebook.sent import until as sent_until
 from server.marks.schemas import AssignmentMark, ExerciseMark, Key
 
 MOST_KEPT = 60_000  # attempts of all who were asked about last, 1 kB each at most
@@ -122,13 +123,9 @@ def graded(
     """
     told = _SENT.told(db, revisions)
     found = {
-        (account, exercise): _until(trail, until)
+        (account, exercise): sent_until(trail, until)
         for account, known in told.items()
         for exercise, trail in known.value.items()
         if exercise in exercises
     }
     return {key: trail for key, trail in found.items() if trail}, {one: known.revision for one, known in told.items()}
-
-
-def _until(trail: Trail, until: datetime | None) -> Trail:
-    return trail if until is None or trail[-1].sent_at <= until else Trail(one for one in trail if one.sent_at <= until)
