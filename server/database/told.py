@@ -1,10 +1,9 @@
 """Rows as a database tells them. They cost half as much as rows that are read, and are the same as long as nothing has
-changed: what is made of many rows can be kept, and made again of those only that are told otherwise."""
+changed: what is made of many rows can be kept, and made again only where they are told otherwise."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
-from itertools import groupby
+from collections.abc import Callable, Sequence
 from typing import Any, Generic, TypeAlias, TypeVar
 
 from sqlalchemy import JSON, ColumnElement, type_coerce
@@ -12,12 +11,10 @@ from sqlalchemy.orm import Session
 from sqlalchemy.types import NullType
 
 from server.database.base import Base, Identity, UtcDateTime, table_of
+from server.database.prepared import loaded
 
-Value = TypeVar("Value")
 Model = TypeVar("Model", bound=Base)
 Told: TypeAlias = tuple[Any, ...]
-#: By what rows begin with: those that are told, and what was made of them.
-Kept: TypeAlias = Mapping[Hashable, tuple[Sequence[Told], Value]]
 #: The types of which a database tells something else than what is read.
 READ = (Identity, UtcDateTime, JSON)
 
@@ -60,15 +57,4 @@ class Copies(Telling, Generic[Model]):
 
     def made(self, db: Session, rows: Sequence[Told]) -> Sequence[Model]:
         read = self.reader(db)
-        return [self._model(**dict(zip(self._names, read(row), strict=True))) for row in rows]
-
-
-def kept(
-    told: Sequence[Told], key: Callable[[Told], Hashable], before: Kept[Value], make: Callable[[Sequence[Told]], Value]
-) -> Kept[Value]:
-    """`told` has rows of one key beside each other; of those that are as they were `before`, nothing is made again."""
-    found: dict[Hashable, tuple[Sequence[Told], Value]] = {}
-    for one, group in groupby(told, key=key):
-        rows, known = list(group), before.get(one)
-        found[one] = known if known is not None and known[0] == rows else (rows, make(rows))
-    return found
+        return [loaded(self._model, zip(self._names, read(row), strict=True)) for row in rows]

@@ -8,7 +8,7 @@ from uuid import UUID
 from sqlalchemy import ColumnElement, Select, and_, delete, func, or_, select, update
 from sqlalchemy.orm import Session
 
-from server.database import ask, loaded, prepared, table_of, upserting, utc_now
+from server.database import ask, prepared, rows_of, table_of, upserting, utc_now
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, PasswordLink, Role
 
 _enabled = Account.disabled_at.is_(None)
@@ -24,11 +24,6 @@ def by_login(db: Session, login: str) -> Account | None:
 
 #: Of who asks, with every request: read as columns, and no object of the session's.
 _accounts, _sessions, _tokens = table_of(Account), table_of(BrowserSession).c, table_of(ApiToken).c
-_COLUMNS = tuple(_accounts.c.keys())
-
-
-def _account(values: Sequence[Any]) -> Account:
-    return loaded(Account, zip(_COLUMNS, values, strict=True))
 
 
 @prepared
@@ -41,7 +36,7 @@ def _by_session(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
 def by_session(db: Session, token_digest: str, now: datetime) -> Account | None:
     """Whose session it is. What is given back is not the session's."""
     row = ask(db, *_by_session(token_digest, now)).one_or_none()
-    return None if row is None else _account(row)
+    return None if row is None else next(rows_of(Account, [row]))[0]
 
 
 @prepared
@@ -54,7 +49,10 @@ def _by_api_token(token_digest: str, now: datetime) -> Select[*tuple[Any, ...]]:
 def by_api_token(db: Session, token_digest: str, now: datetime) -> tuple[Account, datetime | None] | None:
     """Whose token it is, and when it last served. What is given back is not the session's."""
     row = ask(db, *_by_api_token(token_digest, now)).one_or_none()
-    return None if row is None else (_account(row[:-1]), row[-1])
+    if row is None:
+        return None
+    account, (last_used_at,) = next(rows_of(Account, [row]))
+    return account, last_used_at
 
 
 def note_use(db: Session, token_digest: str, now: datetime) -> None:

@@ -102,12 +102,17 @@ def test_times_come_back_aware_and_equal(database: Database) -> None:
     assert read.utcoffset() == timedelta(0)
 
 
+def _new_schema(url: str, name: str) -> str:
+    """The address of an empty one of PostgreSQL."""
+    with closing(Database(url)) as first, first.engine.begin() as connection:
+        connection.execute(text(f"DROP SCHEMA IF EXISTS {name} CASCADE"))
+        connection.execute(text(f"CREATE SCHEMA {name}"))
+    return f"{url}{'&' if '?' in url else '?'}options=-csearch_path%3D{name}"
+
+
 def test_processes_that_start_together_migrate_once(postgres_url: str, tmp_path: Path) -> None:
     """Each with an engine of its own, as processes have; on a new SQLite file, and in a new schema of PostgreSQL."""
-    schema = f"{postgres_url}{'&' if '?' in postgres_url else '?'}options=-csearch_path%3Dtogether"
-    with closing(Database(postgres_url)) as first, first.engine.begin() as connection:
-        connection.execute(text("DROP SCHEMA IF EXISTS together CASCADE"))
-        connection.execute(text("CREATE SCHEMA together"))
+    schema = _new_schema(postgres_url, "together")
     for url in (f"sqlite:///{tmp_path / 'new' / 'balise.sqlite3'}", schema):
         together = Barrier(4)
 
@@ -123,10 +128,7 @@ def test_processes_that_start_together_migrate_once(postgres_url: str, tmp_path:
 
 
 def test_revisions_come_and_go_with_their_migration(postgres_url: str, tmp_path: Path) -> None:
-    schema = f"{postgres_url}{'&' if '?' in postgres_url else '?'}options=-csearch_path%3Drevised"
-    with closing(Database(postgres_url)) as first, first.engine.begin() as connection:
-        connection.execute(text("DROP SCHEMA IF EXISTS revised CASCADE"))
-        connection.execute(text("CREATE SCHEMA revised"))
+    schema = _new_schema(postgres_url, "revised")
     for url in (f"sqlite:///{tmp_path / 'balise.sqlite3'}", schema):
         with closing(Database(url)) as database:
             upgrade(database.engine, "0020")

@@ -19,6 +19,7 @@ from server.marks.models import Override
 from server.web import school_time
 from tests.support.classes import Person, assign, new_class, person, seat
 from tests.support.crowd import Sent, lessons, seated, store
+from tests.support.kept import draws
 from tests.support.service import EXERCISE, Site
 
 OTHER, WRONG = "l20/kabsch", "rotation_oubliee"
@@ -54,13 +55,7 @@ def made(site: Site, teacher: Person, students: list[UUID]) -> SchoolClass:
 def test_each_change_is_drawn_at_the_next_look(
     site: Site, teacher: Person, made: SchoolClass, students: list[UUID], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    drawn, draws = kept._macros, list[object]()
-
-    def counted() -> object:
-        draws.append(drawn())
-        return draws[-1]
-
-    monkeypatch.setattr(kept, "_macros", counted)
+    drawn = draws(kept, monkeypatch)
 
     def sent() -> None:
         store(site.database, [Sent(students[0], OTHER, utc_now(), 0.0, code=f"{place}") for place in range(4)])
@@ -85,9 +80,9 @@ def test_each_change_is_drawn_at_the_next_look(
     for change in changes:
         change()
         after = page(site, teacher, made)
-        count = len(draws)
+        count = len(drawn)
         assert page(site, teacher, made) == after
-        assert len(draws) == count, "nothing is drawn again of what is as it was"
+        assert len(drawn) == count, "nothing is drawn again of what is as it was"
         kept._KEPT.clear()
         kept._KNOWN.clear()
         assert page(site, teacher, made) == after, change.__name__

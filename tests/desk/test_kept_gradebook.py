@@ -17,6 +17,7 @@ from server.identity.models import Role
 from server.marks.models import Override
 from server.web import school_time
 from tests.support.classes import Person, person, seat
+from tests.support.kept import draws
 from tests.support.marks import POSES, Term
 from tests.support.service import Site
 
@@ -43,13 +44,7 @@ def martin(site: Site, term: Term) -> Person:
 def test_each_change_is_drawn_at_the_next_look(
     site: Site, term: Term, martin: Person, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    drawn, draws = kept._macros, list[object]()
-
-    def counted() -> object:
-        draws.append(drawn())
-        return draws[-1]
-
-    monkeypatch.setattr(kept, "_macros", counted)
+    drawn = draws(kept, monkeypatch)
     term.assignment()
     test = term.assignment("Contrôle", {POSES: 1.0}, mode=Mode.test)
     ada = term.student("Ada", "Lovelace", groups=["TP1"])
@@ -81,9 +76,9 @@ def test_each_change_is_drawn_at_the_next_look(
     for name, change in changes.items():
         change()
         after = page(site, martin, term)
-        count = len(draws)
+        count = len(drawn)
         assert page(site, martin, term) == after
-        assert len(draws) == count, "nothing is drawn again of what is as it was"
+        assert len(drawn) == count, "nothing is drawn again of what is as it was"
         kept._KEPT.clear()
         assert page(site, martin, term) == after, name
         assert after != before, name
