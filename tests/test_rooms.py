@@ -1,4 +1,4 @@
-"""README.md tells every room of the server, as each tells itself; and every dependency, with what it is for."""
+"""The contributors' pages name every room, dependency and layer as the code has them, and no link is dead."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ import ast
 import re
 import subprocess
 import tomllib
+from pathlib import Path
 
 import pytest
 
 from server.base.paths import ROOT
 
-README = (ROOT / "README.md").read_text(encoding="utf-8")
-ROOMS = dict(re.findall(r"^\| `(\w+)/` \| (.+) \|$", README.split("| room | holds |")[1].split("\n\n")[0], re.M))
+DEV = ROOT / "server" / "docs" / "dev"
+README_BYTES = 12_000
+ROOMS = dict(re.findall(r"^\| `(\w+)/` \| (.+) \|$", (DEV / "rooms.md").read_text(encoding="utf-8"), re.M))
+PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *(ROOT / ".github").glob("*.md"), *DEV.rglob("*.md")]
 
 
 def rooms() -> set[str]:
@@ -53,19 +56,54 @@ def test_no_folder_of_tests_is_left_of_a_room_that_is_no_more() -> None:
 
 def test_every_dependency_has_its_reason() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    needed = [*project["dependencies"], *(one for extra in project["optional-dependencies"].values() for one in extra)]
-    names = {re.split(r"[\[<>=]", one)[0] for one in needed} - {"balise"}
-    table = README.split("## Dependencies, and why")[1]
+    extras = project["optional-dependencies"].values()
+    requirements = [*project["dependencies"], *(requirement for extra in extras for requirement in extra)]
+    names = {re.split(r"[\[<>=]", requirement)[0] for requirement in requirements} - {"balise"}
+    table = (DEV / "dependencies.md").read_text(encoding="utf-8")
     cells = " ".join(line.split("|")[1] for line in table.splitlines() if line.startswith("|"))
     missing = {name for name in names if not re.search(rf"(?<![\w-]){re.escape(name)}(?![\w-])", cells)}
     assert missing == set()
     assert len(names) > 20
 
 
-def test_every_path_that_the_readme_names_is_there() -> None:
-    paths = {path for path in re.findall(r"`([\w./]+/[\w./]*)`", README) if "<" not in path}
-    links = set(re.findall(r"\]\(([\w./]+)\)", README))
+def test_the_readme_is_short() -> None:
+    assert len((ROOT / "README.md").read_bytes()) <= README_BYTES
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_paths_and_links_of_a_page_exist(page: Path) -> None:
+    """Relative links, with their headings, and paths in backquotes that begin at the top level."""
+    text = page.read_text(encoding="utf-8")
     tops = {path.name for path in ROOT.iterdir()}
-    missing = {path for path in paths | links if path.split("/")[0] in tops and not (ROOT / path).exists()}
-    assert missing == set()
-    assert links
+    paths = {path for path in re.findall(r"`([\w./]+/[\w./]*)`", text) if path.split("/")[0] in tops}
+    assert {path for path in paths if not (ROOT / path).exists()} == set()
+    for target, heading in re.findall(r"\]\(([\w./-]*)(?:#([\w-]+))?\)", text):
+        linked = page.parent / target if target else page
+        assert linked.exists(), target
+        if heading:
+            assert heading in _anchors(linked), f"{target}#{heading}"
+
+
+def _anchors(page: Path) -> set[str]:
+    headings = re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8"), re.M)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def test_every_decision_is_in_the_index() -> None:
+    decisions = {path.name for path in (DEV / "decisions").glob("*.md")} - {"README.md"}
+    index = (DEV / "decisions" / "README.md").read_text(encoding="utf-8")
+    assert decisions == set(re.findall(r"\]\((\d+[\w-]+\.md)\)", index))
+    assert decisions
+
+
+def test_the_diagram_shows_the_import_contracts() -> None:
+    """The boxes and arrows of the architecture page are the layers that import-linter enforces."""
+    diagram = re.findall(r"```mermaid\n(.*?)```", (DEV / "architecture.md").read_text(encoding="utf-8"), re.S)
+    assert len(diagram) == 1
+    boxes = dict(re.findall(r"^\s*(\w+)\[\"(.+)\"\]$", diagram[0], re.M))
+    chains = [line.strip().split(" --> ") for line in diagram[0].splitlines() if " --> " in line]
+    drawn = [[sorted(boxes.get(box, box).split(" · ")) for box in chain] for chain in chains]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    contracts = [contract for contract in project["tool"]["importlinter"]["contracts"] if contract["type"] == "layers"]
+    enforced = [[sorted(layer.split(" | ")) for layer in contract["layers"]] for contract in contracts]
+    assert sorted(drawn) == sorted(enforced)
