@@ -23,7 +23,7 @@ from server.base.provided import check_provided, provide
 from server.base.settings import Settings
 from server.behaviour import fingerprints
 from server.behaviour import repository as behaviour
-from server.board.live import Boards
+from server.board.live import LiveBoards
 from server.cells.supervisor import Cells
 from server.classes.presence import Presence
 from server.classes.service import Classes
@@ -132,8 +132,8 @@ class Services:
         return Steps(self.course, self.database, self.settings, self.cells.ask)
 
     @cached_property
-    def boards(self) -> Boards:
-        return Boards(self.database, self.course, self.events)
+    def boards(self) -> LiveBoards:
+        return LiveBoards(self.database, self.course, self.events)
 
     @cached_property
     def figures(self) -> Figures:
@@ -154,7 +154,7 @@ class Services:
         return {
             **give_ups(self.course),
             **regrading.give_ups(self.course, self.queue),
-            **fingerprints.give_ups(),
+            **fingerprints.give_up_handlers(),
         }
 
     def take_back(self, owner: Owner) -> None:
@@ -168,7 +168,7 @@ class Services:
     def tidy(self) -> None:
         with self.database.write() as db:
             accounts.forget_stale(db)
-            behaviour.forget_empty(db)
+            behaviour.delete_empty_groups(db)
         self.personal.forget_guests(utc_now())
         erased = self.personal.purge(utc_now())
         if erased:

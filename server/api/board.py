@@ -13,8 +13,8 @@ from starlette.concurrency import run_in_threadpool
 from server.api.board_schemas import DashboardOut
 from server.api.documentation import events, problems
 from server.board import service
-from server.board.dependencies import BoardsOf
-from server.board.schemas import Board, Cell, Insights
+from server.board.dependencies import LiveBoardsOf
+from server.board.schemas import Board, Insights, ProgressCell
 from server.course.dependencies import CourseOf
 from server.database import Database, utc_now
 from server.database.dependencies import DatabaseOf, Db
@@ -35,7 +35,7 @@ SIGN_OF_LIFE = ":\n\n"
 def dashboard(class_id: str, account: ApiAccount, course: CourseOf, db: Db) -> Response:
     """The figures behind the class's page, for who teaches or helps there."""
     place = rights.require(db, account, Right.read_work, class_id)
-    shown, insights = service.dashboard(db, course, place.school_class, utc_now())
+    shown, insights = service.load_dashboard(db, course, place.school_class, utc_now())
     return Response(_text(_members(shown, insights)), media_type="application/json")
 
 
@@ -84,7 +84,7 @@ def _members(shown: Board, insights: Insights) -> dict[str, Any]:
     }
 
 
-def cell_json(cell: Cell) -> dict[str, Any]:
+def cell_json(cell: ProgressCell) -> dict[str, Any]:
     return {
         "student": str(cell.student),
         "exercise": cell.exercise,
@@ -100,7 +100,7 @@ def cell_json(cell: Cell) -> dict[str, Any]:
     response_class=Response,
     responses={200: STREAM, **problems(401, 403, 404, 429)},
 )
-async def follow(class_id: str, account: ApiAccount, database: DatabaseOf, boards: BoardsOf) -> Response:
+async def follow(class_id: str, account: ApiAccount, database: DatabaseOf, boards: LiveBoardsOf) -> Response:
     """What changes on the board, as server-sent events. Ends after some minutes: come back, or when one may not see it
     any more."""
     place = await run_in_threadpool(_place, database, account, class_id)  # refusals come before the stream begins

@@ -9,7 +9,7 @@ from uuid import UUID
 from pydantic import ConfigDict, Field
 
 from server.api.schemas import Strict
-from server.board.schemas import State
+from server.board.schemas import ProgressState
 
 Count = Annotated[int, Field(ge=0)]
 
@@ -41,7 +41,7 @@ class CellOut(Strict):
     exercise: str
     points: Annotated[float | None, Field(ge=0, le=20, description="In force.")]
     attempts: Count
-    state: State
+    state: ProgressState
     misconception: Annotated[str | None, Field(description="The latest attempt's.")]
 
 

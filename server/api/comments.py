@@ -23,7 +23,7 @@ router = APIRouter(tags=["comments"])
 @router.get("/submissions/{submission_id}/comments", responses=problems(401, 404))
 def list_comments(submission_id: str, account: ApiAccount, db: Db) -> list[ThreadOut]:
     """What is said of a submission, of its author's earlier ones where that still stands, of the exercise."""
-    attempt = gradebook.find(db, account, submission_id)
+    attempt = gradebook.find_attempt(db, account, submission_id)
     return [_told(talk, account) for talk in service.beside(db, attempt)]
 
 
@@ -34,7 +34,7 @@ def list_comments(submission_id: str, account: ApiAccount, db: Db) -> list[Threa
 )
 def comment(submission_id: str, body: NewComment, account: ApiAccount, db: Db, settings: SettingsOf) -> ThreadOut:
     """Says something of a submission, or adds to a thread, which is open again if it was settled."""
-    attempt = gradebook.find(db, account, submission_id)
+    attempt = gradebook.find_attempt(db, account, submission_id)
     target = _target(body)
     if body.thread is not None:
         thread = _of(attempt, service.find(db, account, body.thread))
@@ -47,7 +47,7 @@ def comment(submission_id: str, body: NewComment, account: ApiAccount, db: Db, s
 @router.patch("/submissions/{submission_id}/comments/{thread_id}", responses=problems(400, 401, 404, 413, 422))
 def change(submission_id: str, thread_id: str, body: ThreadChange, account: ApiAccount, db: Db) -> ThreadOut:
     """Settles a thread, or opens it again."""
-    attempt = gradebook.find(db, account, submission_id)
+    attempt = gradebook.find_attempt(db, account, submission_id)
     thread = _of(attempt, service.find(db, account, thread_id))
     service.settle(thread, body.state == "settled")
     db.flush()

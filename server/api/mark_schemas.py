@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field
 from server.api.schemas import Strict
 from server.assignments.models import Mode
 from server.marks.models import REASON_LENGTH
-from server.marks.schemas import State
+from server.marks.schemas import MarkState
 
 Points = Annotated[float, Field(ge=0, le=20, description="Out of 20, rounded to the hundredth.")]
 
@@ -72,7 +72,7 @@ class AssignmentColumn(Strict):
 
 class AssignmentMarkOut(Strict):
     assignment: UUID
-    state: State
+    state: MarkState
     points: Points | None
     days_late: Annotated[int, Field(ge=0)]
     exercises: list[ExerciseMarkOut]

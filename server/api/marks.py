@@ -18,9 +18,10 @@ from server.course.dependencies import CourseOf
 from server.database import utc_now
 from server.database.dependencies import Db
 from server.identity.dependencies import ApiAccount
-from server.marks import book, files, service
-from server.marks.files import Identifier
-from server.marks.taken import Format, taken
+from server.marks import files, service
+from server.marks.downloads import GradebookFormat, render_download
+from server.marks.files import MoodleIdentifier
+from server.marks.loading import load_gradebook
 from server.rights import service as rights
 from server.rights.models import Right
 from server.web.words import moment_text
@@ -32,7 +33,7 @@ BINARY = {"schema": {"type": "string", "format": "binary"}}
 FILES: Responses = {
     200: {
         "description": "The gradebook.",
-        "content": dict.fromkeys(("text/csv", Format.xlsx.media_type), BINARY),
+        "content": dict.fromkeys(("text/csv", GradebookFormat.xlsx.media_type), BINARY),
     }
 }  # fmt: skip
 
@@ -46,7 +47,7 @@ def set_mark(
     """Sets a student's mark at an exercise in place of the automatic one, which is kept beside it."""
     place = rights.require(db, account, Right.change_marks, class_id)
     who, exercise = identity_of(student, NOT_A_MEMBER), f"{module}/{slug}"
-    service.override(
+    service.set_override(
         db,
         course,
         place.school_class,
@@ -57,8 +58,8 @@ def set_mark(
         excused=body.excused,
         reason=body.reason,
     )
-    mark = service.marks_of(db, course, place.school_class, who, exercise)[0]
-    return MarkOut.model_validate({"student": who, "mark": files.exercise_json(mark)})
+    mark = service.load_exercise_marks(db, course, place.school_class, who, exercise)[0]
+    return MarkOut.model_validate({"student": who, "mark": files.exercise_mark_json(mark)})
 
 
 @router.delete(
@@ -72,7 +73,9 @@ def withdraw_mark(
 ) -> Response:
     """Puts the automatic mark in force again."""
     place = rights.require(db, account, Right.change_marks, class_id)
-    service.withdraw(db, course, place.school_class, account, identity_of(student, NOT_A_MEMBER), f"{module}/{slug}")
+    service.withdraw_override(
+        db, course, place.school_class, account, identity_of(student, NOT_A_MEMBER), f"{module}/{slug}"
+    )
     return Response(status_code=204)
 
 
@@ -86,21 +89,23 @@ def gradebook(
     account: ApiAccount,
     course: CourseOf,
     db: Db,
-    format: Annotated[Format, Query(description="`csv` is for a French Excel, `moodle` for Moodle's import.")] = (
-        Format.json
-    ),
-    identifier: Annotated[Identifier, Query(description="By what Moodle knows its students.")] = Identifier.email,
+    format: Annotated[
+        GradebookFormat, Query(description="`csv` is for a French Excel, `moodle` for Moodle's import.")
+    ] = (GradebookFormat.json),
+    identifier: Annotated[
+        MoodleIdentifier, Query(description="By what Moodle knows its students.")
+    ] = MoodleIdentifier.email,
 ) -> Response:
     """The marks of all students. Moodle's file has those that are final alone, and leaves out who has no identifier:
     `X-Balise-Left-Out` says how many."""
     place = rights.require(db, account, Right.read_marks, class_id)
-    made = book.of_class(db, course, place.school_class, utc_now())
-    if format is Format.json:
-        content = GradebookOut.model_validate(files.as_json(made))
+    made = load_gradebook(db, course, place.school_class, utc_now())
+    if format is GradebookFormat.json:
+        content = GradebookOut.model_validate(files.gradebook_json(made))
         return JSONResponse(
             content.model_dump(mode="json", by_alias=True), headers={"Cache-Control": "private, no-store"}
         )
-    file = taken(made, format, identifier, moment_text)
+    file = render_download(made, format, identifier, moment_text)
     return Response(file.content, media_type=file.media_type, headers=file.headers)
 
 

@@ -21,17 +21,17 @@ NAMED = "/classes/{class_id}/names/{module}/{slug}/{group}"
 def give(class_id: str, module: str, slug: str, group: str, body: NewName, account: ApiAccount, db: Db) -> NameOut:
     """Names a group of programs that answer alike: what failed so, now and later, has it as its diagnosis."""
     place = rights.require(db, account, Right.name_behaviours, class_id)
-    found = service.find(db, place.school_class, f"{module}/{slug}", group)
+    found = service.find_group(db, place.school_class, f"{module}/{slug}", group)
     require_open(place.school_class)
-    given = service.words(body.title, body.explanation, body.question)
-    service.give_name(db, place.school_class, found, given, account.id)
+    given = service.parse_description(body.title, body.explanation, body.question)
+    service.set_group_name(db, place.school_class, found, given, account.id)
     return NameOut(
         exercise=found.exercise,
         group=found.id,
         title=given.title,
         explanation=given.explanation,
         question=given.question,
-        students=service.students(db, place.school_class, found),
+        students=service.count_students(db, place.school_class, found),
     )
 
 
@@ -39,7 +39,7 @@ def give(class_id: str, module: str, slug: str, group: str, body: NewName, accou
 def withdraw(class_id: str, module: str, slug: str, group: str, account: ApiAccount, db: Db) -> Response:
     """Takes a group's name back, where it has one: nobody is told so any more."""
     place = rights.require(db, account, Right.name_behaviours, class_id)
-    found = service.find(db, place.school_class, f"{module}/{slug}", group)
+    found = service.find_group(db, place.school_class, f"{module}/{slug}", group)
     require_open(place.school_class)
-    service.withdraw_name(db, place.school_class, found, account.id)
+    service.withdraw_group_name(db, place.school_class, found, account.id)
     return Response(status_code=204)

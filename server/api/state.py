@@ -42,7 +42,7 @@ def resource(db: Session, store: Submissions, attempt: Attempt, *, placed: bool 
     """With `placed`, what waits is told its place in the queue, which is a question more."""
     submission = attempt.submission
     place = HELD if attempt.held else store.place(db, submission) if placed else Place(State.queued)
-    verdict = behaviour.verdict_of(db, attempt)
+    verdict = behaviour.load_verdict(db, attempt)
     members = {
         "id": str(submission.id),
         "status": place.state,
@@ -65,6 +65,6 @@ def reader(database: Database, store: Submissions, account: Account, submission_
 
     def read() -> Resource:
         with database.read() as db:
-            return resource(db, store, gradebook.find(db, account, submission_id))
+            return resource(db, store, gradebook.find_attempt(db, account, submission_id))
 
     return read

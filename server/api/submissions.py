@@ -124,9 +124,9 @@ def _store(database: Database, store: Submissions, account: Account, sending: Se
     with database.write() as db:
         answered = "answers" in body.model_fields_set
         if sending.reuse and not answered:
-            before = gradebook.sent_before(db, account, body.exercise, body.code, exercise.version)
+            before = gradebook.find_duplicate(db, account, body.exercise, body.code, exercise.version)
             if before is not None:
-                return resource(db, store, gradebook.find(db, account, before.id))
+                return resource(db, store, gradebook.find_attempt(db, account, before.id))
         if answered:
             submission = store.submit_answers(
                 db, account, body.exercise, body.answers, address=address, key=sending.key
@@ -134,8 +134,10 @@ def _store(database: Database, store: Submissions, account: Account, sending: Se
         else:
             submission = store.submit(db, account, body.exercise, body.code, address=address, key=sending.key)
         if submission.grading_id is not None:  # sent again, and graded meanwhile
-            return resource(db, store, gradebook.find(db, account, submission.id))
-        return resource(db, store, gradebook.as_seen(db, account.id, submission, None), placed=not sending.waits)
+            return resource(db, store, gradebook.find_attempt(db, account, submission.id))
+        return resource(
+            db, store, gradebook.attempt_seen_by(db, account.id, submission, None), placed=not sending.waits
+        )
 
 
 async def _wait(hub: Events, read: Callable[[], Resource], current: Resource, seconds: float) -> Resource:
@@ -155,7 +157,7 @@ def _json(current: Resource, status: int = 200) -> Response:
 @router.get("/submissions/{submission_id}", response_model=SubmissionOut, responses=problems(401, 404))
 def read(submission_id: str, store: SubmissionsOf, account: ApiAccount, db: Db) -> Response:
     """The submission as it stands."""
-    current = resource(db, store, gradebook.find(db, account, submission_id))
+    current = resource(db, store, gradebook.find_attempt(db, account, submission_id))
     return Response(current.text, media_type="application/json")
 
 

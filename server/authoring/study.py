@@ -23,9 +23,9 @@ from graders.core.code.plain import same_all
 from graders.core.compare import words as render
 from graders.core.compare.slips import SLIPS
 from server.behaviour import repository
-from server.behaviour.export import anonymous, entry, identity_of, to_read
-from server.behaviour.fingerprints import lighter
-from server.behaviour.schemas import Words
+from server.behaviour.export import anonymise_program, catalogue_entry, guard_unread_program, misconception_id
+from server.behaviour.fingerprints import tighten_limits
+from server.behaviour.schemas import GroupDescription
 from server.course.models import Exercise
 from server.grading.joint import Grader
 
@@ -47,7 +47,7 @@ class Found:
     functions: tuple[str, ...]
     example: dict[str, Any] | None
     version: str
-    words: Words | None
+    words: GroupDescription | None
     source: bytes
     names: tuple[str, ...]
 
@@ -58,14 +58,18 @@ class CannotWrite(Exception):
 
 def groups(db: Session, exercise: str, most: int) -> list[Found]:
     """The most frequent first."""
-    return [found for row in repository.unexplained(db, exercise, most) if (found := _found(db, *row)) is not None]
+    return [
+        found
+        for row in repository.list_unexplained_groups(db, exercise, most)
+        if (found := _found(db, *row)) is not None
+    ]
 
 
 def _found(db: Session, group_id: str, attempts: int, students: int) -> Found | None:
-    group, program = repository.group(db, group_id), repository.shortest(db, group_id)
+    group, program = repository.group(db, group_id), repository.load_shortest_program(db, group_id)
     if group is None or program is None:
         return None
-    name = repository.any_name(db, group_id)
+    name = repository.find_latest_name(db, group_id)
     return Found(
         group_id,
         attempts,
@@ -73,7 +77,7 @@ def _found(db: Session, group_id: str, attempts: int, students: int) -> Found | 
         tuple(group.functions),
         group.example,
         group.exercise_version,
-        Words(name.title, name.explanation, name.question) if name else None,
+        GroupDescription(name.title, name.explanation, name.question) if name else None,
         program[0],
         tuple(word for name in program[1] for word in re.findall(r"[^\W_]+", name)),
     )
@@ -81,13 +85,13 @@ def _found(db: Session, group_id: str, attempts: int, students: int) -> Found | 
 
 def program_of(found: Found, exercise: Exercise, grader: Grader | None) -> str:
     """Its program, as small as it can be made where there is a sandbox. Raises Invalid for one that cannot be read."""
-    bare = anonymous(found.source, found.names)
+    bare = anonymise_program(found.source, found.names)
     if grader is None or not isinstance(exercise.grader, CodeGrader):
         return bare
     observer = Observer(exercise.grader, exercise.version)
 
     def behaviour(text: str) -> Behaviour:
-        return observer.observe(text.encode(), grader.programs(exercise.id, lighter(exercise.policy)))
+        return observer.observe(text.encode(), grader.programs(exercise.id, tighten_limits(exercise.policy)))
 
     wanted = behaviour(bare)
     if not wanted.tells:
@@ -144,16 +148,18 @@ def write(found: Found, exercise: Exercise, program: str) -> list[Path]:
     if not isinstance(exercise.grader, CodeGrader):
         raise CannotWrite(f"« {exercise.id} » n’est pas un exercice de code")
     title = found.words.title if found.words else f"erreur {found.group}"
-    identity = identity_of(title, exercise.grader.mistakes() | SLIPS.keys())
-    words = found.words or Words(f"{TO_WORD} : l’erreur en quelques mots", f"{TO_WORD} : pourquoi", f"{TO_WORD} ?")
+    identity = misconception_id(title, exercise.grader.mistakes() | SLIPS.keys())
+    words = found.words or GroupDescription(
+        f"{TO_WORD} : l’erreur en quelques mots", f"{TO_WORD} : pourquoi", f"{TO_WORD} ?"
+    )
     functions = [one.name for one in exercise.functions if one.name in found.functions]
     folder = exercise.grader.folder
     file, catalogue = folder / "misconceptions" / f"{identity}.py", folder / MISCONCEPTIONS
-    table = entry(exercise.id, identity, functions or [one.name for one in exercise.functions], words)
+    table = catalogue_entry(exercise.id, identity, functions or [one.name for one in exercise.functions], words)
     table = table.partition("\n")[2]
     try:
         file.parent.mkdir(exist_ok=True)
-        file.write_text(to_read(program), encoding="utf-8")
+        file.write_text(guard_unread_program(program), encoding="utf-8")
         with catalogue.open("a", encoding="utf-8") as written:
             written.write(f"\n# {told(found)}\n{table}")
     except OSError as error:

@@ -17,7 +17,7 @@ from graders.core.code.folder import MISCONCEPTIONS
 from graders.core.compare.slips import SLIPS
 from server.base.errors import Invalid
 from server.behaviour.models import BehaviourGroup
-from server.behaviour.schemas import Words
+from server.behaviour.schemas import GroupDescription
 from server.course.models import Exercise
 
 LONGEST_ID = 40
@@ -29,22 +29,22 @@ if RELU:
 UNREADABLE = "Ce programme ne se relit pas sans ses commentaires : il ne peut pas être exporté."
 
 
-def archive(
-    exercise: Exercise, group: BehaviourGroup, words: Words, source: bytes, names: Collection[str] = ()
+def render_archive(
+    exercise: Exercise, group: BehaviourGroup, words: GroupDescription, source: bytes, names: Collection[str] = ()
 ) -> tuple[str, bytes]:
     """The misconception's id, and the archive; `names` are its author's. Raises Invalid for a program that cannot be
     rewritten."""
-    identity = identity_of(words.title, exercise.grader.mistakes() | SLIPS.keys())
+    identity = misconception_id(words.title, exercise.grader.mistakes() | SLIPS.keys())
     wrong = [one.name for one in exercise.functions if one.name in group.functions]
     functions = wrong or [one.name for one in exercise.functions]
     held = io.BytesIO()
     with zipfile.ZipFile(held, "w", zipfile.ZIP_DEFLATED) as archived:
-        archived.writestr(MISCONCEPTIONS, entry(exercise.id, identity, functions, words))
-        archived.writestr(f"misconceptions/{identity}.py", to_read(anonymous(source, names)))
+        archived.writestr(MISCONCEPTIONS, catalogue_entry(exercise.id, identity, functions, words))
+        archived.writestr(f"misconceptions/{identity}.py", guard_unread_program(anonymise_program(source, names)))
     return identity, held.getvalue()
 
 
-def identity_of(title: str, taken: Collection[str]) -> str:
+def misconception_id(title: str, taken: Collection[str]) -> str:
     """A name for files and tables, from a title: "La rotation est oubliée" is la_rotation_est_oubliee."""
     letters = unicodedata.normalize("NFKD", title).encode("ascii", "ignore").decode().lower()
     name = "_".join(re.findall("[a-z0-9]+", letters))[:LONGEST_ID].strip("_") or "erreur"
@@ -53,7 +53,7 @@ def identity_of(title: str, taken: Collection[str]) -> str:
     return next(one for one in places if one not in taken)
 
 
-def entry(exercise_id: str, identity: str, functions: Collection[str], words: Words) -> str:
+def catalogue_entry(exercise_id: str, identity: str, functions: Collection[str], words: GroupDescription) -> str:
     """What is to be added to the catalogue. A JSON text is a TOML one where no DEL is in it."""
     members = {
         "id": identity,
@@ -66,7 +66,7 @@ def entry(exercise_id: str, identity: str, functions: Collection[str], words: Wo
     return "\n".join([f"# À ajouter à graders/{exercise_id}/{MISCONCEPTIONS}", "[[misconception]]", *lines, ""])
 
 
-def to_read(program: str) -> str:
+def guard_unread_program(program: str) -> str:
     """A program that does nothing, until who writes the course has read it and says so in its first line.
 
     Misconceptions are run where verdicts are made, without walls: what a student has written must not be, unread.
@@ -74,7 +74,7 @@ def to_read(program: str) -> str:
     return UNREAD + textwrap.indent(program or "pass\n", "    ")
 
 
-def anonymous(source: bytes, names: Collection[str] = ()) -> str:
+def anonymise_program(source: bytes, names: Collection[str] = ()) -> str:
     """The program without comments, loose texts, who wrote it, future imports, and what only runs by itself; in the
     texts that it needs, these names are replaced.
 

@@ -22,11 +22,11 @@ from graders.core.code.plain import packed, projection, same_all, structure, unp
 from graders.core.contract.program import Programs
 from server.behaviour import repository
 from server.behaviour.models import BehaviourGroup
-from server.behaviour.schemas import Asked, Shown
+from server.behaviour.schemas import FingerprintRequest, ObservedBehaviour
 from server.course import reuse
 from server.course.models import Course
 from server.database import Database, utc_now
-from server.gradebook import accepted
+from server.gradebook import importable_files
 from server.queue.port import GiveUp, Lease, Queue, Sender
 from server.sandbox.policy import Policy
 from server.sandbox.values import MENTION, Shelf
@@ -48,10 +48,10 @@ CPU_SECONDS, WALL_SECONDS, JUDGING_SECONDS = 1.5, 3.0, 2.0
 SESSION_BYTES = 2 << 20
 
 #: Starts programs under a policy, with what they may import of earlier ones.
-Start = Callable[[Policy, Sequence[Shelf]], Programs]
+StartProgram = Callable[[Policy, Sequence[Shelf]], Programs]
 
 
-def lighter(policy: Policy) -> Policy:
+def tighten_limits(policy: Policy) -> Policy:
     """The limits under which a program is asked how it behaves."""
     return replace(
         policy,
@@ -72,7 +72,7 @@ def put(db: Session, queue: Queue, grading_id: UUID, since: datetime) -> None:
     queue.put(db, FINGERPRINT, KEY, {"grading": str(grading_id), "since": since.isoformat()}, SENDER)
 
 
-class Sweeper:
+class FingerprintSweeper:
     """Looks again and again for attempts to ask: at the latest ones, and at all that may be asked once an hour.
 
     Each worker has one, in a thread of its own: whoever could ask looks for what to ask.
@@ -123,25 +123,28 @@ class Sweeper:
 class FingerprintTask:
     """Fills the port `server.queue.port.Task`."""
 
-    def __init__(self, course: Course, queue: Queue, start: Start) -> None:
+    def __init__(self, course: Course, queue: Queue, start: StartProgram) -> None:
         self._course, self._queue, self._start = course, queue, start
         self._versions = versions(course)
         self._observers: dict[str, Observer] = {}
         self.give_up = give_up
 
-    def read(self, db: Session, lease: Lease) -> Asked | None:
+    def read(self, db: Session, lease: Lease) -> FingerprintRequest | None:
         """None when the attempt has gone, or its exercise has another version now: it would be asked other things."""
         asked = repository.asked(db, _grading(lease), datetime.fromisoformat(lease.payload["since"]))
         if asked is None or self._versions.get(asked.exercise) != asked.version:
             return None
         if MENTION not in asked.source:
             return asked
-        return replace(asked, own=accepted.used_by(db, self._course, repository.submission(db, asked.grading_id)))
+        return replace(
+            asked,
+            own=importable_files.load_importable_files(db, self._course, repository.submission(db, asked.grading_id)),
+        )
 
-    def run(self, work: Asked) -> Behaviour:
+    def run(self, work: FingerprintRequest) -> Behaviour:
         exercise = self._course.exercises[work.exercise]
         library = reuse.shelves(self._course, work.exercise, work.own)
-        return self._observer(work.exercise).observe(work.source, self._start(lighter(exercise.policy), library))
+        return self._observer(work.exercise).observe(work.source, self._start(tighten_limits(exercise.policy), library))
 
     def _observer(self, exercise_id: str) -> Observer:
         if exercise_id not in self._observers:
@@ -150,7 +153,7 @@ class FingerprintTask:
             self._observers[exercise_id] = Observer(exercise.grader, exercise.version)
         return self._observers[exercise_id]
 
-    def record(self, db: Session, work: Asked, result: Behaviour) -> None:
+    def record(self, db: Session, work: FingerprintRequest, result: Behaviour) -> None:
         """Its end has the next one asked, so that those that wait are asked one after the other."""
         if repository.held(db, work.grading_id):
             shown = shown_by(work, result)
@@ -160,7 +163,7 @@ class FingerprintTask:
             put(db, self._queue, following, work.since)
 
 
-def shown_by(work: Asked, behaviour: Behaviour) -> Shown | None:
+def shown_by(work: FingerprintRequest, behaviour: Behaviour) -> ObservedBehaviour | None:
     """What the program is looked for by; None where it only lacks what is asked for, which its verdict says.
 
     Programs whose answers are all right, or that do not load, may have failed each for its own reason: such a one is
@@ -170,10 +173,10 @@ def shown_by(work: Asked, behaviour: Behaviour) -> Shown | None:
         return None
     answers = behaviour.answers if behaviour.tells else (*behaviour.answers, f"programme {work.digest}")
     example = behaviour.example.to_json() if behaviour.example else None
-    return Shown(work.exercise, work.version, answers, behaviour.functions, example)
+    return ObservedBehaviour(work.exercise, work.version, answers, behaviour.functions, example)
 
 
-def place(db: Session, shown: Shown) -> str:
+def place(db: Session, shown: ObservedBehaviour) -> str:
     """The first group whose programs answer so, up to the tolerance, or a new one."""
     repository.one_at_a_time(db)
     key = (shown.exercise, shown.version, structure(shown.answers), projection(shown.answers))
@@ -203,7 +206,7 @@ def give_up(db: Session, lease: Lease) -> None:
         repository.keep(db, grading_id, None)
 
 
-def give_ups() -> Mapping[str, GiveUp]:
+def give_up_handlers() -> Mapping[str, GiveUp]:
     """For whoever takes jobs back without ever asking a program."""
     return {FINGERPRINT: give_up}
 

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session, undefer
 from graders.core.code.plain import NEAR
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
-from server.behaviour.schemas import Asked, MemberLine
+from server.behaviour.schemas import FingerprintRequest, GroupMember
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.database import ask, one_of, prepared, upserting, utc_now
 from server.gradebook.models import Grading, Standing
@@ -60,7 +60,7 @@ def to_ask(db: Session, versions: Mapping[str, str], since: datetime) -> UUID | 
     return db.execute(query).scalar_one_or_none()
 
 
-def asked(db: Session, grading_id: UUID, since: datetime) -> Asked | None:
+def asked(db: Session, grading_id: UUID, since: datetime) -> FingerprintRequest | None:
     """None where the grading has gone, with its author, or has its fingerprint."""
     query = (
         select(Grading.id, Submission.exercise, Grading.exercise_version, Submission.source, Submission.digest)
@@ -69,7 +69,7 @@ def asked(db: Session, grading_id: UUID, since: datetime) -> Asked | None:
         .where(Grading.id == grading_id, Fingerprint.grading_id.is_(None))
     )
     row = db.execute(query).one_or_none()
-    return None if row is None else Asked(*row, since)
+    return None if row is None else FingerprintRequest(*row, since)
 
 
 def submission(db: Session, grading_id: UUID) -> Submission:
@@ -234,7 +234,7 @@ def counts(db: Session, class_id: UUID, group_id: str) -> tuple[int, int, int]:
     return row[0], row[1], row[2]
 
 
-def members(db: Session, class_id: UUID, group_id: str, most: int) -> Sequence[MemberLine]:
+def members(db: Session, class_id: UUID, group_id: str, most: int) -> Sequence[GroupMember]:
     """The attempts of the class in a group, those who have sent nothing since first, then the newest first."""
     latest = func.coalesce(Standing.last_at <= Submission.created_at, True)
     query = (
@@ -249,7 +249,7 @@ def members(db: Session, class_id: UUID, group_id: str, most: int) -> Sequence[M
         .order_by(latest.desc(), Submission.created_at.desc(), Submission.id)
         .limit(most)
     )
-    return [MemberLine(row[0], row[1], row[2], row[3], bool(row[4])) for row in db.execute(query)]
+    return [GroupMember(row[0], row[1], row[2], row[3], bool(row[4])) for row in db.execute(query)]
 
 
 def smallest(db: Session, class_id: UUID, group_id: str) -> Submission | None:
@@ -263,7 +263,7 @@ def smallest(db: Session, class_id: UUID, group_id: str) -> Submission | None:
     return db.execute(query).scalar_one_or_none()
 
 
-def unexplained(db: Session, exercise: str, most: int) -> Sequence[tuple[str, int, int]]:
+def list_unexplained_groups(db: Session, exercise: str, most: int) -> Sequence[tuple[str, int, int]]:
     """Groups of an exercise in which no misconception was found, in any class: how many attempts that count, by how
     many students; the most students first."""
     students = func.count(Submission.account_id.distinct())
@@ -284,7 +284,7 @@ def unexplained(db: Session, exercise: str, most: int) -> Sequence[tuple[str, in
     return [(str(row[0]), row[1], row[2]) for row in db.execute(query)]
 
 
-def shortest(db: Session, group_id: str) -> tuple[bytes, Sequence[str]] | None:
+def load_shortest_program(db: Session, group_id: str) -> tuple[bytes, Sequence[str]] | None:
     """The shortest program of a group in which no misconception was found, and its author's names, as the account and
     the lists of their classes have them."""
     query = (
@@ -305,7 +305,7 @@ def shortest(db: Session, group_id: str) -> tuple[bytes, Sequence[str]] | None:
     return row[0], [author.name, author.login or "", *(name for names in listed for name in names)]
 
 
-def any_name(db: Session, group_id: str) -> BehaviourName | None:
+def find_latest_name(db: Session, group_id: str) -> BehaviourName | None:
     """What a teacher calls a group, the newest name first."""
     query = select(BehaviourName).where(BehaviourName.group_id == group_id).order_by(BehaviourName.named_at.desc())
     return db.execute(query.limit(1)).scalar_one_or_none()
@@ -317,7 +317,7 @@ def attempt(db: Session, class_id: UUID, group_id: str, submission_id: UUID) -> 
     return db.execute(query).scalar_one_or_none()
 
 
-def forget_empty(db: Session) -> int:
+def delete_empty_groups(db: Session) -> int:
     """Removes the groups in which nobody is any more, and to which nobody gave a name."""
     used = select(Fingerprint.group_id).where(Fingerprint.group_id == BehaviourGroup.id).exists()
     called = select(BehaviourName.group_id).where(BehaviourName.group_id == BehaviourGroup.id).exists()

@@ -12,7 +12,7 @@ from server.course.reuse import Own
 
 
 @dataclass(frozen=True)
-class Words:
+class GroupDescription:
     """What a teacher says of a group: plain text, within bounds, without blanks around."""
 
     title: str
@@ -21,7 +21,7 @@ class Words:
 
 
 @dataclass(frozen=True)
-class Asked:
+class FingerprintRequest:
     """A grading whose program is to be asked how it behaves; others that ended `since` follow.
 
     `own`: the files of its author that it may import from.
@@ -37,7 +37,7 @@ class Asked:
 
 
 @dataclass(frozen=True)
-class Shown:
+class ObservedBehaviour:
     """What a program showed, as it is looked for among the groups of its exercise's version."""
 
     exercise: str
@@ -48,7 +48,7 @@ class Shown:
 
 
 @dataclass(frozen=True)
-class Unnamed:
+class UnnamedGroup:
     """Students whose latest attempt failed alike, without a misconception; `title` is their teacher's, or None.
 
     `submission` is one of these attempts.
@@ -62,7 +62,7 @@ class Unnamed:
 
 
 @dataclass(frozen=True)
-class MemberLine:
+class GroupMember:
     """A program of a group: whose it is and when it was sent; `latest`: its author has sent none since."""
 
     submission: UUID
@@ -73,13 +73,13 @@ class MemberLine:
 
 
 @dataclass(frozen=True)
-class GroupOfClass:
+class ClassGroup:
     """A group as a class knows it: `total` attempts by so many `students`, the first of them in `lines`; in `known` of
     them a misconception was named."""
 
     group: BehaviourGroup
     name: BehaviourName | None
-    lines: tuple[MemberLine, ...]
+    lines: tuple[GroupMember, ...]
     total: int
     students: int
     known: int

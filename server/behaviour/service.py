@@ -22,7 +22,7 @@ from server.behaviour.models import (
     BehaviourGroup,
     BehaviourName,
 )
-from server.behaviour.schemas import GroupOfClass, Unnamed, Words
+from server.behaviour.schemas import ClassGroup, GroupDescription, UnnamedGroup
 from server.classes.models import SchoolClass
 from server.database import utc_now
 from server.gradebook.schemas import Attempt
@@ -35,7 +35,7 @@ EMPTY = "{what} ne peut pas être vide."
 TOO_LONG = "{what} est trop long : {length} caractères, {most} au plus."
 
 
-def verdict_of(db: Session, attempt: Attempt) -> Verdict | None:
+def load_verdict(db: Session, attempt: Attempt) -> Verdict | None:
     """The verdict that counts, as it is kept; where no misconception is named, with what the teacher says of its group.
 
     What is kept never changes: the name is joined as it is read. What is held back from who looks is left out.
@@ -57,7 +57,9 @@ def _diagnosis(group_id: str, title: str, explanation: str, question: str) -> Di
     return Diagnosis(group_id, title, "\n\n".join(part for part in (explanation, question) if part), TEACHER)
 
 
-def unnamed(db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]) -> Sequence[Unnamed]:
+def list_unnamed_groups(
+    db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]
+) -> Sequence[UnnamedGroup]:
     """The groups of the latest attempts that failed without a misconception: most students first, then the newest.
 
     In one query, whatever the class. A group that has a name from its teacher says it.
@@ -66,13 +68,13 @@ def unnamed(db: Session, class_id: UUID, students: Collection[UUID], exercises: 
     for exercise, group, student, submission, title in repository.unnamed(db, class_id, students, exercises):
         found.setdefault((exercise, group), []).append((student, submission, title))
     groups = [
-        Unnamed(exercise, group, tuple(dict.fromkeys(row[0] for row in rows)), rows[0][1], rows[0][2])
+        UnnamedGroup(exercise, group, tuple(dict.fromkeys(row[0] for row in rows)), rows[0][1], rows[0][2])
         for (exercise, group), rows in found.items()
     ]
     return sorted(groups, key=lambda one: -len(one.students))
 
 
-def find(db: Session, school_class: SchoolClass, exercise: str, group_id: str) -> BehaviourGroup:
+def find_group(db: Session, school_class: SchoolClass, exercise: str, group_id: str) -> BehaviourGroup:
     """A group that some student of the class is in, of an exercise of its module. Raises NotFound."""
     group = repository.group(db, group_id) if group_id.isalnum() else None  # no database looks for a zero byte
     known = group is not None and group.exercise == exercise and exercise.startswith(f"{school_class.module}/")
@@ -81,20 +83,20 @@ def find(db: Session, school_class: SchoolClass, exercise: str, group_id: str) -
     return group
 
 
-def of_class(db: Session, school_class: SchoolClass, exercise: str, group_id: str) -> GroupOfClass:
+def load_class_group(db: Session, school_class: SchoolClass, exercise: str, group_id: str) -> ClassGroup:
     """The group with its name and its attempts in this class. Raises NotFound."""
-    group = find(db, school_class, exercise, group_id)
+    group = find_group(db, school_class, exercise, group_id)
     lines = tuple(repository.members(db, school_class.id, group_id, MOST_LINES))
     total, students, known = repository.counts(db, school_class.id, group_id)
-    return GroupOfClass(group, repository.name(db, school_class.id, group_id), lines, total, students, known)
+    return ClassGroup(group, repository.name(db, school_class.id, group_id), lines, total, students, known)
 
 
-def students(db: Session, school_class: SchoolClass, group: BehaviourGroup) -> int:
+def count_students(db: Session, school_class: SchoolClass, group: BehaviourGroup) -> int:
     """How many of the class have sent such a program."""
     return repository.counts(db, school_class.id, group.id)[1]
 
 
-def program_to_read(
+def load_program(
     db: Session, school_class: SchoolClass, group_id: str, submission_id: UUID | None = None
 ) -> Submission:
     """A program of the class in this group: the one that is wanted, or else the shortest. Raises NotFound."""
@@ -107,18 +109,20 @@ def program_to_read(
     return submission
 
 
-def earlier_names(db: Session, school_class: SchoolClass, exercise: str, besides: str) -> Sequence[BehaviourName]:
+def list_other_names(db: Session, school_class: SchoolClass, exercise: str, besides: str) -> Sequence[BehaviourName]:
     """What the class calls other groups of an exercise: the same words may fit, as after a change of its version.
 
     Of equal words one is enough.
     """
-    found = {words_of(one): one for one in repository.names(db, school_class.id, exercise) if one.group_id != besides}
+    found = {
+        description_of(one): one for one in repository.names(db, school_class.id, exercise) if one.group_id != besides
+    }
     return list(found.values())
 
 
-def words(title: str, explanation: str, question: str) -> Words:
+def parse_description(title: str, explanation: str, question: str) -> GroupDescription:
     """What a teacher writes, within bounds. Raises Invalid, with the place. A question is not required."""
-    given = Words(" ".join(_lines(title).split("\n")), _lines(explanation), _lines(question))
+    given = GroupDescription(" ".join(_lines(title).split("\n")), _lines(explanation), _lines(question))
     bounds = (
         ("title", "Le titre", given.title, TITLE_LENGTH),
         ("explanation", "Le texte de l’explication", given.explanation, EXPLANATION_LENGTH),
@@ -142,7 +146,9 @@ def _is_text(character: str) -> bool:
     return unicodedata.category(character) not in {"Cc", "Cf", "Cs"} or character in "\t\u200d"
 
 
-def give_name(db: Session, school_class: SchoolClass, group: BehaviourGroup, given: Words, by: UUID) -> BehaviourName:
+def set_group_name(
+    db: Session, school_class: SchoolClass, group: BehaviourGroup, given: GroupDescription, by: UUID
+) -> BehaviourName:
     """All of the class in the group are told so from now on."""
     name = repository.name(db, school_class.id, group.id)
     before = None if name is None else _values(name)
@@ -157,7 +163,7 @@ def give_name(db: Session, school_class: SchoolClass, group: BehaviourGroup, giv
     return name
 
 
-def withdraw_name(db: Session, school_class: SchoolClass, group: BehaviourGroup, by: UUID) -> bool:
+def withdraw_group_name(db: Session, school_class: SchoolClass, group: BehaviourGroup, by: UUID) -> bool:
     """Nobody is told so any more; False where there was no name."""
     name = repository.name(db, school_class.id, group.id)
     if name is None:
@@ -167,8 +173,8 @@ def withdraw_name(db: Session, school_class: SchoolClass, group: BehaviourGroup,
     return True
 
 
-def words_of(name: BehaviourName) -> Words:
-    return Words(name.title, name.explanation, name.question)
+def description_of(name: BehaviourName) -> GroupDescription:
+    return GroupDescription(name.title, name.explanation, name.question)
 
 
 def _about(group: BehaviourGroup) -> str:

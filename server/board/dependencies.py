@@ -5,6 +5,6 @@ from typing import Annotated
 from fastapi import Depends
 
 from server.base.provided import provided
-from server.board.live import Boards
+from server.board.live import LiveBoards
 
-BoardsOf = Annotated[Boards, Depends(provided(Boards))]
+LiveBoardsOf = Annotated[LiveBoards, Depends(provided(LiveBoards))]

@@ -13,12 +13,12 @@ from graders.core.contract.verdict import MAX_POINTS
 from server.board import insights
 from server.board.names import named
 from server.board.repository import Sent
-from server.board.schemas import Cell, Helped, Hints, Item, Misconception, Shown
+from server.board.schemas import ExerciseStats, HintStats, ImprovementStats, MisconceptionStats, ProgressCell, Shown
 from server.board.states import Latest, latest_of, median_of, state_of
-from server.board.trails import Had, Pair, Trails, unexplained
+from server.board.trails import MisconceptionEpisode, Pair, Trails, unexplained
 from server.course import Course
-from server.gradebook.standings import Sums
-from server.marks.schemas import Set
+from server.gradebook.standings import StandingTotals
+from server.marks.schemas import ActiveOverride
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Looked:
     """Who was stuck, and what teachers had set, when it was looked at; what was shown of it then."""
 
     stuck: frozenset[Pair]
-    marks: Mapping[Pair, Set]
+    marks: Mapping[Pair, ActiveOverride]
     shown: Shown
 
 
@@ -43,7 +43,7 @@ class Done:
     looked: Looked | None = None
 
     @cached_property
-    def standings(self) -> Mapping[Pair, Sums]:
+    def standings(self) -> Mapping[Pair, StandingTotals]:
         return {pair: trail.sums for pair, trail in self.trails.items()}
 
     @cached_property
@@ -52,7 +52,7 @@ class Done:
         return {pair: round(MAX_POINTS * sums.best_score, 4) for pair, sums in self.standings.items()}
 
     @cached_property
-    def cells(self) -> Mapping[Pair, Cell]:
+    def cells(self) -> Mapping[Pair, ProgressCell]:
         """As they are if nobody is stuck, and no teacher has set a mark."""
         pairs = ((student, exercise) for student in self.students for exercise in self.exercises)
         return {pair: cell_of(pair, self.standings.get(pair), self.points.get(pair)) for pair in pairs}
@@ -73,9 +73,9 @@ class Done:
         return sorted(found, key=lambda one: (one.exercise, one.sent_at))
 
     @cached_property
-    def misconceptions(self) -> tuple[Misconception, ...]:
+    def misconceptions(self) -> tuple[MisconceptionStats, ...]:
         """Those that most students still have come first; of these, what most ever had; then in the course's order."""
-        had: dict[tuple[str, str], list[Had]] = defaultdict(list)
+        had: dict[tuple[str, str], list[MisconceptionEpisode]] = defaultdict(list)
         for (_, exercise), trail in self.trails.items():
             for name, one in trail.had:
                 had[exercise, name].append(one)
@@ -84,15 +84,15 @@ class Done:
         return tuple(sorted(found, key=lambda one: (-one.now, -one.ever, order.get(one.exercise, len(order)), one.id)))
 
     @cached_property
-    def items(self) -> tuple[Item, ...]:
+    def items(self) -> tuple[ExerciseStats, ...]:
         return insights.items(self.exercises, self.standings, self.trails)
 
     @cached_property
-    def helped(self) -> tuple[Helped, ...]:
+    def helped(self) -> tuple[ImprovementStats, ...]:
         return insights.helped(self.misconceptions)
 
     @cached_property
-    def hints(self) -> tuple[Hints, ...]:
+    def hints(self) -> tuple[HintStats, ...]:
         return insights.hints(self.course, self.exercises, self.trails)
 
     def ever(self, exercise: str, misconception: str) -> frozenset[UUID]:
@@ -101,8 +101,8 @@ class Done:
         return frozenset(student for student, trail in there if misconception in dict(trail.had))
 
 
-def cell_of(pair: Pair, sums: Sums | None, points: float | None, *, stuck: bool = False) -> Cell:
-    return Cell(
+def cell_of(pair: Pair, sums: StandingTotals | None, points: float | None, *, stuck: bool = False) -> ProgressCell:
+    return ProgressCell(
         student=pair[0],
         exercise=pair[1],
         points=points,
@@ -112,10 +112,12 @@ def cell_of(pair: Pair, sums: Sums | None, points: float | None, *, stuck: bool 
     )
 
 
-def _misconception(course: Course, exercise: str, name: str, rows: Sequence[Had]) -> Misconception:
+def _misconception(
+    course: Course, exercise: str, name: str, rows: Sequence[MisconceptionEpisode]
+) -> MisconceptionStats:
     still = sorted((one.account for one in rows if one.attempts is None), key=str)
     overcome = [one.attempts for one in rows if one.attempts is not None]
-    return Misconception(
+    return MisconceptionStats(
         exercise=exercise,
         id=name,
         title=named(course, exercise, name).diagnosis.title,

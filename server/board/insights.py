@@ -13,17 +13,17 @@ from uuid import UUID
 from server.board.schemas import (
     FEWEST_FOR_A_CORRELATION,
     FEWEST_FOR_A_SHARE,
-    Helped,
-    Hints,
-    Item,
-    Misconception,
-    Slot,
+    ActivitySlot,
+    ExerciseStats,
+    HintStats,
+    ImprovementStats,
+    MisconceptionStats,
 )
 from server.board.states import median_of
 from server.board.trails import Pair, Trails, after_hints
 from server.course import Course
 from server.gradebook.schemas import HINT_OPENS_AFTER
-from server.gradebook.standings import Sums
+from server.gradebook.standings import StandingTotals
 from server.submissions.service import digest
 
 LESSON, SLOT = timedelta(hours=2), timedelta(minutes=5)
@@ -32,7 +32,9 @@ DUST = 1e-9  # what rounding leaves where nothing varies
 Whole = tuple[float, int]
 
 
-def items(exercises: Sequence[str], standings: Mapping[Pair, Sums], trails: Trails) -> tuple[Item, ...]:
+def items(
+    exercises: Sequence[str], standings: Mapping[Pair, StandingTotals], trails: Trails
+) -> tuple[ExerciseStats, ...]:
     """Of each exercise."""
     solved: dict[str, list[tuple[int, float]]] = defaultdict(list)
     for (_, exercise), trail in trails.items():
@@ -42,7 +44,9 @@ def items(exercises: Sequence[str], standings: Mapping[Pair, Sums], trails: Trai
     return tuple(_item(name, tried.get(name, {}), solved.get(name, []), whole) for name in exercises)
 
 
-def _scores(standings: Mapping[Pair, Sums]) -> tuple[Mapping[str, Mapping[UUID, float]], Mapping[UUID, Whole]]:
+def _scores(
+    standings: Mapping[Pair, StandingTotals],
+) -> tuple[Mapping[str, Mapping[UUID, float]], Mapping[UUID, Whole]]:
     """By exercise, the best score of each student who has tried it; and what these come to for each student."""
     found: dict[str, dict[UUID, float]] = defaultdict(dict)
     whole: dict[UUID, Whole] = defaultdict(lambda: (0.0, 0))
@@ -55,9 +59,9 @@ def _scores(standings: Mapping[Pair, Sums]) -> tuple[Mapping[str, Mapping[UUID, 
 
 def _item(
     exercise: str, mine: Mapping[UUID, float], solved: Sequence[tuple[int, float]], whole: Mapping[UUID, Whole]
-) -> Item:
+) -> ExerciseStats:
     correlation, paired = item_rest(mine, whole)
-    return Item(
+    return ExerciseStats(
         exercise=exercise,
         n=len(mine),
         solved=len(solved),
@@ -87,30 +91,32 @@ def item_rest(mine: Mapping[UUID, float], whole: Mapping[UUID, Whole]) -> tuple[
     return round(correlation(here, elsewhere), 3), len(pairs)
 
 
-def helped(misconceptions: Sequence[Misconception]) -> tuple[Helped, ...]:
+def helped(misconceptions: Sequence[MisconceptionStats]) -> tuple[ImprovementStats, ...]:
     """What came after each misconception was first told, the commonest first."""
-    told = [Helped(one.exercise, one.title, one.followed, one.improved) for one in misconceptions if one.followed]
+    told = [
+        ImprovementStats(one.exercise, one.title, one.followed, one.improved) for one in misconceptions if one.followed
+    ]
     return tuple(sorted(told, key=lambda one: -one.n))
 
 
-def hints(course: Course, exercises: Sequence[str], trails: Trails) -> tuple[Hints, ...]:
+def hints(course: Course, exercises: Sequence[str], trails: Trails) -> tuple[HintStats, ...]:
     """What came after each hint had opened; it is not known who has read it."""
     starters = {name: digest(one.starter) for name in exercises if (one := course.exercises.get(name)) is not None}
     found: dict[str, dict[int, list[bool]]] = defaultdict(lambda: defaultdict(list))
     for (_, exercise), trail in trails.items():
         for failures, better in after_hints(trail, starters.get(exercise), HINT_OPENS_AFTER):
             found[exercise][failures].append(better)
-    return tuple(Hints(name, _levels(name, found[name])) for name in exercises if name in found)
+    return tuple(HintStats(name, _levels(name, found[name])) for name in exercises if name in found)
 
 
-def _levels(exercise: str, found: Mapping[int, Sequence[bool]]) -> tuple[Helped, ...]:
+def _levels(exercise: str, found: Mapping[int, Sequence[bool]]) -> tuple[ImprovementStats, ...]:
     return tuple(
-        Helped(exercise, f"Indice {level}", len(found.get(failures, ())), sum(found.get(failures, ())))
+        ImprovementStats(exercise, f"Indice {level}", len(found.get(failures, ())), sum(found.get(failures, ())))
         for level, failures in enumerate(HINT_OPENS_AFTER, 1)
     )
 
 
-def activity(times: Sequence[datetime], now: datetime) -> tuple[tuple[Slot, ...], tuple[Slot, ...]]:
+def activity(times: Sequence[datetime], now: datetime) -> tuple[tuple[ActivitySlot, ...], tuple[ActivitySlot, ...]]:
     """The attempts of a lesson's time by slots of some minutes, and of two weeks by days (UTC), until now.
 
     `times`: when each was sent, the oldest first.
@@ -123,6 +129,8 @@ def activity(times: Sequence[datetime], now: datetime) -> tuple[tuple[Slot, ...]
     return _slots(times, lesson), _slots(times, days)
 
 
-def _slots(times: Sequence[datetime], edges: Sequence[datetime]) -> tuple[Slot, ...]:
+def _slots(times: Sequence[datetime], edges: Sequence[datetime]) -> tuple[ActivitySlot, ...]:
     places = [bisect_left(times, edge) for edge in edges]
-    return tuple(Slot(edge, after - before) for edge, (before, after) in zip(edges, pairwise(places), strict=False))
+    return tuple(
+        ActivitySlot(edge, after - before) for edge, (before, after) in zip(edges, pairwise(places), strict=False)
+    )

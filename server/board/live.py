@@ -20,7 +20,7 @@ from starlette.concurrency import run_in_threadpool
 from server.base.errors import TooMany
 from server.board import repository
 from server.board.schemas import Board
-from server.board.service import board
+from server.board.service import load_board
 from server.classes import repository as classes
 from server.course import Course
 from server.database import Database, utc_now
@@ -28,11 +28,11 @@ from server.submissions.events import Events
 
 log = logging.getLogger(__name__)
 
-MOST_EACH = 8  # streams of one account
+MAX_STREAMS_PER_ACCOUNT = 8  # streams of one account
 LEAST_REST = 1.0  # seconds between two readings of a class
 SHARE = 10  # a class is read for a tenth of the time at most, however large it is
 AS_TIME_GOES = 30.0  # seconds: who is stuck changes by itself
-STAYS_OPEN = 600.0  # seconds: then a browser comes back by itself, and shows again who it is
+MAX_STREAM_SECONDS = 600.0  # seconds: then a browser comes back by itself, and shows again who it is
 SIGN_OF_LIFE = 15.0  # seconds
 TOO_MANY = "Ce tableau est déjà ouvert dans beaucoup d’onglets : fermez-en, ou actualisez la page à la main."
 
@@ -76,18 +76,18 @@ class Channel:
             watcher.set()
 
 
-class Boards:
+class LiveBoards:
     """Reads each class that is watched, when something was graded, and tells all who watch it."""
 
     def __init__(self, database: Database, course: Course, events: Events) -> None:
         self._database, self._course, self._events = database, course, events
         self._channels: dict[UUID, Channel] = {}
         self._streams: Counter[UUID] = Counter()
-        self.stays_open = STAYS_OPEN
+        self.stays_open = MAX_STREAM_SECONDS
 
     def require_room(self, account: UUID) -> None:
         """Raises TooMany for an account that watches enough already."""
-        if self._streams[account] >= MOST_EACH:
+        if self._streams[account] >= MAX_STREAMS_PER_ACCOUNT:
             raise TooMany(TOO_MANY, retry_after=60)
 
     async def follow(self, class_id: UUID, account: UUID, allowed: Callable[[], bool]) -> AsyncIterator[Board | None]:
@@ -164,7 +164,7 @@ class Boards:
             if last is not None and last.pulse == pulse and began - last.read_at < AS_TIME_GOES:
                 return last
             school_class = classes.by_id(db, class_id)
-            shown = None if school_class is None else board(db, self._course, school_class, utc_now())
+            shown = None if school_class is None else load_board(db, self._course, school_class, utc_now())
         ended = time.monotonic()
         channel.last = Reading(pulse, shown, ended, ended - began)
         return channel.last

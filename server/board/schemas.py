@@ -11,7 +11,7 @@ from hashlib import blake2b
 from uuid import UUID
 
 
-class State(StrEnum):
+class ProgressState(StrEnum):
     """Of a student in an exercise."""
 
     none = "none"
@@ -21,7 +21,7 @@ class State(StrEnum):
 
 
 @dataclass(frozen=True)
-class Student:
+class BoardStudent:
     """Who is on the board, in the order of a list of names; `seen_at`: when they were last there."""
 
     id: UUID
@@ -31,14 +31,14 @@ class Student:
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class ProgressCell:
     """A student in an exercise. `points` out of 20, in force; `misconception` is that of the latest attempt."""
 
     student: UUID
     exercise: str
     points: float | None
     attempts: int
-    state: State
+    state: ProgressState
     misconception: str | None
     told: str = field(init=False, repr=False, compare=False)
 
@@ -52,7 +52,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Counts:
+class ClassCounts:
     """Students: of the class; who have an attempt; who solved all that counts; who are stuck somewhere now."""
 
     students: int
@@ -62,7 +62,7 @@ class Counts:
 
 
 @dataclass(frozen=True)
-class Misconception:
+class MisconceptionStats:
     """In one exercise. Each student counts once: who has it in the latest attempt (`students`, `now` of them); who had
     it ever; who had it and has it no more, and in how many attempts (median, from the first that had it to the first
     without it). `followed`: who sent another attempt after the first that had it; `improved`: to whom that one brought
@@ -90,9 +90,9 @@ class Shown:
     """What is on a board but for its students' names. `cells` has one for each student and each exercise that counts,
     in order."""
 
-    cells: Mapping[tuple[UUID, str], Cell]
-    counts: Counts
-    misconceptions: tuple[Misconception, ...]
+    cells: Mapping[tuple[UUID, str], ProgressCell]
+    counts: ClassCounts
+    misconceptions: tuple[MisconceptionStats, ...]
 
     @cached_property
     def version(self) -> str:
@@ -107,20 +107,20 @@ class Board:
 
     class_id: UUID
     generated_at: datetime
-    students: tuple[Student, ...]
+    students: tuple[BoardStudent, ...]
     exercises: tuple[str, ...]
     shown: Shown
 
     @property
-    def cells(self) -> Mapping[tuple[UUID, str], Cell]:
+    def cells(self) -> Mapping[tuple[UUID, str], ProgressCell]:
         return self.shown.cells
 
     @property
-    def counts(self) -> Counts:
+    def counts(self) -> ClassCounts:
         return self.shown.counts
 
     @property
-    def misconceptions(self) -> tuple[Misconception, ...]:
+    def misconceptions(self) -> tuple[MisconceptionStats, ...]:
         return self.shown.misconceptions
 
     @cached_property
@@ -130,12 +130,12 @@ class Board:
         return blake2b(told.encode(), digest_size=12).hexdigest()
 
     @cached_property
-    def rows(self) -> Mapping[UUID, Sequence[Cell]]:
+    def rows(self) -> Mapping[UUID, Sequence[ProgressCell]]:
         """The cells of each student."""
         cells, width = list(self.cells.values()), len(self.exercises)
         return {one.id: cells[place * width : (place + 1) * width] for place, one in enumerate(self.students)}
 
-    def changed_since(self, before: Board) -> Sequence[Cell]:
+    def changed_since(self, before: Board) -> Sequence[ProgressCell]:
         """The cells that `before` had not, or had otherwise."""
         return [cell for pair, cell in self.cells.items() if before.cells.get(pair) != cell]
 
@@ -150,7 +150,7 @@ class Board:
 
 
 @dataclass(frozen=True)
-class Unnamed:
+class UnexplainedFailure:
     """A failure that no misconception names: whose latest attempt shows it, and one of these attempts to read.
 
     `group` is None where a failure stands alone; `name` is what a teacher has called the group, if anything.
@@ -164,7 +164,7 @@ class Unnamed:
 
 
 @dataclass(frozen=True)
-class Item:
+class ExerciseStats:
     """An exercise as its students show it: `n` have tried it, `solved` of them have solved it.
 
     `success` is a share, None under `FEWEST_FOR_A_SHARE` students. Medians are over who solved it: attempts until the
@@ -184,7 +184,7 @@ class Item:
 
 
 @dataclass(frozen=True)
-class Helped:
+class ImprovementStats:
     """Of `n` students, to how many the next attempt brought more points: `share` of them, None where they are few."""
 
     exercise: str
@@ -198,15 +198,15 @@ class Helped:
 
 
 @dataclass(frozen=True)
-class Hints:
+class HintStats:
     """Of an exercise: what followed the opening of each of its hints."""
 
     exercise: str
-    levels: tuple[Helped, ...]
+    levels: tuple[ImprovementStats, ...]
 
 
 @dataclass(frozen=True)
-class Slot:
+class ActivitySlot:
     """The attempts that were sent from a time on, until the next slot or now."""
 
     begins_at: datetime
@@ -221,12 +221,12 @@ class Insights:
     same then.
     """
 
-    unnamed: tuple[Unnamed, ...]
-    items: tuple[Item, ...]
-    helped: tuple[Helped, ...]
-    hints: tuple[Hints, ...]
-    lesson: tuple[Slot, ...]
-    days: tuple[Slot, ...]
+    unnamed: tuple[UnexplainedFailure, ...]
+    items: tuple[ExerciseStats, ...]
+    helped: tuple[ImprovementStats, ...]
+    hints: tuple[HintStats, ...]
+    lesson: tuple[ActivitySlot, ...]
+    days: tuple[ActivitySlot, ...]
     made: object = field(compare=False, repr=False)
 
 

@@ -16,7 +16,7 @@ from server.assignments.service import counting_exercises
 from server.board import insights, kept
 from server.board.done import Done, Looked, cell_of
 from server.board.repository import Scope
-from server.board.schemas import Board, Cell, Counts, Insights, Shown, State, Student
+from server.board.schemas import Board, BoardStudent, ClassCounts, Insights, ProgressCell, ProgressState, Shown
 from server.board.states import going_nowhere, gone_quiet
 from server.board.trails import Pair
 from server.board.unnamed import unnamed
@@ -25,7 +25,7 @@ from server.classes.models import SchoolClass
 from server.course import Course
 from server.identity.models import Account
 from server.marks import repository as overrides
-from server.marks.schemas import InForce, Set
+from server.marks.schemas import ActiveOverride, EffectivePoints
 from server.rights import service as rights
 from server.rights.models import Right
 
@@ -36,16 +36,16 @@ class Work:
 
     scope: Scope
     now: datetime
-    students: tuple[Student, ...]
+    students: tuple[BoardStudent, ...]
     done: Done
 
 
-def board(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Board:
+def load_board(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Board:
     """Of an archived class, as it was when it was archived: its teachers see nothing that was sent later."""
     return _board(db, _work(db, course, school_class, now))
 
 
-def dashboard(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> tuple[Board, Insights]:
+def load_dashboard(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> tuple[Board, Insights]:
     """The board, with what is read beside it."""
     work = _work(db, course, school_class, now)
     shown, done = _board(db, work), work.done
@@ -61,20 +61,20 @@ def dashboard(db: Session, course: Course, school_class: SchoolClass, now: datet
     )
 
 
-def work_at(db: Session, course: Course, school_class: SchoolClass, exercise: str, now: datetime) -> Work:
+def load_exercise_work(db: Session, course: Course, school_class: SchoolClass, exercise: str, now: datetime) -> Work:
     """At one exercise; nothing where it does not count."""
     return _work(db, course, school_class, now, only=exercise)
 
 
-def scope_of(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Scope:
+def load_scope(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Scope:
     """What counts on the board of a class."""
     exercises = tuple(counting_exercises(db, course, school_class, now))
     return Scope(school_class.id, exercises, school_class.archived_at)
 
 
-def students_of(db: Session, class_id: UUID) -> tuple[Student, ...]:
+def list_students(db: Session, class_id: UUID) -> tuple[BoardStudent, ...]:
     """Those who are in the class, in the order of a list of names."""
-    return tuple(Student(one.id, one.name, one.groups, one.seen_at) for one in classes.learners(db, class_id))
+    return tuple(BoardStudent(one.id, one.name, one.groups, one.seen_at) for one in classes.learners(db, class_id))
 
 
 def may_watch(db: Session, account_id: UUID, class_id: UUID) -> bool:
@@ -85,10 +85,10 @@ def may_watch(db: Session, account_id: UUID, class_id: UUID) -> bool:
 
 def _work(db: Session, course: Course, school_class: SchoolClass, now: datetime, only: str | None = None) -> Work:
     now = min(now, school_class.archived_at or now)
-    scope = scope_of(db, course, school_class, now)
+    scope = load_scope(db, course, school_class, now)
     if only is not None:
         scope = replace(scope, exercises=tuple(name for name in scope.exercises if name == only))
-    students = students_of(db, school_class.id)
+    students = list_students(db, school_class.id)
     return Work(scope, now, students, kept.done(db, course, scope, [one.id for one in students]))
 
 
@@ -102,19 +102,19 @@ def _board(db: Session, work: Work) -> Board:
     return Board(work.scope.class_id, work.now, work.students, tuple(work.scope.exercises), looked.shown)
 
 
-def _shown(done: Done, stuck: frozenset[Pair], marks: Mapping[Pair, Set]) -> Shown:
+def _shown(done: Done, stuck: frozenset[Pair], marks: Mapping[Pair, ActiveOverride]) -> Shown:
     other = {pair: _cell(done, pair, marks.get(pair), stuck) for pair in stuck | marks.keys()}
     cells = {**done.cells, **{pair: cell for pair, cell in other.items() if pair in done.cells}}
     excused = {pair for pair, mark in marks.items() if mark.excused}
     return Shown(cells, _counts(done, cells, excused), done.misconceptions)
 
 
-def _cell(done: Done, pair: Pair, mark: Set | None, stuck: frozenset[Pair]) -> Cell:
-    points = InForce(done.points.get(pair), mark).points
+def _cell(done: Done, pair: Pair, mark: ActiveOverride | None, stuck: frozenset[Pair]) -> ProgressCell:
+    points = EffectivePoints(done.points.get(pair), mark).points
     return cell_of(pair, done.standings.get(pair), points, stuck=pair in stuck)
 
 
-def _counts(done: Done, cells: Mapping[Pair, Cell], excused: Collection[Pair]) -> Counts:
+def _counts(done: Done, cells: Mapping[Pair, ProgressCell], excused: Collection[Pair]) -> ClassCounts:
     """Who is excused from an exercise finishes without it."""
     shown, width = list(cells.values()), len(done.exercises)
     started = finished = stuck = 0
@@ -122,7 +122,7 @@ def _counts(done: Done, cells: Mapping[Pair, Cell], excused: Collection[Pair]) -
         row = shown[place * width : (place + 1) * width]
         states = {cell.state for cell in row}
         asked = {cell.state for cell in row if (cell.student, cell.exercise) not in excused} if excused else states
-        started += bool(states - {State.none})
-        finished += asked == {State.solved}
-        stuck += State.stuck in states
-    return Counts(len(done.students), started, finished, stuck)
+        started += bool(states - {ProgressState.none})
+        finished += asked == {ProgressState.solved}
+        stuck += ProgressState.stuck in states
+    return ClassCounts(len(done.students), started, finished, stuck)

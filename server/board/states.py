@@ -7,9 +7,9 @@ from datetime import datetime, timedelta
 from statistics import median
 from uuid import UUID
 
-from server.board.schemas import State
+from server.board.schemas import ProgressState
 from server.board.trails import FAILURES, Pair, Trail, Trails
-from server.gradebook.standings import Sums
+from server.gradebook.standings import StandingTotals
 
 Latest = tuple[datetime, str]
 
@@ -55,7 +55,7 @@ def gone_quiet(latest: Mapping[UUID, Latest], seen: Mapping[UUID, datetime | Non
     return frozenset(quiet)
 
 
-def latest_of(standings: Mapping[Pair, Sums]) -> Mapping[UUID, Latest]:
+def latest_of(standings: Mapping[Pair, StandingTotals]) -> Mapping[UUID, Latest]:
     """When each student sent something last, and to which exercise."""
     latest: dict[UUID, Latest] = {}
     for (account, exercise), sums in standings.items():
@@ -64,12 +64,12 @@ def latest_of(standings: Mapping[Pair, Sums]) -> Mapping[UUID, Latest]:
     return latest
 
 
-def state_of(sums: Sums | None, *, stuck: bool) -> State:
+def state_of(sums: StandingTotals | None, *, stuck: bool) -> ProgressState:
     if sums is None:
-        return State.none
+        return ProgressState.none
     if sums.first_success_at is not None:
-        return State.solved
-    return State.stuck if stuck else State.trying
+        return ProgressState.solved
+    return ProgressState.stuck if stuck else ProgressState.trying
 
 
 def median_of(values: Sequence[float]) -> float | None:

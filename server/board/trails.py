@@ -10,7 +10,7 @@ from uuid import UUID
 
 from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.board.repository import Sent
-from server.gradebook.standings import Sums, sums_of
+from server.gradebook.standings import StandingTotals, compute_totals
 
 FAILURES = frozenset(one.value for one in blamed_on(Blame.STUDENT))
 #: Failures that have a behaviour: a program that runs, and answers wrongly.
@@ -20,7 +20,7 @@ Pair = tuple[UUID, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Had:
+class MisconceptionEpisode:
     """That a student had a misconception: in `attempts` attempts from the first with it to the first without it for
     good, None while they have it.
 
@@ -37,11 +37,11 @@ class Trail(tuple[Sent, ...]):
     """What one student sent to one exercise, in order, one attempt at least. What it comes to is reckoned once."""
 
     @cached_property
-    def sums(self) -> Sums:
-        return sums_of(self)
+    def sums(self) -> StandingTotals:
+        return compute_totals(self)
 
     @cached_property
-    def had(self) -> Sequence[tuple[str, Had]]:
+    def had(self) -> Sequence[tuple[str, MisconceptionEpisode]]:
         return tuple(misconceptions(self))
 
     @cached_property
@@ -52,7 +52,7 @@ class Trail(tuple[Sent, ...]):
 Trails = Mapping[Pair, Trail]
 
 
-def misconceptions(trail: Sequence[Sent]) -> Iterator[tuple[str, Had]]:
+def misconceptions(trail: Sequence[Sent]) -> Iterator[tuple[str, MisconceptionEpisode]]:
     """Each misconception that its author ever had there."""
     places: dict[str, list[int]] = {}
     for place, one in enumerate(trail):
@@ -63,7 +63,7 @@ def misconceptions(trail: Sequence[Sent]) -> Iterator[tuple[str, Had]]:
         over = last < len(trail) - 1
         followed = first < len(trail) - 1
         improved = followed and trail[first + 1].score > trail[first].score
-        yield name, Had(trail[first].account, last - first + 1 if over else None, followed, improved)
+        yield name, MisconceptionEpisode(trail[first].account, last - first + 1 if over else None, followed, improved)
 
 
 def first_success(trail: Sequence[Sent]) -> tuple[int, float] | None:

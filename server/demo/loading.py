@@ -22,7 +22,7 @@ from server.demo import teaching
 from server.demo.people import Pupil, pupils
 from server.demo.story import Step, lesson_starts, story
 from server.gradebook import service as gradebook
-from server.gradebook.schemas import Graded
+from server.gradebook.schemas import GradingResult
 from server.identity import secrets
 from server.identity.models import Account, Role
 from server.submissions.deals import seed_of
@@ -166,5 +166,5 @@ def _sent(db: Session, account: Account, step: Step, source: bytes, seed: int, j
     )
     db.add(row)
     db.flush()
-    gradebook.record(db, row.id, Graded(judgement, step.sent_at, step.sent_at + TAKES))
+    gradebook.record_grading(db, row.id, GradingResult(judgement, step.sent_at, step.sent_at + TAKES))
     classes_stored.note_seen(db, account.id, step.sent_at, step.sent_at)

@@ -120,10 +120,10 @@ def say(db: Session, room: Classroom, steps: Sequence[Step], settings: Settings)
     latest = list({step.pupil: step for step in code}.values())[:3]
     for place, step in enumerate(latest):
         author = db.get_one(Account, room.students[step.pupil])
-        attempt = gradebook.latest(db, author, step.exercise)
+        attempt = gradebook.find_latest_attempt(db, author, step.exercise)
         assert attempt is not None
         if place == 0:
-            marks.override(
+            marks.set_override(
                 *(db, room.course, room.made, room.teacher, author.id, step.exercise),
                 points=15.0,
                 excused=False,

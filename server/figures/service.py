@@ -14,7 +14,7 @@ from server.figures import orders
 from server.figures.orders import Form, Order, Theme
 from server.figures.pictures import Pictures
 from server.gradebook import service as gradebook
-from server.gradebook.figures import NO_FIGURE, NO_FILM, figure_data, film_data
+from server.gradebook.figures import NO_FIGURE, NO_FILM, load_figure_data, load_film_data
 from server.identity.models import Account
 
 
@@ -60,8 +60,8 @@ class Figures:
 
     def _filmed(self, account: Account | None, submission_id: str, check: str, grading: UUID | None) -> Order:
         with self.database.read() as db:
-            attempt = gradebook.find(db, account, submission_id)
-            film, title = film_data(db, attempt, check, grading)
+            attempt = gradebook.find_attempt(db, account, submission_id)
+            film, title = load_film_data(db, attempt, check, grading)
         exercise = attempt.submission.exercise
         if exercise not in self.course.exercises:
             raise NotFound(NO_FILM)
@@ -70,8 +70,8 @@ class Figures:
     def _allowed(self, account: Account | None, wanted: Wanted) -> Order:
         """In a transaction of its own, over before anything is drawn. Raises NotFound."""
         with self.database.read() as db:
-            attempt = gradebook.find(db, account, wanted.submission_id)
-            data = figure_data(db, attempt, wanted.name, wanted.grading)
+            attempt = gradebook.find_attempt(db, account, wanted.submission_id)
+            data = load_figure_data(db, attempt, wanted.name, wanted.grading)
         exercise = attempt.submission.exercise
         if exercise not in self.course.exercises:
             raise NotFound(NO_FIGURE)

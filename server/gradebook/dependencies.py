@@ -18,10 +18,10 @@ def _door(
     classe: Annotated[UUID | Literal[""], Form()] = "",
 ) -> Callable[[str], None]:
     def turn(solution: str) -> None:
-        solutions.open_or_close(db, account, solution, classe or None, wanted=ouvrir)
+        solutions.set_solution_open(db, account, solution, classe or None, wanted=ouvrir)
 
     return turn
 
 
 #: What a form says of a solution, by its id: open or closed, to a class, or to everyone where none is named.
-SolutionDoor = Annotated[Callable[[str], None], Depends(_door)]
+SolutionToggle = Annotated[Callable[[str], None], Depends(_door)]

@@ -13,7 +13,7 @@ NO_FIGURE = "Cette figure n’existe pas."
 NO_FILM = "Il n’y a rien à revoir ici."
 
 
-def figure_data(db: Session, attempt: Attempt, name: str, grading: UUID | None = None) -> dict[str, Any]:
+def load_figure_data(db: Session, attempt: Attempt, name: str, grading: UUID | None = None) -> dict[str, Any]:
     """The stored data of a figure of this attempt's verdict; raises NotFound.
 
     Of one of its gradings, where that is named: a page that is open shows what it said, whatever counts since.
@@ -25,7 +25,9 @@ def figure_data(db: Session, attempt: Attempt, name: str, grading: UUID | None =
     return data
 
 
-def film_data(db: Session, attempt: Attempt, check: str, grading: UUID | None = None) -> tuple[dict[str, Any], str]:
+def load_film_data(
+    db: Session, attempt: Attempt, check: str, grading: UUID | None = None
+) -> tuple[dict[str, Any], str]:
     """The same of a film, with the title of its check."""
     shown = _shown(db, attempt, grading)
     found = None if shown is None else repository.film_of(db, shown, check)

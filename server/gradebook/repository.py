@@ -28,7 +28,7 @@ from graders.core.contract.outcomes import Blame, Outcome, blamed_on
 from server.classes.models import Membership, Status
 from server.database import NEVER, ask, change, one_of, prepared, table_of
 from server.gradebook.models import ClassOpening, Grading, SolutionOpening
-from server.gradebook.schemas import Graded
+from server.gradebook.schemas import GradingResult
 from server.identity.models import Account
 from server.submissions.models import Submission
 
@@ -163,12 +163,12 @@ def failed_digests(db: Session, account_id: UUID, exercise: str, besides: str, u
     return found
 
 
-def locked(db: Session, submission_id: UUID) -> Row[UUID, str, datetime, UUID | None] | None:
+def lock_submission(db: Session, submission_id: UUID) -> Row[UUID, str, datetime, UUID | None] | None:
     """Author, exercise, time and current grading of a submission that nobody else changes until the commit."""
     return ask(db, LOCK, {"locked": submission_id}).one_or_none()
 
 
-def add(db: Session, submission_id: UUID, graded: Graded) -> UUID:
+def add_grading(db: Session, submission_id: UUID, graded: GradingResult) -> UUID:
     """Adds to the history of a submission, within the bound of a verdict; the grading does not count yet."""
     identity, judgement = uuid4(), bounded(graded.judgement)
     verdict = judgement.verdict
@@ -205,12 +205,12 @@ def with_author(db: Session, submission_id: UUID) -> tuple[Submission, Account] 
     return None if row is None else (row[0], row[1])
 
 
-def point(db: Session, submission_id: UUID, grading_id: UUID) -> None:
+def set_counting_grading(db: Session, submission_id: UUID, grading_id: UUID) -> None:
     """Has one of a submission's gradings count."""
     change(db, POINT, {"pointing": submission_id, "grading": grading_id})
 
 
-def point_all(db: Session, chosen: Mapping[UUID, UUID]) -> None:
+def set_counting_gradings(db: Session, chosen: Mapping[UUID, UUID]) -> None:
     """The same for many at once: by submission, the grading that is to count."""
     if chosen:
         db.execute(POINT, [{"pointing": submission, "grading": chosen[submission]} for submission in sorted(chosen)])
@@ -221,13 +221,13 @@ def is_of(db: Session, grading_id: UUID, submission_id: UUID) -> bool:
     return db.execute(query).first() is not None
 
 
-def history(db: Session, submission_id: UUID) -> Sequence[Grading]:
+def list_gradings(db: Session, submission_id: UUID) -> Sequence[Grading]:
     """Every grading of a submission, oldest first."""
     query = select(Grading).where(Grading.submission_id == submission_id)
     return db.execute(query.order_by(Grading.finished_at, Grading.id)).scalars().all()
 
 
-def verdict_of(db: Session, grading_id: UUID) -> dict[str, Any]:
+def load_verdict(db: Session, grading_id: UUID) -> dict[str, Any]:
     found: dict[str, Any] = db.execute(select(Grading.verdict).where(Grading.id == grading_id)).scalar_one()
     return found
 

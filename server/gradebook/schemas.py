@@ -18,7 +18,7 @@ HINT_OPENS_AFTER = (1, 2, 4)
 
 
 @dataclass(frozen=True)
-class Graded:
+class GradingResult:
     """One grading as it ended, to be recorded."""
 
     judgement: Judgement

@@ -11,11 +11,11 @@ from graders.core.contract.verdict import Verdict
 from server.assignments import feedback
 from server.base.errors import NotFound
 from server.database import Database
-from server.gradebook import repository, standings, verdicts, whole
+from server.gradebook import attempts, repository, standings, verdicts
+from server.gradebook.attempts import StoredAttempt
 from server.gradebook.models import Grading
-from server.gradebook.schemas import Attempt, AttemptLine, Attempts, Graded, Progress
-from server.gradebook.standings import Counted, Sums
-from server.gradebook.whole import Whole
+from server.gradebook.schemas import Attempt, AttemptLine, Attempts, GradingResult, Progress
+from server.gradebook.standings import CountedAttempt, StandingTotals
 from server.identity.models import Account
 from server.sandbox.values import MENTION
 from server.submissions import deals
@@ -24,86 +24,86 @@ from server.submissions.models import Submission
 from server.submissions.service import UNKNOWN, digest, may_see, parse_id
 
 
-def record(db: Session, submission_id: UUID, graded: Graded) -> UUID | None:
+def record_grading(db: Session, submission_id: UUID, graded: GradingResult) -> UUID | None:
     """Adds a grading, which counts from now on; returns whose it is, None when the submission is gone meanwhile."""
-    row = repository.locked(db, submission_id)
+    row = repository.lock_submission(db, submission_id)
     if row is None:
         return None
     account_id, exercise, sent_at, earlier = row
-    repository.point(db, submission_id, repository.add(db, submission_id, graded))
+    repository.set_counting_grading(db, submission_id, repository.add_grading(db, submission_id, graded))
     if earlier is not None:
         standings.recount(db, account_id, exercise)
     elif graded.verdict.outcome.counts:
         verdict = graded.verdict
-        attempt = Counted(sent_at, verdict.outcome.value, verdict.score, verdict.misconception)
-        standings.add(db, account_id, exercise, attempt)
+        attempt = CountedAttempt(sent_at, verdict.outcome.value, verdict.score, verdict.misconception)
+        standings.count_attempt(db, account_id, exercise, attempt)
     return account_id
 
 
-def regraded(db: Session, submission_id: UUID, graded: Graded) -> UUID:
+def add_uncounted_grading(db: Session, submission_id: UUID, graded: GradingResult) -> UUID:
     """Adds a grading that does not count (yet) to a submission's history; returns its name."""
-    return repository.add(db, submission_id, graded)
+    return repository.add_grading(db, submission_id, graded)
 
 
-def choose(db: Session, submission_id: UUID, grading_id: UUID) -> None:
+def set_counting_grading(db: Session, submission_id: UUID, grading_id: UUID) -> None:
     """Has another of a submission's gradings count. Raises NotFound."""
-    row = repository.locked(db, submission_id)
+    row = repository.lock_submission(db, submission_id)
     if row is None or not repository.is_of(db, grading_id, submission_id):
         raise NotFound(UNKNOWN)
-    repository.point(db, submission_id, grading_id)
-    recount(db, row[0], row[1])
+    repository.set_counting_grading(db, submission_id, grading_id)
+    recount_standings(db, row[0], row[1])
 
 
-def choose_all(db: Session, exercise: str, accounts: Collection[UUID], chosen: Mapping[UUID, UUID]) -> None:
+def set_counting_gradings(db: Session, exercise: str, accounts: Collection[UUID], chosen: Mapping[UUID, UUID]) -> None:
     """The same for many at once: of submissions of these accounts to an exercise, each with a grading of its own.
 
     The caller has locked the accounts (`standings.lock`), and read what it chooses from since.
     """
-    repository.point_all(db, chosen)
+    repository.set_counting_gradings(db, chosen)
     standings.recount_all(db, accounts, exercise)
 
 
-def recount(db: Session, account_id: UUID, exercise: str | None = None) -> int:
+def recount_standings(db: Session, account_id: UUID, exercise: str | None = None) -> int:
     """Makes an account's standings again from its history; returns how many have changed."""
     return standings.recount(db, account_id, exercise)
 
 
-def rebuild(database: Database) -> tuple[int, int]:
+def rebuild_all_standings(database: Database) -> tuple[int, int]:
     """Makes every standing again, one account at a time: others write between. How many there are, and have changed."""
     with database.read() as db:
-        accounts = standings.accounts(db)
+        accounts = standings.list_accounts(db)
     changed = 0
     for account_id in accounts:
         with database.write() as db:
-            changed += recount(db, account_id)
+            changed += recount_standings(db, account_id)
     with database.read() as db:
-        return standings.count(db), changed
+        return standings.count_standings(db), changed
 
 
-def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
+def adopt_attempts(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Gives a guest's attempts and deals to the account that the same person has just opened."""
-    standings.lock(db, [guest_id, account_id])
+    standings.lock_accounts(db, [guest_id, account_id])
     stored.move(db, guest_id, account_id)
     deals.adopt(db, guest_id, account_id)
     for owner in (guest_id, account_id):
-        recount(db, owner)
+        recount_standings(db, owner)
 
 
-def find(db: Session, account: Account | None, submission_id: UUID | str) -> Attempt:
+def find_attempt(db: Session, account: Account | None, submission_id: UUID | str) -> Attempt:
     """An attempt that this account may see (`server.rights`); raises NotFound for any other, whatever exists."""
-    found = whole.attempt(db, parse_id(submission_id))
+    found = attempts.load_attempt(db, parse_id(submission_id))
     if found is None or account is None or not may_see(db, account, found.submission):
         raise NotFound(UNKNOWN)
     return _seen(db, account.id, found)
 
 
-def _seen(db: Session, account_id: UUID, found: Whole) -> Attempt:
+def _seen(db: Session, account_id: UUID, found: StoredAttempt) -> Attempt:
     if not found.may_be_held:
         feedback.note_nothing(db, found.submission.account_id, found.submission.exercise)
-    return as_seen(db, account_id, found.submission, found.grading)
+    return attempt_seen_by(db, account_id, found.submission, found.grading)
 
 
-def as_seen(db: Session, account_id: UUID, submission: Submission, grading: Grading | None) -> Attempt:
+def attempt_seen_by(db: Session, account_id: UUID, submission: Submission, grading: Grading | None) -> Attempt:
     """To its author, without what is held back from them; to anybody else who may see it, whole."""
     if submission.account_id != account_id:
         return Attempt(submission, grading)
@@ -114,13 +114,13 @@ def as_seen(db: Session, account_id: UUID, submission: Submission, grading: Grad
     return Attempt(submission, None, known, failed)
 
 
-def latest(db: Session, account: Account | None, exercise_id: str) -> Attempt | None:
+def find_latest_attempt(db: Session, account: Account | None, exercise_id: str) -> Attempt | None:
     """One's last attempt at an exercise."""
-    found = None if account is None else whole.latest(db, account.id, exercise_id)
+    found = None if account is None else attempts.load_latest_attempt(db, account.id, exercise_id)
     return None if found is None or account is None else _seen(db, account.id, found)
 
 
-def attempts(db: Session, account: Account | None, exercise_id: str, most: int, skipped: int = 0) -> Attempts:
+def list_attempts(db: Session, account: Account | None, exercise_id: str, most: int, skipped: int = 0) -> Attempts:
     """One's attempts at an exercise, newest first, without the `skipped` newest; empty beyond the oldest."""
     if account is None:
         return Attempts()
@@ -135,7 +135,7 @@ def attempts(db: Session, account: Account | None, exercise_id: str, most: int, 
     return Attempts(tuple(lines), rows[0][0] if rows else 0)
 
 
-def sent_before(db: Session, account: Account, exercise_id: str, code: str, version: str) -> Submission | None:
+def find_duplicate(db: Session, account: Account, exercise_id: str, code: str, version: str) -> Submission | None:
     """One's attempt with this very code, where sending it again to this version of the exercise would tell nothing new.
 
     None too for an attempt that ended at a limit of time or of memory: it may be tried again. But of attempts that a
@@ -150,41 +150,46 @@ def sent_before(db: Session, account: Account, exercise_id: str, code: str, vers
     return repository.sent_before(db, file, version, known.held_from)
 
 
-def verdict_before(db: Session, attempt: Attempt) -> Verdict | None:
+def previous_verdict(db: Session, attempt: Attempt) -> Verdict | None:
     """That of its author's attempt just before this one at the exercise."""
     found = repository.before(db, attempt.submission)
     return None if found is None else attempt.feedback.shown(verdicts.read(*found))
 
 
-def number_of(db: Session, submission: Submission) -> int:
+def attempt_number(db: Session, submission: Submission) -> int:
     """1 for its author's first attempt at the exercise."""
     return repository.count_until(db, submission)
 
 
-def progress(db: Session, account: Account | None, exercise_id: str | None = None) -> dict[str, Progress]:
+def load_progress(db: Session, account: Account | None, exercise_id: str | None = None) -> dict[str, Progress]:
     """Where an account stands, by exercise, as it may know it: in all that it has tried, or in one alone."""
     if account is None:
         return {}
-    counted = sums_seen(db, account.id, exercise_id)
+    counted = load_visible_standings(db, account.id, exercise_id)
     waiting = stored.waiting(db, account.id, exercise_id)
-    waiting = {**waiting, **stored.waiting_or_since(db, account.id, held_since(db, account.id, exercise_id))}
+    waiting = {
+        **waiting,
+        **stored.waiting_or_since(db, account.id, load_withholding_times(db, account.id, exercise_id)),
+    }
     return {
         name: Progress(sums.best_score, sums.attempts + waiting.get(name, 0), sums.first_success_at is not None)
         for name, sums in counted.items()
     } | {name: Progress(None, count) for name, count in waiting.items() if name not in counted}
 
 
-def sums_seen(db: Session, account_id: UUID, exercise_id: str | None = None) -> dict[str, Sums]:
+def load_visible_standings(db: Session, account_id: UUID, exercise_id: str | None = None) -> dict[str, StandingTotals]:
     """An account's standings, as if what tests hold back had not been sent."""
-    counted = dict(standings.of_account(db, account_id, exercise_id))
-    since = {name: when for name, when in held_since(db, account_id, exercise_id).items() if name in counted}
+    counted = dict(standings.load_account_standings(db, account_id, exercise_id))
+    since = {
+        name: when for name, when in load_withholding_times(db, account_id, exercise_id).items() if name in counted
+    }
     if since:
-        earlier = standings.of_account_until(db, account_id, since)
+        earlier = standings.load_standings_until(db, account_id, since)
         counted = {name: one for name, one in counted.items() if name not in since} | dict(earlier)
     return counted
 
 
-def held_since(db: Session, account_id: UUID, exercise_id: str | None = None) -> dict[str, datetime]:
+def load_withholding_times(db: Session, account_id: UUID, exercise_id: str | None = None) -> dict[str, datetime]:
     """From when on attempts are held back, by exercise, in those where some are."""
     if exercise_id is None:
         known = feedback.of_all(db, account_id)
@@ -193,17 +198,17 @@ def held_since(db: Session, account_id: UUID, exercise_id: str | None = None) ->
     return {name: one.held_from for name, one in known.items() if one.held_from is not None}
 
 
-def sent_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
+def count_attempts_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
     """How many attempts somebody has sent from these times on, graded or not, by exercise, in these alone."""
     return stored.sent_since(db, account_id, since)
 
 
-def failed_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
+def count_internal_errors_since(db: Session, account_id: UUID, since: Mapping[str, datetime]) -> Mapping[str, int]:
     """How many of these we have failed to grade: the one thing that may be told of what a test holds back."""
     return repository.failed_since(db, account_id, since)
 
 
-def distinct_failed_attempts(
+def count_distinct_failures(
     db: Session, account: Account | None, exercise_id: str, *, besides: str | None = None
 ) -> int:
     """How many different codes one knows to have been graded without full marks; `besides`: a code that does not count

@@ -19,7 +19,7 @@ from server.rights import service as rights
 from server.rights.models import Right
 
 
-class Because(StrEnum):
+class AccessReason(StrEnum):
     """Why a solution is open to somebody: the first that holds."""
 
     to_all = "to_all"
@@ -29,7 +29,7 @@ class Because(StrEnum):
 
 
 @dataclass(frozen=True)
-class Door:
+class SolutionAudience:
     """Those to whom one may open a solution: the students of a class, or everyone (no class)."""
 
     class_id: UUID | None
@@ -38,7 +38,7 @@ class Door:
 
 
 @dataclass(frozen=True)
-class Access:
+class SolutionAccess:
     """What opens an exercise's hints and solution to an account, whatever it has done, and what holds them back.
 
     Nothing holds them back from who teaches.
@@ -50,51 +50,51 @@ class Access:
     hints_held: Closed | None = None
     solution_held: Closed | None = None
 
-    def because(self, progress: Progress) -> Because | None:
+    def because(self, progress: Progress) -> AccessReason | None:
         """Why the account may read the solution, or None where it may not."""
         if self.solution_held is not None:
-            return Because.teaches if self.teaches else None
+            return AccessReason.teaches if self.teaches else None
         return self._reason(progress)
 
     def would_open(self, progress: Progress) -> bool:
         """Whether the solution would be open, were it not held back."""
         return self.solution_held is not None and not self.teaches and self._reason(progress) is not None
 
-    def _reason(self, progress: Progress) -> Because | None:
+    def _reason(self, progress: Progress) -> AccessReason | None:
         reasons = {
-            Because.to_all: self.to_all,
-            Because.to_class: self.to_class,
-            Because.succeeded: progress.succeeded,
-            Because.teaches: self.teaches,
+            AccessReason.to_all: self.to_all,
+            AccessReason.to_class: self.to_class,
+            AccessReason.succeeded: progress.succeeded,
+            AccessReason.teaches: self.teaches,
         }
         return next((why for why, holds in reasons.items() if holds), None)
 
 
-def access(db: Session, account: Account | None, exercise_id: str) -> Access:
+def load_solution_access(db: Session, account: Account | None, exercise_id: str) -> SolutionAccess:
     """In one query, besides what is held back."""
     if account is None:
-        return Access(repository.opening(db, exercise_id) is not None, False, False)
+        return SolutionAccess(repository.opening(db, exercise_id) is not None, False, False)
     module = rights.module_of(exercise_id)
     to_all, to_class, teaches = repository.access(db, account.id, exercise_id, module, rights.teaching)
     known = feedback.of(db, account.id, exercise_id)
-    return Access(to_all, to_class, teaches or account.is_teacher, known.hints, known.solution)
+    return SolutionAccess(to_all, to_class, teaches or account.is_teacher, known.hints, known.solution)
 
 
-def doors(db: Session, account: Account | None, exercise_id: str) -> Sequence[Door]:
+def list_audiences(db: Session, account: Account | None, exercise_id: str) -> Sequence[SolutionAudience]:
     """What this account may open or close, its classes in the order of their names."""
     if account is None:
         return []
     to_all = (
-        [Door(None, "", repository.opening(db, exercise_id) is not None)]
+        [SolutionAudience(None, "", repository.opening(db, exercise_id) is not None)]
         if Right.open_to_all in rights.on_server(account)
         else []
     )
     classes = rights.classes_to_open(db, account, exercise_id)
     already = repository.classes_opened(db, exercise_id, [one.id for one in classes])
-    return to_all + [Door(one.id, one.name, one.id in already) for one in classes]
+    return to_all + [SolutionAudience(one.id, one.name, one.id in already) for one in classes]
 
 
-def open_or_close(db: Session, account: Account, exercise_id: str, class_id: UUID | None, *, wanted: bool) -> None:
+def set_solution_open(db: Session, account: Account, exercise_id: str, class_id: UUID | None, *, wanted: bool) -> None:
     """Opens the solution to a class, or to everyone, or closes it. Raises Forbidden or NotFound."""
     if class_id is None:
         rights.require_on_server(account, Right.open_to_all)

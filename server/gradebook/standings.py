@@ -24,7 +24,7 @@ History = Select[UUID, str, datetime, str, float | None, str | None]
 Rows = Select[UUID, str, float, int, str, str | None, datetime | None, datetime]
 
 
-Standings = Mapping[tuple[UUID, str], "Sums"]
+Standings = Mapping[tuple[UUID, str], "StandingTotals"]
 
 
 class Countable(Protocol):
@@ -44,7 +44,7 @@ class Countable(Protocol):
 
 
 @dataclass(frozen=True)
-class Counted:
+class CountedAttempt:
     """What counts of an attempt: by which score it was graded, when it was sent."""
 
     sent_at: datetime
@@ -54,7 +54,7 @@ class Counted:
 
 
 @dataclass(frozen=True)
-class Sums:
+class StandingTotals:
     """What a row of standing holds of an account's counted attempts at an exercise."""
 
     best_score: float
@@ -65,14 +65,14 @@ class Sums:
     last_at: datetime
 
 
-SUMMED = tuple(field.name for field in fields(Sums))
+SUMMED = tuple(field.name for field in fields(StandingTotals))
 
 
-def sums_of(counted: Sequence[Countable]) -> Sums:
+def compute_totals(counted: Sequence[Countable]) -> StandingTotals:
     """Of attempts in the order in which they were sent, one at least."""
     successes = [attempt.sent_at for attempt in counted if attempt.outcome == Outcome.OK]
     last = counted[-1]
-    return Sums(
+    return StandingTotals(
         best_score=max(attempt.score for attempt in counted),
         attempts=len(counted),
         last_outcome=last.outcome,
@@ -82,12 +82,12 @@ def sums_of(counted: Sequence[Countable]) -> Sums:
     )
 
 
-def add(db: Session, account_id: UUID, exercise: str, attempt: Counted) -> None:
+def count_attempt(db: Session, account_id: UUID, exercise: str, attempt: CountedAttempt) -> None:
     """Counts an attempt's first grading, in one statement: two workers that end at once both count.
 
     Two attempts of one account at one instant do not happen: sending takes turns at the account's allowance.
     """
-    row = {"account_id": account_id, "exercise": exercise, **vars(sums_of([attempt]))}
+    row = {"account_id": account_id, "exercise": exercise, **vars(compute_totals([attempt]))}
     change(db, _counting(db.get_bind().dialect.name), row)
 
 
@@ -121,7 +121,7 @@ def recount_all(db: Session, accounts: Collection[UUID], exercise: str | None = 
     The accounts' rows and their standings are locked before the history is read, so that a grading that ends meanwhile
     (`add` inserts, which asks for the account's row, or updates) is counted after.
     """
-    lock(db, accounts)
+    lock_accounts(db, accounts)
     stored = _kept(db, accounts, exercise)
     right = _from_history(db, accounts, exercise)
     wrong = [key for key in stored.keys() | right.keys() if stored.get(key) != right.get(key)]
@@ -129,12 +129,12 @@ def recount_all(db: Session, accounts: Collection[UUID], exercise: str | None = 
     return len(wrong)
 
 
-def lock(db: Session, accounts: Collection[UUID]) -> None:
+def lock_accounts(db: Session, accounts: Collection[UUID]) -> None:
     """Keeps others from adding to what these accounts have sent, until the commit. Always in the same order."""
     db.execute(select(Account.id).where(Account.id.in_(accounts)).order_by(Account.id).with_for_update())
 
 
-def _write(db: Session, made: Mapping[tuple[UUID, str], Sums | None]) -> None:
+def _write(db: Session, made: Mapping[tuple[UUID, str], StandingTotals | None]) -> None:
     """Standings as they ought to be; those that are none any more go."""
     rows = [{"account_id": key[0], "exercise": key[1], **vars(sums)} for key, sums in made.items() if sums is not None]
     if rows:
@@ -172,10 +172,10 @@ def _history(accounts: Collection[UUID]) -> History:
 
 def _summed(db: Session, query: History) -> Standings:
     groups = groupby(db.execute(query), key=lambda row: (row[0], row[1]))
-    return {key: sums_of([_counted(*row[2:]) for row in rows]) for key, rows in groups}
+    return {key: compute_totals([_counted(*row[2:]) for row in rows]) for key, rows in groups}
 
 
-def of_account_until(db: Session, account_id: UUID, until: Mapping[str, datetime]) -> Mapping[str, Sums]:
+def load_standings_until(db: Session, account_id: UUID, until: Mapping[str, datetime]) -> Mapping[str, StandingTotals]:
     """What the attempts come to that were sent before these times, by exercise, in these exercises alone."""
     earlier = [and_(Submission.exercise == name, Submission.created_at < when) for name, when in until.items()]
     return {key[1]: sums for key, sums in _summed(db, _history([account_id]).where(or_(*earlier))).items()}
@@ -194,14 +194,14 @@ def _rows() -> Rows:
     )
 
 
-def _counted(sent_at: datetime, outcome: str, score: float | None, diagnosis: str | None) -> Counted:
+def _counted(sent_at: datetime, outcome: str, score: float | None, diagnosis: str | None) -> CountedAttempt:
     if score is None:
         raise ValueError(f"a grading that ended as {outcome} has no score")
-    return Counted(sent_at, outcome, score, diagnosis)
+    return CountedAttempt(sent_at, outcome, score, diagnosis)
 
 
 def _by_key(db: Session, query: Rows) -> Standings:
-    return {(row[0], row[1]): Sums(*row[2:]) for row in db.execute(query)}
+    return {(row[0], row[1]): StandingTotals(*row[2:]) for row in db.execute(query)}
 
 
 @prepared
@@ -210,22 +210,22 @@ def _of_account(account_id: UUID, exercise: str, *, everywhere: bool) -> Rows:
     return query if everywhere else query.where(Standing.exercise == exercise)
 
 
-def of_account(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, Sums]:
+def load_account_standings(db: Session, account_id: UUID, exercise: str | None = None) -> Mapping[str, StandingTotals]:
     """An account's standings, by exercise."""
     found = ask(db, *_of_account(account_id, exercise or "", everywhere=exercise is None))
-    return {row[1]: Sums(*row[2:]) for row in found}
+    return {row[1]: StandingTotals(*row[2:]) for row in found}
 
 
-def of_class(db: Session, accounts: Collection[UUID], exercises: Collection[str]) -> Standings:
+def load_standings(db: Session, accounts: Collection[UUID], exercises: Collection[str]) -> Standings:
     """The standings of many accounts in many exercises, in one query."""
     return _by_key(db, _rows().where(Standing.account_id.in_(accounts), Standing.exercise.in_(exercises)))
 
 
-def accounts(db: Session) -> Sequence[UUID]:
+def list_accounts(db: Session) -> Sequence[UUID]:
     """Every account that has a standing, or ought to."""
     senders = select(Submission.account_id).where(Submission.grading_id.is_not(None))
     return db.execute(union(senders, select(Standing.account_id))).scalars().all()
 
 
-def count(db: Session) -> int:
+def count_standings(db: Session) -> int:
     return db.execute(select(func.count()).select_from(Standing)).scalar_one()

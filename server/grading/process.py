@@ -12,7 +12,7 @@ from types import FrameType
 
 from graders.core.contract.findings import Judgement
 from server.base.settings import Settings
-from server.behaviour.fingerprints import FINGERPRINT, FingerprintTask, Sweeper
+from server.behaviour.fingerprints import FINGERPRINT, FingerprintSweeper, FingerprintTask
 from server.course import Course, load
 from server.course.memory import MEMORY, Memory
 from server.database import Database
@@ -109,7 +109,7 @@ def _run(
             REGRADE: RegradeTask(course, queue, grade),
             FINGERPRINT: FingerprintTask(course, queue, partial(SandboxPrograms, sandbox)),
         }
-        sweeper = Sweeper(database, queue, course)
+        sweeper = FingerprintSweeper(database, queue, course)
         threading.Thread(target=sweeper.keep_looking, args=(_stopping.told,), name="sweeper", daemon=True).start()
         try:
             keep_working(Worker(database, queue, settings, tasks, able=_able(settings, course), stopping=_stopping))

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 from graders.core.contract.findings import Judgement
 from graders.core.contract.verdict import internal_error_verdict
 from server.course.models import Course
-from server.gradebook.schemas import Graded
+from server.gradebook.schemas import GradingResult
 from server.grading.task import Grade, SentFile, sent_file
 from server.queue.port import GiveUp, Lease, Queue
 from server.regrades import repository, service
@@ -40,10 +40,10 @@ class RegradeTask:
         """None when nothing waits any more, or the regrade was stopped."""
         return _next(db, self._course, lease)
 
-    def run(self, work: Regrading) -> Graded:
-        return Graded(self._grade(work.file), work.file.started_at)
+    def run(self, work: Regrading) -> GradingResult:
+        return GradingResult(self._grade(work.file), work.file.started_at)
 
-    def record(self, db: Session, work: Regrading, result: Graded) -> None:
+    def record(self, db: Session, work: Regrading, result: GradingResult) -> None:
         service.record(db, self._queue, work.regrade_id, work.item_id, result, work.needs)
 
 
@@ -70,7 +70,7 @@ def _giving_up(course: Course, queue: Queue) -> GiveUp:
         file = work.file
         log.error("regrade %s: submission %s of %s given up", work.regrade_id, file.submission_id, file.exercise)
         verdict = internal_error_verdict(file.exercise, course.version_of(file.exercise), file.seed)
-        graded = Graded(Judgement(verdict), lease.started_at)
+        graded = GradingResult(Judgement(verdict), lease.started_at)
         service.record(db, queue, work.regrade_id, work.item_id, graded, work.needs)
 
     return give_up

@@ -14,9 +14,9 @@ from graders.core.contract.verdict import internal_error_verdict
 from server.base import logs, traces
 from server.course.models import Course
 from server.course.reuse import Own
-from server.gradebook import accepted
+from server.gradebook import importable_files
 from server.gradebook import service as gradebook
-from server.gradebook.schemas import Graded
+from server.gradebook.schemas import GradingResult
 from server.limits import service as limits
 from server.queue.port import GiveUp, Lease
 from server.submissions import repository as submissions
@@ -44,7 +44,7 @@ class SentFile:
 
 def sent_file(db: Session, course: Course, submission: Submission | Sent, started_at: datetime) -> SentFile:
     """A submission, with the earlier files of its author that it may import from."""
-    own = accepted.used_by(db, course, submission)
+    own = importable_files.load_importable_files(db, course, submission)
     return SentFile(submission.id, submission.exercise, submission.source, submission.seed, started_at, own)
 
 
@@ -65,14 +65,14 @@ class GradingTask:
             return None
         return sent_file(db, self._course, submission, lease.started_at)
 
-    def run(self, work: SentFile) -> Graded:
+    def run(self, work: SentFile) -> GradingResult:
         began = time.time_ns()
         judgement = self._grade(work)
         told = judgement.verdict.timings
         traces.steps(began, {name: told[f"{name}_ms"] for name in STEPS if f"{name}_ms" in told})
-        return Graded(judgement, work.started_at)
+        return GradingResult(judgement, work.started_at)
 
-    def record(self, db: Session, work: SentFile, result: Graded) -> None:
+    def record(self, db: Session, work: SentFile, result: GradingResult) -> None:
         _record(db, work.submission_id, result)
         outcome = result.verdict.outcome.value
         logs.tell("verdict", submission=str(work.submission_id), exercise=work.exercise, outcome=outcome)
@@ -83,9 +83,9 @@ def give_ups(course: Course) -> Mapping[str, GiveUp]:
     return {GRADE: _giving_up(course)}
 
 
-def _record(db: Session, submission_id: UUID, graded: Graded) -> None:
+def _record(db: Session, submission_id: UUID, graded: GradingResult) -> None:
     """Our own failure costs its author nothing: what it took from their allowance comes back with it."""
-    account_id = gradebook.record(db, submission_id, graded)
+    account_id = gradebook.record_grading(db, submission_id, graded)
     if account_id is not None and not graded.verdict.outcome.counts:
         limits.give_back(db, limits.of_submissions(account_id))
 
@@ -102,6 +102,6 @@ def _giving_up(course: Course) -> GiveUp:
             *(submission.id, submission.exercise, submission.seed, len(submission.source), submission.digest),
         )
         verdict = internal_error_verdict(submission.exercise, course.version_of(submission.exercise), submission.seed)
-        _record(db, submission.id, Graded(Judgement(verdict), lease.started_at))
+        _record(db, submission.id, GradingResult(Judgement(verdict), lease.started_at))
 
     return give_up

@@ -10,7 +10,7 @@ import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from server.marks.means import number
+from server.marks.means import format_number
 
 Cell = str | float | None
 FORMULA = re.compile(r"\s*[=+\-@\t\r＝＋－＠]|[\t\r\n]")
@@ -29,7 +29,7 @@ class Sheet:
     frozen: int = 0
 
 
-def guarded(text: str) -> str:
+def escape_formula(text: str) -> str:
     """Behind an apostrophe where a program would take it for a formula: the text stays to be read."""
     return f"'{text}" if FORMULA.match(text) else text
 
@@ -57,7 +57,7 @@ def _line(row: Sequence[Cell], separator: str, sign: str) -> str:
 def _text(cell: Cell, sign: str) -> str:
     if cell is None:
         return ""
-    return guarded(cell) if isinstance(cell, str) else number(cell, sign)
+    return escape_formula(cell) if isinstance(cell, str) else format_number(cell, sign)
 
 
 def xlsx(sheets: Iterable[Sheet]) -> bytes:
@@ -97,7 +97,7 @@ def _widths(one: Sheet) -> list[int]:
     return [min(WIDEST, max(8, *(len(cell) + 2 for cell in column if isinstance(cell, str)))) for column in columns]
 
 
-def ascii_name(text: str, otherwise: str) -> str:
+def ascii_slug(text: str, otherwise: str) -> str:
     """A piece of a file's name that every system takes: « MPSI 2 » gives « mpsi-2 »."""
     plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
     return "-".join(re.findall(r"[a-z0-9]+", plain))[:NAME_LENGTH].strip("-") or otherwise

@@ -12,10 +12,10 @@ from server.base.errors import NotFound
 from server.course import Course
 from server.database import Database
 from server.marks import repository
-from server.marks.cells import Cell, ascii_name, french_csv
-from server.marks.files import When, titles
-from server.marks.means import rounded
-from server.marks.schemas import Book, ExerciseMark, Row
+from server.marks.cells import Cell, ascii_slug, french_csv
+from server.marks.files import FormatTime, unique_titles
+from server.marks.means import round_points
+from server.marks.schemas import ExerciseMark, Gradebook, StudentMarks
 
 File = tuple[str, bytes]
 INDEX = "index.csv"
@@ -40,7 +40,7 @@ class _Called:
     file: str
 
 
-def copies(book: Book, course: Course, *, names: bool, only: UUID | None, when: When) -> Sequence[Copy]:
+def copies(book: Gradebook, course: Course, *, names: bool, only: UUID | None, when: FormatTime) -> Sequence[Copy]:
     """Of every assignment or of one. Without `names`, each student is a number drawn for this archive alone.
 
     Times of sending are not told then: they would say who it is. Raises NotFound for an assignment of another class.
@@ -48,8 +48,8 @@ def copies(book: Book, course: Course, *, names: bool, only: UUID | None, when: 
     if only is not None and all(one.id != only for one in book.assignments):
         raise NotFound(NO_SUCH_ASSIGNMENT)
     called = _names(book.rows) if names else _pseudonyms(book.rows)
-    named = titles(book.assignments)
-    folders = _unique([ascii_name(title, "devoir") for title in named])
+    named = unique_titles(book.assignments)
+    folders = _unique([ascii_slug(title, "devoir") for title in named])
     found = []
     for place, assignment in enumerate(book.assignments):
         if only is None or assignment.id == only:
@@ -71,19 +71,19 @@ def _file(course: Course, exercise: str, student: str) -> str:
 
 
 def _told(one: ExerciseMark) -> tuple[Cell, ...]:
-    points = None if one.points is None else rounded(one.points)
+    points = None if one.points is None else round_points(one.points)
     return points, float(one.counted.days_late if one.counted else 0), "oui" if one.override else ""
 
 
-def _names(rows: Sequence[Row]) -> Mapping[UUID, _Called]:
+def _names(rows: Sequence[StudentMarks]) -> Mapping[UUID, _Called]:
     """By family name. Two of one name have files of their own."""
     members = [row.member for row in rows]
     names = [" ".join(filter(None, (one.family_name, one.given_name))) or one.name for one in members]
-    files = _unique([ascii_name(name, "eleve") for name in names])
+    files = _unique([ascii_slug(name, "eleve") for name in names])
     return {one.id: _Called(*called) for one, *called in zip(members, names, files, strict=True)}
 
 
-def _pseudonyms(rows: Sequence[Row]) -> Mapping[UUID, _Called]:
+def _pseudonyms(rows: Sequence[StudentMarks]) -> Mapping[UUID, _Called]:
     """The same through one archive, and of no use with another: drawn with a salt that nobody keeps."""
     salt = secrets.token_bytes(32)
     drawn = sorted((row.member.id for row in rows), key=lambda one: hmac.digest(salt, one.bytes, "sha256"))
@@ -110,6 +110,6 @@ def files_of(database: Database, found: Sequence[Copy]) -> Iterator[File]:
     yield INDEX, b"".join(french_csv(HEADER, (one.line for one in found)))
     for one in found:
         with database.read() as db:
-            source = repository.source_of(db, one.submission)
+            source = repository.load_source(db, one.submission)
         if source is not None:
             yield one.path, source

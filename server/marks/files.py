@@ -11,36 +11,36 @@ from typing import Any
 
 from server.assignments.models import Assignment, Mode
 from server.classes.schemas import Listed
-from server.marks.cells import Cell, Sheet, ascii_name, guarded, plain_csv
-from server.marks.means import number, rounded
-from server.marks.schemas import AssignmentMark, Book, ExerciseMark, State, Summary, held_back
+from server.marks.cells import Cell, Sheet, ascii_slug, escape_formula, plain_csv
+from server.marks.means import format_number, round_points
+from server.marks.schemas import AssignmentMark, ExerciseMark, Gradebook, MarkState, MarkSummary, is_withheld
 
 ABSENT, EXCUSED, AVERAGE = "Abs", "disp.", "Moyenne"
-When = Callable[[datetime], str]
+FormatTime = Callable[[datetime], str]
 YES = {True: "oui", False: ""}
-WORDS = {State.absent: ABSENT, State.excused: EXCUSED}
+WORDS = {MarkState.absent: ABSENT, MarkState.excused: EXCUSED}
 
 
-class Identifier(StrEnum):
+class MoodleIdentifier(StrEnum):
     """By what Moodle knows who is who."""
 
     email = "email"
     id = "id"
 
 
-def file_name(book: Book, what: str, ending: str) -> str:
+def file_name(book: Gradebook, what: str, ending: str) -> str:
     """In plain letters: « balise-mpsi-2-notes-2026-11-22.csv »."""
-    return f"balise-{ascii_name(book.school_class.name, 'classe')}-{what}-{book.at:%Y-%m-%d}.{ending}"
+    return f"balise-{ascii_slug(book.school_class.name, 'classe')}-{what}-{book.at:%Y-%m-%d}.{ending}"
 
 
-def cell(mark: AssignmentMark) -> Cell:
+def mark_cell(mark: AssignmentMark) -> Cell:
     """Points, « Abs », « disp. », or nothing."""
     if mark.state in WORDS:
         return WORDS[mark.state]
     return _rounded(mark.points)
 
 
-def titles(assignments: Sequence[Assignment]) -> tuple[str, ...]:
+def unique_titles(assignments: Sequence[Assignment]) -> tuple[str, ...]:
     """Each once, so that columns can be told apart."""
     seen: Counter[str] = Counter()
     found = []
@@ -60,31 +60,33 @@ def _person(member: Listed) -> tuple[str, str, str, str]:
 PERSON = ("Nom", "Prénom", "Identifiant", "Groupe")
 
 
-def marks_sheet(book: Book) -> Sheet:
+def marks_sheet(book: Gradebook) -> Sheet:
     """Students × assignments, with their averages."""
-    rows = [(*_person(row.member), *(cell(mark) for mark in row.marks), _rounded(row.average)) for row in book.rows]
-    return Sheet("Notes", (*PERSON, *titles(book.assignments), AVERAGE), rows, frozen=2)
+    rows = [
+        (*_person(row.member), *(mark_cell(mark) for mark in row.marks), _rounded(row.average)) for row in book.rows
+    ]
+    return Sheet("Notes", (*PERSON, *unique_titles(book.assignments), AVERAGE), rows, frozen=2)
 
 
 DETAILS = ("Points", "Note automatique", "Dispensé", "Jours de retard", "Essais", "Note modifiée", "À revoir", "Motif")
 
 
-def exercises_sheet(book: Book) -> Sheet:
+def exercises_sheet(book: Gradebook) -> Sheet:
     """A line for each student, assignment and exercise."""
     rows = [
         (*_person(row.member), title, book.title_of(one.exercise), *_details(one, mark))
         for row in book.rows
-        for title, mark in zip(titles(book.assignments), row.marks, strict=True)
+        for title, mark in zip(unique_titles(book.assignments), row.marks, strict=True)
         for one in mark.exercises
     ]
     return Sheet("Exercices", (*PERSON, "Devoir", "Exercice", *DETAILS), rows, frozen=2)
 
 
 def _details(one: ExerciseMark, mark: AssignmentMark) -> tuple[Cell, ...]:
-    excused = one.excused or mark.state is State.excused
+    excused = one.excused or mark.state is MarkState.excused
     return (
         None if excused else _rounded(one.points),
-        _rounded(one.in_force.automatic),
+        _rounded(one.effective.automatic),
         YES[excused],
         float(one.days_late),
         float(one.attempts),
@@ -94,12 +96,12 @@ def _details(one: ExerciseMark, mark: AssignmentMark) -> tuple[Cell, ...]:
     )
 
 
-def explanations_sheet(book: Book, when: When) -> Sheet:
+def explanations_sheet(book: Gradebook, when: FormatTime) -> Sheet:
     """What the other sheets hold, the weights and dates, the class's mean and median."""
     rows: list[tuple[Cell, ...]] = [
         (title, one.weight, when(one.opens_at), *(when(at) if at else "" for at in (one.due_at, one.closes_at)),
-         "contrôle, pas encore rendu aux élèves" if held_back(one, book.at) else "", *_summed(book.summary_of(place)))
-        for place, (title, one) in enumerate(zip(titles(book.assignments), book.assignments, strict=True))
+         "contrôle, pas encore rendu aux élèves" if is_withheld(one, book.at) else "", *_summed(book.summary_of(place)))
+        for place, (title, one) in enumerate(zip(unique_titles(book.assignments), book.assignments, strict=True))
     ]  # fmt: skip
     rows.append((AVERAGE, None, "", "", "", "", *_summed(book.averages)))
     rows += [("",) + (None,) * 8] + [(note, *[None] * 8) for note in (*NOTES, f"Notes du {when(book.at)}.")]
@@ -107,7 +109,7 @@ def explanations_sheet(book: Book, when: When) -> Sheet:
     return Sheet("Explications", header, rows, frozen=1)
 
 
-def _summed(found: Summary) -> tuple[Cell, ...]:
+def _summed(found: MarkSummary) -> tuple[Cell, ...]:
     return float(found.count), _rounded(found.mean), _rounded(found.median)
 
 
@@ -122,18 +124,18 @@ NOTES = (
 )
 
 
-def sheets(book: Book, when: When) -> tuple[Sheet, ...]:
+def gradebook_sheets(book: Gradebook, when: FormatTime) -> tuple[Sheet, ...]:
     return marks_sheet(book), exercises_sheet(book), explanations_sheet(book, when)
 
 
-def column(book: Book, place: int | None) -> str:
+def column_text(book: Gradebook, place: int | None) -> str:
     """One value a line, in the order of the list of names; None for the averages."""
-    cells: list[Cell] = [_rounded(row.average) if place is None else cell(row.marks[place]) for row in book.rows]
-    return "\n".join("" if one is None else one if isinstance(one, str) else number(one) for one in cells)
+    cells: list[Cell] = [_rounded(row.average) if place is None else mark_cell(row.marks[place]) for row in book.rows]
+    return "\n".join("" if one is None else one if isinstance(one, str) else format_number(one) for one in cells)
 
 
 @dataclass(frozen=True)
-class ForMoodle:
+class MoodleFile:
     """The lines of a file that Moodle imports; the names of those who cannot be in it."""
 
     header: tuple[str, ...]
@@ -144,39 +146,39 @@ class ForMoodle:
         return plain_csv(self.header, self.rows)
 
 
-COLUMNS = {Identifier.email: "Email address", Identifier.id: "ID number"}
+COLUMNS = {MoodleIdentifier.email: "Email address", MoodleIdentifier.id: "ID number"}
 
 
-def for_moodle(book: Book, identifier: Identifier) -> ForMoodle:
+def moodle_file(book: Gradebook, identifier: MoodleIdentifier) -> MoodleFile:
     """The marks that are final, and nothing for nothing: an empty cell leaves Moodle's mark as it is.
 
     A test that is held back is left out: Moodle would show it. Who has no identifier, or shares it, is left out too.
     """
-    told = [place for place, one in enumerate(book.assignments) if not held_back(one, book.at)]
+    told = [place for place, one in enumerate(book.assignments) if not is_withheld(one, book.at)]
     known = Counter(_identity(row.member, identifier) for row in book.rows)
     rows, left_out = [], []
     for row in book.rows:
         identity = _identity(row.member, identifier)
-        if not identity or known[identity] > 1 or guarded(identity) != identity:
+        if not identity or known[identity] > 1 or escape_formula(identity) != identity:
             left_out.append(row.member.name)
         else:
             rows.append((identity, *(_final(row.marks[place]) for place in told)))
-    named = titles(book.assignments)
-    return ForMoodle((COLUMNS[identifier], *(named[place] for place in told)), tuple(rows), tuple(left_out))
+    named = unique_titles(book.assignments)
+    return MoodleFile((COLUMNS[identifier], *(named[place] for place in told)), tuple(rows), tuple(left_out))
 
 
-def _identity(member: Listed, identifier: Identifier) -> str:
-    if identifier is Identifier.email:
+def _identity(member: Listed, identifier: MoodleIdentifier) -> str:
+    if identifier is MoodleIdentifier.email:
         return member.email.strip().casefold()
     return member.login
 
 
 def _final(mark: AssignmentMark) -> float | None:
-    found = cell(mark)
+    found = mark_cell(mark)
     return None if isinstance(found, str) else found if mark.in_average is not None else None
 
 
-def as_json(book: Book) -> dict[str, Any]:
+def gradebook_json(book: Gradebook) -> dict[str, Any]:
     """The whole book, as plain values (contract, section 6)."""
     return {
         "class": {"id": book.school_class.id, "name": book.school_class.name, "module": book.school_class.module},
@@ -197,12 +199,12 @@ def as_json(book: Book) -> dict[str, Any]:
     }
 
 
-def _assignment(book: Book, one: Assignment, found: Summary) -> dict[str, Any]:
+def _assignment(book: Gradebook, one: Assignment, found: MarkSummary) -> dict[str, Any]:
     dates = {"opens_at": one.opens_at, "due_at": one.due_at, "closes_at": one.closes_at}
     exercises = [{"exercise": each.exercise, "weight": each.weight} for each in book.exercises[one.id]]
     sums = {"copies": found.count, "mean": _rounded(found.mean), "median": _rounded(found.median)}
     about = {"id": one.id, "title": one.title, "mode": Mode(one.mode), "weight": one.weight}
-    return {**about, **dates, "held_back": held_back(one, book.at), "exercises": exercises, **sums}
+    return {**about, **dates, "held_back": is_withheld(one, book.at), "exercises": exercises, **sums}
 
 
 def _mark(assignment: Assignment, mark: AssignmentMark) -> dict[str, Any]:
@@ -211,16 +213,16 @@ def _mark(assignment: Assignment, mark: AssignmentMark) -> dict[str, Any]:
         "state": mark.state,
         "points": _rounded(mark.points),
         "days_late": mark.days_late,
-        "exercises": [exercise_json(one) for one in mark.exercises],
+        "exercises": [exercise_mark_json(one) for one in mark.exercises],
     }
 
 
-def exercise_json(one: ExerciseMark) -> dict[str, Any]:
+def exercise_mark_json(one: ExerciseMark) -> dict[str, Any]:
     override = one.override
     return {
         "exercise": one.exercise,
         "points": _rounded(one.points),
-        "automatic": _rounded(one.in_force.automatic),
+        "automatic": _rounded(one.effective.automatic),
         "excused": one.excused,
         "days_late": one.days_late,
         "attempts": one.attempts,
@@ -238,4 +240,4 @@ def exercise_json(one: ExerciseMark) -> dict[str, Any]:
 
 
 def _rounded(points: float | None) -> float | None:
-    return None if points is None else rounded(points)
+    return None if points is None else round_points(points)

@@ -27,18 +27,18 @@ def median(values: Sequence[float]) -> float | None:
     return ordered[middle] if len(values) % 2 else (ordered[middle - 1] + ordered[middle]) / 2
 
 
-def rounded(points: float) -> float:
+def round_points(points: float) -> float:
     """To the nearest hundredth, a half upwards. Less than all points is never written as all of them."""
     if points >= FULL - WHOLE:
         return FULL
     return min(math.floor(points * 100 + 0.5 + WHOLE) / 100, FULL - 0.01)
 
 
-def number(value: float, sign: str = ",") -> str:
+def format_number(value: float, sign: str = ",") -> str:
     """At most two decimals, without needless zeros: « 12,5 »."""
     return f"{value:.2f}".rstrip("0").rstrip(".").replace(".", sign)
 
 
-def written(points: float) -> str:
+def format_points(points: float) -> str:
     """Points as they are read in French, rounded."""
-    return number(rounded(points))
+    return format_number(round_points(points))

@@ -14,7 +14,7 @@ from server.classes.models import Membership, SchoolClass
 from server.database import Telling, Told, ask, prepared, table_of
 from server.identity.models import Account
 from server.marks.models import Override
-from server.marks.schemas import Key, Set
+from server.marks.schemas import ActiveOverride, StudentExercise
 from server.submissions.models import Submission
 
 
@@ -58,34 +58,36 @@ def told(db: Session, class_id: UUID, students: Collection[UUID] | None) -> Sequ
     return [tuple(row) for row in ask(db, *asked).all()]
 
 
-def read(db: Session, told: Iterable[Told]) -> Mapping[Key, Set]:
+def read(db: Session, told: Iterable[Told]) -> Mapping[StudentExercise, ActiveOverride]:
     """The same as they are read."""
     found = {}
     for row in map(TOLD.reader(db), told):
         account_id, exercise, points, excused, reason, at, based_on, name, given, family = row
         by = " ".join(filter(None, (given, family))) or name or ""
-        found[account_id, exercise] = Set(points, excused, reason, by, at, frozenset(based_on))
+        found[account_id, exercise] = ActiveOverride(points, excused, reason, by, at, frozenset(based_on))
     return found
 
 
-def active(db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]) -> Mapping[Key, Set]:
+def load_overrides(
+    db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]
+) -> Mapping[StudentExercise, ActiveOverride]:
     """The overrides in force of these students at these exercises, in one query."""
     asked = _told(class_id, students, exercises, everyone=False, everything=False)
     return read(db, map(tuple, ask(db, *asked)))
 
 
-def one_active(db: Session, class_id: UUID, student: UUID, exercise: str) -> Override | None:
+def find_override(db: Session, class_id: UUID, student: UUID, exercise: str) -> Override | None:
     query = select(Override).where(_active(class_id), Override.account_id == student, Override.exercise == exercise)
     return db.execute(query).scalar_one_or_none()
 
 
-def overrides_of(db: Session, account_id: UUID) -> Sequence[Row[Override, str]]:
+def list_overrides_on(db: Session, account_id: UUID) -> Sequence[Row[Override, str]]:
     """All that were ever set on somebody's marks, each with the name of the class."""
     query = select(Override, SchoolClass.name).join(SchoolClass, SchoolClass.id == Override.class_id)
     return db.execute(query.where(Override.account_id == account_id).order_by(Override.at, Override.id)).all()
 
 
-def overrides_by(db: Session, account_id: UUID) -> Sequence[Row[Override, str]]:
+def list_overrides_by(db: Session, account_id: UUID) -> Sequence[Row[Override, str]]:
     """All that somebody ever set, each with the name of the class."""
     query = select(Override, SchoolClass.name).join(SchoolClass, SchoolClass.id == Override.class_id)
     return db.execute(query.where(Override.by == account_id).order_by(Override.at, Override.id)).all()
@@ -109,5 +111,5 @@ def _in_force_of(db: Session, account_id: UUID) -> Sequence[tuple[UUID, str]]:
     return [(class_id, exercise) for class_id, exercise in db.execute(query)]
 
 
-def source_of(db: Session, submission_id: UUID) -> bytes | None:
+def load_source(db: Session, submission_id: UUID) -> bytes | None:
     return db.execute(select(Submission.source).where(Submission.id == submission_id)).scalar_one_or_none()

@@ -16,11 +16,11 @@ from server.classes.models import SchoolClass
 from server.classes.schemas import Listed
 from server.marks.means import mean, median, weighted_mean
 
-Key = tuple[UUID, str]
+StudentExercise = tuple[UUID, str]
 
 
 @dataclass(frozen=True)
-class Set:
+class ActiveOverride:
     """An override in force. `by` is empty where the account is no more; `based_on` as in the table."""
 
     points: float | None
@@ -32,11 +32,11 @@ class Set:
 
 
 @dataclass(frozen=True)
-class InForce:
+class EffectivePoints:
     """A student's points at an exercise: those set, else those found; None where there are none, or when excused."""
 
     automatic: float | None
-    override: Set | None = None
+    override: ActiveOverride | None = None
 
     @property
     def excused(self) -> bool:
@@ -60,19 +60,19 @@ class ExerciseMark:
     grading: str | None
     sent_at: datetime | None
     attempts: int
-    override: Set | None
+    override: ActiveOverride | None
 
     @cached_property
-    def in_force(self) -> InForce:
-        return InForce(None if self.counted is None else self.counted.points, self.override)
+    def effective(self) -> EffectivePoints:
+        return EffectivePoints(None if self.counted is None else self.counted.points, self.override)
 
     @cached_property
     def points(self) -> float | None:
-        return self.in_force.points
+        return self.effective.points
 
     @cached_property
     def excused(self) -> bool:
-        return self.in_force.excused
+        return self.effective.excused
 
     @property
     def stale(self) -> bool:
@@ -85,7 +85,7 @@ class ExerciseMark:
         return 0 if self.counted is None or self.override is not None else self.counted.days_late
 
 
-class State(StrEnum):
+class MarkState(StrEnum):
     """`upcoming`: not open yet; `open`: work may still be sent; `absent`: it is over and nothing was sent."""
 
     upcoming = "upcoming"
@@ -103,16 +103,16 @@ class AssignmentMark:
     """
 
     rules: Rules
-    state: State
+    state: MarkState
     exercises: tuple[ExerciseMark, ...]
     ended: bool = False
 
     @cached_property
     def points(self) -> float | None:
         """The weighted mean of its exercises, excused ones left out; None where there is nothing to say."""
-        if self.state is State.excused:
+        if self.state is MarkState.excused:
             return None
-        over = self.state in {State.done, State.absent} and not self.endless
+        over = self.state in {MarkState.done, MarkState.absent} and not self.endless
         known = [(0.0 if one.points is None else one.points, one.weight) for one in self._asked(missing=over)]
         return weighted_mean(known)
 
@@ -127,7 +127,7 @@ class AssignmentMark:
     @property
     def in_average(self) -> float | None:
         """The points that a student's average takes: what is not over yet stays out of it."""
-        return self.points if self.state in {State.done, State.absent} else None
+        return self.points if self.state in {MarkState.done, MarkState.absent} else None
 
     @cached_property
     def days_late(self) -> int:
@@ -143,7 +143,7 @@ class AssignmentMark:
 
 
 @dataclass(frozen=True)
-class Row:
+class StudentMarks:
     """A student's marks, in the order of the book's assignments."""
 
     member: Listed
@@ -158,7 +158,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Summary:
+class MarkSummary:
     """Of the copies that were sent: how many, their mean and their median."""
 
     count: int
@@ -166,12 +166,12 @@ class Summary:
     median: float | None
 
 
-def summary(points: Sequence[float]) -> Summary:
-    return Summary(len(points), mean(points), median(points))
+def summarise(points: Sequence[float]) -> MarkSummary:
+    return MarkSummary(len(points), mean(points), median(points))
 
 
 @dataclass(frozen=True)
-class Book:
+class Gradebook:
     """The marks of a class at one moment, its students sorted as a list of names.
 
     `made`: the same object in books that hold the same, but for their moment.
@@ -180,7 +180,7 @@ class Book:
     school_class: SchoolClass
     at: datetime
     assignments: tuple[Assignment, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[StudentMarks, ...]
     titles: Mapping[str, str] = field(default_factory=dict)
     exercises: Mapping[UUID, tuple[Assigned, ...]] = field(default_factory=dict)
     made: object = field(default_factory=object, compare=False, repr=False)
@@ -189,18 +189,18 @@ class Book:
         """An exercise may have left the course."""
         return self.titles.get(exercise, exercise)
 
-    def summary_of(self, place: int) -> Summary:
+    def summary_of(self, place: int) -> MarkSummary:
         """Of one assignment, by its place: who has sent nothing, or is excused, is not counted."""
         marks = [row.marks[place] for row in self.rows]
-        sent = [mark.points for mark in marks if mark.state in {State.done, State.open}]
-        return summary([points for points in sent if points is not None])
+        sent = [mark.points for mark in marks if mark.state in {MarkState.done, MarkState.open}]
+        return summarise([points for points in sent if points is not None])
 
     @cached_property
-    def averages(self) -> Summary:
-        return summary([row.average for row in self.rows if row.average is not None])
+    def averages(self) -> MarkSummary:
+        return summarise([row.average for row in self.rows if row.average is not None])
 
 
-def held_back(assignment: Assignment, now: datetime) -> bool:
+def is_withheld(assignment: Assignment, now: datetime) -> bool:
     """A test of which the students are told nothing yet."""
     released = assignment.released_at
     return assignment.mode == Mode.test and (released is None or released > now)
@@ -228,16 +228,16 @@ class OwnMarks:
     titles: Mapping[str, str] = field(default_factory=dict)
 
     @staticmethod
-    def of(book: Book, held: Collection[str]) -> OwnMarks:
+    def of(book: Gradebook, held: Collection[str]) -> OwnMarks:
         """Of a book of one row, or of none. `held`: exercises of which a test holds attempts back from this student."""
         if not book.rows:
             return OwnMarks()
         (row,) = book.rows
         told = [
-            not held_back(one, book.at) and not any(row.exercise in held for row in book.exercises.get(one.id, ()))
+            not is_withheld(one, book.at) and not any(row.exercise in held for row in book.exercises.get(one.id, ()))
             for one in book.assignments
         ]
-        shown = Row(
+        shown = StudentMarks(
             row.member,
             tuple(mark for mark, is_told in zip(row.marks, told, strict=True) if is_told),
             tuple(weight for weight, is_told in zip(row.weights, told, strict=True) if is_told),
@@ -252,6 +252,6 @@ class OwnMarks:
 def _told(
     assignment: Assignment, mark: AssignmentMark, held: Collection[str], now: datetime
 ) -> dict[str, ExerciseMark]:
-    if held_back(assignment, now):
+    if is_withheld(assignment, now):
         return {}
     return {one.exercise: one for one in mark.exercises if one.exercise not in held}

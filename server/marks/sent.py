@@ -19,7 +19,7 @@ from server.assignments.rules import Rules
 from server.base.caches import Lately
 from server.gradebook.sent import Attempt, Histories, Revisions
 from server.gradebook.sent import until as sent_until
-from server.marks.schemas import AssignmentMark, ExerciseMark, Key
+from server.marks.schemas import AssignmentMark, ExerciseMark, StudentExercise
 
 MOST_KEPT = 60_000  # attempts of all who were asked about last, 1 kB each at most
 MOST_TERMS = 8  # under which one student's attempts at an exercise are kept reckoned
@@ -56,7 +56,7 @@ class Trail(tuple[Graded, ...]):
         return {}
 
 
-Trails = Mapping[Key, Trail]
+Trails = Mapping[StudentExercise, Trail]
 
 
 def mark_of(exercise: str, sent: Sequence[Graded], rules: Rules, terms: Terms) -> ExerciseMark:

@@ -21,10 +21,11 @@ from server.database import utc_now
 from server.gradebook import service as gradebook
 from server.gradebook import standings
 from server.identity.models import Account
-from server.marks import book, repository
+from server.marks import repository
+from server.marks.loading import load_gradebook, load_unassigned_mark
 from server.marks.means import FULL
 from server.marks.models import REASON_LENGTH, Override
-from server.marks.schemas import ExerciseMark, InForce, Key, OwnMarks
+from server.marks.schemas import EffectivePoints, ExerciseMark, OwnMarks, StudentExercise
 
 NO_SUCH_EXERCISE = "La classe n’a pas cet exercice."
 NOTHING_SET = "Cette note n’est pas modifiée, ou ne l’est plus."
@@ -36,21 +37,21 @@ LONG_REASON = f"Le motif compte {REASON_LENGTH} caractères au plus."
 UNREADABLE = "Le motif contient un caractère qui ne s’écrit pas."
 
 
-def in_force(
+def load_effective_points(
     db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]
-) -> Mapping[Key, InForce]:
+) -> Mapping[StudentExercise, EffectivePoints]:
     """The points in force in a class of many students at many exercises, whatever its assignments: two queries.
 
     An automatic mark is the best of all attempts here. A pair with neither attempt nor override is left out.
     """
-    best = standings.of_class(db, students, exercises)
-    found = {key: InForce(FULL * sums.best_score) for key, sums in best.items()}
-    for key, one in repository.active(db, class_id, students, exercises).items():
-        found[key] = InForce(found[key].automatic if key in found else None, one)
+    best = standings.load_standings(db, students, exercises)
+    found = {key: EffectivePoints(FULL * sums.best_score) for key, sums in best.items()}
+    for key, one in repository.load_overrides(db, class_id, students, exercises).items():
+        found[key] = EffectivePoints(found[key].automatic if key in found else None, one)
     return found
 
 
-def points_of(text: str) -> float:
+def parse_points(text: str) -> float:
     """As somebody writes them: « 12,5 ». Raises Invalid."""
     try:
         points = float(text.strip().replace(",", "."))
@@ -65,7 +66,7 @@ def _in_range(points: float) -> float:
     return points + 0.0  # of a negative zero makes a zero
 
 
-def reason_of(text: str) -> str:
+def parse_reason(text: str) -> str:
     """Raises Invalid."""
     reason = "\n".join(line.strip() for line in text.strip().splitlines())
     if not reason:
@@ -77,7 +78,7 @@ def reason_of(text: str) -> str:
     return reason
 
 
-def override(
+def set_override(
     db: Session,
     course: Course,
     school_class: SchoolClass,
@@ -92,9 +93,9 @@ def override(
     """Sets a mark in place of the automatic one, or of the one set before. Raises NotFound, Conflict or Invalid."""
     if (points is None) is not excused:
         raise Invalid(ONE_OF)
-    points, reason = None if points is None else _in_range(points), reason_of(reason)
+    points, reason = None if points is None else _in_range(points), parse_reason(reason)
     before = _ready(db, course, school_class, student, exercise)
-    marks = marks_of(db, course, school_class, student, exercise)
+    marks = load_exercise_marks(db, course, school_class, student, exercise)
     now = utc_now()
     if before is not None:
         before.withdrawn_at = now
@@ -118,7 +119,7 @@ def override(
         by.id,
         What.mark_overridden,
         student=student,
-        about=title_of(course, exercise),
+        about=exercise_title(course, exercise),
         before=old,
         after=_values(made),
         reason=reason,
@@ -126,14 +127,14 @@ def override(
     db.flush()
 
 
-def withdraw(
+def withdraw_override(
     db: Session, course: Course, school_class: SchoolClass, by: Account, student: UUID, exercise: str, reason: str = ""
 ) -> None:
     """The automatic mark is in force again, as it may be already. Raises NotFound or Conflict."""
     before = _ready(db, course, school_class, student, exercise)
     if before is None:
         return
-    marks = marks_of(db, course, school_class, student, exercise)
+    marks = load_exercise_marks(db, course, school_class, student, exercise)
     before.withdrawn_at = utc_now()
     audit.note(
         db,
@@ -141,10 +142,10 @@ def withdraw(
         by.id,
         What.override_withdrawn,
         student=student,
-        about=title_of(course, exercise),
+        about=exercise_title(course, exercise),
         before=_values(before),
         after=_automatic(marks),
-        reason=reason_of(reason) if reason.strip() else "",
+        reason=parse_reason(reason) if reason.strip() else "",
     )
     db.flush()
 
@@ -158,7 +159,7 @@ def _ready(db: Session, course: Course, school_class: SchoolClass, student: UUID
         raise NotFound(NOT_A_MEMBER)
     if not _is_of(db, course, school_class, exercise):
         raise NotFound(NO_SUCH_EXERCISE)
-    return repository.one_active(db, school_class.id, student, exercise)
+    return repository.find_override(db, school_class.id, student, exercise)
 
 
 def _is_of(db: Session, course: Course, school_class: SchoolClass, exercise: str) -> bool:
@@ -170,13 +171,13 @@ def _is_of(db: Session, course: Course, school_class: SchoolClass, exercise: str
     return any(one.exercise == exercise for rows in given.values() for one in rows)
 
 
-def marks_of(
+def load_exercise_marks(
     db: Session, course: Course, school_class: SchoolClass, student: UUID, exercise: str
 ) -> list[ExerciseMark]:
     """A student's marks at an exercise: one for each assignment that asks it; where none does, that of all attempts."""
-    made = book.of_class(db, course, school_class, utc_now(), only=[student])
+    made = load_gradebook(db, course, school_class, utc_now(), only=[student])
     found = [one for row in made.rows for mark in row.marks for one in mark.exercises if one.exercise == exercise]
-    return found or [book.outside(db, school_class, student, exercise)]
+    return found or [load_unassigned_mark(db, school_class, student, exercise)]
 
 
 def _values(one: Override) -> dict[str, object]:
@@ -189,20 +190,20 @@ def _automatic(marks: list[ExerciseMark]) -> dict[str, object]:
     return {"points": max(points, default=None), "excused": False}
 
 
-def title_of(course: Course, exercise: str) -> str:
+def exercise_title(course: Course, exercise: str) -> str:
     known = course.exercises.get(exercise)
     return exercise if known is None else f"{known.title} ({exercise})"
 
 
-def own(db: Session, course: Course, school_class: SchoolClass, student: UUID, now: datetime) -> OwnMarks:
+def load_own_marks(db: Session, course: Course, school_class: SchoolClass, student: UUID, now: datetime) -> OwnMarks:
     """What a student is told of their marks: all but those of a test that is held back. None of who learns not here.
 
     The reason of an override is told: it stands in `exercises[…].override`, with who set it.
     """
-    made = book.of_class(db, course, school_class, now, only=[student])
-    return OwnMarks.of(made, gradebook.held_since(db, student))
+    made = load_gradebook(db, course, school_class, now, only=[student])
+    return OwnMarks.of(made, gradebook.load_withholding_times(db, student))
 
 
-def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
+def adopt_overrides(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """What was set on a guest's marks holds for the account that the same person has opened."""
     repository.move(db, guest_id, account_id, utc_now())

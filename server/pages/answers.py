@@ -32,7 +32,7 @@ SAME_PLACE = "Deux étapes portent le même numéro : revenez en arrière et don
 def answers_page(reader: Reader, exercise: Exercise, seed: int, taken: Attempt | None) -> AnswersPage:
     """The questions of `seed`; the fields hold the answers of `taken`, else of the last attempt."""
     grader = _grader(exercise)
-    latest = gradebook.latest(reader.db, reader.account, exercise.id)
+    latest = gradebook.find_latest_attempt(reader.db, reader.account, exercise.id)
     paper = grader.paper(seed)
     saved = held.saved_work(reader, exercise, latest) if taken is None else None
     put_back = taken or latest

@@ -52,7 +52,7 @@ def comment(
     garder: Field = "",
 ) -> Response:
     """What is refused stands in its form again, with its reason."""
-    attempt = gradebook.find(reader.db, account, submission_id)
+    attempt = gradebook.find_attempt(reader.db, account, submission_id)
     lines: Place | None = None
     try:
         lines = _lines(ligne, derniere)
@@ -62,7 +62,7 @@ def comment(
     except REFUSALS as refused:
         reader.db.rollback()
         aim = Aim(lines, verification, Draft(texte, refused.detail))
-        again = gradebook.find(reader.db, account, submission_id)
+        again = gradebook.find_attempt(reader.db, account, submission_id)
         return attempt_page(request, reader, database, again, aim, status=int(refused.status))
     _keep(reader.db, account, attempt, texte, garder)
     return go(f"/soumissions/{submission_id}#fil-{thread.id}")

@@ -11,7 +11,7 @@ from server.web.views import Reader, exercise_row, in_order, lesson_href, module
 
 
 def home_page(reader: Reader) -> HomePage:
-    progress = gradebook.progress(reader.db, reader.account)
+    progress = gradebook.load_progress(reader.db, reader.account)
     due = deadlines.soon(reader.db, reader.account, progress)
     return HomePage(tuple(_card(module, progress) for module in editions.shown(reader, progress)), due)
 

@@ -8,14 +8,14 @@ from server.course import Exercise
 from server.gradebook import service as gradebook
 from server.gradebook import solutions
 from server.gradebook.schemas import HINT_OPENS_AFTER, Progress
-from server.gradebook.solutions import Access, Because
+from server.gradebook.solutions import AccessReason, SolutionAccess
 from server.pages.schemas import HintView, SolutionView
 from server.web.rendering import python
 from server.web.views import Reader, door_view, exercise_href
 from server.web.words import plural
 
 
-def hints(reader: Reader, exercise: Exercise, progress: Progress, access: Access) -> tuple[HintView, ...]:
+def hints(reader: Reader, exercise: Exercise, progress: Progress, access: SolutionAccess) -> tuple[HintView, ...]:
     if access.hints_held is not None and not access.teaches:
         return ()
     everything = progress.succeeded or access.teaches
@@ -28,7 +28,7 @@ def hints(reader: Reader, exercise: Exercise, progress: Progress, access: Access
 
 
 def _failed(reader: Reader, exercise: Exercise) -> int:
-    return gradebook.distinct_failed_attempts(reader.db, reader.account, exercise.id, besides=exercise.starter)
+    return gradebook.count_distinct_failures(reader.db, reader.account, exercise.id, besides=exercise.starter)
 
 
 def _opens(needed: int, left: int) -> str:
@@ -38,7 +38,7 @@ def _opens(needed: int, left: int) -> str:
 
 
 def solution(
-    reader: Reader, exercise: Exercise, progress: Progress, access: Access, seed: int | None
+    reader: Reader, exercise: Exercise, progress: Progress, access: SolutionAccess, seed: int | None
 ) -> SolutionView | None:
     """Raises nothing: a solution that one may not read yet is simply absent."""
     why = access.because(progress)
@@ -49,13 +49,13 @@ def solution(
         if exercise.answers is None or seed is None
         else Markup(exercise.prose(exercise.answers.correction(seed)))
     )
-    doors = solutions.doors(reader.db, reader.account, exercise.id) if access.teaches else []
+    doors = solutions.list_audiences(reader.db, reader.account, exercise.id) if access.teaches else []
     return SolutionView(html, WHY_OPEN[why], f"{exercise_href(exercise)}/corrige", tuple(map(door_view, doors)))
 
 
 WHY_OPEN = {
-    Because.to_all: "Ouvert à tous par l’enseignant.",
-    Because.to_class: "Ouvert à votre classe par l’enseignant.",
-    Because.succeeded: "Ouvert parce que vous avez réussi.",
-    Because.teaches: "Ouvert à ceux qui enseignent.",
+    AccessReason.to_all: "Ouvert à tous par l’enseignant.",
+    AccessReason.to_class: "Ouvert à votre classe par l’enseignant.",
+    AccessReason.succeeded: "Ouvert parce que vous avez réussi.",
+    AccessReason.teaches: "Ouvert à ceux qui enseignent.",
 }

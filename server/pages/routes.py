@@ -26,7 +26,7 @@ from server.course.dependencies import CourseOf
 from server.database import Database
 from server.database.dependencies import DatabaseOf, Db
 from server.gradebook import service as gradebook
-from server.gradebook.dependencies import SolutionDoor
+from server.gradebook.dependencies import SolutionToggle
 from server.gradebook.schemas import Attempt
 from server.identity.dependencies import BrowserAccount, OptionalAccount, SignedIn, account_or_guest
 from server.identity.models import Account
@@ -153,7 +153,7 @@ def _sent(
         given = answers.read_form(exercise, fields)
         return store.submit_answers(db, account, exercise.id, given, address=address), False
     code = _code(fields)
-    before = gradebook.sent_before(db, account, exercise.id, code, exercise.version)
+    before = gradebook.find_duplicate(db, account, exercise.id, code, exercise.version)
     return (before, True) if before else (store.submit(db, account, exercise.id, code, address=address), False)
 
 
@@ -187,7 +187,7 @@ def submit(
 
 def _first_words(store: Submissions, db: Db, account: Account, submission: Submission) -> str:
     """What there is to say until there is more; of what a test holds back, always the same."""
-    held = gradebook.as_seen(db, account.id, submission, None)
+    held = gradebook.attempt_seen_by(db, account.id, submission, None)
     return held.held_text or waiting_text(store.place(db, submission))
 
 
@@ -215,7 +215,7 @@ def save(
 
 
 @router.post("/{module:module}/exercices/{slug}/corrige")
-def open_or_close_solution(module: str, slug: str, course: CourseOf, door: SolutionDoor) -> RedirectResponse:
+def open_or_close_solution(module: str, slug: str, course: CourseOf, door: SolutionToggle) -> RedirectResponse:
     exercise = find_exercise(course, module, slug)
     door(exercise.id)
     return RedirectResponse(f"{exercise_href(exercise)}#corrige", MOVES_ON)
@@ -235,7 +235,7 @@ def attempt(
     verification: Annotated[str, Query(max_length=CHECK_LENGTH)] = "",
 ) -> HTMLResponse:
     """`deja`: it was sent again, and is told to have been sent already. The rest is what one wants to write of."""
-    attempt = gradebook.find(reader.db, reader.account, submission_id)
+    attempt = gradebook.find_attempt(reader.db, reader.account, submission_id)
     lines = None if ligne is None else Place(ligne, max(ligne, derniere or ligne))
     return attempt_page(request, reader, _database(request.app), attempt, Aim(lines, verification), again=deja)
 
@@ -262,7 +262,7 @@ def attempt_page(
 
 @router.get("/soumissions/{submission_id}/verdict")
 def verdict(submission_id: str, reader: Reading, deja: bool = False) -> HTMLResponse:
-    attempt = gradebook.find(reader.db, reader.account, submission_id)
+    attempt = gradebook.find_attempt(reader.db, reader.account, submission_id)
     exercise = find_exercise(reader.course, *attempt.submission.exercise.split("/"))
     results = service.attempt_page(reader, exercise, attempt, again=deja).results
     return fragment("fragment.html", reader.account, back=exercise_href(exercise), results=results)

@@ -14,7 +14,7 @@ from server.assignments.models import SavedWork
 from server.base.errors import NotFound
 from server.behaviour import service as behaviour
 from server.course import Exercise, Module
-from server.gradebook import accepted, solutions
+from server.gradebook import importable_files, solutions
 from server.gradebook import service as gradebook
 from server.gradebook.schemas import NOTHING_YET, Attempt, AttemptLine, Attempts
 from server.pages import held, kits, marks, opening, talk
@@ -53,7 +53,7 @@ FAILED = "Pas corrigé, erreur de notre côté"
 
 def attempt_at(reader: Reader, exercise: Exercise, submission_id: str) -> Attempt:
     """An attempt at this exercise, to be taken up again. Raises NotFound."""
-    attempt = gradebook.find(reader.db, reader.account, submission_id)
+    attempt = gradebook.find_attempt(reader.db, reader.account, submission_id)
     if attempt.submission.exercise != exercise.id:
         raise NotFound("Cet essai est celui d’un autre exercice.")
     return attempt
@@ -61,7 +61,7 @@ def attempt_at(reader: Reader, exercise: Exercise, submission_id: str) -> Attemp
 
 def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> ExercisePage:
     """The exercise as this account sees it; `taken` is an attempt's code to start again from."""
-    latest = gradebook.latest(reader.db, reader.account, exercise.id)
+    latest = gradebook.find_latest_attempt(reader.db, reader.account, exercise.id)
     saved = held.saved_work(reader, exercise, latest) if taken is None else None
     written = saved.source.decode() if saved else latest.submission.code if latest else exercise.starter
     kit = kits.file_of(reader.course.modules[exercise.module], exercise.kit)
@@ -85,7 +85,11 @@ def exercise_page(reader: Reader, exercise: Exercise, taken: str | None) -> Exer
 def _reused(reader: Reader, exercise: Exercise) -> Iterator[ReusedView]:
     """The functions that the program may import, and whose they are."""
     earlier = reader.course.reused(exercise.id)
-    own = accepted.sent_at(reader.db, reader.account.id, [one.id for one in earlier]) if reader.account else {}
+    own = (
+        importable_files.importable_file_times(reader.db, reader.account.id, [one.id for one in earlier])
+        if reader.account
+        else {}
+    )
     for one in earlier:
         functions, when = tuple(function.name for function in one.functions), own.get(one.id)
         moment = ("", "") if when is None else (when.isoformat(), moment_text(when))
@@ -106,7 +110,7 @@ def common_parts(
     `saved` is what the fields hold of what was saved in a test; `deal`, in an exercise answered without code, is the
     seed of what was dealt to this account.
     """
-    attempts = gradebook.attempts(reader.db, reader.account, exercise.id, RECENT_ATTEMPTS)
+    attempts = gradebook.list_attempts(reader.db, reader.account, exercise.id, RECENT_ATTEMPTS)
     work = _work(reader, exercise, latest, attempts.total, deal)
     module = reader.course.modules[exercise.module]
     previous, following = _neighbours(module, exercise)
@@ -146,7 +150,7 @@ def attempt_page(
 ) -> AttemptPage:
     """`answered` is what was answered, where that is not code; `again` as in `WorkView`."""
     submission = attempt.submission
-    number = gradebook.number_of(reader.db, submission)
+    number = gradebook.attempt_number(reader.db, submission)
     href = exercise_href(exercise)
     work = _work(reader, exercise, attempt, number, submission.seed, again=again)
     return AttemptPage(
@@ -168,7 +172,7 @@ def _beside(reader: Reader, attempt: Attempt, number: int) -> Attempts:
     """What is listed beside an attempt: its author's latest ones; it alone, for a teacher who looks."""
     submission, grading = attempt.submission, attempt.grading
     if reader.account is not None and submission.account_id == reader.account.id:
-        return gradebook.attempts(reader.db, reader.account, submission.exercise, RECENT_ATTEMPTS)
+        return gradebook.list_attempts(reader.db, reader.account, submission.exercise, RECENT_ATTEMPTS)
     marks = (grading.outcome, grading.score) if grading else (None, None)
     return Attempts((AttemptLine(submission.id, number, submission.created_at, *marks),), 1)
 
@@ -176,7 +180,7 @@ def _beside(reader: Reader, attempt: Attempt, number: int) -> Attempts:
 def attempts_page(reader: Reader, exercise: Exercise, number: int) -> AttemptsPage:
     """Page `number` of one's attempts, the newest on page 1. Raises NotFound beyond the last."""
     skipped = (number - 1) * ATTEMPTS_A_PAGE
-    attempts = gradebook.attempts(reader.db, reader.account, exercise.id, ATTEMPTS_A_PAGE, skipped)
+    attempts = gradebook.list_attempts(reader.db, reader.account, exercise.id, ATTEMPTS_A_PAGE, skipped)
     if skipped and not attempts.lines:
         raise NotFound("Il n’y a pas d’essais plus anciens.")
     href = f"{exercise_href(exercise)}/essais"
@@ -203,9 +207,9 @@ def results(
 
     `seed` is that of the deal whose correction is shown, in an exercise answered without code.
     """
-    progress = gradebook.progress(reader.db, reader.account, exercise.id).get(exercise.id, NOTHING_YET)
+    progress = gradebook.load_progress(reader.db, reader.account, exercise.id).get(exercise.id, NOTHING_YET)
     verdict = work.verdict if work else None
-    access = solutions.access(reader.db, reader.account, exercise.id)
+    access = solutions.load_solution_access(reader.db, reader.account, exercise.id)
     return Results(
         work=work,
         hints=opening.hints(reader, exercise, progress, access),
@@ -231,7 +235,7 @@ def _work(
     """`seed` is that of the deal that the page shows, in an exercise answered without code."""
     if attempt is None:
         return None
-    submission, verdict = attempt.submission, behaviour.verdict_of(reader.db, attempt)
+    submission, verdict = attempt.submission, behaviour.load_verdict(reader.db, attempt)
     href = f"/soumissions/{submission.id}"
     place = Place(State.done) if attempt.held else reader.submissions.place(reader.db, submission)
     work = WorkView(
@@ -261,7 +265,7 @@ def _progress(reader: Reader, exercise: Exercise, attempt: Attempt, verdict: Ver
     """What code mended since the attempt before; answers without code are marked one by one in their places."""
     before = None
     if verdict is not None and exercise.answers is None:
-        before = gradebook.verdict_before(reader.db, attempt)
+        before = gradebook.previous_verdict(reader.db, attempt)
     return None if before is None or verdict is None else progress_since(before, verdict)
 
 

@@ -247,8 +247,8 @@ def thread_page(reader: Reader, thread: Thread, draft: Draft) -> ThreadPage:
     found = service.one(reader.db, thread)
     exercise = find_exercise(reader.course, *thread.exercise.split("/"))
     own = account.id == thread.account_id
-    attempt = None if thread.submission_id is None else gradebook.find(reader.db, account, thread.submission_id)
-    number = None if attempt is None else gradebook.number_of(reader.db, attempt.submission)
+    attempt = None if thread.submission_id is None else gradebook.find_attempt(reader.db, account, thread.submission_id)
+    number = None if attempt is None else gradebook.attempt_number(reader.db, attempt.submission)
     whole = exercise_href(exercise)
     student = None if own else _student(reader, account, thread.account_id, exercise)
     if not own and attempt is None and student is not None:

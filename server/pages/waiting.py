@@ -57,7 +57,7 @@ class Watched:
         with self.database.read() as db:
             place = self.store.place_of_job(db, self.submission) if self.waits else None
             if place is None:
-                attempt = gradebook.find(db, self.account, self.submission)
+                attempt = gradebook.find_attempt(db, self.account, self.submission)
                 if attempt.held:
                     return Waiting(State.done, "")
                 place = self.store.place(db, attempt.submission)

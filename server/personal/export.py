@@ -92,7 +92,7 @@ def _attempt(database: Database, course: Course, name: UUID) -> Iterator[File]:
             return
         known = feedback.of(db, submission.account_id, submission.exercise)
         held = known.holds(submission.created_at) is not None
-        history = [] if held else [_grading(submission, one, known) for one in gradings.history(db, name)]
+        history = [] if held else [_grading(submission, one, known) for one in gradings.list_gradings(db, name)]
     sent = submission.created_at.strftime("%Y-%m-%d-%H%M%S")
     folder = f"essais/{submission.exercise}/{sent}-{str(name)[:8]}"
     exercise = course.exercises.get(submission.exercise)
@@ -135,7 +135,7 @@ def _account(db: Session, account: Account) -> dict[str, Any]:
 
 
 def _exercises(db: Session, account_id: UUID) -> dict[str, Any]:
-    sums = gradebook.sums_seen(db, account_id)
+    sums = gradebook.load_visible_standings(db, account_id)
     unnamed = {name for name, known in feedback.of_all(db, account_id).items() if known.diagnosis is not None}
     return {
         "standings": [
@@ -273,7 +273,7 @@ OF_MARKS = frozenset({What.mark_overridden, What.override_withdrawn, What.regrad
 
 def _marks(db: Session, account_id: UUID) -> dict[str, Any]:
     """Events say in words what they are about: while a test holds anything, none is told of any mark from then on."""
-    held = gradebook.held_since(db, account_id)
+    held = gradebook.load_withholding_times(db, account_id)
     since = min(held.values(), default=None)
     about = [
         {**_event(one, name), "reason": _reason(one)}
@@ -284,10 +284,10 @@ def _marks(db: Session, account_id: UUID) -> dict[str, Any]:
     return {
         "overrides": [
             _override(one, name)
-            for one, name in marks.overrides_of(db, account_id)
+            for one, name in marks.list_overrides_on(db, account_id)
             if one.exercise not in held or one.at < held[one.exercise]
         ],
-        "overrides_you_set": [_override(one, name) for one, name in marks.overrides_by(db, account_id)],
+        "overrides_you_set": [_override(one, name) for one, name in marks.list_overrides_by(db, account_id)],
         "changes_about_you": about,
         "changes_you_made": by,
     }

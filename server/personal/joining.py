@@ -17,10 +17,10 @@ def adopt(db: Session, guest_id: UUID, account_id: UUID) -> None:
     """Attempts, deals, answers to lessons, what is said of them, tests, classes, exemptions, marks. Inside the
     caller's transaction."""
     comments.adopt(db, guest_id, account_id)
-    gradebook.adopt(db, guest_id, account_id)
+    gradebook.adopt_attempts(db, guest_id, account_id)
     sittings.adopt(db, guest_id, account_id)
     classes.adopt(db, guest_id, account_id)
     exempting.adopt(db, guest_id, account_id)
-    marks.adopt(db, guest_id, account_id)
+    marks.adopt_overrides(db, guest_id, account_id)
     polls.move(db, guest_id, account_id)
     audit.move(db, guest_id, account_id)

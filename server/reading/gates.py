@@ -19,9 +19,9 @@ def gate(reader: Reader, lesson: Lesson, *, past_warning: bool) -> Gate | None:
     """
     if not lesson.solution:
         return None
-    access = solutions.access(reader.db, reader.account, lesson.id)
+    access = solutions.load_solution_access(reader.db, reader.account, lesson.id)
     if access.teaches:
-        doors = tuple(map(door_view, solutions.doors(reader.db, reader.account, lesson.id)))
+        doors = tuple(map(door_view, solutions.list_audiences(reader.db, reader.account, lesson.id)))
         return Gate("open", action=f"{lesson_href(lesson)}/corrige", doors=doors)
     if access.to_all or access.to_class:
         return None

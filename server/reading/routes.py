@@ -17,7 +17,7 @@ from server.base.routing import Room
 from server.course.dependencies import CourseOf
 from server.figures.dependencies import FiguresOf
 from server.figures.orders import MEDIA_TYPES, Theme
-from server.gradebook.dependencies import SolutionDoor
+from server.gradebook.dependencies import SolutionToggle
 from server.polls import service as polls
 from server.reading import service
 from server.reading.downloads import Downloads
@@ -52,7 +52,7 @@ def lesson(request: Request, module: str, slug: str, reader: Reading, ouvrir: Li
 
 
 @router.post("/{module:module}/lire/{slug}/corrige")
-def open_or_close_answers(module: str, slug: str, course: CourseOf, door: SolutionDoor) -> RedirectResponse:
+def open_or_close_answers(module: str, slug: str, course: CourseOf, door: SolutionToggle) -> RedirectResponse:
     """The answers of a paper."""
     found = service.find_lesson(find_module(course, module), slug)
     if not found.solution:

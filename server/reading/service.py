@@ -60,7 +60,7 @@ def find_lesson(module: Module, slug: str) -> Lesson:
 
 
 def course_home(reader: Reader, module: Module) -> CourseHome:
-    progress = gradebook.progress(reader.db, reader.account)
+    progress = gradebook.load_progress(reader.db, reader.account)
     due = deadlines.soon(reader.db, reader.account, progress, module.slug)
     view = home_view(module, progress, due, {one.number: f"/{one.slug}" for one in reader.course.latest})
     return replace(view, edition=editions.note(reader, module))
@@ -169,7 +169,7 @@ def duration(minutes: int) -> str:
 def lesson_page(reader: Reader, module: Module, lesson: Lesson, *, past_warning: bool = False) -> LessonPage:
     said = polls.said_in(reader.db, reader.account, module, lesson)
     gate = gates.gate(reader, lesson, past_warning=past_warning)
-    return lesson_view(module, lesson, gradebook.progress(reader.db, reader.account), said, gate)
+    return lesson_view(module, lesson, gradebook.load_progress(reader.db, reader.account), said, gate)
 
 
 def lesson_view(

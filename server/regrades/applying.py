@@ -100,7 +100,7 @@ def _held(db: Session, regrade: Regrade) -> Sequence[Copy]:
     Raises Conflict where a guest's work has gone to an account at this very moment.
     """
     accounts = repository.authors(db, regrade.id)
-    standings.lock(db, accounts)
+    standings.lock_accounts(db, accounts)
     copies = repository.copies(db, regrade.id, lock=True)
     if not {copy.account_id for copy in copies} <= accounts:
         raise Conflict(MOVED_HOUSE)
@@ -110,4 +110,4 @@ def _held(db: Session, regrade: Regrade) -> Sequence[Copy]:
 def _repoint(db: Session, regrade: Regrade, copies: Sequence[Copy], chosen: Sequence[UUID | None]) -> None:
     pairs = zip(copies, chosen, strict=True)
     pointers = {copy.submission_id: grading for copy, grading in pairs if grading is not None}
-    gradebook.choose_all(db, regrade.exercise, {copy.account_id for copy in copies}, pointers)
+    gradebook.set_counting_gradings(db, regrade.exercise, {copy.account_id for copy in copies}, pointers)

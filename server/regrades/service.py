@@ -32,7 +32,7 @@ from server.course import Course
 from server.database import utc_now
 from server.gradebook import repository as gradings
 from server.gradebook import service as gradebook
-from server.gradebook.schemas import Graded
+from server.gradebook.schemas import GradingResult
 from server.queue.port import Queue, Sender
 from server.regrades import repository
 from server.regrades.models import Policy, Regrade, Scope
@@ -227,18 +227,18 @@ def changes_of(db: Session, regrade: Regrade, copies: Sequence[Copy]) -> Sequenc
 
 
 def record(
-    db: Session, queue: Queue, regrade_id: UUID, item_id: UUID, graded: Graded, needs: str | None = None
+    db: Session, queue: Queue, regrade_id: UUID, item_id: UUID, graded: GradingResult, needs: str | None = None
 ) -> None:
     """Keeps a new grading, which does not count yet, and has the next attempt graded, by a worker of the same version.
 
     Nothing is kept of an attempt that has gone with its author.
     """
     item = repository.item(db, item_id)
-    if item is not None and item[2] is None and gradings.locked(db, item[0]) is not None:
-        grading = gradebook.regraded(db, item[0], graded)
+    if item is not None and item[2] is None and gradings.lock_submission(db, item[0]) is not None:
+        grading = gradebook.add_uncounted_grading(db, item[0], graded)
         why: tuple[Reason, ...] = (FAILED,)
         if graded.verdict.outcome.counts:
-            why = reasons(Verdict.from_json(gradings.verdict_of(db, item[1])), graded.verdict)
+            why = reasons(Verdict.from_json(gradings.load_verdict(db, item[1])), graded.verdict)
         repository.set_graded(db, item_id, grading, why)
     following = repository.next_item(db, regrade_id)
     if following is not None:

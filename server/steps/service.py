@@ -16,7 +16,7 @@ from server.base.settings import Settings
 from server.course import Course, Exercise
 from server.course.reuse import Own, shelves
 from server.database import Database
-from server.gradebook import accepted
+from server.gradebook import importable_files
 from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.limits import service as limits
@@ -65,7 +65,7 @@ class Steps:
             if held := feedback.of(db, account.id, exercise.id).tests:
                 raise NotNow(IN_TEST.format(title=held[0].title))
             sittings.require_no_help(db, account.id, source, self._reused(exercise.id))
-            own = accepted.used_now(db, self.course, account.id, exercise.id, source)
+            own = importable_files.load_importable_files_now(db, self.course, account.id, exercise.id, source)
             return AskedCall(
                 exercise=exercise.id, source=source, library=self._library(exercise.id, own), call=new.call
             )
@@ -79,7 +79,7 @@ class Steps:
             raise NotFound(UNKNOWN)
 
         def asked(db: Session) -> Asked:
-            attempt = gradebook.find(db, account, submission_id)
+            attempt = gradebook.find_attempt(db, account, submission_id)
             sent, verdict = attempt.submission, attempt.verdict
             check = next((one for one in verdict.checks if one.id == new.check), None) if verdict else None
             exercise = self.course.exercises.get(sent.exercise)
@@ -87,7 +87,7 @@ class Steps:
                 raise Invalid(NO_REPLAY)
             assert check.counterexample is not None
             sittings.require_no_help(db, account.id, sent.source, self._reused(exercise.id))
-            own = accepted.used_by(db, self.course, sent)
+            own = importable_files.load_importable_files(db, self.course, sent)
             return AskedReplay(
                 exercise=exercise.id,
                 source=sent.source,

@@ -13,7 +13,7 @@ from server.course import Course, Exercise, Module
 from server.course.kinds import KINDS
 from server.course.models import Lesson
 from server.gradebook.schemas import NOTHING_YET, Progress
-from server.gradebook.solutions import Door
+from server.gradebook.solutions import SolutionAudience
 from server.identity.models import Account
 from server.submissions.service import Submissions
 from server.web.schemas import DoorView, ExerciseRow, ModuleLink, OwnState
@@ -60,7 +60,7 @@ def lesson_href(lesson: Lesson) -> str:
     return f"/{lesson.module}/lire/{lesson.slug}"
 
 
-def door_view(door: Door) -> DoorView:
+def door_view(door: SolutionAudience) -> DoorView:
     to_whom = "à tous les élèves" if door.class_id is None else f"à la classe « {door.class_name} »"
     verb = "Refermer" if door.is_open else "Ouvrir"
     return DoorView(str(door.class_id or ""), f"{verb} le corrigé {to_whom}", door.is_open)

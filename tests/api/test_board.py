@@ -12,7 +12,7 @@ from server.api.board import changes
 from server.api.board_schemas import DashboardOut
 from server.base.provided import provided_to
 from server.board import service
-from server.board.live import MOST_EACH, Boards
+from server.board.live import MAX_STREAMS_PER_ACCOUNT, LiveBoards
 from server.board.schemas import Board
 from server.classes.models import SchoolClass
 from server.course import Course
@@ -84,7 +84,7 @@ def test_it_is_for_who_teaches_there(site: Site, martin: Person, made: SchoolCla
 def test_events_tell_the_counts_then_what_changes(
     site: Site, martin: Person, made: SchoolClass, course: Course
 ) -> None:
-    boards = provided_to(site.app, Boards)
+    boards = provided_to(site.app, LiveBoards)
     boards.stays_open = 0.0
     (ada,) = seated(site.database, made, 1)
 
@@ -92,7 +92,7 @@ def test_events_tell_the_counts_then_what_changes(
         with site.database.read() as db:
             school_class = db.get(SchoolClass, made.id)
             assert school_class is not None
-            return service.board(db, course, school_class, utc_now())
+            return service.load_board(db, course, school_class, utc_now())
 
     before = board()
     first = ask(site, martin, made, "events")
@@ -105,5 +105,5 @@ def test_events_tell_the_counts_then_what_changes(
     told = json.loads(cell.partition("data: ")[2])
     assert (told["student"], told["state"], told["points"]) == (str(ada), "solved", 20.0)
     assert json.loads(counts.partition("data: ")[2])["started"] == 1
-    boards._streams[martin.id] = MOST_EACH
+    boards._streams[martin.id] = MAX_STREAMS_PER_ACCOUNT
     assert ask(site, martin, made, "events", 429).headers["retry-after"]

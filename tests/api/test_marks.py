@@ -11,7 +11,7 @@ import pytest
 import python_calamine
 
 from server.identity.models import Role
-from server.marks.means import number
+from server.marks.means import format_number
 from tests.support.classes import Person, person
 from tests.support.marks import DUE, ODOMETRY, POSES, Term
 from tests.support.service import Site
@@ -115,7 +115,7 @@ def test_files_say_what_the_json_says(site: Site, term: Term, martin: Person) ->
     header, first, second = csv.reader(io.StringIO(text, newline=""), delimiter=";")
     assert header == ["Nom", "Prénom", "Identifiant", "Groupe", "'=DM; 1", "DM 2", "Moyenne"]
     assert first[:2] == ["Lovelace", "Ada"]
-    assert first[4:] == [number(one) for one in known[0]] == ["12,5", "13,33", "13,06"]
+    assert first[4:] == [format_number(one) for one in known[0]] == ["12,5", "13,33", "13,06"]
     assert second[4:] == ["Abs", "Abs", "0"]
 
     xlsx = file("xlsx")

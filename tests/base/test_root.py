@@ -20,7 +20,7 @@ from server.base import root
 from server.base.provided import provided_to
 from server.base.request import COOKIE
 from server.base.settings import Settings
-from server.board.live import Boards
+from server.board.live import LiveBoards
 from server.database import Database
 from server.figures.service import Figures
 from server.grading.task import SentFile
@@ -140,7 +140,7 @@ def everything(table: dict[str, Any]) -> list[str]:
 def test_nothing_of_any_route_leads_out_of_the_path(site: Site, asked: Any, people: tuple[str, ...]) -> None:
     """Every route that the table of rights knows."""
     provided_to(site.app, Figures).pictures._drawer = Drawer()  # type: ignore[assignment]
-    provided_to(site.app, Boards).stays_open = 0.0
+    provided_to(site.app, LiveBoards).stays_open = 0.0
     client = Watched(site.app)
     stage = Stage(Site(site.app, client, site.settings))
     for name in asked(expected()):

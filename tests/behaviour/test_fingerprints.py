@@ -15,7 +15,7 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.program import Programs
 from server.base.settings import Settings
 from server.behaviour import repository
-from server.behaviour.fingerprints import FINGERPRINT, SENDER, Sweeper, give_ups, lighter
+from server.behaviour.fingerprints import FINGERPRINT, SENDER, FingerprintSweeper, give_up_handlers, tighten_limits
 from server.behaviour.models import BehaviourGroup, Fingerprint
 from server.classes.models import SchoolClass, Seat, Status
 from server.database import Database, utc_now
@@ -93,7 +93,7 @@ def test_who_is_asked(database: Database, made: SchoolClass, ada: Account, both:
 def test_a_sweep_puts_one_job_at_a_time_behind_every_grading(database: Database, ada: Account, both: Settings) -> None:
     for _ in range(3):
         sent(database, ada, SUM)
-    sweeper = Sweeper(database, QUIET, the_course())
+    sweeper = FingerprintSweeper(database, QUIET, the_course())
     sweeper.look()
     sweeper.look()
     with database.write() as db:
@@ -110,7 +110,7 @@ def test_a_sweep_looks_at_what_is_new_and_once_an_hour_at_everything(
     database: Database, made: SchoolClass, both: Settings
 ) -> None:
     now = [utc_now()]
-    sweeper = Sweeper(database, QUIET, the_course(), clock=lambda: now[0])
+    sweeper = FingerprintSweeper(database, QUIET, the_course(), clock=lambda: now[0])
     sweeper.look()
     late = new_account(database, name="Late")
     sent(database, late, SUM)
@@ -134,7 +134,7 @@ def test_an_attempt_that_goes_before_or_during_its_job_leaves_nothing(
         return LOCAL
 
     sent(database, ada, SUM)
-    Sweeper(database, QUIET, the_course()).look()
+    FingerprintSweeper(database, QUIET, the_course()).look()
     worker = asking_worker(database, both, start=forgetting)
     assert [worker.step(), worker.step()] == [True, False]
     assert fingerprints(database) == 0
@@ -144,7 +144,7 @@ def test_an_exercise_that_changed_meanwhile_is_not_asked_with_other_questions(
     database: Database, ada: Account, both: Settings
 ) -> None:
     sent(database, ada, SUM)
-    Sweeper(database, QUIET, the_course()).look()
+    FingerprintSweeper(database, QUIET, the_course()).look()
     course, exercise = the_course(), the_course().exercises[EXERCISE]
     changed = replace(exercise, version="another")
     module = course.modules["l20"]
@@ -168,7 +168,7 @@ def test_a_program_that_cannot_be_asked_is_given_up_and_the_next_one_has_its_tur
     kept = sent(database, ada, SUM)
     assert ask_all(database, both) == 1
     assert groups(database)[kept] is not None
-    assert give_ups().keys() == {FINGERPRINT}
+    assert give_up_handlers().keys() == {FINGERPRINT}
 
 
 def test_programs_that_show_nothing_wrong_are_alike_with_their_own_text_alone(
@@ -203,9 +203,9 @@ def test_groups_that_nobody_is_in_any_more_go_unless_they_have_a_name(
     sent(database, ada, SUM)
     ask_all(database, both)
     with database.write() as db:
-        assert repository.forget_empty(db) == 0
+        assert repository.delete_empty_groups(db) == 0
         db.execute(delete(Fingerprint))
-        assert repository.forget_empty(db) == 1
+        assert repository.delete_empty_groups(db) == 1
 
 
 HOSTILE = {
@@ -236,7 +236,7 @@ def test_hostile_programs_come_to_groups_within_bounds(sqlite: Database, setting
     with Sandbox(course.kits, spares=0) as sandbox:
 
         def start(policy: Policy, _library: object) -> SandboxPrograms:
-            assert policy == lighter(policy), "a program asked so has less time than for its verdict"
+            assert policy == tighten_limits(policy), "a program asked so has less time than for its verdict"
             return SandboxPrograms(sandbox, replace(policy, cpu_seconds=0.1, wall_seconds=1.0))
 
         assert ask_all(sqlite, settings, start) == len(ids)

@@ -23,7 +23,7 @@ from graders.core.code.plain import same_all
 from graders.core.contract.local import LOCAL
 from server.audit.models import AuditEvent, What
 from server.behaviour import service
-from server.behaviour.export import anonymous, identity_of
+from server.behaviour.export import anonymise_program, misconception_id
 from server.classes.models import SchoolClass, Seat
 from server.gradebook.models import Grading
 from server.identity.models import Role
@@ -179,8 +179,8 @@ def test_words_are_bounded(scene: Scene, words: dict[str, str], says: str) -> No
 
 
 def test_words_hold_nothing_that_hides() -> None:
-    given = service.words("  Une\u202e \x00erreur\n\n", "a\r\n\r\n\tb \ud800\n", "")
-    assert given == service.Words("Une erreur", "a\n\n\tb", "")
+    given = service.parse_description("  Une\u202e \x00erreur\n\n", "a\r\n\r\n\tb \ud800\n", "")
+    assert given == service.GroupDescription("Une erreur", "a\n\n\tb", "")
 
 
 def test_what_is_not_there_is_not_found(scene: Scene) -> None:
@@ -196,9 +196,9 @@ def test_the_board_is_told_who_failed_alike(scene: Scene) -> None:
     students, exercises = [scene.ada.id, scene.bob.id], [EXERCISE]
     database = scene.site.database
 
-    def unnamed() -> list[service.Unnamed]:
+    def unnamed() -> list[service.UnnamedGroup]:
         with database.read() as db:
-            return list(service.unnamed(db, scene.made.id, students, exercises))
+            return list(service.list_unnamed_groups(db, scene.made.id, students, exercises))
 
     first, second = unnamed()
     assert {first.students, second.students} == {(scene.ada.id,), (scene.bob.id,)}, "the latest attempt counts alone"
@@ -212,9 +212,9 @@ def test_the_board_is_told_who_failed_alike(scene: Scene) -> None:
     sent(database, scene.bob.account, SUM, failed_verdict(named="known"))
     assert unnamed()[0].students == (scene.ada.id,)
     with database.read() as db:
-        assert not service.unnamed(db, scene.made.id, [], exercises)
+        assert not service.list_unnamed_groups(db, scene.made.id, [], exercises)
         with Counted(database) as asked:
-            service.unnamed(db, scene.made.id, students, exercises)
+            service.list_unnamed_groups(db, scene.made.id, students, exercises)
     assert len(asked.statements) == 1
 
 
@@ -310,7 +310,7 @@ class Vide:
 if __name__ == "__main__":
     print("Ada")
 '''
-    text = anonymous(source.encode(), ["Ada", "Lovelace", "de"])
+    text = anonymise_program(source.encode(), ["Ada", "Lovelace", "de"])
     assert "ada" not in text.lower()
     assert "lovelace" not in text.lower()
     assert "__credits__" not in text
@@ -321,8 +321,8 @@ if __name__ == "__main__":
 
 
 def test_ids_are_names_of_files() -> None:
-    assert identity_of("La rotation est oubliée !", ()) == "la_rotation_est_oubliee"
-    assert identity_of("../../etc", ()) == "etc"
-    assert identity_of("角度", ()) == "erreur"
-    assert identity_of("2 fois", ()) == "erreur_2_fois"
-    assert identity_of("Degrés", {"degres", "degres_2"}) == "degres_3"
+    assert misconception_id("La rotation est oubliée !", ()) == "la_rotation_est_oubliee"
+    assert misconception_id("../../etc", ()) == "etc"
+    assert misconception_id("角度", ()) == "erreur"
+    assert misconception_id("2 fois", ()) == "erreur_2_fois"
+    assert misconception_id("Degrés", {"degres", "degres_2"}) == "degres_3"

@@ -89,7 +89,7 @@ def contenders(
 
     def read() -> None:
         with database.read() as db:
-            service.board(db, course, made, utc_now())
+            service.load_board(db, course, made, utc_now())
 
     def pulse() -> None:
         with database.read() as db:

@@ -13,7 +13,7 @@ import pytest
 from server.assignments.models import AssignedExercise, Assignment
 from server.behaviour.models import BehaviourGroup, Fingerprint
 from server.board import service
-from server.board.schemas import Board, Cell, Insights, State
+from server.board.schemas import Board, Insights, ProgressCell, ProgressState
 from server.classes.models import SchoolClass, Seat, Status
 from server.course import Course
 from server.database import Database, utc_now
@@ -38,7 +38,7 @@ def read(database: Database, course: Course, made: SchoolClass, now: datetime | 
     with database.read() as db:
         school_class = db.get(SchoolClass, made.id)
         assert school_class is not None
-        return service.dashboard(db, course, school_class, now or utc_now())
+        return service.load_dashboard(db, course, school_class, now or utc_now())
 
 
 def assign(database: Database, made: SchoolClass, exercises: Sequence[str], opens_in_days: float = -1) -> None:
@@ -64,9 +64,9 @@ def test_cells_and_counts(database: Database, course: Course, made: SchoolClass)
     board, insights = read(database, course, made)
     assert board.exercises == (EXERCISE, OTHER), "neither what opens tomorrow, nor what has left the course"
     assert vars(board.counts) == {"students": 3, "started": 2, "finished": 1, "stuck": 1}
-    assert board.cells[alan, EXERCISE] == Cell(alan, EXERCISE, 5.0, 3, State.stuck, WRONG)
-    assert board.cells[alan, OTHER] == Cell(alan, OTHER, None, 0, State.none, None)
-    assert board.cells[grace, EXERCISE].state is State.none, "an error of ours is nobody's attempt"
+    assert board.cells[alan, EXERCISE] == ProgressCell(alan, EXERCISE, 5.0, 3, ProgressState.stuck, WRONG)
+    assert board.cells[alan, OTHER] == ProgressCell(alan, OTHER, None, 0, ProgressState.none, None)
+    assert board.cells[grace, EXERCISE].state is ProgressState.none, "an error of ours is nobody's attempt"
     (row,) = board.misconceptions
     assert (row.exercise, row.id, row.now, row.ever, row.students) == (EXERCISE, WRONG, 1, 1, (alan,))
     assert "rotation" in row.title
@@ -110,7 +110,7 @@ def test_marks_set_by_a_teacher_are_in_force(sqlite: Database, course: Course) -
     board, _ = read(sqlite, course, made)
     points = [[board.cells[one, name].points for name in (EXERCISE, OTHER)] for one in (ada, alan)]
     assert points == [[20.0, None], [12.5, 8.0]]
-    assert board.cells[alan, OTHER].state is State.none, "a mark is no attempt"
+    assert board.cells[alan, OTHER].state is ProgressState.none, "a mark is no attempt"
     assert vars(board.counts) == {"students": 2, "started": 2, "finished": 1, "stuck": 0}
 
 
@@ -122,7 +122,9 @@ def test_an_archived_class_stays_as_it_was(database: Database, course: Course, m
         assert row is not None
         row.archived_at = now - timedelta(days=1)
     store(database, [Sent(ada, EXERCISE, now - timedelta(days=2), 0.5), Sent(ada, EXERCISE, now, 1.0)])
-    assert read(database, course, made)[0].cells[ada, EXERCISE] == Cell(ada, EXERCISE, 10.0, 1, State.trying, None)
+    assert read(database, course, made)[0].cells[ada, EXERCISE] == ProgressCell(
+        ada, EXERCISE, 10.0, 1, ProgressState.trying, None
+    )
 
 
 def test_a_class_without_students_or_without_its_module(sqlite: Database, course: Course) -> None:
@@ -165,7 +167,7 @@ def test_a_simulated_class_against_its_definitions(sqlite: Database, course: Cou
         assert cell.attempts == len(sent)
         assert cell.points == (pytest.approx(20 * max(one.score or 0.0 for one in sent)) if sent else None)
         assert cell.misconception == (sent[-1].diagnosis if sent else None)
-        assert (cell.state is State.solved) == any(one.score == 1.0 for one in sent)
+        assert (cell.state is ProgressState.solved) == any(one.score == 1.0 for one in sent)
     for item in insights.items:
         tried = [sent for pair, sent in by_pair.items() if pair[1] == item.exercise]
         solved = [sent for sent in tried if any(one.score == 1.0 for one in sent)]

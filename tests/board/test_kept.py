@@ -32,7 +32,7 @@ def read(database: Database, course: Course, made: SchoolClass) -> tuple[Board, 
     with database.read() as db:
         school_class = db.get(SchoolClass, made.id)
         assert school_class is not None
-        return service.dashboard(db, course, school_class, NOW)
+        return service.load_dashboard(db, course, school_class, NOW)
 
 
 def test_each_change_is_seen_at_the_next_look(database: Database, course: Course) -> None:
@@ -107,7 +107,7 @@ def test_what_is_the_same_is_not_reckoned_again(database: Database, course: Cour
         with database.read() as db:
             school_class = db.get(SchoolClass, made.id)
             assert school_class is not None
-            return kept.done(db, course, service.scope_of(db, course, school_class, NOW), students)
+            return kept.done(db, course, service.load_scope(db, course, school_class, NOW), students)
 
     first = done()
     assert done() is first
@@ -117,7 +117,7 @@ def test_what_is_the_same_is_not_reckoned_again(database: Database, course: Cour
     with database.read() as db:
         school_class = db.get(SchoolClass, made.id)
         assert school_class is not None
-        scope = service.scope_of(db, course, school_class, NOW)
+        scope = service.load_scope(db, course, school_class, NOW)
         assert kept.done(db, replace(course), scope, students) is not second, "another edition of the course"
         assert kept.done(db, course, scope, students[:1]).students == (students[0],)
 

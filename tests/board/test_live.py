@@ -12,7 +12,7 @@ import pytest
 
 from server.base.errors import TooMany
 from server.board import live, service
-from server.board.live import MOST_EACH, Boards
+from server.board.live import MAX_STREAMS_PER_ACCOUNT, LiveBoards
 from server.board.schemas import Board
 from server.classes.models import SchoolClass, Seat, Status
 from server.course import Course
@@ -36,7 +36,7 @@ class Watched:
         self.made = new_class(database, self.teacher)
         (self.student,) = seated(database, self.made, 1)
         self.events = Events()
-        self.boards = Boards(database, course, self.events)
+        self.boards = LiveBoards(database, course, self.events)
         self.readings = 0
 
     def may(self, account: Account) -> Callable[[], bool]:
@@ -79,7 +79,7 @@ async def ended(boards: AsyncIterator[Board | None]) -> bool:
 def test_what_is_graded_is_told_to_all_who_watch_from_one_reading(
     watched: Watched, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    read = live.board
+    read = live.load_board
 
     def counted(*arguments: Any) -> Board:
         watched.readings += 1
@@ -155,7 +155,7 @@ def test_an_account_has_some_streams_only(watched: Watched) -> None:
             yield
 
     async def scene() -> None:
-        opened = [streams(watched.teacher.id) for _ in range(MOST_EACH)]
+        opened = [streams(watched.teacher.id) for _ in range(MAX_STREAMS_PER_ACCOUNT)]
         for one in opened:
             watched.boards.require_room(watched.teacher.id)
             one.__enter__()

@@ -11,7 +11,7 @@ from graders.core.contract.outcomes import Outcome
 from server.board.insights import item_rest
 from server.board.repository import Sent
 from server.board.states import going_nowhere, gone_quiet, latest_of
-from server.board.trails import Had, Trail, after_hints, first_success, misconceptions, unexplained
+from server.board.trails import MisconceptionEpisode, Trail, after_hints, first_success, misconceptions, unexplained
 from server.gradebook.schemas import HINT_OPENS_AFTER
 
 NOW = datetime(2026, 11, 23, 10, 0, tzinfo=UTC)
@@ -66,14 +66,17 @@ def test_who_has_gone_quiet_after_a_failure(sent: int, seen: int | None, quiet: 
 @pytest.mark.parametrize(
     ("attempts", "expected"),
     [
-        (["9,5,,a"], {"a": Had(ADA, None, False, False)}),
-        (["9,5,,a", "8,5,,a", "7,6"], {"a": Had(ADA, 2, True, False)}),
-        (["9,5,,a", "8,6", "7,5,,a", "6,20"], {"a": Had(ADA, 3, True, True)}),
-        (["9,5,,a", "8,6,,b"], {"a": Had(ADA, 1, True, True), "b": Had(ADA, None, False, False)}),
+        (["9,5,,a"], {"a": MisconceptionEpisode(ADA, None, False, False)}),
+        (["9,5,,a", "8,5,,a", "7,6"], {"a": MisconceptionEpisode(ADA, 2, True, False)}),
+        (["9,5,,a", "8,6", "7,5,,a", "6,20"], {"a": MisconceptionEpisode(ADA, 3, True, True)}),
+        (
+            ["9,5,,a", "8,6,,b"],
+            {"a": MisconceptionEpisode(ADA, 1, True, True), "b": MisconceptionEpisode(ADA, None, False, False)},
+        ),
         (["9,5", "8,20"], {}),
     ],
 )
-def test_misconceptions_had_and_overcome(attempts: list[str], expected: dict[str, Had]) -> None:
+def test_misconceptions_had_and_overcome(attempts: list[str], expected: dict[str, MisconceptionEpisode]) -> None:
     assert dict(misconceptions(trail(*attempts))) == expected
 
 

@@ -20,8 +20,8 @@ from server.comments.models import TEXT_LENGTH, Message, Note, NoteReader, Phras
 from server.comments.schemas import WHOLE, Talk, Target
 from server.database import Database, utc_now
 from server.gradebook import service as gradebook
-from server.gradebook import work
-from server.gradebook.schemas import Attempt, Graded
+from server.gradebook import student_work
+from server.gradebook.schemas import Attempt, GradingResult
 from server.identity import repository as identity
 from server.identity.models import Account, Role
 from server.personal.joining import adopt
@@ -54,12 +54,12 @@ class Room:
             sent = Submission(account_id=author.id, exercise=EXERCISE, **row)
             db.add(sent)
             db.flush()
-            gradebook.record(db, sent.id, Graded(Judgement(verdict), utc_now()))
+            gradebook.record_grading(db, sent.id, GradingResult(Judgement(verdict), utc_now()))
             return sent.id
 
     def say(self, by: Account, sent: UUID, target: Target = WHOLE, text: str = "Pourquoi ?") -> Thread:
         with self.database.write() as db:
-            attempt = gradebook.find(db, by, sent)
+            attempt = gradebook.find_attempt(db, by, sent)
             return service.begin(db, by, attempt, target, text, self.settings)
 
     def reply(self, by: Account, thread: Thread, text: str = "Parce que.") -> Thread:
@@ -70,7 +70,7 @@ class Room:
 
     def beside(self, sent: UUID) -> list[Talk]:
         with self.database.read() as db:
-            attempt = gradebook.find(db, self.ada, sent)
+            attempt = gradebook.find_attempt(db, self.ada, sent)
             return list(service.beside(db, Attempt(attempt.submission, attempt.grading)))
 
     def count(self, table: type) -> int:
@@ -282,13 +282,13 @@ def test_a_word_is_for_those_who_have_the_mistake_now(either: Room) -> None:
             ("autre", "Erreur", 1),
             ("signe", "Erreur", 1),
         ]
-        (tried,), total = work.attempts(db, cleo.id, EXERCISE, None, most=1)
+        (tried,), total = student_work.list_attempts(db, cleo.id, EXERCISE, None, most=1)
         assert (tried.number, tried.mistake, tried.diagnosis, total) == (2, "Erreur", "autre", 2)
-        assert len(work.with_the_one_before(db, cleo.id, EXERCISE, None, 2)) == 2
-        assert not work.with_the_one_before(db, cleo.id, EXERCISE, None, 3)
-        sums = work.by_exercise(db, cleo.id, "l20", None)[EXERCISE]
+        assert len(student_work.load_with_previous(db, cleo.id, EXERCISE, None, 2)) == 2
+        assert not student_work.load_with_previous(db, cleo.id, EXERCISE, None, 3)
+        sums = student_work.load_by_exercise(db, cleo.id, "l20", None)[EXERCISE]
         assert (sums.attempts, sums.best, sums.mistake) == (2, 0.5, "Erreur")
-        assert not work.by_exercise(db, cleo.id, "l20", utc_now().replace(year=2000))
+        assert not student_work.load_by_exercise(db, cleo.id, "l20", utc_now().replace(year=2000))
     with room.database.write() as db:
         assert [one.seen_at for one in words_repository.words(db, bob.id, EXERCISE)] == [None]
         assert not words_repository.words(db, cleo.id)

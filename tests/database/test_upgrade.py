@@ -24,7 +24,7 @@ from server.gradebook import service as gradebook
 from server.gradebook import solutions, standings
 from server.gradebook.models import Grading, SolutionOpening
 from server.gradebook.schemas import NOTHING_YET, Progress
-from server.gradebook.solutions import Because
+from server.gradebook.solutions import AccessReason
 from server.identity.models import Account, ApiToken, Role
 from server.queue.models import Job
 from server.queue.port import Lease
@@ -159,9 +159,9 @@ def test_what_was_open_stays_open_to_all_and_the_first_teacher_is_the_administra
     with upgraded.database.read() as db:
         teacher = db.get_one(Account, landed.teacher)
         assert teacher.role == Role.administrator
-        assert gradebook.find(db, teacher, landed.sent["wrong"]).submission.account_id == landed.ada
+        assert gradebook.find_attempt(db, teacher, landed.sent["wrong"]).submission.account_id == landed.ada
         for account in (None, db.get_one(Account, landed.busy)):
-            assert solutions.access(db, account, POSES).because(NOTHING_YET) is Because.to_all
+            assert solutions.load_solution_access(db, account, POSES).because(NOTHING_YET) is AccessReason.to_all
         roles = set(db.execute(select(Account.role).where(Account.id != landed.teacher)).scalars())
     assert roles == {"student", "guest"}
 
@@ -170,16 +170,16 @@ def test_standings_are_those_of_the_history(upgraded: Upgraded) -> None:
     landed, database = upgraded.landed, upgraded.database
     with database.read() as db:
         ada = db.get(Account, landed.ada)
-        assert gradebook.progress(db, ada) == {
+        assert gradebook.load_progress(db, ada) == {
             POSES: Progress(1.0, 5, succeeded=True),
             ANSWERS: Progress(0.4, 1),
         }
-        kept = standings.of_account(db, landed.ada)[POSES]
+        kept = standings.load_account_standings(db, landed.ada)[POSES]
         assert (kept.attempts, kept.last_outcome, kept.last_diagnosis) == (3, "timeout", None)
         sent_at = db.execute(select(Submission.created_at).where(Submission.id == landed.sent["right"])).scalar_one()
         assert kept.first_success_at == sent_at
-        assert standings.of_account(db, landed.busy)[POSES].attempts == MANY
-    assert gradebook.rebuild(database) == (4, 0)
+        assert standings.load_account_standings(db, landed.busy)[POSES].attempts == MANY
+    assert gradebook.rebuild_all_standings(database) == (4, 0)
 
 
 def pages_of(landed: Landed, names: tuple[str, ...]) -> Iterator[tuple[str, UUID]]:
@@ -241,9 +241,9 @@ def test_every_route_of_the_api_tells_what_was_there(upgraded: Upgraded) -> None
 
 
 def test_figures_come_along(upgraded: Upgraded) -> None:
-    from server.gradebook.figures import figure_data
+    from server.gradebook.figures import load_figure_data
 
     with upgraded.database.read() as db:
         ada = db.get(Account, upgraded.landed.ada)
-        attempt = gradebook.find(db, ada, upgraded.landed.sent["wrong"])
-        assert figure_data(db, attempt, "a") == {"kind": "fake", "name": "wrong"}
+        attempt = gradebook.find_attempt(db, ada, upgraded.landed.sent["wrong"])
+        assert load_figure_data(db, attempt, "a") == {"kind": "fake", "name": "wrong"}

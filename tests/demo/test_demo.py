@@ -22,7 +22,7 @@ from server.demo.loading import load, shown
 from server.demo.people import FAMILY, GIVEN, pupils
 from server.demo.story import LASTING, lesson_starts, programme, story
 from server.gradebook import standings
-from server.marks import book as marks
+from server.marks.loading import load_gradebook
 from server.submissions.models import Submission
 from server.submissions.service import Submissions
 from tests.support.quick import the_course
@@ -91,7 +91,7 @@ def test_what_is_written_is_a_class_whose_standings_are_right(
         opened = assignments.counting_exercises(db, course, made, utc_now())
         assert list(opened) == [exercise.id for exercise in module.exercises]
         sent = db.query(Submission).count()
-        book = marks.of_class(db, course, made, utc_now())
+        book = load_gradebook(db, course, made, utc_now())
         (tested,) = [place for place, one in enumerate(book.assignments) if one.released_at is not None]
         assert [row.marks[tested].state for row in book.rows if row.marks[tested].points], "a test with its marks"
         assert sum(mark.overridden for row in book.rows for mark in row.marks) >= 1

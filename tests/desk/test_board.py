@@ -13,7 +13,7 @@ import pytest
 
 from server.base.provided import provided_to
 from server.board import service
-from server.board.live import Boards
+from server.board.live import LiveBoards
 from server.board.schemas import Board
 from server.classes.models import SchoolClass
 from server.course import Course
@@ -55,7 +55,7 @@ def board_of(site: Site, course: Course, made: SchoolClass) -> Board:
     with site.database.read() as db:
         school_class = db.get(SchoolClass, made.id)
         assert school_class is not None
-        return service.board(db, course, school_class, utc_now())
+        return service.load_board(db, course, school_class, utc_now())
 
 
 def test_the_board_of_a_class(site: Site, martin: Person, made: SchoolClass) -> None:
@@ -220,7 +220,7 @@ def test_what_changes_is_told_as_the_page_draws_it(
 def test_the_stream_of_a_page_begins_with_what_it_shows(
     site: Site, martin: Person, made: SchoolClass, course: Course
 ) -> None:
-    provided_to(site.app, Boards).stays_open = 0.0
+    provided_to(site.app, LiveBoards).stays_open = 0.0
     version = board_of(site, course, made).version
     browser, path = martin.browser(site), f"/classes/{made.id}/evenements"
     answer = browser.get(path, params={"version": version})

@@ -27,7 +27,7 @@ def test_a_name_that_no_database_can_look_for_is_nobody_s(database: Database) ->
     made = new_class(database, new_account(database, Role.teacher))
     with database.read() as db:
         with pytest.raises(NotFound):
-            behaviour.find(db, made, EXERCISE, ZERO)
+            behaviour.find_group(db, made, EXERCISE, ZERO)
         with pytest.raises(NotFound):
             links.by_login(db, ZERO)
         assert not words_repository.concerned(db, made.id, EXERCISE, ZERO)

@@ -15,7 +15,7 @@ from server.classes.models import Membership, SchoolClass, Seat
 from server.comments.models import Message, State, Thread
 from server.database import utc_now
 from server.gradebook import service as gradebook
-from server.gradebook.schemas import Graded
+from server.gradebook.schemas import GradingResult
 from server.identity.models import Role
 from server.submissions.models import Submission
 from server.submissions.service import digest
@@ -53,7 +53,7 @@ class Desk:
                 sent = Submission(account_id=(by or self.ada).id, exercise=EXERCISE, **row)
                 db.add(sent)
                 db.flush()
-                gradebook.record(db, sent.id, Graded(Judgement(verdict), utc_now()))
+                gradebook.record_grading(db, sent.id, GradingResult(Judgement(verdict), utc_now()))
                 self.sent.append(sent.id)
 
     def get(self, path: str, status: int = 200) -> str:

@@ -11,8 +11,8 @@ from graders.core.contract.verdict import CheckResult, Verdict
 from server.assignments import feedback
 from server.assignments.feedback import Feedback, Stage, Test
 from server.database import Database, utc_now
-from server.gradebook import accepted, service
-from server.gradebook.schemas import Graded
+from server.gradebook import importable_files, service
+from server.gradebook.schemas import GradingResult
 from server.identity.models import Account
 from server.submissions.models import Submission
 from server.submissions.service import digest
@@ -27,7 +27,7 @@ def sent(database: Database, account: Account, exercise: str, source: bytes, min
     outcome = verdict.get("outcome", Outcome.OK)
     passed = outcome is Outcome.OK
     check = CheckResult("a", "Une", passed, 20.0 if passed else 0.0, 20.0)
-    found = Graded(Judgement(Verdict(exercise, "v", outcome, 1, [check])), utc_now())
+    found = GradingResult(Judgement(Verdict(exercise, "v", outcome, 1, [check])), utc_now())
     with database.write() as db:
         row = Submission(
             account_id=account.id,
@@ -39,7 +39,7 @@ def sent(database: Database, account: Account, exercise: str, source: bytes, min
         )
         db.add(row)
         db.flush()
-        service.record(db, row.id, found)
+        service.record_grading(db, row.id, found)
 
 
 START = utc_now() - timedelta(days=1)
@@ -54,7 +54,7 @@ def used(database: Database, account: Account, source: bytes = ASKS, minutes: fl
         row = Submission(
             account_id=account.id, exercise=GRAPH, source=source, digest="e", seed=1, created_at=at(minutes)
         )
-        return accepted.used_by(db, the_course(), row)
+        return importable_files.load_importable_files(db, the_course(), row)
 
 
 def test_it_is_the_last_accepted_one_before_it_of_its_own_author(database: Database) -> None:
@@ -68,7 +68,7 @@ def test_it_is_the_last_accepted_one_before_it_of_its_own_author(database: Datab
     assert used(database, ada, minutes=30) == {POSES: b"later"}
     assert used(database, ada, source=b"import numpy\n") == {}
     with database.read() as db:
-        assert accepted.sent_at(db, ada.id, [POSES, GRAPH]) == {POSES: at(20)}
+        assert importable_files.importable_file_times(db, ada.id, [POSES, GRAPH]) == {POSES: at(20)}
 
 
 def test_what_a_test_holds_back_is_not_learned_by_using_it(database: Database) -> None:
@@ -79,7 +79,7 @@ def test_what_a_test_holds_back_is_not_learned_by_using_it(database: Database) -
     with database.write() as db:
         db.info[feedback.MEMO] = {(ada.id, None): {POSES: Feedback(tests=(test,))}}
         row = Submission(account_id=ada.id, exercise=GRAPH, source=ASKS, digest="e", seed=1, created_at=at(10))
-        assert accepted.used_by(db, the_course(), row) == {POSES: b"one"}
+        assert importable_files.load_importable_files(db, the_course(), row) == {POSES: b"one"}
 
 
 def test_a_file_that_imports_earlier_functions_is_graded_anew_each_time(database: Database) -> None:
@@ -87,5 +87,5 @@ def test_a_file_that_imports_earlier_functions_is_graded_anew_each_time(database
     for code in ("x = 1\n", ASKS.decode()):
         sent(database, ada, GRAPH, code.encode(), 1, digest=digest(code))
     with database.read() as db:
-        found = [service.sent_before(db, ada, GRAPH, code, "v") is not None for code in ("x = 1\n", ASKS.decode())]
+        found = [service.find_duplicate(db, ada, GRAPH, code, "v") is not None for code in ("x = 1\n", ASKS.decode())]
     assert found == [True, False]

@@ -28,9 +28,9 @@ from server.cli import main
 from server.database import Database, utc_now
 from server.gradebook import repository, service, standings
 from server.gradebook.models import Grading, Standing
-from server.gradebook.schemas import Graded, Progress
+from server.gradebook.schemas import GradingResult, Progress
 from server.gradebook.sent import Attempt, Histories, revisions
-from server.gradebook.standings import Sums
+from server.gradebook.standings import StandingTotals
 from server.identity import repository as identity
 from server.identity.models import Account, Role
 from server.submissions.models import Submission
@@ -42,12 +42,14 @@ EXERCISES = ("m/a", "m/b")
 KEPT: Histories[tuple[Attempt, ...]] = Histories.of(tuple, 10_000)
 
 
-def graded(outcome: Outcome = Outcome.WRONG_ANSWER, score: float = 0.0, diagnosis: str | None = None) -> Graded:
+def graded(outcome: Outcome = Outcome.WRONG_ANSWER, score: float = 0.0, diagnosis: str | None = None) -> GradingResult:
     passed = outcome is Outcome.OK
     check = CheckResult("a", "Une", passed, 20.0 if passed else 20.0 * min(score, 0.95), 20.0)
     checks = [check] if outcome.counts else []
     name = Diagnosis(diagnosis, "Une erreur", "Son explication.") if diagnosis else None
-    return Graded(Judgement(Verdict("m/a", "v1", outcome, 1, checks, name, timings={"total_ms": 2.0})), utc_now())
+    return GradingResult(
+        Judgement(Verdict("m/a", "v1", outcome, 1, checks, name, timings={"total_ms": 2.0})), utc_now()
+    )
 
 
 def sent(database: Database, account_id: UUID, exercise: str = EXERCISE) -> UUID:
@@ -57,41 +59,41 @@ def sent(database: Database, account_id: UUID, exercise: str = EXERCISE) -> UUID
     return row.id
 
 
-def record(database: Database, submission_id: UUID, grading: Graded) -> None:
+def record(database: Database, submission_id: UUID, grading: GradingResult) -> None:
     with database.write() as db:
-        assert service.record(db, submission_id, grading) is not None
+        assert service.record_grading(db, submission_id, grading) is not None
 
 
-def sums(database: Database, account_id: UUID) -> dict[str, Sums]:
+def sums(database: Database, account_id: UUID) -> dict[str, StandingTotals]:
     with database.read() as db:
-        return dict(standings.of_account(db, account_id))
+        return dict(standings.load_account_standings(db, account_id))
 
 
 def test_a_submission_keeps_every_grading_and_one_counts(database: Database, ada: Account) -> None:
     submission = sent(database, ada.id)
     record(database, submission, graded(score=0.25, diagnosis="sign"))
     with database.write() as db:
-        second = service.regraded(db, submission, graded(Outcome.OK))
+        second = service.add_uncounted_grading(db, submission, graded(Outcome.OK))
     with database.read() as db:
-        attempt = service.find(db, ada, submission)
+        attempt = service.find_attempt(db, ada, submission)
         assert attempt.grading is not None
         assert (attempt.grading.score, attempt.grading.diagnosis, attempt.grading.total_ms) == (0.25, "sign", 2.0)
-        assert [row.score for row in repository.history(db, submission)] == [0.25, 1.0]
+        assert [row.score for row in repository.list_gradings(db, submission)] == [0.25, 1.0]
     with database.write() as db:
-        service.choose(db, submission, second)
+        service.set_counting_grading(db, submission, second)
     with database.read() as db:
-        assert service.progress(db, ada) == {EXERCISE: Progress(1.0, 1, succeeded=True)}
-        assert len(repository.history(db, submission)) == 2
+        assert service.load_progress(db, ada) == {EXERCISE: Progress(1.0, 1, succeeded=True)}
+        assert len(repository.list_gradings(db, submission)) == 2
 
 
 def test_only_a_submission_s_own_gradings_may_count(database: Database, ada: Account) -> None:
     mine, other = sent(database, ada.id), sent(database, ada.id)
     record(database, other, graded(Outcome.OK))
     with database.read() as db:
-        (foreign,) = repository.history(db, other)
+        (foreign,) = repository.list_gradings(db, other)
     for submission in (mine, uuid4()):
         with pytest.raises(NotFound), database.write() as db:
-            service.choose(db, submission, foreign.id)
+            service.set_counting_grading(db, submission, foreign.id)
 
 
 def test_the_attempt_sent_last_is_the_last_whichever_ends_first(database: Database, ada: Account) -> None:
@@ -115,7 +117,7 @@ def test_gradings_that_end_together_all_count(database: Database, ada: Account, 
 
     def recount(_: int) -> None:
         with database.write() as db:
-            service.recount(db, ada.id)
+            service.recount_standings(db, ada.id)
 
     with ThreadPoolExecutor(8) as pool:
         graded_ones = [pool.submit(grade, name) for name in names]
@@ -124,7 +126,7 @@ def test_gradings_that_end_together_all_count(database: Database, ada: Account, 
             future.result()
     assert sums(database, ada.id)[EXERCISE].attempts == 24
     with database.write() as db:
-        assert service.recount(db, ada.id) == 0
+        assert service.recount_standings(db, ada.id) == 0
 
 
 def test_guests_who_join_an_account_at_once_all_do(database: Database, ada: Account) -> None:
@@ -134,13 +136,13 @@ def test_guests_who_join_an_account_at_once_all_do(database: Database, ada: Acco
 
     def join(guest: UUID) -> None:
         with database.write() as db:
-            service.adopt(db, guest, ada.id)
+            service.adopt_attempts(db, guest, ada.id)
             identity.delete_account(db, guest)
 
     with ThreadPoolExecutor(6) as pool:
         list(pool.map(join, guests))
     assert sums(database, ada.id)[EXERCISE].attempts == 6
-    assert service.rebuild(database) == (1, 0)
+    assert service.rebuild_all_standings(database) == (1, 0)
 
 
 @dataclass
@@ -179,7 +181,7 @@ class Story:
         if done:
             row, grading = done[which % len(done)], graded(outcome, score)
             with self.database.write() as db:
-                row["gradings"][service.regraded(db, row["id"], grading)] = grading
+                row["gradings"][service.add_uncounted_grading(db, row["id"], grading)] = grading
 
     def choose(self, which: int, other: int) -> None:
         done = [row for row in self.sent if row["counting"] is not None]
@@ -187,26 +189,26 @@ class Story:
             row = done[which % len(done)]
             row["counting"] = list(row["gradings"])[other % len(row["gradings"])]
             with self.database.write() as db:
-                service.choose(db, row["id"], row["counting"])
+                service.set_counting_grading(db, row["id"], row["counting"])
 
     def adopt(self, who: int, other: int) -> None:
         guest, account = (self.accounts[number % len(self.accounts)] for number in (who, other))
         if guest == account:
             return
         with self.database.write() as db:
-            service.adopt(db, guest, account)
+            service.adopt_attempts(db, guest, account)
             identity.delete_account(db, guest)
         self.accounts.remove(guest)
         for row in self.sent:
             row["account"] = account if row["account"] == guest else row["account"]
 
-    def expected(self, account: UUID, exercise: str) -> Sums | None:
+    def expected(self, account: UUID, exercise: str) -> StandingTotals | None:
         rows = [row for row in self.sent if (row["account"], row["exercise"]) == (account, exercise)]
         pairs = [(row["at"], row["gradings"][row["counting"]].verdict) for row in rows if row["counting"]]
         pairs = [pair for pair in pairs if pair[1].outcome is not Outcome.INTERNAL_ERROR]
         if not pairs:
             return None
-        return Sums(
+        return StandingTotals(
             best_score=max(verdict.score for _, verdict in pairs),
             attempts=len(pairs),
             last_outcome=pairs[-1][1].outcome,
@@ -222,7 +224,7 @@ class Story:
         for account in self.accounts:
             kept = sums(self.database, account)
             assert kept == {name: row for name in EXERCISES if (row := self.expected(account, name))}
-        total, changed = service.rebuild(self.database)
+        total, changed = service.rebuild_all_standings(self.database)
         assert changed == 0
         assert total == sum(len(sums(self.database, account)) for account in self.accounts)
 
@@ -290,7 +292,7 @@ def spoil(database: Database, account_id: UUID) -> None:
     for exercise in ("m/a", "m/b"):
         record(database, sent(database, account_id, exercise), graded(Outcome.OK))
     now = utc_now()
-    extra = Sums(1.0, 3, "ok", None, now, now)
+    extra = StandingTotals(1.0, 3, "ok", None, now, now)
     with database.write() as db:
         db.execute(update(Standing).where(Standing.exercise == "m/a").values(attempts=7))
         db.execute(delete(Standing).where(Standing.exercise == "m/b"))
@@ -299,9 +301,9 @@ def spoil(database: Database, account_id: UUID) -> None:
 
 def test_rebuilding_mends_what_is_wrong_missing_and_too_many(database: Database, ada: Account) -> None:
     spoil(database, ada.id)
-    assert service.rebuild(database) == (2, 3)
+    assert service.rebuild_all_standings(database) == (2, 3)
     assert {name: row.attempts for name, row in sums(database, ada.id).items()} == {"m/a": 1, "m/b": 1}
-    assert service.rebuild(database) == (2, 0)
+    assert service.rebuild_all_standings(database) == (2, 0)
 
 
 def test_an_administrator_rebuilds_standings(sqlite: Database, settings: Settings, capsys: Any) -> None:
@@ -325,12 +327,12 @@ def test_a_class_is_one_query_that_opens_no_verdict(database: Database) -> None:
     accounts = [new_account(database).id for _ in range(35)]
     exercises = [f"m/{number}" for number in range(26)]
     now = utc_now()
-    row = Sums(0.5, 2, "wrong_answer", "sign", None, now)
+    row = StandingTotals(0.5, 2, "wrong_answer", "sign", None, now)
     with database.write() as db:
         rows = [{"account_id": name, "exercise": slug, **vars(row)} for name, slug in product(accounts, exercises)]
         db.execute(insert(Standing), rows)
     with Counted(database) as counted, database.read() as db:
-        found = standings.of_class(db, accounts, exercises)
+        found = standings.load_standings(db, accounts, exercises)
     assert len(found) == 35 * 26
     assert set(found.values()) == {row}
     (statement,) = counted.statements
@@ -342,8 +344,8 @@ def test_waiting_attempts_count_among_those_sent(database: Database, ada: Accoun
     sent(database, ada.id)
     sent(database, ada.id, "m/b")
     with database.read() as db:
-        assert service.progress(db, ada) == {EXERCISE: Progress(0.5, 2), "m/b": Progress(None, 1)}
-        assert service.progress(db, ada, EXERCISE) == {EXERCISE: Progress(0.5, 2)}
+        assert service.load_progress(db, ada) == {EXERCISE: Progress(0.5, 2), "m/b": Progress(None, 1)}
+        assert service.load_progress(db, ada, EXERCISE) == {EXERCISE: Progress(0.5, 2)}
     assert not worker_of(database, both).step(), "these were never queued"
 
 
@@ -351,7 +353,7 @@ def test_an_account_s_end_is_the_end_of_its_gradings(database: Database, ada: Ac
     submission = sent(database, ada.id)
     record(database, submission, graded(Outcome.OK))
     with database.write() as db:
-        service.regraded(db, submission, graded())
+        service.add_uncounted_grading(db, submission, graded())
         identity.delete_account(db, ada.id)
     with database.read() as db:
         for table in (Submission, Grading, Standing):
@@ -363,9 +365,9 @@ def test_what_is_recorded_has_a_bound_and_says_what_it_leaves_out(database: Data
     check = CheckResult("a", "Une", False, 0, 20.0, "m" * 300_000, shown, figure="a")
     heavy = Verdict("m/a", "v1", Outcome.WRONG_ANSWER, 1, [check], stdout="\x01" * 65536)
     submission = sent(database, ada.id)
-    record(database, submission, Graded(Judgement(heavy, {"a": {"rows": [0.5] * 90_000}}), utc_now()))
+    record(database, submission, GradingResult(Judgement(heavy, {"a": {"rows": [0.5] * 90_000}}), utc_now()))
     with database.read() as db:
-        grading = service.find(db, ada, submission).grading
+        grading = service.find_attempt(db, ada, submission).grading
         assert grading is not None
         kept, figures = Verdict.from_json(grading.verdict), repository.figures_of(db, grading.id)
     assert weight(kept.to_json()) + weight(figures) <= VERDICT_BYTES

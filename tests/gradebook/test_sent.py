@@ -31,7 +31,7 @@ def ada(database: Database) -> UUID:
         record(database, name, graded(score=0.25))
     with database.write() as db:
         first = db.execute(select(Submission.id).order_by(Submission.created_at).limit(1)).scalar_one()
-        service.regraded(db, first, graded(Outcome.OK))
+        service.add_uncounted_grading(db, first, graded(Outcome.OK))
     return account
 
 
@@ -60,7 +60,7 @@ def test_each_change_is_seen_at_the_next_look(database: Database, ada: UUID) -> 
     def chosen(grading: UUID) -> Callable[[], None]:
         def choose() -> None:
             with database.write() as db:
-                service.choose(db, first, grading)
+                service.set_counting_grading(db, first, grading)
 
         return choose
 
@@ -124,7 +124,7 @@ def test_what_is_not_read_changes_nothing(database: Database, ada: UUID) -> None
     with database.write() as db:
         db.execute(update(Submission).values(source=b"y = 2\n", seed=7))
         db.execute(update(Grading).values(verdict={}, figures={}, total_ms=3.0))
-        service.regraded(db, db.execute(select(Submission.id).limit(1)).scalar_one(), graded(Outcome.OK))
+        service.add_uncounted_grading(db, db.execute(select(Submission.id).limit(1)).scalar_one(), graded(Outcome.OK))
     sent(database, ada)
     assert revision(database, ada) == before
 

@@ -27,7 +27,7 @@ from server.base.settings import Settings
 from server.course import Course
 from server.database import Database
 from server.gradebook.models import Grading
-from server.gradebook.schemas import Graded
+from server.gradebook.schemas import GradingResult
 from server.grading import joint as grading
 from server.grading.joint import Grader, SandboxPrograms
 from server.grading.task import GradingTask, SentFile, give_ups
@@ -117,7 +117,7 @@ def test_a_worker_told_to_stop_as_it_records_ends_what_it_has_done(
     stopping = Stopping()
 
     class Recording(GradingTask):
-        def record(self, db: Session, work: SentFile, result: Graded) -> None:
+        def record(self, db: Session, work: SentFile, result: GradingResult) -> None:
             stopping.tell()
             super().record(db, work, result)
 

@@ -15,10 +15,11 @@ from server.classes.models import Seat, Status
 from server.course import Course
 from server.database import Database
 from server.identity.models import Account
-from server.marks import book, service
-from server.marks.files import Identifier, column, for_moodle
+from server.marks import service
+from server.marks.files import MoodleIdentifier, column_text, moodle_file
+from server.marks.loading import load_gradebook
 from server.marks.models import Override
-from server.marks.schemas import AssignmentMark, Book, State
+from server.marks.schemas import AssignmentMark, Gradebook, MarkState
 from tests.support.classes import seat
 from tests.support.counting import Counted
 from tests.support.kept import forget
@@ -31,9 +32,9 @@ def term(sqlite: Database) -> Term:
     return Term.begin(sqlite)
 
 
-def made(term: Term, course: Course, now: datetime = AFTER) -> Book:
+def made(term: Term, course: Course, now: datetime = AFTER) -> Gradebook:
     with term.database.read() as db:
-        return book.of_class(db, course, term.made, now)
+        return load_gradebook(db, course, term.made, now)
 
 
 def only(term: Term, course: Course, now: datetime = AFTER) -> AssignmentMark:
@@ -45,15 +46,15 @@ def only(term: Term, course: Course, now: datetime = AFTER) -> AssignmentMark:
 def change(term: Term, course: Course, student: Account, exercise: str = POSES, **values: Any) -> None:
     row = {"points": None, "excused": False, "reason": "à l’oral", **values}
     with term.database.write() as db:
-        service.override(db, course, term.made, term.teacher, student.id, exercise, **row)
+        service.set_override(db, course, term.made, term.teacher, student.id, exercise, **row)
 
 
 def test_over_what_is_missing_counts_nothing_and_before_it_does_not_count(term: Term, course: Course) -> None:
     term.assignment(exercises={POSES: 1.0, ODOMETRY: 3.0})
     ada = term.student("Ada", "Lovelace")
-    assert (only(term, course).state, only(term, course).points) == (State.absent, 0)
-    assert only(term, course, OPENS - DAY).state is State.upcoming
-    assert (only(term, course, OPENS).state, only(term, course, OPENS).points) == (State.open, None)
+    assert (only(term, course).state, only(term, course).points) == (MarkState.absent, 0)
+    assert only(term, course, OPENS - DAY).state is MarkState.upcoming
+    assert (only(term, course, OPENS).state, only(term, course, OPENS).points) == (MarkState.open, None)
     term.send(ada, POSES, 13)
     assert (only(term, course, DUE).points, only(term, course, DUE).in_average) == (13, None)
     assert only(term, course).points == float(Fraction(13, 4))
@@ -70,16 +71,16 @@ def test_a_test_is_over_for_who_has_handed_in_whatever_its_dates(term: Term, cou
     for student in (ada, zola):
         term.send(student, POSES, 20)
 
-    def told() -> dict[str, tuple[State, float | None, float | None]]:
+    def told() -> dict[str, tuple[MarkState, float | None, float | None]]:
         rows = made(term, course).rows
         return {row.member.name: (row.marks[0].state, row.marks[0].points, row.average) for row in rows}
 
     before = told()
-    assert before["Ada Abel"] == (State.done, 10.0, 10.0), "what was not sent counts 0"
-    assert before["Blaise Pascal"] == (State.open, None, None)
+    assert before["Ada Abel"] == (MarkState.done, 10.0, 10.0), "what was not sent counts 0"
+    assert before["Blaise Pascal"] == (MarkState.open, None, None)
     with term.database.write() as db:
         db.merge(test).released_at = AFTER - DAY
-    assert told() == {**before, "Blaise Pascal": (State.absent, 0.0, 0.0)}
+    assert told() == {**before, "Blaise Pascal": (MarkState.absent, 0.0, 0.0)}
 
 
 def test_dates_that_differ_for_a_student_differ_in_their_marks(term: Term, course: Course) -> None:
@@ -90,7 +91,7 @@ def test_dates_that_differ_for_a_student_differ_in_their_marks(term: Term, cours
     term.exempt(given, ada, due_at=DUE + DAY)
     assert (only(term, course).points, only(term, course).days_late) == (13, 1)
     term.exempt(given, ada, excused=True)
-    assert (only(term, course).state, only(term, course).points) == (State.excused, None)
+    assert (only(term, course).state, only(term, course).points) == (MarkState.excused, None)
     assert made(term, course).rows[0].average is None
 
 
@@ -101,7 +102,7 @@ def test_what_is_set_holds_beside_what_was_found(term: Term, course: Course) -> 
     change(term, course, ada, points=12.0)
     mark = only(term, course)
     assert (mark.points, mark.overridden, mark.stale) == (6, True, False)
-    assert (mark.exercises[0].points, mark.exercises[0].in_force.automatic) == (12, 4)
+    assert (mark.exercises[0].points, mark.exercises[0].effective.automatic) == (12, 4)
     assert mark.exercises[0].override is not None
     assert (mark.exercises[0].override.by, mark.exercises[0].override.reason) == ("Mme Martin", "à l’oral")
     term.grade(sent, 8)
@@ -115,7 +116,7 @@ def test_what_is_set_holds_beside_what_was_found(term: Term, course: Course) -> 
     change(term, course, ada, ODOMETRY, excused=True)
     assert only(term, course).points == 14
     with term.database.write() as db:
-        service.withdraw(db, course, term.made, term.teacher, ada.id, POSES)
+        service.withdraw_override(db, course, term.made, term.teacher, ada.id, POSES)
     assert only(term, course).points == 16
     with term.database.read() as db:
         assert len(db.query(Override).all()) == 3, "nothing is lost"
@@ -125,14 +126,14 @@ def test_excused_of_everything_is_excused_of_the_assignment(term: Term, course: 
     term.assignment(exercises={POSES: 1.0})
     ada = term.student("Ada", "Lovelace")
     change(term, course, ada, excused=True)
-    assert (only(term, course).state, only(term, course).points) == (State.excused, None)
+    assert (only(term, course).state, only(term, course).points) == (MarkState.excused, None)
 
 
 def test_a_mark_may_be_set_where_nothing_was_sent(term: Term, course: Course) -> None:
     term.assignment(exercises={POSES: 1.0})
     ada = term.student("Ada", "Lovelace")
     change(term, course, ada, points=9.0)
-    assert (only(term, course).state, only(term, course).points, only(term, course).stale) == (State.done, 9, False)
+    assert (only(term, course).state, only(term, course).points, only(term, course).stale) == (MarkState.done, 9, False)
     term.send(ada, POSES, 3)
     assert only(term, course).stale
 
@@ -176,12 +177,12 @@ def test_only_students_who_are_there_have_marks(term: Term, course: Course) -> N
 
 def test_a_class_without_assignments_has_its_module_s_exercises(term: Term, course: Course) -> None:
     ada = term.student("Ada", "Lovelace")
-    assert only(term, course).state is State.open
+    assert only(term, course).state is MarkState.open
     term.send(ada, POSES, 12, datetime(2020, 1, 1, tzinfo=UTC))
-    assert (only(term, course).state, only(term, course).points) == (State.done, 12)
+    assert (only(term, course).state, only(term, course).points) == (MarkState.done, 12)
     change(term, course, ada, points=15.0)
     with term.database.read() as db:
-        found = service.in_force(db, term.made.id, [ada.id], [POSES, ODOMETRY])
+        found = service.load_effective_points(db, term.made.id, [ada.id], [POSES, ODOMETRY])
     assert {key: (one.points, one.automatic) for key, one in found.items()} == {(ada.id, POSES): (15, 12)}
 
 
@@ -195,8 +196,8 @@ def test_what_a_student_is_told(term: Term, course: Course) -> None:
     term.send(ada, POSES, 10)
     term.send(ada, ODOMETRY, 2)
     with term.database.read() as db:
-        told = service.own(db, course, term.made, ada.id, AFTER)
-        nobody = service.own(db, course, term.made, uuid4(), AFTER)
+        told = service.load_own_marks(db, course, term.made, ada.id, AFTER)
+        nobody = service.load_own_marks(db, course, term.made, uuid4(), AFTER)
     assert {one.assignment.title: one.mark.points if one.mark else None for one in told.marks} == {
         "DM": 10,
         "DS": None,
@@ -220,7 +221,7 @@ def test_a_column_and_what_moodle_is_given(term: Term, course: Course) -> None:
     term.send(zola, POSES, 12.5)
     change(term, course, hopper, excused=True)
     found = made(term, course)
-    assert column(found, 0) == "Abs\nAbs\ndisp.\nAbs\nAbs\n12,5"
+    assert column_text(found, 0) == "Abs\nAbs\ndisp.\nAbs\nAbs\n12,5"
     assert [row.member.family_name for row in found.rows] == [
         "Deux",
         "Éluard",
@@ -229,7 +230,7 @@ def test_a_column_and_what_moodle_is_given(term: Term, course: Course) -> None:
         "Un",
         "Zola",
     ]
-    moodle = for_moodle(found, Identifier.email)
+    moodle = moodle_file(found, MoodleIdentifier.email)
     assert b"".join(moodle.pieces()).decode() == (
         '"Email address","DM"\r\n"eluard@example.org",""\r\n"hopper@example.org",""\r\n"zola@example.org","12.5"\r\n'
     )

@@ -10,8 +10,8 @@ import python_calamine
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.marks.cells import Sheet, ascii_name, french_csv, guarded, plain_csv, xlsx
-from server.marks.means import number
+from server.marks.cells import Sheet, ascii_slug, escape_formula, french_csv, plain_csv, xlsx
+from server.marks.means import format_number
 
 DANGEROUS = "=+-@\t\r"
 texts = st.text(st.characters(exclude_categories=("Cs",), exclude_characters="\x00"), max_size=12)
@@ -22,7 +22,7 @@ rows = st.lists(st.tuples(cells, cells, cells), max_size=4)
 
 @given(hostile)
 def test_no_cell_begins_as_a_formula(text: str) -> None:
-    safe = guarded(text)
+    safe = escape_formula(text)
     assert safe in {text, f"'{text}"}
     assert not safe.lstrip().startswith(tuple("=+-@＝＋－＠"))
     assert not safe.startswith(("\t", "\r", "\n"))
@@ -42,7 +42,7 @@ def test_a_french_csv_is_read_again(lines: list[tuple[str | float | None, ...]])
 
 
 def _read(cell: str | float | None, sign: str) -> str:
-    return "" if cell is None else guarded(cell) if isinstance(cell, str) else number(cell, sign)
+    return "" if cell is None else escape_formula(cell) if isinstance(cell, str) else format_number(cell, sign)
 
 
 def test_for_programs_there_are_points_and_no_mark() -> None:
@@ -65,6 +65,6 @@ def test_numbers_are_numbers_and_text_is_text() -> None:
 
 
 def test_names_of_files_are_plain() -> None:
-    assert ascii_name("MPSI 2 / « Été »", "classe") == "mpsi-2-ete"
-    assert ascii_name("日本", "classe") == "classe"
-    assert re.fullmatch(r"[a-z-]{1,60}", ascii_name("à" * 500, "x"))
+    assert ascii_slug("MPSI 2 / « Été »", "classe") == "mpsi-2-ete"
+    assert ascii_slug("日本", "classe") == "classe"
+    assert re.fullmatch(r"[a-z-]{1,60}", ascii_slug("à" * 500, "x"))

@@ -26,9 +26,9 @@ from server.database import Database
 from server.gradebook import service as gradebook
 from server.gradebook.models import Grading
 from server.identity.models import Account
-from server.marks import book
+from server.marks.loading import load_gradebook
 from server.marks.models import Override
-from server.marks.schemas import Book
+from server.marks.schemas import Gradebook
 from server.personal.joining import adopt
 from server.submissions.models import Submission
 from tests.support.kept import forget
@@ -39,18 +39,18 @@ from tests.support.service import new_account
 HOUR, INSTANT = timedelta(hours=1), timedelta(microseconds=1)
 
 
-def read(term: Term, course: Course, now: datetime = AFTER, only: list[UUID] | None = None) -> Book:
+def read(term: Term, course: Course, now: datetime = AFTER, only: list[UUID] | None = None) -> Gradebook:
     with term.database.read() as db:
         return inside(db, term, course, now, only)
 
 
-def inside(db: Session, term: Term, course: Course, now: datetime = AFTER, only: list[UUID] | None = None) -> Book:
+def inside(db: Session, term: Term, course: Course, now: datetime = AFTER, only: list[UUID] | None = None) -> Gradebook:
     school_class = db.get(SchoolClass, term.made.id)
     assert school_class is not None
-    return book.of_class(db, course, school_class, now, only)
+    return load_gradebook(db, course, school_class, now, only)
 
 
-def told(found: Book) -> list[object]:
+def told(found: Gradebook) -> list[object]:
     """All that a book holds."""
     columns = Assignment.__table__.columns.keys()
     given = [[getattr(one, name) for name in columns] for one in found.assignments]
@@ -80,7 +80,7 @@ def test_each_change_is_seen_at_the_next_look(database: Database, course: Course
     def regraded(points: float) -> Callable[[], None]:
         def choose(db: Any) -> None:
             query = select(Grading.id).where(Grading.submission_id == first, Grading.score == points / 20)
-            gradebook.choose(db, first, db.execute(query).scalar_one())
+            gradebook.set_counting_grading(db, first, db.execute(query).scalar_one())
 
         return doing(choose)
 

@@ -11,9 +11,9 @@ import python_calamine
 
 from server.course import Course
 from server.database import Database
-from server.marks import book
-from server.marks.files import Identifier
-from server.marks.taken import Format, taken
+from server.marks.downloads import GradebookFormat, render_download
+from server.marks.files import MoodleIdentifier
+from server.marks.loading import load_gradebook
 from tests.support.marks import AFTER, ODOMETRY, POSES, Term
 
 OFFICE = shutil.which("soffice")
@@ -32,16 +32,16 @@ def test_a_french_spreadsheet_reads_the_marks(sqlite: Database, course: Course, 
         term.send(student, ODOMETRY, 12.5)
     term.student("Ada", "Z")
     with sqlite.read() as db:
-        made = book.of_class(db, course, term.made, AFTER)
-    for kind in (Format.csv, Format.xlsx):
+        made = load_gradebook(db, course, term.made, AFTER)
+    for kind in (GradebookFormat.csv, GradebookFormat.xlsx):
         file = tmp_path / f"{kind}.{kind}"
-        file.write_bytes(taken(made, kind, Identifier.email, str).content)
-        options = [f"--infilter={FRENCH_CSV}"] if kind is Format.csv else []
+        file.write_bytes(render_download(made, kind, MoodleIdentifier.email, str).content)
+        options = [f"--infilter={FRENCH_CSV}"] if kind is GradebookFormat.csv else []
         home, out = f"-env:UserInstallation=file://{tmp_path}/profile", str(tmp_path / "out")
         command = [str(OFFICE), home, "--headless", *options, "--convert-to", "ods", "--outdir", out, str(file)]
         subprocess.run(command, check=True, capture_output=True, timeout=180)
         read = python_calamine.CalamineWorkbook.from_path(tmp_path / "out" / f"{kind}.ods").get_sheet_by_index(0)
-        apostrophe = "'" if kind is Format.csv else ""
+        apostrophe = "'" if kind is GradebookFormat.csv else ""
         header, *rows = read.to_python()
         assert header[4:] == [f"{apostrophe}=1+1", "DM 2", "Moyenne"]
         assert [row[4:] for row in rows] == [

@@ -9,7 +9,7 @@ from statistics import median as statistics_median
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.marks.means import FULL, mean, median, rounded, weighted_mean, written
+from server.marks.means import FULL, format_points, mean, median, round_points, weighted_mean
 
 points = st.floats(0, 20)
 weights = st.sampled_from([0.0, 0.5, 1.0, 2.0, 3.0])
@@ -35,13 +35,13 @@ def test_the_median_and_the_mean(values: list[float]) -> None:
 
 @given(points)
 def test_rounding_moves_by_half_a_hundredth_and_makes_nothing_full(value: float) -> None:
-    assert abs(rounded(value) - value) <= 0.01
-    assert (rounded(value) == FULL) == (value >= FULL - 1e-9)
-    assert float(written(value).replace(",", ".")) == rounded(value)
-    assert "." not in written(value)
+    assert abs(round_points(value) - value) <= 0.01
+    assert (round_points(value) == FULL) == (value >= FULL - 1e-9)
+    assert float(format_points(value).replace(",", ".")) == round_points(value)
+    assert "." not in format_points(value)
 
 
 def test_as_a_teacher_rounds() -> None:
-    assert [written(one) for one in (12.345, 12.5, 20.0, 19.996, 0.0, 0.004, 10.0)] == [
+    assert [format_points(one) for one in (12.345, 12.5, 20.0, 19.996, 0.0, 0.004, 10.0)] == [
         "12,35", "12,5", "20", "19,99", "0", "0", "10",
     ]  # fmt: skip

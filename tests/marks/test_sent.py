@@ -12,9 +12,9 @@ from server.course import Course
 from server.database import Database, utc_now
 from server.gradebook.models import Grading
 from server.identity.models import Role
-from server.marks import book
+from server.marks.loading import load_gradebook
 from server.marks.models import Override
-from server.marks.schemas import AssignmentMark, Book
+from server.marks.schemas import AssignmentMark, Gradebook
 from server.submissions.models import Submission
 from tests.support.classes import assign, new_class
 from tests.support.crowd import Sent, seated, store
@@ -26,14 +26,14 @@ NOW = utc_now()
 DAY = timedelta(days=1)
 
 
-def read(database: Database, course: Course, made: SchoolClass) -> Book:
+def read(database: Database, course: Course, made: SchoolClass) -> Gradebook:
     with database.read() as db:
         school_class = db.get(SchoolClass, made.id)
         assert school_class is not None
-        return book.of_class(db, course, school_class, NOW)
+        return load_gradebook(db, course, school_class, NOW)
 
 
-def marks(found: Book) -> list[object]:
+def marks(found: Gradebook) -> list[object]:
     return [(row.member.id, row.average, [(mark.points, mark.exercises) for mark in row.marks]) for row in found.rows]
 
 

@@ -19,7 +19,7 @@ from server.database import utc_now
 from server.figures.service import Figures
 from server.gradebook import service as gradebook
 from server.gradebook.models import Grading
-from server.gradebook.schemas import Graded
+from server.gradebook.schemas import GradingResult
 from server.grading.task import SentFile
 from server.identity.models import Role
 from server.submissions.models import Submission
@@ -94,7 +94,7 @@ def test_each_grading_keeps_its_own_and_none_of_another_attempt_is_told(site: Si
         sent = db.execute(select(Submission).where(Submission.account_id == ada.id)).scalars().all()
         mine = next(one for one in sent if str(one.id) in first)
         again = Judgement(fake_verdict("x = 1", 1), {}, {"a": {"kind": "again"}})
-        regraded = gradebook.regraded(db, mine.id, Graded(again, utc_now()))
+        regraded = gradebook.add_uncounted_grading(db, mine.id, GradingResult(again, utc_now()))
         assert db.get(Grading, regraded).filmed == ["a"]
     browser = ada.browser(site)
     answer = browser.get(f"{first}/rejeux/a?correction={regraded}")
@@ -146,9 +146,11 @@ def test_a_grading_says_of_which_checks_there_are_films(site: Site, films: dict[
     href = sends(site, ada)
     with site.database.write() as db:
         submission = db.execute(select(Submission)).scalar_one()
-        gradebook.record(db, submission.id, Graded(Judgement(fake_verdict("x = 1", 1), {}, films), utc_now()))
+        gradebook.record_grading(
+            db, submission.id, GradingResult(Judgement(fake_verdict("x = 1", 1), {}, films), utc_now())
+        )
     with site.database.read() as db:
-        grading = gradebook.find(db, ada.account, href.rsplit("/", 1)[1]).grading
+        grading = gradebook.find_attempt(db, ada.account, href.rsplit("/", 1)[1]).grading
         assert grading is not None
         assert (grading.filmed, "films" in vars(grading)) == (list(films) or None, False)
 
@@ -161,8 +163,8 @@ def test_a_verdict_shows_what_can_be_watched_what_failed_first(site: Site) -> No
     with site.database.write() as db:
         submission = db.execute(select(Submission)).scalar_one()
         films = {"a": FILM, "b": FILM}
-        gradebook.record(
-            db, submission.id, Graded(Judgement(fake_verdict("outcome: timeout", 1), {}, films), utc_now())
+        gradebook.record_grading(
+            db, submission.id, GradingResult(Judgement(fake_verdict("outcome: timeout", 1), {}, films), utc_now())
         )
         db.refresh(submission)
         ending = f"?correction={submission.grading_id}"
@@ -184,7 +186,7 @@ def test_a_verdict_without_films_speaks_of_none(site: Site) -> None:
     href = sends(site, ada)
     with site.database.write() as db:
         submission = db.execute(select(Submission)).scalar_one()
-        gradebook.record(db, submission.id, Graded(Judgement(fake_verdict("x = 1", 1)), utc_now()))
+        gradebook.record_grading(db, submission.id, GradingResult(Judgement(fake_verdict("x = 1", 1)), utc_now()))
     page = ada.browser(site).get(href).text
     assert "Revoir ce que votre code a fait" not in page
     assert "data-source" not in page

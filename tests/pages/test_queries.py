@@ -15,7 +15,7 @@ from sqlalchemy import event, select, text
 from server import database
 from server.app import Services
 from server.database import Database
-from server.gradebook import repository, whole
+from server.gradebook import attempts, repository
 from server.gradebook.models import Grading
 from server.identity import tokens
 from server.identity.models import Account
@@ -125,7 +125,7 @@ def loaded() -> Iterator[list[object]]:
         return rows[-1]
 
     with pytest.MonkeyPatch.context() as patching:
-        patching.setattr(whole, "loaded", noted)
+        patching.setattr(attempts, "loaded", noted)
         for kind in (Submission, Grading):
             event.listen(kind, "load", note)
         yield rows

@@ -28,7 +28,7 @@ from server.comments.schemas import Target
 from server.course import Course
 from server.database import Database, utc_now
 from server.gradebook.models import Grading, SolutionOpening, Standing
-from server.gradebook.service import find
+from server.gradebook.service import find_attempt
 from server.identity import tokens
 from server.identity.models import Account, ApiToken, BrowserSession, Role
 from server.marks import service as marks
@@ -337,7 +337,9 @@ def test_what_is_said_is_taken_away_without_the_names_of_others(ada: Site) -> No
         sent = db.execute(select(Submission).where(Submission.exercise == EXERCISE)).scalar_one()
         db.add(Membership(class_id=made.id, account_id=account.id))
         db.flush()
-        asked = comments.begin(db, account, find(db, account, sent.id), Target(check="a"), "Pourquoi ?", ada.settings)
+        asked = comments.begin(
+            db, account, find_attempt(db, account, sent.id), Target(check="a"), "Pourquoi ?", ada.settings
+        )
         comments.reply(db, teacher, asked, "Relisez.", ada.settings)
         words.keep(db, teacher, "Relisez l’énoncé.", EXERCISE, None)
         words.tell(db, teacher, made, EXERCISE, None, "À tous", "", ada.settings)
@@ -377,7 +379,7 @@ def test_marks_and_the_log_are_taken_away_and_the_log_forgets_who(ada: Site, cou
         account = db.execute(select(Account).where(Account.login == "ada")).scalar_one()
     seat(ada.database, made, account)
     with ada.database.write() as db:
-        marks.override(
+        marks.set_override(
             db, course, made, teacher, account.id, EXERCISE, points=12.0, excused=False, reason="malade ce jour-là"
         )
         audit.note(db, made.id, teacher.id, What.exemption_made, student=account.id, about="DM 1", reason="dyslexie")
@@ -403,10 +405,12 @@ def test_a_guest_s_marks_follow_into_the_account(sqlite: Database, course: Cours
         for student, exercise, points in (
             (guest, EXERCISE, 3.0), (guest, "l20/calcul_odometrie", 4.0), (account, EXERCISE, 5.0),
         ):  # fmt: skip
-            marks.override(db, course, made, teacher, student.id, exercise, points=points, excused=False, reason="x")
+            marks.set_override(
+                db, course, made, teacher, student.id, exercise, points=points, excused=False, reason="x"
+            )
         adopt(db, guest.id, account.id)
     with sqlite.read() as db:
-        found = marks.in_force(db, made.id, [guest.id, account.id], [EXERCISE, "l20/calcul_odometrie"])
+        found = marks.load_effective_points(db, made.id, [guest.id, account.id], [EXERCISE, "l20/calcul_odometrie"])
         assert {key: one.points for key, one in found.items()} == {
             (account.id, EXERCISE): 5.0, (account.id, "l20/calcul_odometrie"): 4.0,
         }  # fmt: skip

@@ -232,13 +232,13 @@ def test_a_submission_given_up_is_our_error_and_costs_nothing(
             assert queue.claim(db, GONE, [GRADE], 60)
             assert queue.release(db, GONE, give_ups(course)) == 1
     with database.read() as db:
-        attempt = gradebook.find(db, ada, sent.id)
+        attempt = gradebook.find_attempt(db, ada, sent.id)
         assert store.place(db, attempt.submission) == Place(State.done)
         grading = attempt.grading
         assert grading is not None
         assert (grading.outcome, grading.score) == ("internal_error", None)
         assert grading.exercise_version == course.exercises[EXERCISE].version
-        assert gradebook.progress(db, ada) == {}
+        assert gradebook.load_progress(db, ada) == {}
     for told in (str(sent.id), f"seed {sent.seed},", f"digest {sent.digest}"):
         assert told in caplog.text
 

@@ -27,7 +27,7 @@ from server.gradebook import repository as gradings
 from server.gradebook import service as gradebook
 from server.gradebook import standings
 from server.gradebook.models import Grading, Standing
-from server.gradebook.standings import Sums
+from server.gradebook.standings import StandingTotals
 from server.grading.regrading import give_ups
 from server.identity import repository as identity
 from server.identity.models import Account
@@ -57,9 +57,9 @@ def lesson(database: Database, both: Settings) -> Lesson:
     return Lesson(database, both)
 
 
-def marks(lesson: Lesson) -> dict[UUID, Sums]:
+def marks(lesson: Lesson) -> dict[UUID, StandingTotals]:
     with lesson.database.read() as db:
-        found = standings.of_class(db, [one.id for one in lesson.students], [lesson.exercise])
+        found = standings.load_standings(db, [one.id for one in lesson.students], [lesson.exercise])
     return {student: sums for (student, _), sums in found.items()}
 
 
@@ -138,7 +138,7 @@ def test_the_better_grading_is_kept_attempt_by_attempt(quick: Lesson) -> None:
     assert change.submission_id == worse
     apply(quick, regrade)
     with quick.database.read() as db:
-        counting = {name: gradings.history(db, name)[-1].id for name in (worse, equal, ours)}
+        counting = {name: gradings.list_gradings(db, name)[-1].id for name in (worse, equal, ours)}
         current = {row.id: row.grading_id for row in db.execute(select(Submission)).scalars()}
     assert {name: current[name] == counting[name] for name in counting} == {worse: False, equal: True, ours: True}
     assert marks(quick)[ada.id].attempts == 3
@@ -293,7 +293,7 @@ def test_what_is_sent_meanwhile_counts_as_it_is(quick: Lesson) -> None:
     assert (best(quick), marks(quick)[ada.id].attempts) == ([11], 2)
     undo(quick, regrade)
     with quick.database.read() as db:
-        (only,) = gradings.history(db, new)
+        (only,) = gradings.list_gradings(db, new)
     assert best(quick) == [11]
     assert only.exercise_version == "v1"
 
@@ -387,7 +387,7 @@ def test_a_guest_who_makes_an_account_takes_the_regrade_along(lesson: Lesson) ->
     regrade = lesson.prepared()
     apply(lesson, regrade)
     with lesson.database.write() as db:
-        gradebook.adopt(db, guest.id, account.id)
+        gradebook.adopt_attempts(db, guest.id, account.id)
         identity.delete_account(db, guest.id)
     lesson.students = [account]
     assert best(lesson) == [8]
@@ -435,7 +435,7 @@ def test_students_send_while_it_is_applied_and_undone_again_and_again(lesson: Le
             future.result()
     apply(lesson, regrade)
     with lesson.database.write() as db:
-        assert [gradebook.recount(db, one.id) for one in lesson.students] == [0, 0, 0]
+        assert [gradebook.recount_standings(db, one.id) for one in lesson.students] == [0, 0, 0]
     assert sum(sums.attempts for sums in marks(lesson).values()) == 11
     assert best(lesson) == [8, 8, 8]
 
@@ -482,7 +482,7 @@ def test_an_author_is_told_while_it_is_applied(quick: Lesson) -> None:
 
     def told() -> tuple[float | None, float | None] | None:
         with quick.database.read() as db:
-            attempt = gradebook.find(db, ada, name)
+            attempt = gradebook.find_attempt(db, ada, name)
             assert attempt.grading is not None
             found = service.told(db, attempt.grading.id)
         return None if found is None else (found.before, found.after)
@@ -615,7 +615,7 @@ class Story:
         """Undone from the last to the first, everything is as it was before any of it."""
         with self.lesson.database.read() as db:
             rows = db.execute(select(Submission.id, Submission.grading_id)).all()
-            oldest = {name: gradings.history(db, name)[0].id for name, _ in rows}
+            oldest = {name: gradings.list_gradings(db, name)[0].id for name, _ in rows}
         for made in reversed(list(self.applied)):
             undo(self.lesson, next(one for one, *_ in self.regrades if one.id == made))
         with self.lesson.database.write() as db:
@@ -623,7 +623,7 @@ class Story:
             kept = db.execute(select(Standing.__table__).order_by(Standing.account_id)).all()
             db.execute(delete(Standing))
             for student in self.lesson.students:
-                gradebook.recount(db, student.id)
+                gradebook.recount_standings(db, student.id)
             assert db.execute(select(Standing.__table__).order_by(Standing.account_id)).all() == kept
 
 

@@ -21,14 +21,14 @@ from server.base.paths import ROOT
 from server.base.provided import provided_to
 from server.base.request import COOKIE
 from server.behaviour.models import BehaviourGroup, BehaviourName, Fingerprint
-from server.board.live import Boards
+from server.board.live import LiveBoards
 from server.classes.codes import new_code
 from server.classes.models import Membership, SchoolClass, Seat
 from server.comments.models import Message, Note, NoteReader, State, Thread
 from server.database import utc_now
 from server.figures.service import Figures
 from server.gradebook import service as gradebook
-from server.gradebook.schemas import Graded
+from server.gradebook.schemas import GradingResult
 from server.identity import links
 from server.identity.models import Account, ApiToken, BrowserSession, Invitation, Role
 from server.identity.secrets import digest, new_token
@@ -194,15 +194,15 @@ class Stage:
     def _grade(self, db: Session) -> None:
         """What the student has sent, and a mistake of theirs that has a name."""
         drawn = {"b": {"kind": "fake"}}
-        graded = Graded(Judgement(fake_verdict("x = 1", 1), figures=drawn, films=drawn), utc_now())
-        gradebook.record(db, self.sent.id, graded)  # a stream of events ends
+        graded = GradingResult(Judgement(fake_verdict("x = 1", 1), figures=drawn, films=drawn), utc_now())
+        gradebook.record_grading(db, self.sent.id, graded)  # a stream of events ends
         named = Submission(
             account_id=self.accounts["student"].id, exercise=EXERCISE, source=b"x = 2\n", digest="e", seed=1
         )
         db.add(named)
         db.flush()
         verdict = replace(fake_verdict("outcome: wrong_answer", 1), diagnosis=Diagnosis(MISTAKE, "", ""))
-        gradebook.record(db, named.id, Graded(Judgement(verdict), utc_now()))
+        gradebook.record_grading(db, named.id, GradingResult(Judgement(verdict), utc_now()))
 
     def _give(self, db: Session) -> None:
         """An assignment for each, which one may delete, with something that differs of it."""
@@ -279,7 +279,7 @@ def test_the_table_has_every_route_and_no_other(site: Site) -> None:
 def test_every_route_does_for_everybody_what_the_table_says(site: Site) -> None:
     site.tighten(sign_up_burst=1000, guest_burst=10_000)
     provided_to(site.app, Figures).pictures._drawer = Drawer()  # type: ignore[assignment]
-    provided_to(site.app, Boards).stays_open = 0.0
+    provided_to(site.app, LiveBoards).stays_open = 0.0
     found, read_only = {}, Stage(site)
     for name in expected():
         stage = read_only if name.startswith("GET ") else Stage(site)

@@ -17,7 +17,7 @@ from server.classes.models import SchoolClass, Status
 from server.course import Course
 from server.database import utc_now
 from server.gradebook import service as gradebook
-from server.gradebook.schemas import Graded
+from server.gradebook.schemas import GradingResult
 from server.identity.models import Role
 from server.similarity import compare, service
 from server.similarity.service import Comparison, Copy
@@ -111,7 +111,7 @@ class Classroom:
             db.add(row)
             db.flush()
             outcome = "" if score else "# outcome: wrong_answer"
-            gradebook.record(db, row.id, Graded(Judgement(fake_verdict(outcome, 1)), at))
+            gradebook.record_grading(db, row.id, GradingResult(Judgement(fake_verdict(outcome, 1)), at))
 
     def codes(self, course: Course, exercise: str = LONG) -> dict[UUID, str]:
         with self.site.database.read() as db:

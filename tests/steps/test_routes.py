@@ -17,7 +17,7 @@ from server.base.provided import provide, provided_to
 from server.course import Course
 from server.database import utc_now
 from server.gradebook import service as gradebook
-from server.gradebook.schemas import Graded
+from server.gradebook.schemas import GradingResult
 from server.identity.models import Role
 from server.steps.questions import AskedCall, AskedCell, AskedReplay, Question
 from server.steps.service import Steps
@@ -71,7 +71,7 @@ def sent(site: Site, who: Person, failed: tuple[bytes, Verdict]) -> str:
         row = Submission(account_id=who.id, exercise=POSES, source=source, digest="d", seed=verdict.seed)
         db.add(row)
         db.flush()
-        gradebook.record(db, row.id, Graded(Judgement(verdict), utc_now()))
+        gradebook.record_grading(db, row.id, GradingResult(Judgement(verdict), utc_now()))
         return str(row.id)
 
 

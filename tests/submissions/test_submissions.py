@@ -66,7 +66,7 @@ def test_a_submission_is_kept_byte_for_byte(desk: Desk, ada: Account) -> None:
     code = "\ufeffé = 1\r\n\tprint('\x00 😀')"
     row = desk.submit(ada, code)
     with desk.database.read() as db:
-        attempt = gradebook.find(db, ada, str(row.id))
+        attempt = gradebook.find_attempt(db, ada, str(row.id))
         sent = attempt.submission
         assert sent.source == code.encode()
         assert sent.code == code.removeprefix("\ufeff")
@@ -92,7 +92,7 @@ def test_sending_too_fast_is_refused_and_stores_nothing(desk: Desk, ada: Account
         desk.submit(ada)
     assert 1 <= refused.value.retry_after <= desk.settings.submission_refill_seconds
     with desk.database.read() as db:
-        assert gradebook.attempts(db, ada, EXERCISE, 1).total == desk.settings.submission_burst
+        assert gradebook.list_attempts(db, ada, EXERCISE, 1).total == desk.settings.submission_burst
     desk.submit(new_account(desk.database))
 
 
@@ -132,7 +132,7 @@ def test_a_submission_is_seen_by_its_author_their_teacher_and_the_administrator(
     other, administrator = new_account(desk.database), new_account(desk.database, Role.administrator)
     with desk.database.read() as db:
         for account in (ada, teacher, administrator):
-            assert gradebook.find(db, account, row.id).submission.id == row.id
+            assert gradebook.find_attempt(db, account, row.id).submission.id == row.id
         for account, wanted in [
             (other, row.id),
             (stranger, row.id),
@@ -141,7 +141,7 @@ def test_a_submission_is_seen_by_its_author_their_teacher_and_the_administrator(
             (ada, "not-an-id"),
         ]:
             with pytest.raises(NotFound):
-                gradebook.find(db, account, wanted)
+                gradebook.find_attempt(db, account, wanted)
 
 
 def test_progress_counts_the_best_and_never_our_errors(desk: Desk, ada: Account) -> None:
@@ -149,13 +149,13 @@ def test_progress_counts_the_best_and_never_our_errors(desk: Desk, ada: Account)
     desk.submit(ada, "# outcome: internal_error")
     desk.grade_all()
     with desk.database.read() as db:
-        assert gradebook.progress(db, ada) == {EXERCISE: Progress(0.5, 1)}
+        assert gradebook.load_progress(db, ada) == {EXERCISE: Progress(0.5, 1)}
     desk.submit(ada, "right")
     desk.grade_all()
     with desk.database.read() as db:
-        mine = gradebook.progress(db, ada)[EXERCISE]
+        mine = gradebook.load_progress(db, ada)[EXERCISE]
         assert (mine.best, mine.attempts, mine.succeeded) == (1.0, 2, True)
-        assert gradebook.progress(db, new_account(desk.database)) == gradebook.progress(db, None) == {}
+        assert gradebook.load_progress(db, new_account(desk.database)) == gradebook.load_progress(db, None) == {}
 
 
 def test_only_changed_failed_attempts_open_hints(desk: Desk, ada: Account) -> None:
@@ -163,12 +163,12 @@ def test_only_changed_failed_attempts_open_hints(desk: Desk, ada: Account) -> No
     for code in (STARTER + tag, tag + "x = 1", tag + "\n# a remark\nx = 1   \n", "y = 1", "'outcome: internal_error'"):
         desk.submit(ada, code)
     with desk.database.read() as db:
-        assert gradebook.distinct_failed_attempts(db, ada, EXERCISE) == 0, "nothing is graded yet"
+        assert gradebook.count_distinct_failures(db, ada, EXERCISE) == 0, "nothing is graded yet"
     desk.grade_all()
     with desk.database.read() as db:
-        assert gradebook.distinct_failed_attempts(db, ada, EXERCISE) == 2
-        assert gradebook.distinct_failed_attempts(db, ada, EXERCISE, besides=STARTER + tag) == 1
-        assert gradebook.distinct_failed_attempts(db, None, EXERCISE) == 0
+        assert gradebook.count_distinct_failures(db, ada, EXERCISE) == 2
+        assert gradebook.count_distinct_failures(db, ada, EXERCISE, besides=STARTER + tag) == 1
+        assert gradebook.count_distinct_failures(db, None, EXERCISE) == 0
 
 
 def test_the_solution_opens_after_success_or_by_a_teacher(desk: Desk, ada: Account) -> None:
@@ -184,17 +184,17 @@ def test_the_solution_opens_after_success_or_by_a_teacher(desk: Desk, ada: Accou
     def open_to() -> list[bool]:
         with desk.database.read() as db:
             return [
-                solutions.access(db, account, EXERCISE).because(progress_of(db, account)) is not None
+                solutions.load_solution_access(db, account, EXERCISE).because(progress_of(db, account)) is not None
                 for account in (ada, bob, eve, teacher, None)
             ]
 
     def progress_of(db: Session, account: Account | None) -> Progress:
-        return gradebook.progress(db, account, EXERCISE).get(EXERCISE, NOTHING_YET)
+        return gradebook.load_progress(db, account, EXERCISE).get(EXERCISE, NOTHING_YET)
 
     def turn(by: Account, class_id: UUID | None, wanted: bool) -> None:
         for _ in range(2):
             with desk.database.write() as db:
-                solutions.open_or_close(db, by, EXERCISE, class_id, wanted=wanted)
+                solutions.set_solution_open(db, by, EXERCISE, class_id, wanted=wanted)
 
     closed = [True, False, False, True, False]
     assert open_to() == closed
@@ -213,13 +213,13 @@ def test_the_solution_opens_after_success_or_by_a_teacher(desk: Desk, ada: Accou
 def test_attempts_come_newest_first(desk: Desk, ada: Account) -> None:
     rows = [desk.submit(ada) for _ in range(3)]
     with desk.database.read() as db:
-        listed = gradebook.attempts(db, ada, EXERCISE, 2)
+        listed = gradebook.list_attempts(db, ada, EXERCISE, 2)
         assert [(line.id, line.number) for line in listed.lines] == [(rows[2].id, 3), (rows[1].id, 2)]
         assert listed.total == 3
-        older = gradebook.attempts(db, ada, EXERCISE, 2, skipped=2)
+        older = gradebook.list_attempts(db, ada, EXERCISE, 2, skipped=2)
         assert [(line.id, line.number) for line in older.lines] == [(rows[0].id, 1)]
-        assert [gradebook.number_of(db, row) for row in rows] == [1, 2, 3]
-        assert gradebook.attempts(db, None, EXERCISE, 2).total == 0
+        assert [gradebook.attempt_number(db, row) for row in rows] == [1, 2, 3]
+        assert gradebook.list_attempts(db, None, EXERCISE, 2).total == 0
 
 
 def test_a_guest_whose_address_has_its_heap_learns_that_accounts_come_first(desk: Desk, ada: Account) -> None:
@@ -235,7 +235,7 @@ def test_a_guest_whose_address_has_its_heap_learns_that_accounts_come_first(desk
         send(two)
     assert refused.value.retry_after >= 1
     with desk.database.read() as db:
-        assert gradebook.attempts(db, two, EXERCISE, 1).total == 0
+        assert gradebook.list_attempts(db, two, EXERCISE, 1).total == 0
         assert db.get(Allowance, limits.of_submissions(two.id)) is None, "a refusal costs nothing"
     send(two, "198.51.100.7")
     send(ada)

@@ -11,12 +11,12 @@ from graders.core.contract.local import LOCAL
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Counterexample, Diagnosis, Verdict
 from server.base.settings import Settings
-from server.behaviour.fingerprints import FINGERPRINT, FingerprintTask, Start, Sweeper
+from server.behaviour.fingerprints import FINGERPRINT, FingerprintSweeper, FingerprintTask, StartProgram
 from server.behaviour.models import Fingerprint
 from server.course import Course
 from server.database import Database, utc_now
 from server.gradebook import service as gradebook
-from server.gradebook.schemas import Graded
+from server.gradebook.schemas import GradingResult
 from server.identity.models import Account
 from server.queue.worker import Worker
 from server.submissions.models import Submission
@@ -61,22 +61,22 @@ def sent(database: Database, account: Account, code: str, verdict: Verdict | Non
         made = Submission(account_id=account.id, exercise=EXERCISE, source=source, digest=digest(code), seed=1)
         db.add(made)
         db.flush()
-        gradebook.record(db, made.id, Graded(Judgement(verdict or failed_verdict()), utc_now()))
+        gradebook.record_grading(db, made.id, GradingResult(Judgement(verdict or failed_verdict()), utc_now()))
     return made.id
 
 
 def asking_worker(
-    database: Database, settings: Settings, course: Course | None = None, start: Start = lambda *_: LOCAL
+    database: Database, settings: Settings, course: Course | None = None, start: StartProgram = lambda *_: LOCAL
 ) -> Worker:
     """A worker to be stepped by hand."""
     task = FingerprintTask(course or the_course(), QUIET, start)
     return Worker(database, QUIET, settings, {FINGERPRINT: task})
 
 
-def ask_all(database: Database, settings: Settings, start: Start = lambda *_: LOCAL) -> int:
+def ask_all(database: Database, settings: Settings, start: StartProgram = lambda *_: LOCAL) -> int:
     """Has every attempt asked that may be, for one look at what there is; how many jobs that took."""
     worker, steps = asking_worker(database, settings, start=start), 0
-    Sweeper(database, QUIET, the_course()).look()
+    FingerprintSweeper(database, QUIET, the_course()).look()
     while worker.step():
         steps += 1
     return steps

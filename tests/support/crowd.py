@@ -17,7 +17,7 @@ from graders.core.contract.verdict import CheckResult, Diagnosis, Verdict
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.database import Database, table_of
 from server.gradebook.models import Grading, Standing
-from server.gradebook.standings import Counted, sums_of
+from server.gradebook.standings import CountedAttempt, compute_totals
 from server.identity.models import Account, Role
 from server.submissions.models import Submission
 from server.submissions.service import digest
@@ -70,12 +70,12 @@ def store(database: Database, attempts: Collection[Sent], padding: int = 0) -> S
         db.execute(update(table).values(grading_id=_grading_of(table)).where(table.c.grading_id.is_(None)))
         for account, exercise, attempts_there in _by_pair(ordered):
             counted = [
-                Counted(one.at, one.ended.value, one.score, one.diagnosis)
+                CountedAttempt(one.at, one.ended.value, one.score, one.diagnosis)
                 for one in attempts_there
                 if one.score is not None
             ]
             if counted:
-                db.merge(Standing(account_id=account, exercise=exercise, **vars(sums_of(counted))))
+                db.merge(Standing(account_id=account, exercise=exercise, **vars(compute_totals(counted))))
     return [submission["id"] for submission, _ in rows]
 
 

@@ -7,13 +7,13 @@ import pytest
 from server.board import kept as board
 from server.desk.board import kept as board_pages
 from server.desk.marks import kept as gradebook_pages
-from server.marks import book, sent
+from server.marks import loading, sent
 
 
 def forget() -> None:
     """As if it had just begun."""
     drawn = (board_pages._KEPT, board_pages._KNOWN, gradebook_pages._KEPT)
-    for kept in (book._KEPT, sent._SENT.kept, sent._MADE, board._KEPT, board._SENT.kept, *drawn):
+    for kept in (loading._KEPT, sent._SENT.kept, sent._MADE, board._KEPT, board._SENT.kept, *drawn):
         kept.clear()
 
 

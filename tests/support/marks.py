@@ -84,5 +84,5 @@ class Term:
             )  # fmt: skip
             db.add(made)
             db.flush()
-            gradebook.choose(db, submission, made.id)
+            gradebook.set_counting_grading(db, submission, made.id)
             return made.id

@@ -13,7 +13,7 @@ from server.classes.models import SchoolClass
 from server.course import Course
 from server.database import Database, utc_now
 from server.gradebook import service as gradebook
-from server.gradebook.schemas import Graded
+from server.gradebook.schemas import GradingResult
 from server.grading.regrading import RegradeTask
 from server.grading.task import GradingTask, SentFile
 from server.identity.models import Account, Role
@@ -78,7 +78,9 @@ class Lesson:
             row = Submission(**values, digest=str(uuid4()))
             db.add(row)
             db.flush()
-            gradebook.record(db, row.id, Graded(Judgement(verdict(points, exercise=self.exercise)), utc_now()))
+            gradebook.record_grading(
+                db, row.id, GradingResult(Judgement(verdict(points, exercise=self.exercise)), utc_now())
+            )
         self.opinion[row.id] = anew
         return row.id
 

@@ -18,7 +18,7 @@ from server.web.words import plural
 
 
 def standings(database: Database, _settings: Settings, _arguments: Namespace) -> Answer:
-    total, changed = gradebook.rebuild(database)
+    total, changed = gradebook.rebuild_all_standings(database)
     corrected = plural(changed, "ligne corrigée", "lignes corrigées")
     line = f"Bilans refaits d’après l’historique des corrections : {corrected}, {total} en tout."
     return Answer([line], {"standings": total, "changed": changed})

@@ -8,12 +8,12 @@ from uuid import UUID
 from server.board.schemas import (
     FEWEST_FOR_A_CORRELATION,
     FEWEST_FOR_A_SHARE,
-    Helped,
-    Hints,
+    ActivitySlot,
+    ExerciseStats,
+    HintStats,
+    ImprovementStats,
     Insights,
-    Item,
-    Slot,
-    Unnamed,
+    UnexplainedFailure,
 )
 from server.desk.board.schemas import BarView, ChartView, HelpedRow, ItemView, UnnamedView
 from server.desk.board.shown import Shown
@@ -26,7 +26,7 @@ NOTHING = "—"
 FEW = f"moins de {FEWEST_FOR_A_SHARE} élèves"
 
 
-def unnamed(shown: Shown, found: Sequence[Unnamed]) -> tuple[UnnamedView, ...]:
+def unnamed(shown: Shown, found: Sequence[UnexplainedFailure]) -> tuple[UnnamedView, ...]:
     """A row for each group; failures that stand alone share that of their exercise."""
     rows: dict[tuple[str, str | None], list[UUID]] = {}
     names: dict[tuple[str, str | None], str] = {}
@@ -47,14 +47,14 @@ def unnamed(shown: Shown, found: Sequence[Unnamed]) -> tuple[UnnamedView, ...]:
     return tuple(sorted(views, key=lambda view: -len(view.people)))
 
 
-def helped(shown: Shown, found: Sequence[Helped]) -> tuple[HelpedRow, ...]:
+def helped(shown: Shown, found: Sequence[ImprovementStats]) -> tuple[HelpedRow, ...]:
     """Of misconceptions that enough students have met."""
     return tuple(
         HelpedRow(one.label, shown.title(one.exercise), (share(one),)) for one in found if one.share is not None
     )
 
 
-def hints(shown: Shown, found: Sequence[Hints]) -> tuple[HelpedRow, ...]:
+def hints(shown: Shown, found: Sequence[HintStats]) -> tuple[HelpedRow, ...]:
     """Of exercises where one hint at least has opened to enough students."""
     return tuple(
         HelpedRow(shown.title(one.exercise), "", tuple(share(level) for level in one.levels))
@@ -63,7 +63,7 @@ def hints(shown: Shown, found: Sequence[Hints]) -> tuple[HelpedRow, ...]:
     )
 
 
-def share(one: Helped) -> str:
+def share(one: ImprovementStats) -> str:
     if one.share is None:
         return FEW if one.n else NOTHING
     return f"{percent(one.share)} (n = {one.n})"
@@ -73,7 +73,7 @@ def percent(value: float) -> str:
     return f"{round(100 * value)}{NO_BREAK}%"
 
 
-def items(shown: Shown, found: Sequence[Item], *, may_regrade: bool) -> tuple[ItemView, ...]:
+def items(shown: Shown, found: Sequence[ExerciseStats], *, may_regrade: bool) -> tuple[ItemView, ...]:
     return tuple(
         ItemView(
             exercise=shown.title(one.exercise),
@@ -89,7 +89,7 @@ def items(shown: Shown, found: Sequence[Item], *, may_regrade: bool) -> tuple[It
     )
 
 
-def _success(one: Item) -> str:
+def _success(one: ExerciseStats) -> str:
     if not one.n:
         return NOTHING
     return f"{one.solved} sur {one.n}" if one.success is None else f"{percent(one.success)} ({one.solved} sur {one.n})"
@@ -103,7 +103,7 @@ def _or_nothing(value: float | None) -> str:
     return NOTHING if value is None else points(value)
 
 
-def _discrimination(one: Item) -> str:
+def _discrimination(one: ExerciseStats) -> str:
     if one.paired < FEWEST_FOR_A_CORRELATION:
         return f"moins de {FEWEST_FOR_A_CORRELATION} élèves"
     return NOTHING if one.discrimination is None else f"{points(one.discrimination)} (n = {one.paired})"
@@ -116,14 +116,14 @@ def charts(insights: Insights) -> tuple[ChartView, ...]:
     )
 
 
-def _chart(title: str, slots: Sequence[Slot], *, times: bool) -> ChartView:
+def _chart(title: str, slots: Sequence[ActivitySlot], *, times: bool) -> ChartView:
     most = max((slot.attempts for slot in slots), default=0)
     bars = [_bar(place, slot, most, times=times) for place, slot in enumerate(slots)]
     width = len(slots) * (BAR + GAP) - GAP
     return ChartView(title, tuple(bars), sum(slot.attempts for slot in slots), most, width, times)
 
 
-def _bar(place: int, slot: Slot, most: int, *, times: bool) -> BarView:
+def _bar(place: int, slot: ActivitySlot, most: int, *, times: bool) -> BarView:
     height = round(HEIGHT * slot.attempts / most, 2) if most else 0.0
     when = moment_text(slot.begins_at) if times else slot.begins_at.strftime("%d/%m/%Y")
     return BarView(

@@ -11,7 +11,7 @@ from server.base.errors import NotFound
 from server.board import repository, service
 from server.board.extracts import anonymous, function_of, words_of
 from server.board.names import Named, named
-from server.board.schemas import FEWEST_FOR_A_SHARE, FEWEST_TO_PROJECT, Helped, Misconception
+from server.board.schemas import FEWEST_FOR_A_SHARE, FEWEST_TO_PROJECT, ImprovementStats, MisconceptionStats
 from server.board.service import Work
 from server.course import Course, Exercise
 from server.database import utc_now
@@ -34,7 +34,7 @@ def mistake_page(
 ) -> MistakePage:
     """`chosen`: to be projected, however few have had it. Raises NotFound where nobody has."""
     school_class = place.school_class
-    work = service.work_at(db, course, school_class, exercise_id, utc_now())
+    work = service.load_exercise_work(db, course, school_class, exercise_id, utc_now())
     found = next((one for one in work.done.misconceptions if one.id == misconception), None)
     if found is None:
         raise NotFound(UNKNOWN)
@@ -60,14 +60,14 @@ def mistake_page(
     )
 
 
-def _word_href(class_href: str, found: Misconception) -> str:
+def _word_href(class_href: str, found: MisconceptionStats) -> str:
     """Where one writes to all who have it now."""
     return f"{class_href}/mots?{urlencode({'exercice': found.exercise, 'erreur': found.id})}#ecrire"
 
 
-def _after(found: Misconception) -> str:
+def _after(found: MisconceptionStats) -> str:
     return (
-        share(Helped(found.exercise, found.title, found.followed, found.improved))
+        share(ImprovementStats(found.exercise, found.title, found.followed, found.improved))
         if (found.followed >= FEWEST_FOR_A_SHARE)
         else ""
     )

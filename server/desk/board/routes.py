@@ -12,7 +12,7 @@ from starlette.concurrency import run_in_threadpool
 
 from server.base.routing import Room
 from server.board import service
-from server.board.dependencies import BoardsOf
+from server.board.dependencies import LiveBoardsOf
 from server.board.schemas import Board
 from server.course.dependencies import CourseOf
 from server.database import Database
@@ -59,7 +59,7 @@ def project(
 
 @router.get("/classes/{class_id}/evenements")
 async def events(
-    class_id: str, account: SignedIn, database: DatabaseOf, course: CourseOf, boards: BoardsOf, version: Text = "",
+    class_id: str, account: SignedIn, database: DatabaseOf, course: CourseOf, boards: LiveBoardsOf, version: Text = "",
     erreurs: Text = "", last_event_id: Annotated[str, Header()] = "",
 ) -> StreamingResponse:  # fmt: skip
     """What changes on the page, as HTML. `version`, or the id of the last event: what the page shows already."""

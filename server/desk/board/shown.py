@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from urllib.parse import quote
 from uuid import UUID
 
-from server.board.schemas import Board, Student
+from server.board.schemas import Board, BoardStudent
 from server.course import Course
 
 
@@ -17,7 +17,7 @@ class Shown:
 
     course: Course
     href: str
-    students: Sequence[Student]
+    students: Sequence[BoardStudent]
 
     def title(self, exercise: str) -> str:
         found = self.course.exercises.get(exercise)

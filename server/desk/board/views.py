@@ -11,7 +11,7 @@ from urllib.parse import urlencode
 from markupsafe import Markup
 
 from server.board import service
-from server.board.schemas import Cell, Misconception, State, Student
+from server.board.schemas import BoardStudent, MisconceptionStats, ProgressCell, ProgressState
 from server.board.states import RULE
 from server.classes import repository as classes
 from server.database import utc_now
@@ -29,19 +29,19 @@ STUDENTS_A_PAGE = 60
 MISTAKES_AT_FIRST = 12
 MOST_CELLS = 16_384  # kept as they were drawn
 BY_NAME, BY_SUCCESS, BY_TROUBLE = "nom", "reussis", "bloques"
-SIGNS = {State.none: "·", State.trying: "…", State.stuck: "!", State.solved: "✓"}
+SIGNS = {ProgressState.none: "·", ProgressState.trying: "…", ProgressState.stuck: "!", ProgressState.solved: "✓"}
 WORDS = {
-    State.none: "pas commencé",
-    State.trying: "essayé, pas encore réussi",
-    State.stuck: "bloqué en ce moment",
-    State.solved: "réussi",
+    ProgressState.none: "pas commencé",
+    ProgressState.trying: "essayé, pas encore réussi",
+    ProgressState.stuck: "bloqué en ce moment",
+    ProgressState.solved: "réussi",
 }
 #: What comes first in a column: who needs help.
-TROUBLE = {State.stuck: 0, State.trying: 1, State.none: 2, State.solved: 3}
+TROUBLE = {ProgressState.stuck: 0, ProgressState.trying: 1, ProgressState.none: 2, ProgressState.solved: 3}
 
 
 @dataclass(frozen=True)
-class Asked:
+class BoardQuery:
     """What one wants to see of a board: of which group, in which order, which page; all misconceptions or some."""
 
     group: str = ""
@@ -58,10 +58,10 @@ class Asked:
         return self.sort.removeprefix("-")
 
 
-def board_page(reader: Reader, place: Place, asked: Asked, base: str) -> BoardPage:
+def board_page(reader: Reader, place: Place, asked: BoardQuery, base: str) -> BoardPage:
     """`base` is the address of the service."""
     db, course, school_class = reader.db, reader.course, place.school_class
-    board, insights = service.dashboard(db, course, school_class, utc_now())
+    board, insights = service.load_dashboard(db, course, school_class, utc_now())
     shown = ShownBoard.of(course, href_of(school_class), board)
     query = "?erreurs=toutes" if asked.everything else ""
     return BoardPage(
@@ -80,7 +80,7 @@ def board_page(reader: Reader, place: Place, asked: Asked, base: str) -> BoardPa
     )
 
 
-def _work(shown: ShownBoard, asked: Asked) -> WorkView:
+def _work(shown: ShownBoard, asked: BoardQuery) -> WorkView:
     board = shown.board
     chosen = [one for one in board.students if not asked.group or asked.group in one.groups]
     ordered = _ordered(shown, chosen, asked)
@@ -105,7 +105,7 @@ def _work(shown: ShownBoard, asked: Asked) -> WorkView:
     )
 
 
-def _href(shown: Shown, asked: Asked, **changed: str | int) -> str:
+def _href(shown: Shown, asked: BoardQuery, **changed: str | int) -> str:
     """The address of the board as it is asked for, but for what is changed."""
     wanted = {"groupe": asked.group, "tri": asked.sort, "page": asked.page}
     wanted |= {{"sort": "tri", "group": "groupe"}.get(name, name): value for name, value in changed.items()}
@@ -115,7 +115,7 @@ def _href(shown: Shown, asked: Asked, **changed: str | int) -> str:
     return f"{shown.href}?{urlencode(query)}#avancement" if query else f"{shown.href}#avancement"
 
 
-def _sorter(shown: Shown, asked: Asked, column: str, label: str) -> Sorter:
+def _sorter(shown: Shown, asked: BoardQuery, column: str, label: str) -> Sorter:
     """Leads to the other order where the column sorts already."""
     here = asked.column == column
     order = "none" if not here else "descending" if asked.backwards else "ascending"
@@ -123,12 +123,12 @@ def _sorter(shown: Shown, asked: Asked, column: str, label: str) -> Sorter:
     return Sorter(label, _href(shown, asked, sort=wanted, page=1), order)
 
 
-def _ordered(shown: ShownBoard, students: Sequence[Student], asked: Asked) -> Sequence[Student]:
+def _ordered(shown: ShownBoard, students: Sequence[BoardStudent], asked: BoardQuery) -> Sequence[BoardStudent]:
     cells, rows = shown.board.cells, shown.board.rows
     if asked.column == BY_SUCCESS:
         ordered = sorted(students, key=lambda one: -_solved(rows[one.id]))
     elif asked.column == BY_TROUBLE:
-        ordered = sorted(students, key=lambda one: -sum(cell.state is State.stuck for cell in rows[one.id]))
+        ordered = sorted(students, key=lambda one: -sum(cell.state is ProgressState.stuck for cell in rows[one.id]))
     elif asked.column in shown.board.exercises:
         ordered = sorted(students, key=lambda one: _trouble(cells[one.id, asked.column]))
     else:
@@ -136,15 +136,15 @@ def _ordered(shown: ShownBoard, students: Sequence[Student], asked: Asked) -> Se
     return ordered[::-1] if asked.backwards else ordered
 
 
-def _trouble(cell: Cell) -> tuple[int, float]:
+def _trouble(cell: ProgressCell) -> tuple[int, float]:
     return TROUBLE[cell.state], cell.points or 0.0
 
 
-def _solved(cells: Sequence[Cell]) -> int:
-    return sum(cell.state is State.solved for cell in cells)
+def _solved(cells: Sequence[ProgressCell]) -> int:
+    return sum(cell.state is ProgressState.solved for cell in cells)
 
 
-def _groups(shown: ShownBoard, asked: Asked) -> tuple[Choice, ...]:
+def _groups(shown: ShownBoard, asked: BoardQuery) -> tuple[Choice, ...]:
     sizes = group_counts(one.groups for one in shown.board.students)
     if not sizes:
         return ()
@@ -155,7 +155,7 @@ def _groups(shown: ShownBoard, asked: Asked) -> tuple[Choice, ...]:
     )
 
 
-def _row(shown: ShownBoard, student: Student) -> RowView:
+def _row(shown: ShownBoard, student: BoardStudent) -> RowView:
     cells = shown.board.rows[student.id]
     return RowView(
         key=str(student.id),
@@ -167,24 +167,24 @@ def _row(shown: ShownBoard, student: Student) -> RowView:
     )
 
 
-def cell_html(class_href: str, cell: Cell, titles: Mapping[tuple[str, str], str]) -> Markup:
+def cell_html(class_href: str, cell: ProgressCell, titles: Mapping[tuple[str, str], str]) -> Markup:
     """The cell as the page and its stream show it; `titles`: those of misconceptions, by exercise and id."""
     name = cell.misconception
     return _drawn(class_href, cell, "" if name is None else titles.get((cell.exercise, name), name))
 
 
 @lru_cache(maxsize=MOST_CELLS)
-def _drawn(class_href: str, cell: Cell, title: str) -> Markup:
+def _drawn(class_href: str, cell: ProgressCell, title: str) -> Markup:
     """Most cells of a board are what they were a moment ago, and drawing all of them is most of what it costs."""
     macros: Any = environment().get_template("classes/board_parts.html").module
     return Markup(macros.cell(cell_view(class_href, cell, title)))
 
 
-def cell_view(class_href: str, cell: Cell, title: str) -> CellView:
+def cell_view(class_href: str, cell: ProgressCell, title: str) -> CellView:
     """`title` is that of its misconception, if it has one."""
     tried = cell.attempts > 0
     label = WORDS[cell.state] + (f", {plural(cell.attempts, 'essai')}" if tried else "")
-    if cell.misconception is not None and cell.state is not State.solved:
+    if cell.misconception is not None and cell.state is not ProgressState.solved:
         label += f" : {title}"
     return CellView(
         key=key_of(cell),
@@ -196,7 +196,7 @@ def cell_view(class_href: str, cell: Cell, title: str) -> CellView:
     )
 
 
-def key_of(cell: Cell) -> str:
+def key_of(cell: ProgressCell) -> str:
     return f"{cell.student} {cell.exercise}"
 
 
@@ -205,7 +205,7 @@ def mistake_rows(shown: ShownBoard, *, everything: bool) -> tuple[MistakeRow, ..
     return tuple(mistake_row(shown, one) for one in (rows if everything else rows[:MISTAKES_AT_FIRST]))
 
 
-def mistake_row(shown: Shown, one: Misconception) -> MistakeRow:
+def mistake_row(shown: Shown, one: MisconceptionStats) -> MistakeRow:
     return MistakeRow(
         key=f"{one.exercise} {one.id}",
         title=one.title,
@@ -220,7 +220,7 @@ def mistake_row(shown: Shown, one: Misconception) -> MistakeRow:
     )
 
 
-def _more(shown: ShownBoard, asked: Asked) -> Choice | None:
+def _more(shown: ShownBoard, asked: BoardQuery) -> Choice | None:
     total = len(shown.board.misconceptions)
     if total <= MISTAKES_AT_FIRST:
         return None

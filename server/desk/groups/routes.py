@@ -47,7 +47,7 @@ class Which:
 
     def find(self, db: Db, place: Place) -> BehaviourGroup:
         """Raises NotFound."""
-        return service.find(db, place.school_class, self.exercise, self.group)
+        return service.find_group(db, place.school_class, self.exercise, self.group)
 
 
 WhichGroup = Annotated[Which, Depends()]
@@ -79,8 +79,8 @@ def _show(
     filled: NameForm | None = None,
 ) -> HTMLResponse:
     assert reader.account is not None
-    found = service.of_class(reader.db, place.school_class, which.exercise, which.group)
-    earlier = service.earlier_names(reader.db, place.school_class, which.exercise, which.group)
+    found = service.load_class_group(reader.db, place.school_class, which.exercise, which.group)
+    earlier = service.list_other_names(reader.db, place.school_class, which.exercise, which.group)
     view = group_views.page_of(reader.db, reader.course, place, reader.account, found, earlier, wanted)
     taken = next((one for one in earlier if one.group_id == depuis), None)
     form, status = filled or group_views.form_of(taken or found.name), 422 if filled else 200
@@ -104,15 +104,15 @@ def name(
     group = which.find(db, place)
     require_open(place.school_class)
     if action == "retirer" or not (title + explanation + question).strip():
-        service.withdraw_name(db, place.school_class, group, account.id)
+        service.withdraw_group_name(db, place.school_class, group, account.id)
     else:
         try:
-            given = service.words(title, explanation, question)
+            given = service.parse_description(title, explanation, question)
         except Invalid as refused:
             return _show(
                 request, which, reader, place, None, filled=NameForm(title, explanation, question, refused.detail)
             )
-        service.give_name(db, place.school_class, group, given, account.id)
+        service.set_group_name(db, place.school_class, group, given, account.id)
     return go(f"{group_views.href_of(place.school_class.id, group.exercise, group.id)}#nommer")
 
 
@@ -120,12 +120,14 @@ def name(
 def take_away(which: WhichGroup, account: SignedIn, db: Db, course: CourseOf) -> Response:
     """The named group as a misconception, for the authors of the course."""
     place = rights.require(db, account, Right.name_behaviours, which.class_id)
-    found = service.of_class(db, place.school_class, which.exercise, which.group)
+    found = service.load_class_group(db, place.school_class, which.exercise, which.group)
     exercise = find_exercise(course, which.module, which.slug)
     if found.name is None:
         raise NotFound(NO_NAME)
-    read = service.program_to_read(db, place.school_class, found.group.id)
+    read = service.load_program(db, place.school_class, found.group.id)
     names = group_views.author_s_names(db, place, read.account_id)
-    identity, held = export.archive(exercise, found.group, service.words_of(found.name), read.source, names)
+    identity, held = export.render_archive(
+        exercise, found.group, service.description_of(found.name), read.source, names
+    )
     headers = {"Content-Disposition": f'attachment; filename="{identity}.zip"', "Cache-Control": "private, no-store"}
     return Response(held, media_type="application/zip", headers=headers)

@@ -12,7 +12,7 @@ from graders.core.code.grading import CodeGrader
 from graders.core.contract.verdict import Verdict
 from server.behaviour import service as behaviour
 from server.behaviour.models import BehaviourName
-from server.behaviour.schemas import GroupOfClass, MemberLine
+from server.behaviour.schemas import ClassGroup, GroupMember
 from server.classes import repository as classes
 from server.course import Course, Exercise
 from server.desk import views
@@ -39,14 +39,14 @@ def page_of(
     course: Course,
     place: Place,
     account: Account,
-    found: GroupOfClass,
+    found: ClassGroup,
     earlier: Sequence[BehaviourName],
     wanted: UUID | None,
 ) -> GroupPage:
     """`wanted` is the attempt to read, None for the shortest program. Raises NotFound."""
     school_class, group = place.school_class, found.group
     exercise = course.exercises.get(group.exercise)
-    read = behaviour.program_to_read(db, school_class, group.id, wanted)
+    read = behaviour.load_program(db, school_class, group.id, wanted)
     names = {one.id: one.name for one in classes.members(db, school_class.id)}
     href = href_of(school_class.id, group.exercise, group.id)
     may_name = place.may(Right.name_behaviours) and school_class.archived_at is None
@@ -90,7 +90,7 @@ def _example(example: Mapping[str, Any], exercise: Exercise | None) -> ExampleVi
 
 
 def _questions(db: Session, account: Account, read: Submission) -> tuple[str, ...]:
-    grading = gradebook.find(db, account, read.id).grading
+    grading = gradebook.find_attempt(db, account, read.id).grading
     checks = Verdict.from_json(grading.verdict).checks if grading else ()
     return tuple(dict.fromkeys(check.hint for check in checks if not check.passed and check.hint))
 
@@ -101,7 +101,7 @@ def _titles(exercise: Exercise | None) -> tuple[str, ...]:
     return tuple(dict.fromkeys(one.title for one in exercise.grader.misconceptions))
 
 
-def _row(line: MemberLine, names: Mapping[UUID, str], href: str, read: Submission) -> ProgramRow:
+def _row(line: GroupMember, names: Mapping[UUID, str], href: str, read: Submission) -> ProgramRow:
     return ProgramRow(
         name=names.get(line.student, UNKNOWN_STUDENT),
         href=f"/soumissions/{line.submission}",

@@ -26,7 +26,7 @@ from server.desk.marks.routes import PageNumber
 from server.desk.marks.schemas import Choice, EventView, LogPage
 from server.desk.views import head, href_of
 from server.identity.dependencies import SignedIn
-from server.marks.cells import Cell, ascii_name, french_csv
+from server.marks.cells import Cell, ascii_slug, french_csv
 from server.rights import service as rights
 from server.rights.models import Right
 from server.rights.service import Place
@@ -108,7 +108,7 @@ def file(
         place = rights.require(db, account, Right.read_log, class_id)
     events = audit.events(database, place.school_class.id, _wanted(eleve, genre))
     ending = "json" if format == "json" else "csv"
-    named = f"balise-{ascii_name(place.school_class.name, 'classe')}-journal-{utc_now():%Y-%m-%d}.{ending}"
+    named = f"balise-{ascii_slug(place.school_class.name, 'classe')}-journal-{utc_now():%Y-%m-%d}.{ending}"
     headers = {"Content-Disposition": f'attachment; filename="{named}"', "Cache-Control": "private, no-store"}
     if ending == "json":
         return StreamingResponse(_as_json(events), media_type="application/json", headers=headers)

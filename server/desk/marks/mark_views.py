@@ -7,24 +7,24 @@ from server.course import Course
 from server.desk.marks.schemas import ExerciseView, MarkPage, OverrideView
 from server.desk.marks.views import UNKNOWN, cell_view, shown
 from server.desk.views import head, href_of
-from server.marks.files import EXCUSED, titles
-from server.marks.means import number, rounded
-from server.marks.schemas import AssignmentMark, Book, ExerciseMark, State
+from server.marks.files import EXCUSED, unique_titles
+from server.marks.means import format_number, round_points
+from server.marks.schemas import AssignmentMark, ExerciseMark, Gradebook, MarkState
 from server.rights.models import Right
 from server.rights.service import Place
 from server.web.words import moment, moment_text, plural
 
 STATES = {
-    State.upcoming: "pas encore ouvert",
-    State.open: "en cours",
-    State.done: "fini",
-    State.absent: "fini, rien n’a été envoyé",
-    State.excused: "dispensé",
+    MarkState.upcoming: "pas encore ouvert",
+    MarkState.open: "en cours",
+    MarkState.done: "fini",
+    MarkState.absent: "fini, rien n’a été envoyé",
+    MarkState.excused: "dispensé",
 }
 AHEAD = ", et déjà travaillé"
 
 
-def mark_page(course: Course, place: Place, book: Book, assignment: str) -> MarkPage:
+def mark_page(course: Course, place: Place, book: Gradebook, assignment: str) -> MarkPage:
     """Of one student at one assignment. Raises NotFound."""
     at = next((n for n, one in enumerate(book.assignments) if str(one.id) == assignment), None)
     if at is None or not book.rows:
@@ -35,10 +35,10 @@ def mark_page(course: Course, place: Place, book: Book, assignment: str) -> Mark
     return MarkPage(
         head=head(course, place, "/carnet"),
         student=row.member.name,
-        assignment=titles(book.assignments)[at],
+        assignment=unique_titles(book.assignments)[at],
         path=f"{path}/{row.member.id}/{assignment}",
         mark=cell_view(mark, ""),
-        state=STATES[mark.state] + (AHEAD if mark.state is State.upcoming and mark.points is not None else ""),
+        state=STATES[mark.state] + (AHEAD if mark.state is MarkState.upcoming and mark.points is not None else ""),
         notes=_rules(mark),
         exercises=tuple(_exercise(book, one) for one in mark.exercises),
         may_change=place.may(Right.change_marks) and place.school_class.archived_at is None,
@@ -52,14 +52,14 @@ def _rules(mark: AssignmentMark) -> tuple[str, ...]:
     return (*told, plural(mark.days_late, "jour de retard", "jours de retard")) if mark.days_late else tuple(told)
 
 
-def _exercise(book: Book, one: ExerciseMark) -> ExerciseView:
+def _exercise(book: Gradebook, one: ExerciseMark) -> ExerciseView:
     counted, sent = one.counted, one.sent_at
     return ExerciseView(
         exercise=one.exercise,
         title=book.title_of(one.exercise),
-        weight=number(one.weight),
+        weight=format_number(one.weight),
         points=EXCUSED if one.excused else shown(one.points),
-        automatic=shown(one.in_force.automatic),
+        automatic=shown(one.effective.automatic),
         late=0 if counted is None else counted.days_late,
         attempts=one.attempts,
         attempt="" if counted is None else f"/soumissions/{counted.attempt}",
@@ -73,5 +73,5 @@ def _override(one: ExerciseMark) -> OverrideView | None:
     found = one.override
     if found is None:
         return None
-    text = "dispense" if found.points is None else f"{number(rounded(found.points))} / 20"
+    text = "dispense" if found.points is None else f"{format_number(round_points(found.points))} / 20"
     return OverrideView(text, found.by, moment(found.at), moment_text(found.at), found.reason, one.stale)

@@ -14,13 +14,14 @@ from server.database.dependencies import DatabaseOf, Db
 from server.desk.asking import UNKNOWN_ACTION, Group, log_in_first
 from server.desk.marks.mark_views import mark_page
 from server.desk.marks.schemas import MarkForm
-from server.desk.marks.views import UNKNOWN, Gradebook
+from server.desk.marks.views import UNKNOWN, GradebookPageBuilder
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
-from server.marks import book, repository, service
+from server.marks import repository, service
 from server.marks.copies import copies, files_of
-from server.marks.files import Identifier, file_name
-from server.marks.taken import Format, taken
+from server.marks.downloads import GradebookFormat, render_download
+from server.marks.files import MoodleIdentifier, file_name
+from server.marks.loading import load_gradebook
 from server.personal.zipping import zipped
 from server.rights import service as rights
 from server.rights.models import Right
@@ -45,18 +46,18 @@ def gradebook(
     if reader.account is None:
         return log_in_first(request)
     place = rights.require(reader.db, reader.account, Right.read_marks, class_id)
-    made = book.of_class(reader.db, reader.course, place.school_class, utc_now())
-    view = Gradebook(place, made, groupe, devoir, tri, colonne, p).page(reader.course)
+    made = load_gradebook(reader.db, reader.course, place.school_class, utc_now())
+    view = GradebookPageBuilder(place, made, groupe, devoir, tri, colonne, p).page(reader.course)
     return page(request, "classes/gradebook.html", reader.account, page=view)
 
 
 @router.get("/classes/{class_id}/carnet/fichier")
 def file(
-    class_id: str, account: SignedIn, db: Db, course: CourseOf, format: Format = Format.xlsx,
-    identifiant: Identifier = Identifier.email,
+    class_id: str, account: SignedIn, db: Db, course: CourseOf, format: GradebookFormat = GradebookFormat.xlsx,
+    identifiant: MoodleIdentifier = MoodleIdentifier.email,
 ) -> Response:  # fmt: skip
     place = rights.require(db, account, Right.read_marks, class_id)
-    made = taken(book.of_class(db, course, place.school_class, utc_now()), format, identifiant, moment_text)
+    made = render_download(load_gradebook(db, course, place.school_class, utc_now()), format, identifiant, moment_text)
     return Response(made.content, media_type=made.media_type, headers=made.headers)
 
 
@@ -68,7 +69,7 @@ def archive(
     """The attempts that count, sent while the archive is made."""
     with database.read() as db:
         place = rights.require(db, account, Right.read_marks, class_id)
-        made = book.of_class(db, course, place.school_class, utc_now())
+        made = load_gradebook(db, course, place.school_class, utc_now())
     found = copies(made, course, names=noms, only=identity_of(devoir, UNKNOWN) if devoir else None, when=moment_text)
     headers = {
         "Content-Disposition": f'attachment; filename="{file_name(made, "copies", "zip")}"',
@@ -90,7 +91,7 @@ def _one(
     request: Request, account: Account, db: Db, course: CourseOf, place: Place, student: str, assignment: str,
     form: MarkForm = EMPTY, status: int = 200,
 ) -> HTMLResponse:  # fmt: skip
-    made = book.of_class(db, course, place.school_class, utc_now(), only=[identity_of(student, UNKNOWN)])
+    made = load_gradebook(db, course, place.school_class, utc_now(), only=[identity_of(student, UNKNOWN)])
     view = mark_page(course, place, made, assignment)
     return page(request, "classes/mark.html", account, status=status, page=view, form=form)
 
@@ -118,18 +119,18 @@ def _change(
     """Raises NotFound, Conflict or Invalid."""
     who, school_class = identity_of(student, UNKNOWN), place.school_class
     if action == "retirer":
-        return service.withdraw(db, course, school_class, account, who, form.exercise, form.reason)
+        return service.withdraw_override(db, course, school_class, account, who, form.exercise, form.reason)
     points, excused, reason = None, action == "dispenser", form.reason
     if action == "garder":
-        kept = repository.one_active(db, school_class.id, who, form.exercise)
+        kept = repository.find_override(db, school_class.id, who, form.exercise)
         if kept is None:
             raise NotFound(service.NOTHING_SET)
         points, excused, reason = kept.points, kept.excused, kept.reason
     elif action == "noter":
-        points = service.points_of(form.points)
+        points = service.parse_points(form.points)
     elif not excused:
         raise NotFound(UNKNOWN_ACTION)
-    service.override(
+    service.set_override(
         db, course, school_class, account, who, form.exercise, points=points, excused=excused, reason=reason
     )
     return None

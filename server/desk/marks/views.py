@@ -27,9 +27,27 @@ from server.desk.marks.schemas import (
     TableView,
 )
 from server.desk.views import group_counts, head, href_of, regrade_href
-from server.marks.files import ABSENT, EXCUSED, NOTES, Identifier, cell, column, for_moodle, titles
-from server.marks.means import number, written
-from server.marks.schemas import AssignmentMark, Book, ExerciseMark, Row, State, Summary, held_back, summary
+from server.marks.files import (
+    ABSENT,
+    EXCUSED,
+    NOTES,
+    MoodleIdentifier,
+    column_text,
+    mark_cell,
+    moodle_file,
+    unique_titles,
+)
+from server.marks.means import format_number, format_points
+from server.marks.schemas import (
+    AssignmentMark,
+    ExerciseMark,
+    Gradebook,
+    MarkState,
+    MarkSummary,
+    StudentMarks,
+    is_withheld,
+    summarise,
+)
 from server.rights.models import Right
 from server.rights.service import Place
 from server.web.rendering import environment
@@ -40,23 +58,23 @@ TOTAL = "moyenne"
 A_PAGE = 200  # students
 MOST_CELLS = 8192  # kept as they were drawn
 UNKNOWN = "La classe n’a pas ce devoir, ou cet élève."
-BY = {Identifier.email: "par adresse électronique", Identifier.id: "par identifiant"}
+BY = {MoodleIdentifier.email: "par adresse électronique", MoodleIdentifier.id: "par identifiant"}
 
-Score = Callable[[Row], float | None]
+Score = Callable[[StudentMarks], float | None]
 
 
 def shown(points: float | None) -> str:
-    return NONE if points is None else written(points)
+    return NONE if points is None else format_points(points)
 
 
-class Gradebook:
+class GradebookPageBuilder:
     """The page of a book, as somebody asks for it: a group, one assignment or all, an order, a column to copy.
 
     `number`, from 1, is that of the page, where the class has more students than one shows.
     """
 
     def __init__(
-        self, place: Place, book: Book, group: str, assignment: str, order: str, to_copy: str, number: int = 1
+        self, place: Place, book: Gradebook, group: str, assignment: str, order: str, to_copy: str, number: int = 1
     ) -> None:
         self.place, self.path = place, f"{href_of(place.school_class)}/carnet"
         self.everyone = book
@@ -65,7 +83,7 @@ class Gradebook:
         self.group = group if group in labels else ""
         rows = [row for row in book.rows if not self.group or self.group in row.member.groups]
         self.book = replace(book, rows=tuple(rows))
-        self.titles = titles(book.assignments)
+        self.titles = unique_titles(book.assignments)
         self.place_of = {str(one.id): place for place, one in enumerate(book.assignments)}
         if assignment and assignment not in self.place_of:
             raise NotFound(UNKNOWN)
@@ -123,8 +141,10 @@ class Gradebook:
                 Choice(name, title, name == self.to_copy)
                 for name, title in zip([*self.place_of, TOTAL], [*self.titles, "Moyenne"], strict=True)
             ),
-            column=column(book, copied[self.to_copy]) if self.to_copy in copied else None,
-            moodle=tuple(MoodleView(one.value, BY[one], for_moodle(self.everyone, one).left_out) for one in Identifier),
+            column=column_text(book, copied[self.to_copy]) if self.to_copy in copied else None,
+            moodle=tuple(
+                MoodleView(one.value, BY[one], moodle_file(self.everyone, one).left_out) for one in MoodleIdentifier
+            ),
             notes=NOTES,
         )
 
@@ -152,13 +172,13 @@ class Gradebook:
         rows = self._sorted({**scores, TOTAL: lambda row: row.average})
         return self._table("Notes des devoirs", columns, [(row, self._cells(row)) for row in rows])
 
-    def _cells(self, row: Row) -> tuple[CellView, ...]:
+    def _cells(self, row: StudentMarks) -> tuple[CellView, ...]:
         cells = [
             cell_view(mark, self._detail(row, one)) for mark, one in zip(row.marks, self.book.assignments, strict=True)
         ]
         return (*cells, CellView(shown(row.average)))
 
-    def _detail(self, row: Row, assignment: Assignment) -> str:
+    def _detail(self, row: StudentMarks, assignment: Assignment) -> str:
         return f"{self.path}/{row.member.id}/{assignment.id}"
 
     def _of_exercises(self, place: int) -> TableView:
@@ -170,8 +190,10 @@ class Gradebook:
             self._column(
                 one.exercise,
                 book.title_of(one.exercise),
-                summary([points for row in book.rows if (points := row.marks[place].exercises[n].points) is not None]),
-                notes=(f"coefficient {number(one.weight)}",),
+                summarise(
+                    [points for row in book.rows if (points := row.marks[place].exercises[n].points) is not None]
+                ),
+                notes=(f"coefficient {format_number(one.weight)}",),
                 about=("recorriger", regrade_href(self.path.removesuffix("/carnet"), one.exercise))
                 if regrades
                 else None,
@@ -197,7 +219,7 @@ class Gradebook:
         self,
         key: str,
         title: str,
-        found: Summary,
+        found: MarkSummary,
         *,
         href: str = "",
         notes: tuple[str, ...] = (),
@@ -215,24 +237,24 @@ class Gradebook:
             about=about,
         )
 
-    def _sorted(self, scores: dict[str, Score]) -> Sequence[Row]:
+    def _sorted(self, scores: dict[str, Score]) -> Sequence[StudentMarks]:
         """The best first, who has no mark last; the order of the list between equals, and without a known order."""
         first = (self.number - 1) * A_PAGE
         return self._all_sorted(scores)[first : first + A_PAGE]
 
-    def _all_sorted(self, scores: dict[str, Score]) -> Sequence[Row]:
+    def _all_sorted(self, scores: dict[str, Score]) -> Sequence[StudentMarks]:
         if self.order not in scores:
             return self.book.rows
         score = scores[self.order]
 
-        def key(row: Row) -> tuple[bool, float]:
+        def key(row: StudentMarks) -> tuple[bool, float]:
             points = score(row)
             return points is None, -(points or 0.0)
 
         return sorted(self.book.rows, key=key)
 
     def _table(
-        self, caption: str, columns: Sequence[ColumnView], rows: Sequence[tuple[Row, tuple[CellView, ...]]]
+        self, caption: str, columns: Sequence[ColumnView], rows: Sequence[tuple[StudentMarks, tuple[CellView, ...]]]
     ) -> TableView:
         return TableView(
             caption=caption,
@@ -257,7 +279,7 @@ def _drawn_cell(cell: CellView) -> Markup:
 def _at(place: int, exercise: int | None = None) -> Score:
     """The points of an assignment, or of one of its exercises."""
 
-    def score(row: Row) -> float | None:
+    def score(row: StudentMarks) -> float | None:
         mark = row.marks[place]
         return mark.points if exercise is None else mark.exercises[exercise].points
 
@@ -265,24 +287,24 @@ def _at(place: int, exercise: int | None = None) -> Score:
 
 
 def _notes(one: Assignment, now: datetime) -> tuple[str, ...]:
-    notes = [f"coefficient {number(one.weight)}"]
+    notes = [f"coefficient {format_number(one.weight)}"]
     if one.due_at is not None:
         notes.append(f"pour le {moment_text(one.due_at).partition(' ')[0]}")
-    if held_back(one, now):
+    if is_withheld(one, now):
         notes.append("contrôle, pas encore rendu aux élèves")
     return tuple(notes)
 
 
 def cell_view(mark: AssignmentMark, href: str) -> CellView:
-    found = cell(mark)
-    text = found if isinstance(found, str) else NONE if found is None else number(found)
-    pending = mark.state in {State.open, State.upcoming} and found is not None
-    excused = mark.state is State.excused
+    found = mark_cell(mark)
+    text = found if isinstance(found, str) else NONE if found is None else format_number(found)
+    pending = mark.state in {MarkState.open, MarkState.upcoming} and found is not None
+    excused = mark.state is MarkState.excused
     return CellView(text, href, 0 if excused else mark.days_late, mark.overridden, mark.stale, pending)
 
 
 def _exercise_cell(one: ExerciseMark, mark: AssignmentMark, href: str) -> CellView:
-    if one.excused or mark.state is State.excused:
+    if one.excused or mark.state is MarkState.excused:
         return CellView(EXCUSED, href, changed=one.override is not None, stale=one.stale)
-    text = ABSENT if mark.state is State.absent else shown(one.points)
+    text = ABSENT if mark.state is MarkState.absent else shown(one.points)
     return CellView(text, href, one.days_late, one.override is not None, one.stale)

@@ -28,8 +28,8 @@ from server.desk.schemas import OwnSeat
 from server.gradebook import service as gradebook
 from server.identity.models import Account
 from server.marks import service as marks
-from server.marks.means import written
-from server.marks.schemas import ExerciseMark, OwnMark, Set
+from server.marks.means import format_points
+from server.marks.schemas import ActiveOverride, ExerciseMark, OwnMark
 from server.rights.models import Right
 from server.rights.service import Place
 from server.text.plain import visible
@@ -96,7 +96,7 @@ def _page(
         upcoming=tuple(view for _, view in shown if view.stage.kind == "upcoming"),
         past=tuple(view for _, view in reversed(shown) if view.stage.kind == "closed"),
         next=_next(running),
-        average="" if known is None or known.average is None else written(known.average),
+        average="" if known is None or known.average is None else format_points(known.average),
         zone=school_time.zone_name(),
         watched=watched.name if watched else "",
         watched_href=f"{views.href_of(place.school_class)}/eleves/{seat.account_id}/comme" if watched else "",
@@ -107,13 +107,13 @@ def _known(
     db: Session, course: Course, place: Place, account_id: UUID, found: Sequence[Mine], now: datetime, *, watched: bool
 ) -> _Known:
     """What a student may know, asked of their account whoever looks: who watches sees no more."""
-    own = marks.own(db, course, place.school_class, account_id, now)
-    held = gradebook.held_since(db, account_id)
+    own = marks.load_own_marks(db, course, place.school_class, account_id, now)
+    held = gradebook.load_withholding_times(db, account_id)
     sat = papers.all_sittings(db, account_id) if any(one.assignment.mode == Mode.test for one in found) else ()
     return _Known(
         marks={one.assignment.id: one for one in own.marks},
         sittings={one.assignment_id: one for one, _ in sat},
-        sent=gradebook.sent_since(db, account_id, held) if held else {},
+        sent=gradebook.count_attempts_since(db, account_id, held) if held else {},
         average=own.average,
         now=now,
         watched=watched,
@@ -165,7 +165,7 @@ def _assignment(course: Course, one: Mine, known: _Known, suffix: str) -> OwnAss
 def _mark(found: OwnMark | None) -> str:
     """Of an assignment that is over; empty where there is none to tell."""
     points = None if found is None or found.mark is None else found.mark.points
-    return "" if points is None else written(points)
+    return "" if points is None else format_points(points)
 
 
 def _late(rules: Rules) -> str:
@@ -191,7 +191,7 @@ def _exercise(course: Course, one: Mine, row: Assigned, known: _Known, *, over: 
     return OwnExercise(title, href, *standing(found, over=over), f"{plural(late, 'jour')} de retard" if late else "")
 
 
-def _set_by_hand(found: Set) -> tuple[str, str, str]:
+def _set_by_hand(found: ActiveOverride) -> tuple[str, str, str]:
     """The same as `standing`, of a mark that a teacher has set."""
     if found.points is None:
         return "excused", "–", "dispensé"

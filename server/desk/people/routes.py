@@ -17,7 +17,7 @@ from server.course.dependencies import CourseOf
 from server.database.dependencies import DatabaseOf, Db
 from server.desk import views
 from server.desk.asking import Group, log_in_first
-from server.desk.board.views import BY_NAME, Asked, board_page
+from server.desk.board.views import BY_NAME, BoardQuery, board_page
 from server.desk.own import views as own_views
 from server.desk.schemas import JoinForm, JoinPage
 from server.identity.dependencies import AccountsOf, OptionalAccount, SignedIn, account_or_guest
@@ -126,7 +126,7 @@ def one(
         return log_in_first(request)
     place = rights.require(reader.db, reader.account, Right.see_class, class_id)
     if place.may(Right.read_work):
-        asked = Asked(groupe, tri, number, everything=bool(erreurs))
+        asked = BoardQuery(groupe, tri, number, everything=bool(erreurs))
         board = board_page(reader, place, asked, service_address(request))
         return page(
             request, "classes/board.html", reader.account, steady=board.work, changing=True, page=board, place=PLACE

@@ -130,7 +130,7 @@ class _Names:
 def regrade_page(db: Session, course: Course, place: Place, regrade: Regrade) -> RegradePage:
     found = service.preview(db, regrade)
     names = _Names(db, course, regrade.class_id)
-    set_by_hand = marks.active(db, regrade.class_id, [one.student for one in found.changes], [regrade.exercise])
+    set_by_hand = marks.load_overrides(db, regrade.class_id, [one.student for one in found.changes], [regrade.exercise])
     names.overridden = frozenset(student for student, _ in set_by_hand)
     exercise = course.exercises.get(regrade.exercise)
     advance = found.advance

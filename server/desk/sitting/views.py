@@ -62,8 +62,8 @@ def _exercises(reader: Reader, own: Own, account: Account) -> tuple[SatExercise,
     saved = papers.saved_at(reader.db, own.assignment.id, account.id)
     began = own.sitting.began_at if own.sitting is not None else own.rules.opens_at
     since = {exercise.id: began for exercise in known}
-    sent = gradebook.sent_since(reader.db, account.id, since)
-    failed = gradebook.failed_since(reader.db, account.id, since)
+    sent = gradebook.count_attempts_since(reader.db, account.id, since)
+    failed = gradebook.count_internal_errors_since(reader.db, account.id, since)
     return tuple(
         SatExercise(
             title=exercise.title,

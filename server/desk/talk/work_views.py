@@ -16,8 +16,8 @@ from server.comments.beside import beside
 from server.course import Exercise
 from server.desk.talk.schemas import Change, StandingRow, StudentHead, StudentPage, TriedRow, WorkPage
 from server.desk.views import head, href_of
-from server.gradebook import work
-from server.gradebook.work import InExercise, Tried
+from server.gradebook import student_work
+from server.gradebook.student_work import AttemptSummary, ExerciseWork
 from server.identity.models import Account
 from server.rights.service import Place
 from server.web import verdicts
@@ -70,7 +70,7 @@ def student_of(reader: Reader, place: Place, student: UUID) -> Student:
 def student_page(reader: Reader, student: Student) -> StudentPage:
     school_class = student.place.school_class
     module = reader.course.modules.get(school_class.module)
-    tried = work.by_exercise(reader.db, student.member.id, school_class.module, student.until)
+    tried = student_work.load_by_exercise(reader.db, student.member.id, school_class.module, student.until)
     asking = service.asking(reader.db, student.member.id, student.until)
     exercises = in_order(module) if module else []
     rows = tuple(_standing(student, one, tried.get(one.id), asking.get(one.id, 0)) for one in exercises)
@@ -83,7 +83,7 @@ def student_page(reader: Reader, student: Student) -> StudentPage:
     )
 
 
-def _standing(student: Student, exercise: Exercise, tried: InExercise | None, asking: int) -> StandingRow:
+def _standing(student: Student, exercise: Exercise, tried: ExerciseWork | None, asking: int) -> StandingRow:
     tone = "none" if tried is None else "done" if tried.best == 1 else "trying"
     sign, word = STATES[tone]
     return StandingRow(
@@ -122,7 +122,7 @@ def work_page(
     member, href = student.member, student.in_exercise(exercise.id)
     skipped = (number - 1) * ATTEMPTS_A_PAGE
     found = (reader.db, member.id, exercise.id, student.until)
-    tried, total = work.attempts(*found, most=ATTEMPTS_A_PAGE, skipped=skipped)
+    tried, total = student_work.list_attempts(*found, most=ATTEMPTS_A_PAGE, skipped=skipped)
     if skipped and not tried:
         raise NotFound("Il n’y a pas d’essais plus anciens.")
     shown = chosen or (tried[0].number if tried else 0)
@@ -152,7 +152,7 @@ def _word_href(place: Place, exercise: Exercise, mistake: str | None) -> str:
     return f"{href_of(place.school_class)}/mots?exercice={quote(exercise.id, safe='')}{about}#ecrire"
 
 
-def _row(exercise: Exercise, tried: Tried, href: str, shown: int) -> TriedRow:
+def _row(exercise: Exercise, tried: AttemptSummary, href: str, shown: int) -> TriedRow:
     return TriedRow(
         number=tried.number,
         href=f"/soumissions/{tried.id}",
@@ -170,7 +170,7 @@ def _row(exercise: Exercise, tried: Tried, href: str, shown: int) -> TriedRow:
 
 def _change(reader: Reader, student: Student, exercise: Exercise, number: int) -> Change | None:
     """Raises NotFound for an attempt that is not there."""
-    pair = work.with_the_one_before(reader.db, student.member.id, exercise.id, student.until, number)
+    pair = student_work.load_with_previous(reader.db, student.member.id, exercise.id, student.until, number)
     if not pair:
         raise NotFound(NO_SUCH_ATTEMPT)
     if len(pair) == 1 or exercise.answers is not None:

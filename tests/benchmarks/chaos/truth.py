@@ -88,6 +88,6 @@ def _standings(database: Database, ledger: Ledger) -> Iterator[str]:
             yield f"account {account}: {count} attempts, best {best}"
     if attempts:
         yield f"accounts without a standing: {attempts}"
-    _, changed = gradebook.rebuild(database)
+    _, changed = gradebook.rebuild_all_standings(database)
     if changed:
         yield f"{changed} standings differ from the history"

@@ -25,7 +25,15 @@ from server.course import Course
 from server.database import Told
 from server.gradebook.sent import Revisions, revisions
 from server.marks import repository
-from server.marks.schemas import AssignmentMark, Book, ExerciseMark, Key, Row, Set, State
+from server.marks.schemas import (
+    ActiveOverride,
+    AssignmentMark,
+    ExerciseMark,
+    Gradebook,
+    MarkState,
+    StudentExercise,
+    StudentMarks,
+)
 from server.marks.sent import Graded, Terms, Trail, Trails, graded, known, known_mark, mark_of
 
 ALL_TITLE = "Exercices du module"
@@ -53,7 +61,7 @@ class _Kept:
     course: Course
     told: _Told
     assignments: tuple[Assignment, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[StudentMarks, ...]
     titles: Mapping[str, str]
     exercises: Mapping[UUID, tuple[Assigned, ...]]
     instants: Sequence[datetime]
@@ -63,8 +71,8 @@ class _Kept:
     def holds(self, course: Course, told: _Told, now: datetime) -> bool:
         return self.course is course and self.place == _place(self.instants, now) and self.told == told
 
-    def book(self, school_class: SchoolClass, now: datetime) -> Book:
-        return Book(school_class, now, self.assignments, self.rows, self.titles, self.exercises, self.made)
+    def book(self, school_class: SchoolClass, now: datetime) -> Gradebook:
+        return Gradebook(school_class, now, self.assignments, self.rows, self.titles, self.exercises, self.made)
 
     @property
     def size(self) -> int:
@@ -75,9 +83,9 @@ class _Kept:
 _KEPT: Lately[tuple[UUID, tuple[UUID, ...] | None], _Kept] = Lately(MOST_KEPT, size=lambda kept: kept.size)
 
 
-def of_class(
+def load_gradebook(
     db: Session, course: Course, school_class: SchoolClass, now: datetime, only: Collection[UUID] | None = None
-) -> Book:
+) -> Gradebook:
     """The marks of its students, or of some; no staff, and nobody who has left or only asks to join."""
     told = _told(db, school_class, only)
     key = school_class.id, None if only is None else tuple(only)
@@ -114,7 +122,9 @@ def _made(db: Session, course: Course, school_class: SchoolClass, told: _Told, n
     sent, sent_as = graded(db, told.revisions, names, school_class.archived_at)
     marks = _Found(sent, repository.read(db, told.overrides))
     weights = tuple(one.weight for one in given)
-    rows = tuple(Row(member, tuple(one.mark(member, marks, now) for one in asked), weights) for member in students)
+    rows = tuple(
+        StudentMarks(member, tuple(one.mark(member, marks, now) for one in asked), weights) for member in students
+    )
     instants = _instants(asked, rows)
     return _Kept(
         course=course,
@@ -133,7 +143,7 @@ def _place(instants: Sequence[datetime], now: datetime) -> tuple[int, int]:
     return bisect_left(instants, now), bisect_right(instants, now)
 
 
-def _instants(asked: Sequence[_Asked], rows: Sequence[Row]) -> Sequence[datetime]:
+def _instants(asked: Sequence[_Asked], rows: Sequence[StudentMarks]) -> Sequence[datetime]:
     """All that a book compares its moment with (`state_of`, `feedback.stage_of`, `schemas.held_back`)."""
     found = {one.assignment.released_at for one in asked}
     for row in rows:
@@ -167,10 +177,10 @@ def _everything(school_class: SchoolClass) -> Assignment:
     )
 
 
-def outside(db: Session, school_class: SchoolClass, student: UUID, exercise: str) -> ExerciseMark:
+def load_unassigned_mark(db: Session, school_class: SchoolClass, student: UUID, exercise: str) -> ExerciseMark:
     """A student's mark at an exercise that no assignment of the class asks: the best of all attempts."""
     sent, _ = graded(db, revisions(db, [student]), [exercise], school_class.archived_at)
-    found = _Found(sent, repository.active(db, school_class.id, [student], [exercise]))
+    found = _Found(sent, repository.load_overrides(db, school_class.id, [student], [exercise]))
     rules = in_force(_everything(school_class), (), student, ())
     key = (student, exercise)
     return found.at(key, found.sent.get(key, ()), rules, Terms.of(rules, Counts.best, 1.0))
@@ -179,10 +189,10 @@ def outside(db: Session, school_class: SchoolClass, student: UUID, exercise: str
 class _Found:
     """What was sent and what was set, by student and exercise."""
 
-    def __init__(self, sent: Trails, overrides: Mapping[Key, Set]) -> None:
+    def __init__(self, sent: Trails, overrides: Mapping[StudentExercise, ActiveOverride]) -> None:
         self.sent, self.overrides = sent, overrides
 
-    def at(self, key: Key, sent: Sequence[Graded], rules: Rules, terms: Terms) -> ExerciseMark:
+    def at(self, key: StudentExercise, sent: Sequence[Graded], rules: Rules, terms: Terms) -> ExerciseMark:
         """`terms` are those of the rules."""
         mark = (
             known_mark(key[1], sent, rules, terms) if isinstance(sent, Trail) else mark_of(key[1], sent, rules, terms)
@@ -246,22 +256,22 @@ def _terms(assignment: Assignment, exercises: Sequence[Assigned], rules: Rules) 
 
 def state_of(
     rules: Rules, marks: Sequence[ExerciseMark], now: datetime, *, sat: bool = False, ended: bool = False
-) -> State:
+) -> MarkState:
     """Excused goes before all else; a mark that was set counts as something sent.
 
     Of a test: `sat` by who has begun it, for whom it has opened whatever its dates have become; `ended` for who can
     send nothing any more.
     """
     if rules.excused or (marks and all(one.excused for one in marks)):
-        return State.excused
+        return MarkState.excused
     begun = any(one.points is not None for one in marks)
     if ended:
-        return State.done if begun else State.absent
+        return MarkState.done if begun else MarkState.absent
     if now < rules.opens_at and not sat:
-        return State.upcoming
+        return MarkState.upcoming
     end = rules.last_moment or rules.due_at
     if end is None:
-        return State.done if begun else State.open
+        return MarkState.done if begun else MarkState.open
     if now <= end:
-        return State.open
-    return State.done if begun else State.absent
+        return MarkState.open
+    return MarkState.done if begun else MarkState.absent

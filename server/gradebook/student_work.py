@@ -19,7 +19,7 @@ MISTAKE = Grading.verdict["diagnosis"]["title"].as_string()
 
 
 @dataclass(frozen=True)
-class Tried:
+class AttemptSummary:
     """An attempt in a list: `mistake` is the title of its `diagnosis`, or empty; no outcome while it waits."""
 
     id: UUID
@@ -32,7 +32,7 @@ class Tried:
 
 
 @dataclass(frozen=True)
-class InExercise:
+class ExerciseWork:
     """What somebody's attempts at an exercise come to; `best` in [0, 1], None while nothing is graded."""
 
     attempts: int
@@ -56,13 +56,13 @@ def _attempts(
     return query.limit(most).offset(skipped)
 
 
-def attempts(
+def list_attempts(
     db: Session, account_id: UUID, exercise: str, until: datetime | None, *, most: int, skipped: int = 0
-) -> tuple[Sequence[Tried], int]:
+) -> tuple[Sequence[AttemptSummary], int]:
     """Some attempts, newest first, and how many there are in all."""
     rows = ask(db, *_attempts(account_id, exercise, until or NEVER, skipped, most=most)).all()
     tried = [
-        Tried(name, count - place, sent_at, outcome, score, mistake or "", diagnosis)
+        AttemptSummary(name, count - place, sent_at, outcome, score, mistake or "", diagnosis)
         for place, (count, name, sent_at, outcome, score, mistake, diagnosis) in enumerate(rows, skipped)
     ]
     return tried, rows[0][0] if rows else 0
@@ -74,7 +74,7 @@ def _in_order(account_id: UUID, exercise: str, until: datetime, skipped: int, mo
     return query.order_by(Submission.created_at, Submission.id).limit(most).offset(skipped)
 
 
-def with_the_one_before(
+def load_with_previous(
     db: Session, account_id: UUID, exercise: str, until: datetime | None, number: int
 ) -> Sequence[Submission]:
     """The attempt of that number (from 1) after the one before it; it alone where it is the first; none beyond."""
@@ -84,11 +84,11 @@ def with_the_one_before(
     return found if len(found) == number - first else []
 
 
-def by_exercise(db: Session, account_id: UUID, module: str, until: datetime | None) -> Mapping[str, InExercise]:
+def load_by_exercise(db: Session, account_id: UUID, module: str, until: datetime | None) -> Mapping[str, ExerciseWork]:
     """What somebody's attempts come to, for each exercise of a module that they have tried."""
     mistakes = {row[0]: row[1] for row in ask(db, *_last_mistakes(account_id, until or NEVER))}
     return {
-        exercise: InExercise(count, best, last_at, mistakes.get(exercise) or "")
+        exercise: ExerciseWork(count, best, last_at, mistakes.get(exercise) or "")
         for exercise, count, best, last_at in ask(db, *_sums(account_id, until or NEVER))
         if exercise.startswith(f"{module}/")
     }

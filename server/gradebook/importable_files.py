@@ -18,13 +18,13 @@ from server.submissions.models import Submission
 from server.submissions.repository import Sent
 
 
-def used_by(db: Session, course: Course, submission: Submission | Sent) -> Own:
+def load_importable_files(db: Session, course: Course, submission: Submission | Sent) -> Own:
     """The files that an attempt may import from, as they stood when it was sent; none where it does not ask."""
     sent = submission
     return _used(db, course, sent.account_id, sent.exercise, sent.source, sent.created_at)
 
 
-def used_now(db: Session, course: Course, account_id: UUID, exercise: str, source: bytes) -> Own:
+def load_importable_files_now(db: Session, course: Course, account_id: UUID, exercise: str, source: bytes) -> Own:
     """The same of a file that is not sent."""
     return _used(db, course, account_id, exercise, source, utc_now())
 
@@ -38,7 +38,7 @@ def _used(db: Session, course: Course, account_id: UUID, exercise: str, source: 
     return {row.exercise: row.source for row in rows}
 
 
-def sent_at(db: Session, account_id: UUID, exercises: Collection[str]) -> Mapping[str, datetime]:
+def importable_file_times(db: Session, account_id: UUID, exercises: Collection[str]) -> Mapping[str, datetime]:
     """When the files were sent that a program sent now would import from, by exercise."""
     if not exercises:
         return {}

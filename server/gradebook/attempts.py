@@ -28,7 +28,7 @@ WHOLE = select(*_SENT, *_COUNTING, held.anything(_submissions)).select_from(
 ATTEMPT = WHOLE.where(_submissions.c.id == bindparam("submission"))
 
 
-class Whole(NamedTuple):
+class StoredAttempt(NamedTuple):
     """`may_be_held`: the author's assignments are to be looked at."""
 
     submission: Submission
@@ -36,19 +36,19 @@ class Whole(NamedTuple):
     may_be_held: bool
 
 
-def attempt(db: Session, submission_id: UUID) -> Whole | None:
+def load_attempt(db: Session, submission_id: UUID) -> StoredAttempt | None:
     """A submission with the grading that counts, as they stand now."""
     return _whole(ask(db, ATTEMPT, {"submission": submission_id, "now": utc_now()}).one_or_none())
 
 
-def _whole(row: Sequence[Any] | None) -> Whole | None:
+def _whole(row: Sequence[Any] | None) -> StoredAttempt | None:
     if row is None:
         return None
     sent, counting = _NAMES
     submission = loaded(Submission, zip(sent, row, strict=False))
     if submission.grading_id is None:
-        return Whole(submission, None, row[-1])
-    return Whole(submission, loaded(Grading, zip(counting, row[len(sent) : -1], strict=True)), row[-1])
+        return StoredAttempt(submission, None, row[-1])
+    return StoredAttempt(submission, loaded(Grading, zip(counting, row[len(sent) : -1], strict=True)), row[-1])
 
 
 @prepared
@@ -59,6 +59,6 @@ def _latest(account_id: UUID, exercise: str, now: datetime) -> Select[*tuple[Any
     return query.order_by(sent.created_at.desc(), sent.id.desc()).limit(1)
 
 
-def latest(db: Session, account_id: UUID, exercise: str) -> Whole | None:
+def load_latest_attempt(db: Session, account_id: UUID, exercise: str) -> StoredAttempt | None:
     """The one that was sent last."""
     return _whole(ask(db, *_latest(account_id, exercise, utc_now())).one_or_none())

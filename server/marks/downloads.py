@@ -10,13 +10,21 @@ from enum import StrEnum
 from uuid import UUID
 
 from server.marks.cells import french_csv, xlsx
-from server.marks.files import Identifier, When, as_json, file_name, for_moodle, marks_sheet, sheets
-from server.marks.schemas import Book
+from server.marks.files import (
+    FormatTime,
+    MoodleIdentifier,
+    file_name,
+    gradebook_json,
+    gradebook_sheets,
+    marks_sheet,
+    moodle_file,
+)
+from server.marks.schemas import Gradebook
 
 CSV = "text/csv; charset=utf-8"
 
 
-class Format(StrEnum):
+class GradebookFormat(StrEnum):
     """What a gradebook may be taken away as."""
 
     json = "json"
@@ -27,13 +35,13 @@ class Format(StrEnum):
     @property
     def media_type(self) -> str:
         return {
-            Format.json: "application/json",
-            Format.xlsx: "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
+            GradebookFormat.json: "application/json",
+            GradebookFormat.xlsx: "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
         }.get(self, CSV)
 
 
 @dataclass(frozen=True)
-class Taken:
+class GradebookDownload:
     name: str
     content: bytes
     media_type: str
@@ -45,20 +53,22 @@ class Taken:
         return {**kept, **self.more}
 
 
-def taken(book: Book, format: Format, identifier: Identifier, when: When) -> Taken:
+def render_download(
+    book: Gradebook, format: GradebookFormat, identifier: MoodleIdentifier, when: FormatTime
+) -> GradebookDownload:
     """`identifier` is for Moodle's file alone: `X-Balise-Left-Out` says how many students it is without."""
     kind = format.media_type
-    if format is Format.xlsx:
-        return Taken(file_name(book, "notes", "xlsx"), xlsx(sheets(book, when)), kind)
-    if format is Format.csv:
+    if format is GradebookFormat.xlsx:
+        return GradebookDownload(file_name(book, "notes", "xlsx"), xlsx(gradebook_sheets(book, when)), kind)
+    if format is GradebookFormat.csv:
         sheet = marks_sheet(book)
-        return Taken(file_name(book, "notes", "csv"), b"".join(french_csv(sheet.header, sheet.rows)), kind)
-    if format is Format.moodle:
-        made = for_moodle(book, identifier)
+        return GradebookDownload(file_name(book, "notes", "csv"), b"".join(french_csv(sheet.header, sheet.rows)), kind)
+    if format is GradebookFormat.moodle:
+        made = moodle_file(book, identifier)
         left_out = {"X-Balise-Left-Out": str(len(made.left_out))}
-        return Taken(file_name(book, "moodle", "csv"), b"".join(made.pieces()), kind, left_out)
-    content = json.dumps(as_json(book), default=_plain, ensure_ascii=False, indent=1)
-    return Taken(file_name(book, "notes", "json"), content.encode(), kind)
+        return GradebookDownload(file_name(book, "moodle", "csv"), b"".join(made.pieces()), kind, left_out)
+    content = json.dumps(gradebook_json(book), default=_plain, ensure_ascii=False, indent=1)
+    return GradebookDownload(file_name(book, "notes", "json"), content.encode(), kind)
 
 
 def _plain(value: object) -> str:
