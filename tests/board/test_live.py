@@ -85,7 +85,7 @@ def test_what_is_graded_is_told_to_all_who_watch_from_one_reading(
         watched.readings += 1
         return read(*arguments)
 
-    monkeypatch.setattr(live, "board", counted)
+    monkeypatch.setattr(live, "load_board", counted)
 
     async def scene() -> None:
         async with aclosing(watched.follow()) as first, aclosing(watched.follow()) as second:  # type: ignore[type-var]
@@ -176,7 +176,7 @@ def test_a_reading_that_fails_ends_the_streams_and_the_next_begins_anew(
 
     async def scene() -> None:
         with monkeypatch.context() as patched:
-            patched.setattr(live, "board", fail)
+            patched.setattr(live, "load_board", fail)
             assert await ended(watched.follow())
         assert "could not be read" in caplog.text
         async with aclosing(watched.follow()) as again:  # type: ignore[type-var]
