@@ -68,11 +68,24 @@ def pytest_collection() -> Iterator[None]:
 #: with them, as the pages of its texts are among them: drawn twice, they take three more.
 GRADING = (
     "tests/graders/",
-    "tests/curriculum/",
+    "tests/content/graders/",
+    "tests/content/curriculum/",
     "tests/web/test_verdicts.py",
     "tests/grading/test_hostile.py",
     "tests/course/test_course_loading.py",
 )
+
+
+#: The folders whose tests carry the marker of their name; all the others are the platform's.
+PARTS = ("content", "contract")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Mark each test by the part of the suite in which its folder lies."""
+    part = item.nodeid.split("/")[1] if item.nodeid.count("/") > 1 else ""
+    if part in PARTS:
+        item.add_marker(part)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -14,6 +14,8 @@ from server.base.paths import ROOT
 
 DEV = ROOT / "server" / "docs" / "dev"
 README_BYTES = 12_000
+#: Where the tests of a room may stand: the platform, the content and the contracts.
+PARTS = (ROOT / "tests", ROOT / "tests" / "content", ROOT / "tests" / "contract")
 ROOMS = dict(re.findall(r"^\| `(\w+)/` \| (.+) \|$", (DEV / "rooms.md").read_text(encoding="utf-8"), re.M))
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *(ROOT / ".github").glob("*.md"), *DEV.rglob("*.md")]
 
@@ -41,17 +43,17 @@ def test_a_room_says_of_itself_what_the_table_says(room: str) -> None:
 
 
 @pytest.mark.parametrize("room", sorted(ROOMS))
-def test_the_tests_of_a_room_stand_in_its_folder(room: str) -> None:
-    """The front end has none of its own: it is tried in a browser."""
-    folder = ROOT / "tests" / {"frontend": "browser"}.get(room, room)
-    assert [*folder.glob("test_*.py")]
+def test_each_room_has_tests_in_a_folder_of_its_name(room: str) -> None:
+    """In one of the three parts of the suite; the front end's tests run in a browser."""
+    folder = {"frontend": "browser"}.get(room, room)
+    assert any([*(part / folder).glob("test_*.py")] for part in PARTS)
 
 
-def test_no_folder_of_tests_is_left_of_a_room_that_is_no_more() -> None:
-    others = {"app", "benchmarks", "browser", "curriculum", "deploy", "fuzz", "graders", "hostile", "reference"}
-    others |= {"support"}
-    folders = {path.parent.name for path in (ROOT / "tests").glob("*/*.py")} | {"hostile"}
-    assert folders - others == rooms() - {"frontend"}
+def test_each_folder_of_tests_belongs_to_a_room() -> None:
+    others = {"app", "benchmarks", "browser", "content", "contract", "curriculum", "deploy", "fuzz", "graders"}
+    others |= {"hostile", "reference", "support"}
+    folders = {path.parent.name for part in PARTS for path in part.glob("*/*.py")}
+    assert folders - others <= rooms() - {"frontend"}
 
 
 def test_every_dependency_has_its_reason() -> None:

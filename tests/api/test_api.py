@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import asyncio
 import json
-import socket
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from html import unescape
 from itertools import pairwise
 from typing import Any
 from uuid import uuid4
 
 import pytest
-import uvicorn
 from fastapi import FastAPI
 
 from graders.core.contract.findings import Judgement
@@ -23,13 +21,10 @@ from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
 from server.api.guide import Guide, shape
 from server.api.words import PARAMETERS, ROUTES, STATUSES
-from server.app import create_app
-from server.base import http
 from server.base.helper import UnansweredError
 from server.base.provided import provided_to
 from server.base.settings import Settings
 from server.course import Course
-from server.database import Database
 from server.figures.service import Figures
 from server.grading.task import SentFile
 from server.identity.models import Role
@@ -474,37 +469,3 @@ def test_the_shapes_of_answers_are_those_of_the_schemas() -> None:
     spelt = '{\n  "n": entier,\n  "any": valeur JSON\n}'
     assert (shape(guide, several), shape(guide, maybe)) == (f"[{spelt}, …]", f"{spelt} | null")
     assert shape(guide, {"$ref": "#/c/s/Again"}).count("more") == 4, "a schema that holds itself ends"
-
-
-@pytest.fixture
-def address(sqlite: Database, settings: Settings, course: Course) -> Iterator[str]:
-    """The application behind a real socket, in a thread."""
-    app = create_app(settings.model_copy(update={"submission_refill_seconds": 0.0}), course=course)
-    draws(app, Drawer())
-    server = uvicorn.Server(http.configuration(app, grace=1))
-    listener = socket.create_server(("127.0.0.1", 0))
-    thread = threading.Thread(target=server.run, args=([listener],))
-    thread.start()
-    while not server.started:
-        assert thread.is_alive()
-        time.sleep(0.01)
-    yield f"http://127.0.0.1:{listener.getsockname()[1]}"
-    server.should_exit = True
-    thread.join()
-
-
-@pytest.mark.parametrize("mode", ["positive", "negative"])
-def test_the_answers_conform_to_the_document(
-    site: Site, address: str, mode: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Schemathesis, bounded: whatever is sent, fitting or not, the answer is one that the document announces."""
-    from .conformance import conforms, operations  # slow to import: in the process that runs this test alone
-
-    monkeypatch.setattr("server.api.submissions.LONGEST_WAIT", 0.01)  # nobody grades here
-    headers = site.token()
-    sent = site.submit(headers)
-    site.worker.step()
-    known = {"submission_id": sent["id"], "module": "l20", "slug": "poses", "name": "b"}
-    for operation in operations(f"{address}/api/v1/openapi.json"):
-        for path in ({}, known):
-            conforms(operation, mode, path, headers)

@@ -25,7 +25,7 @@ from server.database import Database
 from server.figures.service import Figures
 from server.grading.task import SentFile
 from server.identity.models import Role
-from tests.rights.test_routes import FORMS, Drawer, Stage, expected
+from tests.contract.rights.test_routes import FORMS, Drawer, Stage, expected
 from tests.support.classes import assign, new_class, person, seat
 from tests.support.client import TestClient
 from tests.support.service import EXERCISE, Site

@@ -6,7 +6,7 @@ A simulation by discrete events of two moments: a lesson that begins at the hour
 deadline at 23:59. Each request queues for a web process; each submission for the one place where turns are given
 (PostgreSQL puts jobs one at a time), for a grader, for the web again, and what is wrong for a picture. Times of
 service come from `region.toml`, or from a run of `tests.benchmarks.crowd --json`. The rest of the day is summed up by
-its means. `tests/queue/test_region.py` holds it to what queueing theory says.
+its means. `tests/contract/queue/test_region.py` holds it to what queueing theory says.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ from graders.scene.replay import (
     View,
     decimal,
 )
-from tests.replays.reading import cells, unpacked
+from tests.support.replays import cells, unpacked
 
 NUMBERS = st.floats(-3e4, 3e4, allow_nan=False)
 

@@ -23,7 +23,7 @@ from server.base.settings import Settings
 from server.course import Course, Exercise, load
 from server.database import Database
 from server.database.migrate import upgrade
-from tests.graders.reenactments import steady
+from tests.support.reenactments import steady
 
 T = TypeVar("T")
 
@@ -50,7 +50,7 @@ def _slow(case: Any) -> Any:
 
 @cache
 def the_course() -> Course:
-    """The real course, its texts left as they are, its graders of code steady (see `tests.graders.reenactments`)."""
+    """The real course, its texts left as they are, its graders of code steady (see `tests.support.reenactments`)."""
     course = load(render=False)
     modules = {name: replace(one, exercises=tuple(map(_steady, one.exercises))) for name, one in course.modules.items()}
     return replace(course, modules=modules)

@@ -10,7 +10,7 @@ from graders.core.compare.shrinking import Budget
 from graders.core.contract.findings import Judgement
 from graders.core.contract.local import LOCAL
 from graders.core.contract.verdict import Verdict
-from tests.graders.shipped import CODE
+from tests.support.shipped import CODE
 
 
 def judgement_of(exercise: str, source: str, seed: int) -> Judgement:

@@ -13,7 +13,7 @@ from graders.core.contract.verdict import CheckResult, Verdict
 from server.course import FunctionSpec
 from server.web import verdicts
 from server.web.rendering import environment
-from tests.graders.shipped import CODE
+from tests.support.shipped import CODE
 from tests.support.small_site import CHECK
 
 SHOW = '{% from "verdict.html" import show_verdict %}{{ show_verdict(verdict, 1) }}'

@@ -1,7 +1,7 @@
 """The hidden runs of l20/mcl: the same journeys for everybody, what a filter makes of them, and what is kept of it.
 
 How often an honest filter succeeds was measured on the right programs of `specimens/ok` and on weaker ones, 20 times
-each run (`tests/graders/l20/test_mcl.py`, slow, does it again): see the docstring of `grader`.
+each run (`tests/content/graders/l20/test_mcl.py`, slow, does it again): see the docstring of `grader`.
 """
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ from graders.core.contract.program import (
 from graders.core.contract.rows import Replies, Rows, by_columns
 from graders.core.contract.streams import stream
 from graders.robotics.poses import SamePose
-from tests.graders.shipped import CODE
+from tests.support.shipped import CODE
 
 slow = partial(pytest.param, marks=pytest.mark.slow)
 KIT = KitSettings("l20", {"libres": None, "portee_max": 12.0, "seed": 0})

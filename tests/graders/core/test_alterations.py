@@ -11,8 +11,8 @@ import pytest
 from graders.core.alterations.alterations import Alteration, alterations
 from graders.core.alterations.equivalents import read_equivalents, stale
 from graders.core.contract.malformed import MalformedExerciseError
-from tests.graders.shipped import CODE
 from tests.support.quick import some
+from tests.support.shipped import CODE
 
 
 def altered(line: str, head: str = "") -> set[str]:

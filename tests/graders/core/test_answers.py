@@ -18,7 +18,7 @@ from graders.core.answers.wording import Datum, NumericWording
 from graders.core.contract.findings import Judgement
 from graders.core.contract.malformed import MalformedExerciseError
 from graders.core.contract.outcomes import Outcome
-from tests.graders.answered import EXERCISES, ODOMETRY, PROOF, QUIZ, SEEDS, check_of, graded, grader_of
+from tests.support.answered import EXERCISES, ODOMETRY, PROOF, QUIZ, SEEDS, check_of, graded, grader_of
 from tests.support.quick import some
 
 #: Those whose answers are letters, and not numbers.

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from graders.core.answers.choice import ChoiceGrader
 from graders.core.answers.numeric import NumericGrader
 from graders.core.contract.outcomes import Outcome
-from tests.graders.answered import EXERCISES, PROOF, QUIZ, graded, grader_of
+from tests.support.answered import EXERCISES, PROOF, QUIZ, graded, grader_of
 
 MALFORMED = {
     b"": Outcome.SYNTAX_ERROR,

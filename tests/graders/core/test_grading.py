@@ -33,7 +33,7 @@ from graders.core.contract.program import (
 )
 from graders.core.contract.verdict import internal_error_verdict
 from graders.l20 import world
-from tests.graders.reenactments import CALLS_ONLY
+from tests.support.reenactments import CALLS_ONLY
 
 SOLUTION = "def double(x):\n    return 2 * x\n\ndef carre(x):\n    return x * x\n"
 

@@ -12,7 +12,7 @@ from graders.core.compare.search import Search
 from graders.core.compare.shrinking import Budget, Shrinker, complexity, neighbours, shrink_array
 from graders.core.contract.values import Arguments
 from graders.robotics.poses import angle_complexity, shrink_pose
-from tests.graders.reenactments import CALLS_ONLY
+from tests.support.reenactments import CALLS_ONLY
 
 poses = st.tuples(st.floats(-50, 50), st.floats(-50, 50), st.floats(-math.pi, math.pi)).map(np.array)
 

@@ -12,7 +12,7 @@ from graders.core.code.stateless import is_stateless
 from graders.core.contract.local import LOCAL
 from graders.core.contract.program import StudentFault
 from graders.l20 import world
-from tests.graders.shipped import CODE
+from tests.support.shipped import CODE
 
 KIT = {"np": np, "rng": np.random.default_rng(0), "libres": np.ones((3, 3), dtype=bool)}
 

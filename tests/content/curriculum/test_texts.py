@@ -1,0 +1,123 @@
+"""The pages of the course as they are served: whole HTML, links that arrive, cells that run."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from functools import cache
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import urldefrag
+
+import pytest
+
+from server.app import create_app
+from server.base.settings import Settings
+from server.cells.run import run
+from server.course.models import Cell
+from server.sandbox import Sandbox
+from tests.support.client import TestClient
+from tests.support.quick import migrated, the_course
+
+COURSE = the_course()
+PAGES = [f"/{one.module}/lire/{one.slug}" for module in COURSE.modules.values() for one in module.lessons]
+OTHERS = [f"/{slug}" for slug in COURSE.modules] + [f"/{slug}/glossaire" for slug in COURSE.modules]
+EXERCISES = [f"/{one.module}/exercices/{one.slug}" for one in COURSE.exercises.values()]
+CELLS = [
+    pytest.param(one.module, cell, id=f"{one.slug}-{cell.name}")
+    for module in COURSE.modules.values()
+    for one in module.lessons
+    for cell in one.cells
+]
+#: Characters of a line that the editor shows beside the statement in a window of 1280 pixels.
+EDITOR_COLUMNS = 66
+EMPTY = {"area", "base", "br", "col", "embed", "hr", "img", "input", "link", "meta", "source", "track", "wbr"}
+FOREIGN = {"line", "mspace", "path"}  # of SVG and MathML: these may close themselves
+
+
+class Page(HTMLParser):
+    """What a page holds. Raises AssertionError where its elements do not close as they open."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.ids: Counter[str] = Counter()
+        self.links: list[str] = []
+        self.images: list[tuple[str, str | None]] = []
+        self._open: list[str] = []
+        self.feed(html)
+        self.close()
+        assert not self._open, f"left open: {self._open}"
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self._look(tag, dict(attrs))
+        if tag not in EMPTY:
+            self._open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self._look(tag, dict(attrs))
+        assert tag in EMPTY | FOREIGN, f"<{tag}> closes itself"
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self._open, f"</{tag}> closes nothing"
+        opened = self._open.pop()
+        assert opened == tag, f"<{opened}> is closed by </{tag}> at {self.getpos()}"
+
+    def _look(self, tag: str, attributes: dict[str, str | None]) -> None:
+        if attributes.get("id"):
+            self.ids[str(attributes["id"])] += 1
+        if tag == "a" and attributes.get("href"):
+            self.links.append(str(attributes["href"]))
+        if tag == "img":
+            self.images.append((str(attributes.get("src")), attributes.get("alt")))
+
+
+@pytest.fixture(scope="module")
+def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
+    settings = Settings(data_dir=Path(tmp_path_factory.mktemp("data")), workers=0)
+    database = migrated(settings)
+    with TestClient(create_app(settings, course=COURSE)) as made:
+        yield made
+    database.close()
+
+
+@cache
+def seen(client: TestClient, path: str) -> Page:
+    answer = client.get(path)
+    assert answer.status_code == 200, path
+    return Page(answer.text if answer.headers["content-type"].startswith("text/html") else "")
+
+
+@pytest.mark.parametrize("path", [*PAGES, *OTHERS, *EXERCISES])
+def test_a_page_is_whole_and_its_links_arrive(client: TestClient, path: str) -> None:
+    page = seen(client, path)
+    assert [name for name, count in page.ids.items() if count > 1] == []
+    for link in page.links:
+        if link.startswith("https://"):
+            continue
+        target, anchor = urldefrag(link)
+        there = seen(client, target.split("?")[0]) if target else page
+        assert not anchor or anchor in there.ids, f"{link} leads nowhere"
+
+
+@pytest.mark.parametrize("path", PAGES)
+def test_every_figure_says_what_it_shows(client: TestClient, path: str) -> None:
+    """Drawing them all is the work of `tests/contract/figures/test_drawings.py`."""
+    for source, alt in seen(client, path).images:
+        if "/figures/" in source:
+            module, name = source.split("?")[0].strip("/").split("/figures/")
+            assert name.removesuffix(".svg") in COURSE.modules[module].drawings
+            assert alt
+
+
+@pytest.mark.parametrize(("module", "cell"), CELLS)
+def test_every_cell_runs_and_shows_something(course_sandbox: Sandbox, module: str, cell: Cell) -> None:
+    shown = run(course_sandbox, module, cell.code.encode())
+    assert shown.fault is None, shown.fault
+    assert shown.stdout or shown.figures
+    assert not shown.truncated
+    assert len(cell.code.splitlines()) <= 35, "short enough to be read at a glance"
+
+
+def test_a_starter_fits_the_editor() -> None:
+    lines = [(one.id, line) for one in COURSE.exercises.values() for line in one.starter.splitlines()]
+    assert [(name, line) for name, line in lines if len(line) > EDITOR_COLUMNS] == []

@@ -1,0 +1,53 @@
+"""l20/poses: honest styles pass on every seed, every catalogued mistake is named, figures draw."""
+
+import json
+from functools import partial
+from typing import Any
+
+import pytest
+
+from graders.core.contract.local import LOCAL
+from graders.plotting import counterexample
+from server.base.paths import ROOT as PROJECT
+from tests.support.quick import THEMES
+from tests.support.shipped import CODE
+from tests.support.verdicts import verdict_of
+
+GRADER = CODE["l20/poses"]
+verdict = partial(verdict_of, GRADER.exercise)
+
+SEEDS = range(10)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_solution_gets_full_marks(seed: int) -> None:
+    assert verdict(GRADER.solution, seed).score == 1.0
+
+
+def test_the_starter_earns_nothing() -> None:
+    starter = (PROJECT / "curriculum/l20/exercices/poses/starter.py").read_text(encoding="utf-8")
+    assert verdict(starter, 1).score == 0.0
+
+
+@pytest.mark.parametrize("path", sorted((GRADER.folder / "specimens/ok").glob("*.py")), ids=lambda p: p.stem)
+def test_honest_styles_pass(path: Any) -> None:
+    """On two seeds; on thirty, in `test_variety.py`."""
+    source = path.read_text(encoding="utf-8").replace("from l20 import np as numpy", "numpy = np")
+    for seed in range(2):
+        assert verdict(source, seed).score == 1.0
+
+
+def test_the_counterexample_of_a_forgotten_rotation_is_a_quarter_turn() -> None:
+    mistake = next(m for m in GRADER.misconceptions if m.id == "rotation_oubliee")
+    counterexample = verdict(mistake.source, 3).checks[0].counterexample
+    assert counterexample.inputs["a"][:2] == [0.0, 0.0]
+    assert counterexample.inputs["a"][2] == pytest.approx(1.5707963267948966)
+    assert sorted(map(abs, counterexample.inputs["b"])) == [0.0, 0.0, 1.0]
+
+
+@pytest.mark.parametrize("theme", THEMES)
+def test_figures_draw(theme: str) -> None:
+    mistake = next(m for m in GRADER.misconceptions if m.id == "degres_dans_cos")
+    figures = json.loads(json.dumps(GRADER.grade(mistake.source.encode(), LOCAL, seed=1, version="v").figures))
+    for check in ("composer_exemples", "relatif"):
+        assert counterexample(GRADER.exercise, figures[check], theme=theme).startswith(b"<?xml")

@@ -1,0 +1,111 @@
+"""Probes that are asked of the program that the checks were run on, beside what simplifies what these failed on."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from graders.core.code import beside as beside_
+from graders.core.code.beside import GIVEN_UP, LONGEST, PATIENCE, Beside
+from graders.core.code.grading import CodeGrader
+from graders.core.compare.shrinking import Budget
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import Foreseen, Reply, StudentFault
+from graders.core.contract.verdict import Verdict
+from tests.graders.core.test_ahead import Watched
+from tests.support.shipped import CODE
+
+POSES = replace(CODE["l20/poses"], budget=Budget(calls=20, seconds=math.inf))
+KEEPS = "_vu = []\n"
+
+
+def judged(source: str, programs: Watched, grader: CodeGrader = POSES) -> Verdict:
+    return grader.grade(source.encode(), programs, seed=5, version="v").verdict
+
+
+def told(verdict: Verdict) -> dict[str, object]:
+    return verdict.to_json() | {"timings": None}
+
+
+@pytest.mark.parametrize("exercise", ["l20/poses", "l20/odometrie"])
+def test_a_mistake_has_the_same_verdict_whether_it_is_named_by_the_same_process_or_by_another(exercise: str) -> None:
+    grader = replace(CODE[exercise], budget=Budget(calls=20, seconds=math.inf))
+    sources = [one.source for one in grader.misconceptions]
+    spared = 0
+    for source in sources:
+        beside, afresh = Watched(), Watched()
+        one, other = judged(source, beside, grader), judged(KEEPS + source, afresh, grader)
+        assert told(one) == told(other)
+        assert beside.launches <= afresh.launches
+        spared += afresh.launches - beside.launches
+    assert spared >= 0.8 * len(sources)
+
+
+def test_a_mistake_that_is_named_by_the_same_process_costs_no_exchange_of_its_own() -> None:
+    source = POSES.misconceptions[0].source
+    beside, afresh = Watched(), Watched()
+    assert told(judged(source, beside)) == told(judged(KEEPS + source, afresh))
+    assert (beside.launches, afresh.launches) == (1, 2)
+    assert beside.exchanges == afresh.exchanges - 1
+
+
+def test_what_only_identities_fail_on_is_asked_of_the_same_process_though_nothing_is_simplified() -> None:
+    """No check of its own is there to find `relatif` wrong."""
+    source = POSES.solution + "\ndef relatif(a, b):\n    return np.array([0.0, 0.0, 0.0])\n"
+    others = tuple(check for check in POSES.checks if check.id in ("composer_exemples", "identites", "arguments"))
+    grader = replace(POSES, checks=others)
+    beside, afresh = Watched(), Watched()
+    one = grader.grade(source.encode(), beside, seed=5, version="v").verdict
+    other = grader.grade((KEEPS + source).encode(), afresh, seed=5, version="v").verdict
+    assert told(one) == told(other)
+    assert (beside.launches, afresh.launches) == (1, 2)
+
+
+@pytest.mark.parametrize("deadly", [1, 5, 27])
+def test_a_program_that_dies_of_a_probe_is_asked_them_all_afresh(deadly: int) -> None:
+    source = POSES.misconceptions[0].source
+    assert POSES.prober is not None
+    first, alive = POSES.prober.probes[0], Watched()
+    verdict = judged(source, alive)
+    dies = Watched(alive.calls.index((first.function, str(first.calls[0]))) + deadly)
+    again = judged(source, dies)
+    assert again.misconception == verdict.misconception
+    assert [check.passed for check in again.checks] == [check.passed for check in verdict.checks]
+    assert dies.launches >= 2
+
+
+FIRST, SECOND, LAST = (Foreseen(name, ((1.0,),) * 10) for name in "fgh")
+REPLIES = tuple(Reply(0.5) for _ in range(10))
+
+
+def test_what_would_take_long_is_not_asked_beside_anything() -> None:
+    """The time that it takes is that of the simplification."""
+    beside = Beside()
+    beside.wait([FIRST, SECOND])
+    assert beside.begin(pace=1.01 * PATIENCE / 20) == ()
+    assert beside.begin(pace=0.99 * PATIENCE / 20) == [FIRST, SECOND]
+    assert beside.begin(pace=0.0) == (), "once"
+
+
+def taken(
+    seconds: float, last: StudentFault, monkeypatch: pytest.MonkeyPatch
+) -> list[tuple[Reply | StudentFault, ...] | None]:
+    """What is told of three series, of which the second has ended so after so many seconds."""
+    now = 100.0
+    monkeypatch.setattr(beside_.time, "perf_counter", lambda: now)
+    beside = Beside()
+    beside.wait([FIRST, SECOND, LAST])
+    beside.begin(0.0)
+    now += seconds
+    beside.take({FIRST: REPLIES, SECOND: (*REPLIES[:3], last), LAST: ()})
+    return [None if told is None else tuple(told) for told in map(beside.told, (FIRST, SECOND, LAST))]
+
+
+def test_who_hangs_for_long_is_waited_for_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    hung = StudentFault(Outcome.TIMEOUT, "Trop long.", fatal=True)
+    died = StudentFault(Outcome.RUNTIME_ERROR, "Mort.", fatal=True)
+    assert taken(1.1 * GIVEN_UP, hung, monkeypatch) == [REPLIES, (), ()]
+    assert taken(1.1 * GIVEN_UP, died, monkeypatch) == [None] * 3
+    assert taken(0.9 * LONGEST, hung, monkeypatch) == [None] * 3, "under limits of its own it may have come to an end"

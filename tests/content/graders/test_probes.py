@@ -1,0 +1,233 @@
+"""Mistakes recognised by mutants and probes, on a toy whose every mistake is known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from graders.core.code.mutations import Edit, Model
+from graders.core.code.prober import Prober
+from graders.core.code.probes import LARGEST, TOO_LARGE, Probes, Shown, same_seen, seen
+from graders.core.code.runner import Runner
+from graders.core.contract.local import LOCAL
+from graders.core.contract.outcomes import Outcome
+from graders.core.contract.program import Reply
+from graders.l20 import world
+from tests.support.quick import one_in, some
+from tests.support.shipped import CODE
+
+MODEL = """
+def aire(a, b):
+    cote = a + 1
+    autre = b - 2
+    return cote * autre
+
+
+def double(a, b):
+    return 2 * aire(a, b)
+"""
+
+
+def edit(name: str, *texts: str, functions: Sequence[str] = ("aire",)) -> Edit:
+    return Edit(name, tuple(zip(texts[::2], texts[1::2], strict=True)), frozenset(functions))
+
+
+EDITS = (
+    edit("plus_deux", "a + 1", "a + 2"),
+    edit("b_seul", "b - 2", "b"),
+    edit("somme", "cote * autre", "cote + autre"),
+    edit("triple", "2 * aire", "3 * aire", functions=["double"]),
+    edit("a_seul", "a + 1", "a"),
+    Edit("oppose", (("return cote", "return -cote"),)),
+)
+STYLE = edit("", "cote * autre", "float(cote * autre)")
+CALLS = tuple((float(a), float(b)) for a, b in ((1, 5), (2, 7), (4, 3), (0, 9)))
+
+
+def shifted(shown: Shown) -> str | None:
+    gaps = {float(a) - float(b) for a, b in zip(shown.got, shown.right, strict=True) if isinstance(a, float)}
+    return "decale" if len(gaps) == 1 else None
+
+
+def prober(**changes: Any) -> Prober:
+    common: dict[str, Any] = {"calls": CALLS, "kit": world.STILL, **changes}
+    probes = (Probes(function="aire", rules=(shifted,), **common), Probes(function="double", **common))
+    return Prober(Model(MODEL, EDITS, (STYLE,)), probes)
+
+
+PROBER = prober()
+
+
+def named(source: str, functions: Sequence[str] = ("aire", "double"), asked: Prober = PROBER) -> tuple[str, ...]:
+    runner = Runner(LOCAL, source.encode(), world.STILL)
+    try:
+        return asked.recognise(runner, functions, functions)[0]
+    finally:
+        runner.close()
+
+
+def written(cote: str, autre: str, both: str = "{} * {}", double: str = "2 * aire(x, y)") -> str:
+    return f"def aire(x, y):\n    return {both.format(cote, autre)}\n\ndef double(x, y):\n    return {double}\n"
+
+
+@pytest.mark.parametrize(
+    ("source", "mistakes"),
+    [
+        (written("(x + 1)", "(y - 2)"), ()),
+        (written("(x + 2)", "(y - 2)"), ("plus_deux",)),
+        (written("(x + 2)", "y"), ("plus_deux", "b_seul")),
+        (written("(x + 2)", "y", "{} + {}"), ()),  # three at once, and no facet tells two of them
+        (written("(x + 1)", "(y - 2)", "{} * {} + 7"), ("decale",)),
+        (written("(x + 1)", "(y - 2)", double="3 * aire(x, y)"), ("triple",)),
+        (written("(x + 2)", "(y - 2)", double="3 * aire(x, y)"), ("plus_deux", "triple")),
+        (written("x ** 3", "y ** 2"), ()),
+        (written("(x + 1)", "(y - 2)", "[{} * {}][1]"), ()),
+        (
+            "def aire(x, y):\n    return -(x + 1) * (y - 2)\n\ndef double(x, y):\n    return 2 * aire(x, y)\n",
+            ("oppose",),
+        ),
+    ],
+)
+def test_one_mistake_or_two_are_recognised_whatever_the_style(source: str, mistakes: tuple[str, ...]) -> None:
+    assert named(source) == mistakes
+
+
+def test_no_mistake_of_a_function_that_is_not_blamed_is_named() -> None:
+    source = "def aire(x, y):\n    return (x + 1) * (y - 2)\n\ndef double(x, y):\n    return 2 * (x + 2) * (y - 2)\n"
+    assert named(source, ["double"]) == ()
+    assert named(source, ["aire", "double"]) == ("plus_deux",)
+
+
+def test_a_facet_tells_three_mistakes_at_once() -> None:
+    model = Model("def f(x):\n    return [x + 1, x + 10, x * 5]\n", (
+        edit("un", "x + 1,", "x - 1,", functions=["f"]),
+        edit("dix", "x + 10", "x - 10", functions=["f"]),
+        edit("cinq", "x * 5", "x / 5", functions=["f"]),
+    ))  # fmt: skip
+    calls = tuple((float(x),) for x in (1, 2, 3))
+    source = "def f(x):\n    return (x - 1, x - 10, x / 5)\n"
+    whole = Probes(function="f", calls=calls, kit=world.STILL)
+    parts = Probes(function="f", calls=calls, kit=world.STILL, facet=lambda args, shown: shown[:2])
+    assert named(source, ["f"], Prober(model, [whole])) == ()
+    assert named(source, ["f"], Prober(model, [parts])) == ("un", "dix", "cinq")
+
+
+def test_mistakes_that_look_the_same_leave_what_they_share_or_nothing() -> None:
+    twin = (*EDITS, edit("jumeau", "a + 1", "a + 3 - 1"))
+    twins = Prober(Model(MODEL, twin, ()), PROBER.probes)
+    assert named(written("(x + 2)", "(y - 2)"), asked=twins) == ()
+    assert named(written("(x + 2)", "y"), asked=twins) == ("b_seul",)
+
+
+def test_exceptions_alone_are_not_explained_by_two_mistakes() -> None:
+    edits = (edit("nul", "a + 1", "0 * a"), edit("quotient", "cote * autre", "autre / cote"))
+    asked = Prober(Model(MODEL, edits), (Probes(function="aire", calls=CALLS, kit=world.STILL),))
+    assert named(written("(x + 1)", "(y - 2)", "{1} / {0}"), asked=asked) == ("quotient",)
+    assert named(written("(0 * x)", "(y - 2)", "{1} / {0}"), asked=asked) == ()
+
+
+def test_a_function_that_remembers_is_told_so() -> None:
+    source = "seen = []\n" + written("(x + 1 + len(seen))", "(y - 2)").replace(
+        "return", "seen.append(1)\n    return", 1
+    )
+    assert named(source, ["aire"]) == ("memoire",)
+
+
+@pytest.mark.parametrize("draw", ["rng.normal()", "np.random.default_rng().normal()"])
+def test_a_function_that_draws_is_told_apart_from_one_that_remembers(draw: str) -> None:
+    assert named(written(f"(x + 1 + {draw})", "(y - 2)"), ["aire"]) == ("hasard",)
+    assert named("np.random.seed(3)\n" + written("(x + 1 + np.random.normal())", "(y - 2)"), ["aire"]) == ("memoire",)
+
+
+def test_a_program_that_is_slow_is_not_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("graders.core.code.prober.LONGEST", -1.0)
+    assert named(written("(x + 2)", "(y - 2)")) == ()
+
+
+ODD = ("None", "'texte'", "[]", "[[1, 2], [3]]", "np.nan", "np.full((3, 3), np.inf)", "10 ** 400", "{}", "(1, 2)",
+       "(np.zeros((2, 2)), np.zeros(2))", "([1.0], [[1, 2], [3]])", "np.zeros((2, 0))", "[None, 1]", "1j",
+       "[1].pop(3)")  # fmt: skip
+
+
+def of(exercise: str) -> Prober:
+    asked = CODE[exercise].prober
+    assert asked is not None
+    return asked
+
+
+def asked_of_odd(prober: Prober) -> None:
+    for probes in some(prober.probes):
+        for odd in ODD:
+            functions = sorted(prober.functions)
+            source = "\n".join(f"def {name}(*args):\n    return {odd}\n" for name in functions)
+            runner = Runner(LOCAL, source.encode(), world.STILL)
+            prober.recognise(runner, [probes.function], [])
+            runner.close()
+
+
+@pytest.mark.parametrize("exercise", CODE)
+def test_no_answer_upsets_the_rules_of_an_exercise(exercise: str) -> None:
+    """Without its edits, of which hundreds of mutants would be made before a rule is asked."""
+    prober = of(exercise)
+    asked_of_odd(Prober(replace(prober.model, edits=()), prober.probes))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("exercise", CODE)
+def test_no_answer_upsets_the_prober_of_an_exercise(exercise: str) -> None:
+    asked_of_odd(of(exercise))
+
+
+@pytest.mark.parametrize("rest", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2))])
+@pytest.mark.parametrize("exercise", CODE)
+def test_every_mistake_that_is_an_edit_is_recognised(exercise: str, rest: int) -> None:
+    """One in three in the fast suite, the others in the slow one."""
+    grader = CODE[exercise]
+    for mistake in some([one for one in grader.misconceptions if not one.whole][rest::3]):
+        runner = Runner(LOCAL, mistake.source.encode(), world.STILL)
+        found, last, _ = of(exercise).recognise(runner, mistake.functions, [])
+        assert mistake.id in (found or last), mistake.id
+        runner.close()
+
+
+@pytest.mark.parametrize("exercise", CODE)
+def test_the_solution_answers_the_probes_as_the_model_does(exercise: str) -> None:
+    grader = CODE[exercise]
+    runner = Runner(LOCAL, grader.solution.encode(), world.STILL)
+    with np.errstate(all="ignore"):
+        assert of(exercise).recognise(runner, grader.functions, [])[:2] == ((), ())
+    runner.close()
+
+
+HONEST = [
+    (exercise, one.path.stem, text)
+    for exercise, grader in CODE.items()
+    for one in grader.specimens()
+    # Outside the sandbox what a file imports from its kit is not set for an execution: those files are left out.
+    if one.outcome is Outcome.OK and "from l20" not in (text := one.path.read_text("utf-8"))
+]
+
+
+@pytest.mark.parametrize(("exercise", "name", "text"), one_in(4, HONEST))
+def test_no_right_program_is_named_by_the_probes(exercise: str, name: str, text: str) -> None:
+    """They are asked where a check failed, and it may have failed by something else."""
+    runner = Runner(LOCAL, text.encode(), world.STILL)
+    with np.errstate(all="ignore"):
+        assert of(exercise).recognise(runner, CODE[exercise].functions, [])[:2] == ((), ())
+    runner.close()
+
+
+def test_what_was_seen_is_the_same_as_itself_only() -> None:
+    values: list[Any] = ["a", ["a", np.zeros(2)], np.zeros(2), np.ones(2), None, 1.0, ["a", np.ones(2)]]
+    for one in values:
+        for other in values:
+            assert same_seen(one, other) == (one is other)
+
+
+def test_of_a_large_answer_nothing_is_kept() -> None:
+    for value in (np.zeros(LARGEST + 1), ["masque", np.zeros(LARGEST + 1)]):
+        assert seen((), Reply(value), lambda args, value: value) == TOO_LARGE

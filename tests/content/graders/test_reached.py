@@ -1,0 +1,64 @@
+"""What a function of a model reaches: what it answers depends on nothing else."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import pytest
+
+from graders.core.code.mutants import Mutants
+from graders.core.code.probes import Fault, Probes, Seen
+from graders.core.code.reached import BETWEEN, reached
+from graders.core.contract.local import called, kit_names
+from tests.support.shipped import CODE
+
+PROBED = {name: grader for name, grader in CODE.items() if grader.prober is not None}
+
+
+def test_what_is_mentioned_is_reached_however_deep() -> None:
+    pieces = [
+        "import math\nfrom os import path as chemin",
+        "LIMIT = math.pi",
+        "def wrap(angle):\n    return angle % LIMIT",
+        "def alone(x):\n    return chemin",
+        "def asked(xs, f=lambda x: (lambda y: wrap(y))(x)):\n    return [f(x) for x in xs]",
+        "class Other:\n    def go(self):\n        return Base",
+        "class Base:\n    pass",
+    ]
+    text = BETWEEN.join(pieces)
+    kept = {name: [pieces.index(piece.text) for piece in reached(text, name)] for name in ("asked", "alone", "Other")}
+    assert kept == {"asked": [0, 1, 2, 4], "alone": [0, 1, 3], "Other": [5, 6]}, (
+        "one too many: LIMIT mentions `math` too"
+    )
+    assert reached(text, "nobody") == ()
+
+
+def test_what_is_made_twice_is_kept_twice_in_its_order() -> None:
+    text = BETWEEN.join(["def f(x):\n    return x", "right = f", "def f(x):\n    return -right(x)"])
+    assert len(reached(text, "f")) == 3
+
+
+def _by_the_whole_text(text: str, probes: Probes) -> Seen:
+    names: dict[str, Any] = {"__name__": "mutant", **kit_names(probes.kit), **probes.given}
+    exec(compile(text, "<whole>", "exec", dont_inherit=True), names)
+    args = probes.calls[0]
+    try:
+        value = called(names, probes.function, copy.deepcopy(args))
+    except Exception as error:
+        return Fault(type(error).__name__)
+    return probes.read(args, value)
+
+
+@pytest.mark.parametrize("name", PROBED)
+def test_the_whole_text_answers_as_what_is_reached_of_it(name: str) -> None:
+    """The last of those that share their answers, which the first has given; of a few, that it costs little."""
+    prober = PROBED[name].prober
+    assert prober is not None
+    mutants = Mutants(prober.model, prober.probes, ())
+    for index, probes in enumerate(prober.probes):
+        rows = [*mutants.all(index, 0), *mutants.all(index, 1)]
+        first, last = ({row.told: row for row in some} for some in (reversed(rows), rows))
+        for told, row in list(first.items())[::9]:
+            answer = mutants._answer(index, row, 0)
+            assert probes.same(_by_the_whole_text(last[told].mutant.text, probes), answer), last[told].mutant.ids

@@ -1,0 +1,191 @@
+"""Every page of a class, of the demonstration's class as it is loaded: axe in both themes, and a phone's width."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from uuid import UUID
+from zlib import crc32
+
+import pytest
+from sqlalchemy import select
+
+from graders.core.code.plain import packed
+from graders.core.contract.findings import Judgement
+from graders.core.contract.verdict import Diagnosis
+from server.assignments.models import AssignedExercise, Assignment, Mode
+from server.base.settings import Settings
+from server.behaviour.models import BehaviourGroup, Fingerprint
+from server.classes import repository as classes
+from server.classes.models import Seat
+from server.database import Database
+from server.demo.loading import Loaded, load
+from server.gradebook.models import Grading
+from server.identity.models import Account
+from server.regrades.models import Regrade
+from server.submissions.models import Submission
+from tests.contract.browser.conftest import NewVisit, Server, enters, serving
+from tests.contract.browser.test_accessibility import check
+from tests.contract.rights.test_routes import expected
+from tests.support.quick import migrated, the_course
+from tests.support.service import fake_verdict
+from tests.support.shared import shared
+
+EXERCISE, MISTAKE, GROUP = "l20/kabsch", "rotation_transposee", "a1b2c3d4e5"
+CLASS = "/classes/{class_id}"
+ONE = CLASS + "/devoirs/{aid}"
+#: What a browser saves, or listens to: no page.
+NOT_PAGES = {
+    CLASS + "/carnet/copies",
+    CLASS + "/carnet/fichier",
+    CLASS + "/evenements",
+    CLASS + "/groupes/{module}/{slug}/{group}/erreur.zip",
+    CLASS + "/journal/fichier",
+    CLASS + "/recalculs/{regrade_id}/evenements",
+    ONE + "/amenagements.csv",
+}
+#: Each kind of page, and the queries that make it another one.
+STAFF: dict[str, tuple[str, ...]] = {
+    "/classes": ("",),
+    CLASS: ("", "?tri=bloques", "?groupe=TP1"),
+    CLASS + "/carnet": ("", "?devoir={aid}", "?colonne=moyenne"),
+    CLASS + "/carnet/{student}/{assignment_id}": ("",),
+    CLASS + "/code": ("",),
+    CLASS + "/devoirs": ("",),
+    CLASS + "/devoirs/nouveau": ("",),
+    ONE: ("",),
+    ONE + "/amenagements": ("",),
+    ONE + "/modifier": ("",),
+    ONE + "/pourquoi": ("?eleve={student}",),
+    CLASS + "/devoirs/{assignment_id}/ressemblances": ("", "?exercice=" + EXERCISE),
+    CLASS + "/eleves": ("",),
+    CLASS + "/eleves/{student}": ("",),
+    CLASS + "/eleves/{student}/comme": ("",),
+    CLASS + "/eleves/{student}/{module}/{slug}": ("",),
+    CLASS + "/erreurs/{module}/{slug}/{mistake}": ("",),
+    CLASS + "/erreurs/{module}/{slug}/{mistake}/projeter": ("", "?choix=oui"),
+    CLASS + "/groupes/{module}/{slug}/{group}": ("",),
+    CLASS + "/journal": ("",),
+    CLASS + "/liste": ("",),
+    CLASS + "/mots": ("", "?exercice=" + EXERCISE),
+    CLASS + "/previsions": ("",),
+    CLASS + "/questions": ("", "?etat=toutes"),
+    CLASS + "/recalculs": ("",),
+    CLASS + "/recalculs/{regrade_id}": ("",),
+    CLASS + "/reglages": ("",),
+}
+STUDENT: dict[str, tuple[str, ...]] = {
+    "/classes": ("",),
+    CLASS: ("",),
+    ONE + "/pourquoi": ("",),
+    CLASS + "/devoirs/{assignment_id}/composer": ("",),
+}
+
+
+def test_each_page_of_a_class_is_walked() -> None:
+    pages = {name.removeprefix("GET ") for name in expected() if re.match(r"GET /classes\b", name)}
+    assert set(STAFF) | set(STUDENT) == pages - NOT_PAGES
+    assert pages >= NOT_PAGES
+
+
+@dataclass(frozen=True)
+class Walk:
+    """The demonstration's class, served."""
+
+    server: Server
+    database: Database
+    teacher: Account
+    student: Account
+    values: dict[str, str]
+
+    def paths(self, pages: dict[str, tuple[str, ...]]) -> Iterator[str]:
+        for page, queries in pages.items():
+            values = self.values
+            if page.endswith("/composer"):
+                values = {**values, "assignment_id": values["test"]}
+            yield from ((page + query).format(**values) for query in queries)
+
+
+def grade(exercise: str, source: bytes, seed: int) -> Judgement:
+    """Half of what is sent is wrong; at one exercise that has a name, but for a few."""
+    kind = crc32(source) % 8
+    verdict = fake_verdict("# outcome: wrong_answer" if kind < 4 else "", seed)
+    named = exercise == EXERCISE and 0 < kind < 4
+    diagnosis = Diagnosis(MISTAKE, "Une erreur connue", "Voici pourquoi.") if named else None
+    return Judgement(replace(verdict, exercise=exercise, diagnosis=diagnosis))
+
+
+@pytest.fixture(scope="module")
+def walk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Walk]:
+    @contextmanager
+    def start(data: Path) -> Iterator[str]:
+        settings = Settings(data_dir=data)
+        database, course = migrated(settings), the_course()
+        module = course.modules["l20"]
+        loaded = load(database, course, module, grade, settings, seed=3, students=8, told=lambda _done, _all: None)
+        _one_of_each(database, loaded)
+        database.close()
+        with serving(data) as told:
+            yield f"{told} {loaded.class_id}"
+
+    with shared(tmp_path_factory, "balise-walk", start) as told:
+        *server, made = told.split()
+        served = Server(*server)
+        database = Database(Settings(data_dir=Path(served.data)).url)
+        yield _found(served, database, UUID(made))
+        database.close()
+
+
+def _one_of_each(database: Database, loaded: Loaded) -> None:
+    """What the demonstration's workers and its teacher would make later: a group of behaviour, a regrade."""
+    with database.write() as db:
+        sent = select(Grading.id).join(Submission, Submission.grading_id == Grading.id)
+        graded = db.scalars(sent.where(Submission.exercise == EXERCISE).order_by(Submission.created_at)).first()
+        values = {"exercise_version": "v1", "structure": "", "projection": 0.0, "answers": packed(()), "functions": []}
+        db.add(BehaviourGroup(id=GROUP, exercise=EXERCISE, example=None, **values))
+        db.add(Regrade(class_id=loaded.class_id, exercise=EXERCISE, policy="replace"))
+        db.flush()
+        db.add(Fingerprint(grading_id=graded, group_id=GROUP))
+
+
+def _found(server: Server, database: Database, class_id: UUID) -> Walk:
+    with database.read() as db:
+        people = classes.members(db, class_id)
+        given = db.scalars(select(Assignment).where(Assignment.class_id == class_id)).all()
+        homes = db.scalars(select(AssignedExercise.assignment_id).where(AssignedExercise.exercise == EXERCISE)).all()
+        home = next(one for one in given if one.id in homes and one.mode != Mode.test)
+        test = max((one for one in given if one.mode == Mode.test), key=lambda one: one.opens_at)
+        at_work = db.scalars(select(Submission.account_id).where(Submission.exercise == EXERCISE)).first()
+        student = db.get_one(Account, at_work)
+        teacher = db.get_one(Account, next(one.id for one in people if one.membership.role == Seat.teacher))
+        values = {
+            "class_id": class_id,
+            "aid": home.id,
+            "assignment_id": home.id,
+            "test": test.id,
+            "student": student.id,
+            "module": EXERCISE.split("/", maxsplit=1)[0],
+            "slug": EXERCISE.split("/")[1],
+            "mistake": MISTAKE,
+            "group": GROUP,
+            "regrade_id": db.scalars(select(Regrade.id)).one(),
+        }
+    return Walk(server, database, teacher, student, {name: str(value) for name, value in values.items()})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("who", ["teacher", "student"])
+def test_axe_finds_nothing_and_nothing_is_wider_than_a_phone(visit: NewVisit, walk: Walk, who: str) -> None:
+    visitor = visit(at=walk.server)
+    enters(visitor, walk.database, walk.teacher if who == "teacher" else walk.student)
+    for path in walk.paths(STAFF if who == "teacher" else STUDENT):
+        visitor.page.set_viewport_size({"width": 1280, "height": 800})
+        answer = visitor.page.goto(walk.server.address + path)
+        assert answer is not None, path
+        assert answer.status == 200, path
+        check(visitor, f"{who}: {path}")
+        visitor.page.set_viewport_size({"width": 390, "height": 844})
+        assert visitor.page.evaluate("document.documentElement.scrollWidth") == 390, path
