@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 import pytest
@@ -21,6 +22,9 @@ from server.identity.models import Account, BrowserSession
 from server.identity.secrets import digest, new_token
 from tests.support.chromium import chromium
 from tests.support.shared import shared
+
+if TYPE_CHECKING:
+    from playwright.sync_api import ConsoleMessage, Request
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 Browser, Page = sync_api.Browser, sync_api.Page
@@ -173,11 +177,11 @@ def _watch(visit: Visit) -> None:
     host = urlsplit(visit.server.address).netloc
     note = visit.faults.append
 
-    def request(sent: sync_api.Request) -> None:
+    def request(sent: Request) -> None:
         if not sent.url.startswith(("data:", "blob:")) and urlsplit(sent.url).netloc != host:
             note(f"remote request: {sent.url}")
 
-    def console(message: sync_api.ConsoleMessage) -> None:
+    def console(message: ConsoleMessage) -> None:
         if message.type in {"error", "warning"}:
             note(f"console: {message.text}")
 
