@@ -1,4 +1,4 @@
-"""What the attempts of a class say of its exercises, of their hints and of its misconceptions."""
+"""Statistics over the attempts of a class: its exercises, hints and misconceptions, and its activity. Pure."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from collections.abc import Mapping, Sequence
 from datetime import datetime, timedelta
 from itertools import pairwise
 from statistics import correlation
+from typing import NamedTuple
 from uuid import UUID
 
+from server.board.attempts import FirstSuccess, Pair, first_success, improvements_after_hints
 from server.board.schemas import (
     FEWEST_FOR_A_CORRELATION,
     FEWEST_FOR_A_SHARE,
@@ -19,118 +21,128 @@ from server.board.schemas import (
     ImprovementStats,
     MisconceptionStats,
 )
-from server.board.states import median_of
-from server.board.trails import Pair, Trails, after_hints
+from server.board.stuck import median_or_none
 from server.course import Course
+from server.gradebook.histories import AttemptsByPair
 from server.gradebook.schemas import HINT_OPENS_AFTER
 from server.gradebook.standings import StandingTotals
 from server.submissions.service import digest
 
 LESSON, SLOT = timedelta(hours=2), timedelta(minutes=5)
 DAYS = 14
-DUST = 1e-9  # what rounding leaves where nothing varies
-Whole = tuple[float, int]
+ROUNDING_NOISE = 1e-9
 
 
-def items(
-    exercises: Sequence[str], standings: Mapping[Pair, StandingTotals], trails: Trails
+class ScoreSum(NamedTuple):
+    """The sum of a student's best scores, and the number of exercises that they have tried."""
+
+    total: float
+    exercises: int
+
+
+def exercise_stats(
+    exercises: Sequence[str], standings: Mapping[Pair, StandingTotals], attempts: AttemptsByPair
 ) -> tuple[ExerciseStats, ...]:
-    """Of each exercise."""
-    solved: dict[str, list[tuple[int, float]]] = defaultdict(list)
-    for (_, exercise), trail in trails.items():
-        if found := trail.first_success:
-            solved[exercise].append(found)
-    tried, whole = _scores(standings)
-    return tuple(_item(name, tried.get(name, {}), solved.get(name, []), whole) for name in exercises)
+    """Return the statistics of each exercise."""
+    successes: dict[str, list[FirstSuccess]] = defaultdict(list)
+    for (_, exercise), own_attempts in attempts.items():
+        if success := first_success(own_attempts):
+            successes[exercise].append(success)
+    scores, sums = _best_scores(standings)
+    return tuple(_stats_of(name, scores.get(name, {}), successes.get(name, []), sums) for name in exercises)
 
 
-def _scores(
+def _best_scores(
     standings: Mapping[Pair, StandingTotals],
-) -> tuple[Mapping[str, Mapping[UUID, float]], Mapping[UUID, Whole]]:
-    """By exercise, the best score of each student who has tried it; and what these come to for each student."""
-    found: dict[str, dict[UUID, float]] = defaultdict(dict)
-    whole: dict[UUID, Whole] = defaultdict(lambda: (0.0, 0))
-    for (account, exercise), sums in standings.items():
-        found[exercise][account] = sums.best_score
-        total, count = whole[account]
-        whole[account] = (total + sums.best_score, count + 1)
-    return found, whole
+) -> tuple[Mapping[str, Mapping[UUID, float]], Mapping[UUID, ScoreSum]]:
+    """Return the best score of each student, by exercise; and the sum of each student's best scores."""
+    scores: dict[str, dict[UUID, float]] = defaultdict(dict)
+    sums: dict[UUID, ScoreSum] = defaultdict(lambda: ScoreSum(0.0, 0))
+    for (account_id, exercise), totals in standings.items():
+        scores[exercise][account_id] = totals.best_score
+        total, count = sums[account_id]
+        sums[account_id] = ScoreSum(total + totals.best_score, count + 1)
+    return scores, sums
 
 
-def _item(
-    exercise: str, mine: Mapping[UUID, float], solved: Sequence[tuple[int, float]], whole: Mapping[UUID, Whole]
+def _stats_of(
+    exercise: str, scores: Mapping[UUID, float], successes: Sequence[FirstSuccess], sums: Mapping[UUID, ScoreSum]
 ) -> ExerciseStats:
-    correlation, paired = item_rest(mine, whole)
+    discrimination, paired = item_rest_correlation(scores, sums)
     return ExerciseStats(
         exercise=exercise,
-        n=len(mine),
-        solved=len(solved),
-        success=len(solved) / len(mine) if len(mine) >= FEWEST_FOR_A_SHARE else None,
-        median_attempts=median_of([attempts for attempts, _ in solved]),
-        median_minutes=median_of([minutes for _, minutes in solved]),
-        discrimination=correlation,
+        n=len(scores),
+        solved=len(successes),
+        success=len(successes) / len(scores) if len(scores) >= FEWEST_FOR_A_SHARE else None,
+        median_attempts=median_or_none([success.attempts for success in successes]),
+        median_minutes=median_or_none([success.minutes for success in successes]),
+        discrimination=discrimination,
         paired=paired,
     )
 
 
-def item_rest(mine: Mapping[UUID, float], whole: Mapping[UUID, Whole]) -> tuple[float | None, int]:
-    """The correlation of scores here with the mean of the same students' scores elsewhere; over how many students.
+def item_rest_correlation(scores: Mapping[UUID, float], sums: Mapping[UUID, ScoreSum]) -> tuple[float | None, int]:
+    """Return the correlation of the scores at an exercise with the mean of the same students' other scores, and the
+    number of students.
 
-    `whole`: the sum of each student's scores, this one among them, and how many there are.
+    `sums`: the sum of each student's best scores, that at this exercise among them. The correlation is None for few
+    students, or where either side does not vary.
     """
     pairs = []
-    for account, score in mine.items():
-        total, count = whole[account]
+    for account_id, score in scores.items():
+        total, count = sums[account_id]
         if count > 1:
             pairs.append((score, (total - score) / (count - 1)))
     if len(pairs) < FEWEST_FOR_A_CORRELATION:
         return None, len(pairs)
     here, elsewhere = zip(*pairs, strict=True)
-    if max(here) - min(here) < DUST or max(elsewhere) - min(elsewhere) < DUST:
+    if max(here) - min(here) < ROUNDING_NOISE or max(elsewhere) - min(elsewhere) < ROUNDING_NOISE:
         return None, len(pairs)
     return round(correlation(here, elsewhere), 3), len(pairs)
 
 
-def helped(misconceptions: Sequence[MisconceptionStats]) -> tuple[ImprovementStats, ...]:
-    """What came after each misconception was first told, the commonest first."""
-    told = [
-        ImprovementStats(one.exercise, one.title, one.followed, one.improved) for one in misconceptions if one.followed
-    ]
-    return tuple(sorted(told, key=lambda one: -one.n))
+def improvements(misconceptions: Sequence[MisconceptionStats]) -> tuple[ImprovementStats, ...]:
+    """Return how often the attempt after each misconception's first one scored more, the commonest first."""
+    stats = [ImprovementStats(one.exercise, one.title, one.followed, one.improved) for one in misconceptions]
+    return tuple(sorted((one for one in stats if one.n), key=lambda one: -one.n))
 
 
-def hints(course: Course, exercises: Sequence[str], trails: Trails) -> tuple[HintStats, ...]:
-    """What came after each hint had opened; it is not known who has read it."""
+def hint_stats(course: Course, exercises: Sequence[str], attempts: AttemptsByPair) -> tuple[HintStats, ...]:
+    """Return how often the attempt after the opening of each hint scored more; who has read it is not known."""
     starters = {name: digest(one.starter) for name in exercises if (one := course.exercises.get(name)) is not None}
-    found: dict[str, dict[int, list[bool]]] = defaultdict(lambda: defaultdict(list))
-    for (_, exercise), trail in trails.items():
-        for failures, better in after_hints(trail, starters.get(exercise), HINT_OPENS_AFTER):
-            found[exercise][failures].append(better)
-    return tuple(HintStats(name, _levels(name, found[name])) for name in exercises if name in found)
+    improved: dict[str, dict[int, list[bool]]] = defaultdict(lambda: defaultdict(list))
+    for (_, exercise), own_attempts in attempts.items():
+        for failures, better in improvements_after_hints(own_attempts, starters.get(exercise), HINT_OPENS_AFTER):
+            improved[exercise][failures].append(better)
+    return tuple(HintStats(name, _by_hint(name, improved[name])) for name in exercises if name in improved)
 
 
-def _levels(exercise: str, found: Mapping[int, Sequence[bool]]) -> tuple[ImprovementStats, ...]:
+def _by_hint(exercise: str, improved: Mapping[int, Sequence[bool]]) -> tuple[ImprovementStats, ...]:
     return tuple(
-        ImprovementStats(exercise, f"Indice {level}", len(found.get(failures, ())), sum(found.get(failures, ())))
+        ImprovementStats(exercise, f"Indice {level}", len(improved.get(failures, ())), sum(improved.get(failures, ())))
         for level, failures in enumerate(HINT_OPENS_AFTER, 1)
     )
 
 
+def slot_begin(now: datetime) -> datetime:
+    """Return the begin of the present slot, on which alone the edges of `activity` depend."""
+    return now.replace(minute=now.minute - now.minute % 5, second=0, microsecond=0)
+
+
 def activity(times: Sequence[datetime], now: datetime) -> tuple[tuple[ActivitySlot, ...], tuple[ActivitySlot, ...]]:
-    """The attempts of a lesson's time by slots of some minutes, and of two weeks by days (UTC), until now.
+    """Count the attempts of the last two hours by slots of five minutes, and of the last two weeks by days (UTC).
 
     `times`: when each was sent, the oldest first.
     """
-    minute = now.replace(second=0, microsecond=0)
-    begins = minute - timedelta(minutes=minute.minute % 5) - LESSON + SLOT
+    begin = slot_begin(now) - LESSON + SLOT
     today = now.replace(hour=0, minute=0, second=0, microsecond=0)
-    lesson = [begins + SLOT * place for place in range(LESSON // SLOT + 1)]
-    days = [today + timedelta(days=place - DAYS + 1) for place in range(DAYS + 1)]
-    return _slots(times, lesson), _slots(times, days)
+    lesson = [begin + SLOT * index for index in range(LESSON // SLOT + 1)]
+    days = [today + timedelta(days=index - DAYS + 1) for index in range(DAYS + 1)]
+    return _count_slots(times, lesson), _count_slots(times, days)
 
 
-def _slots(times: Sequence[datetime], edges: Sequence[datetime]) -> tuple[ActivitySlot, ...]:
-    places = [bisect_left(times, edge) for edge in edges]
+def _count_slots(times: Sequence[datetime], edges: Sequence[datetime]) -> tuple[ActivitySlot, ...]:
+    indices = [bisect_left(times, edge) for edge in edges]
     return tuple(
-        ActivitySlot(edge, after - before) for edge, (before, after) in zip(edges, pairwise(places), strict=False)
+        ActivitySlot(edge, after - before) for edge, (before, after) in zip(edges, pairwise(indices), strict=False)
     )

@@ -160,7 +160,7 @@ class LiveBoards:
         """The same reading again where nothing of the class was graded meanwhile; in a thread."""
         last, began = channel.last, time.monotonic()
         with self._database.read() as db:
-            pulse = repository.pulse(db, class_id)
+            pulse = repository.load_pulse(db, class_id)
             if last is not None and last.pulse == pulse and began - last.read_at < AS_TIME_GOES:
                 return last
             school_class = classes.by_id(db, class_id)

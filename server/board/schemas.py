@@ -1,13 +1,14 @@
-"""What the board of a class holds."""
+"""The contents of the board of a class."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass
 from datetime import datetime
 from enum import StrEnum
 from functools import cached_property
 from hashlib import blake2b
+from typing import NamedTuple
 from uuid import UUID
 
 
@@ -22,7 +23,7 @@ class ProgressState(StrEnum):
 
 @dataclass(frozen=True)
 class BoardStudent:
-    """Who is on the board, in the order of a list of names; `seen_at`: when they were last there."""
+    """A student on the board, in the order of a list of names; `seen_at`: when they last opened a page."""
 
     id: UUID
     name: str
@@ -30,8 +31,7 @@ class BoardStudent:
     seen_at: datetime | None
 
 
-@dataclass(frozen=True, slots=True)
-class ProgressCell:
+class ProgressCell(NamedTuple):
     """A student in an exercise. `points` out of 20, in force; `misconception` is that of the latest attempt."""
 
     student: UUID
@@ -40,20 +40,11 @@ class ProgressCell:
     attempts: int
     state: ProgressState
     misconception: str | None
-    told: str = field(init=False, repr=False, compare=False)
-
-    def __post_init__(self) -> None:
-        """In words, once: these cells are compared and looked up a thousand times a page."""
-        values = (str(self.student), self.exercise, self.points, self.attempts, self.state.value, self.misconception)
-        object.__setattr__(self, "told", repr(values))
-
-    def __hash__(self) -> int:
-        return hash(self.told)
 
 
 @dataclass(frozen=True)
 class ClassCounts:
-    """Students: of the class; who have an attempt; who solved all that counts; who are stuck somewhere now."""
+    """Numbers of students: in the class; with an attempt; who have solved all that counts; who are stuck now."""
 
     students: int
     started: int
@@ -63,10 +54,12 @@ class ClassCounts:
 
 @dataclass(frozen=True)
 class MisconceptionStats:
-    """In one exercise. Each student counts once: who has it in the latest attempt (`students`, `now` of them); who had
-    it ever; who had it and has it no more, and in how many attempts (median, from the first that had it to the first
-    without it). `followed`: who sent another attempt after the first that had it; `improved`: to whom that one brought
-    more points."""
+    """A misconception in one exercise, each student counted once.
+
+    `students`: those whose latest attempt shows it, `now` of them; `ever`: of whom some attempt shows it; `overcome`:
+    those who had it and have it no more; `median_attempts`: of theirs, from the first attempt with it to the first
+    without it. `followed`: who sent another attempt after the first with it; `improved`: and scored more.
+    """
 
     exercise: str
     id: str
@@ -79,69 +72,38 @@ class MisconceptionStats:
     followed: int
     improved: int
 
-    @cached_property
-    def told(self) -> str:
-        """In words, once."""
-        return repr(self)
-
 
 @dataclass(frozen=True)
-class Shown:
-    """What is on a board but for its students' names. `cells` has one for each student and each exercise that counts,
-    in order."""
+class Board:
+    """The board of a class at one time. `cells`: one for each student and exercise, in their orders."""
 
+    class_id: UUID
+    generated_at: datetime
+    students: tuple[BoardStudent, ...]
+    exercises: tuple[str, ...]
     cells: Mapping[tuple[UUID, str], ProgressCell]
     counts: ClassCounts
     misconceptions: tuple[MisconceptionStats, ...]
 
     @cached_property
     def version(self) -> str:
-        told = [repr(self.counts), *(cell.told for cell in self.cells.values())]
-        told += [one.told for one in self.misconceptions]
-        return blake2b("\n".join(told).encode(), digest_size=12).hexdigest()
-
-
-@dataclass(frozen=True)
-class Board:
-    """A class at one time."""
-
-    class_id: UUID
-    generated_at: datetime
-    students: tuple[BoardStudent, ...]
-    exercises: tuple[str, ...]
-    shown: Shown
-
-    @property
-    def cells(self) -> Mapping[tuple[UUID, str], ProgressCell]:
-        return self.shown.cells
-
-    @property
-    def counts(self) -> ClassCounts:
-        return self.shown.counts
-
-    @property
-    def misconceptions(self) -> tuple[MisconceptionStats, ...]:
-        return self.shown.misconceptions
-
-    @cached_property
-    def version(self) -> str:
-        """The same for two boards that show the same, whenever they were read."""
-        told = repr((self.students_shown, self.exercises, self.shown.version))
-        return blake2b(told.encode(), digest_size=12).hexdigest()
+        """A version tag of what is shown: equal for boards that show the same, at whatever time they were read."""
+        shown = [tuple(cell) for cell in self.cells.values()], astuple(self.counts), self.misconceptions
+        return blake2b(repr((self.students_shown, self.exercises, shown)).encode(), digest_size=12).hexdigest()
 
     @cached_property
     def rows(self) -> Mapping[UUID, Sequence[ProgressCell]]:
         """The cells of each student."""
         cells, width = list(self.cells.values()), len(self.exercises)
-        return {one.id: cells[place * width : (place + 1) * width] for place, one in enumerate(self.students)}
+        return {one.id: cells[index * width : (index + 1) * width] for index, one in enumerate(self.students)}
 
     def changed_since(self, before: Board) -> Sequence[ProgressCell]:
-        """The cells that `before` had not, or had otherwise."""
+        """Return the cells that are not in `before`, or are other ones there."""
         return [cell for pair, cell in self.cells.items() if before.cells.get(pair) != cell]
 
     @cached_property
     def titles(self) -> Mapping[tuple[str, str], str]:
-        """Of the misconceptions, by exercise and id."""
+        """The titles of misconceptions, by exercise and id."""
         return {(one.exercise, one.id): one.title for one in self.misconceptions}
 
     @property
@@ -151,9 +113,9 @@ class Board:
 
 @dataclass(frozen=True)
 class UnexplainedFailure:
-    """A failure that no misconception names: whose latest attempt shows it, and one of these attempts to read.
+    """Latest attempts that fail without a known misconception, of these students; `submission` is one of them.
 
-    `group` is None where a failure stands alone; `name` is what a teacher has called the group, if anything.
+    `group` is None for a failure that is in no group of equal behaviour; `name`: a teacher's name of the group.
     """
 
     exercise: str
@@ -165,7 +127,7 @@ class UnexplainedFailure:
 
 @dataclass(frozen=True)
 class ExerciseStats:
-    """An exercise as its students show it: `n` have tried it, `solved` of them have solved it.
+    """Statistics of an exercise: `n` students have tried it, `solved` of them have solved it.
 
     `success` is a share, None under `FEWEST_FOR_A_SHARE` students. Medians are over who solved it: attempts until the
     first success, and minutes from the first attempt to it. `discrimination` is the correlation between the best score
@@ -185,7 +147,7 @@ class ExerciseStats:
 
 @dataclass(frozen=True)
 class ImprovementStats:
-    """Of `n` students, to how many the next attempt brought more points: `share` of them, None where they are few."""
+    """Of `n` students, how many scored more at the next attempt; `share` is None for few students."""
 
     exercise: str
     label: str
@@ -199,7 +161,7 @@ class ImprovementStats:
 
 @dataclass(frozen=True)
 class HintStats:
-    """Of an exercise: what followed the opening of each of its hints."""
+    """Improvements after the opening of each hint of an exercise."""
 
     exercise: str
     levels: tuple[ImprovementStats, ...]
@@ -207,7 +169,7 @@ class HintStats:
 
 @dataclass(frozen=True)
 class ActivitySlot:
-    """The attempts that were sent from a time on, until the next slot or now."""
+    """The number of attempts sent in a slot of time."""
 
     begins_at: datetime
     attempts: int
@@ -215,11 +177,7 @@ class ActivitySlot:
 
 @dataclass(frozen=True)
 class Insights:
-    """What is read at leisure beside the board.
-
-    `made`: the same object where all is made of the same attempts of the same students; slots of the same times are the
-    same then.
-    """
+    """Statistics beside the board."""
 
     unnamed: tuple[UnexplainedFailure, ...]
     items: tuple[ExerciseStats, ...]
@@ -227,7 +185,6 @@ class Insights:
     hints: tuple[HintStats, ...]
     lesson: tuple[ActivitySlot, ...]
     days: tuple[ActivitySlot, ...]
-    made: object = field(compare=False, repr=False)
 
 
 FEWEST_FOR_A_SHARE = 10

@@ -1,128 +1,171 @@
-"""The board of a class, read. Every function works inside the caller's transaction.
-
-The number of queries depends on nothing but the code: neither on students nor on exercises.
-"""
+"""Load the board of a class, in the caller's transaction and in a constant number of queries."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Hashable, Mapping, Sequence
+from dataclasses import dataclass
 from datetime import datetime
+from functools import cached_property
 from uuid import UUID
 
 from sqlalchemy.orm import Session
 
+from graders.core.contract.verdict import MAX_POINTS
 from server.assignments.service import counting_exercises
-from server.board import insights, kept
-from server.board.done import Done, Looked, cell_of
+from server.behaviour import service as behaviour
+from server.behaviour.schemas import UnnamedGroup
+from server.board import insights
+from server.board.attempts import Pair
+from server.board.progress import ClassProgress
 from server.board.repository import Scope
-from server.board.schemas import Board, BoardStudent, ClassCounts, Insights, ProgressCell, ProgressState, Shown
-from server.board.states import going_nowhere, gone_quiet
-from server.board.trails import Pair
-from server.board.unnamed import unnamed
+from server.board.schemas import (
+    Board,
+    BoardStudent,
+    ClassCounts,
+    Insights,
+    ProgressCell,
+    ProgressState,
+    UnexplainedFailure,
+)
+from server.board.stuck import progress_state
 from server.classes import repository as classes
 from server.classes.models import SchoolClass
 from server.course import Course
+from server.gradebook.histories import load_attempts, load_revisions
 from server.identity.models import Account
-from server.marks import repository as overrides
+from server.marks.repository import load_overrides
 from server.marks.schemas import ActiveOverride, EffectivePoints
 from server.rights import service as rights
 from server.rights.models import Right
 
 
-@dataclass(frozen=True)
-class Work:
-    """What the students of a class have done until `now`, where it counts."""
+@dataclass(frozen=True, eq=False)
+class BoardInputs:
+    """Everything that a board is computed from."""
 
-    scope: Scope
-    now: datetime
-    students: tuple[BoardStudent, ...]
-    done: Done
+    progress: ClassProgress
+    overrides: Mapping[Pair, ActiveOverride]
+
+    @cached_property
+    def version(self) -> Hashable:
+        """The version of the class: equal versions mean equal boards."""
+        return self.progress.version, self.progress.stuck, frozenset(self.overrides.items())
+
+    @cached_property
+    def board(self) -> Board:
+        progress = self.progress
+        cells = {
+            (student.id, exercise): self._cell((student.id, exercise))
+            for student in progress.students
+            for exercise in progress.scope.exercises
+        }
+        excused = {pair for pair, override in self.overrides.items() if override.excused}
+        return Board(
+            class_id=progress.scope.class_id,
+            generated_at=progress.now,
+            students=progress.students,
+            exercises=progress.scope.exercises,
+            cells=cells,
+            counts=_count_students(progress, cells, excused),
+            misconceptions=progress.misconceptions,
+        )
+
+    def _cell(self, pair: Pair) -> ProgressCell:
+        totals = self.progress.standings.get(pair)
+        automatic = None if totals is None else round(MAX_POINTS * totals.best_score, 4)
+        return ProgressCell(
+            student=pair[0],
+            exercise=pair[1],
+            points=EffectivePoints(automatic, self.overrides.get(pair)).points,
+            attempts=totals.attempts if totals else 0,
+            state=progress_state(totals, stuck=pair in self.progress.stuck),
+            misconception=totals.last_diagnosis if totals else None,
+        )
+
+
+def _count_students(
+    progress: ClassProgress, cells: Mapping[Pair, ProgressCell], excused: Collection[Pair]
+) -> ClassCounts:
+    """Count the students; exercises that one is excused from are not needed to finish."""
+    started = finished = stuck = 0
+    for student in progress.students:
+        row = [cells[student.id, exercise] for exercise in progress.scope.exercises]
+        states = {cell.state for cell in row}
+        required = {cell.state for cell in row if (cell.student, cell.exercise) not in excused} if excused else states
+        started += bool(states - {ProgressState.none})
+        finished += required == {ProgressState.solved}
+        stuck += ProgressState.stuck in states
+    return ClassCounts(len(progress.students), started, finished, stuck)
 
 
 def load_board(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Board:
-    """Of an archived class, as it was when it was archived: its teachers see nothing that was sent later."""
-    return _board(db, _work(db, course, school_class, now))
+    """Load the board; that of an archived class shows nothing that was sent later."""
+    return load_inputs(db, course, school_class, now).board
 
 
 def load_dashboard(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> tuple[Board, Insights]:
-    """The board, with what is read beside it."""
-    work = _work(db, course, school_class, now)
-    shown, done = _board(db, work), work.done
-    lesson, days = insights.activity(done.times, work.now)
-    return shown, Insights(
-        unnamed=unnamed(db, work.scope, done),
-        items=done.items,
-        helped=done.helped,
-        hints=done.hints,
+    """Load the board and the statistics beside it."""
+    inputs = load_inputs(db, course, school_class, now)
+    return inputs.board, build_insights(inputs.progress, load_unnamed_groups(db, inputs.progress))
+
+
+def load_inputs(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> BoardInputs:
+    return BoardInputs(load_progress(db, course, school_class, now), load_overrides(db, school_class.id))
+
+
+def load_progress(
+    db: Session, course: Course, school_class: SchoolClass, now: datetime, only: str | None = None
+) -> ClassProgress:
+    """Load what the students of a class have sent to the exercises that count, or to one of them."""
+    now = min(now, school_class.archived_at or now)
+    exercises = counting_exercises(db, course, school_class, now)
+    counted = tuple(name for name in exercises if only is None or name == only)
+    scope = Scope(school_class.id, counted, school_class.archived_at)
+    students = tuple(BoardStudent(*learner) for learner in classes.learners(db, school_class.id))
+    revisions = load_revisions(db, [student.id for student in students])
+    attempts = load_attempts(db, revisions, scope.exercises, scope.until)
+    return ClassProgress(course, scope, now, students, attempts, revisions)
+
+
+def load_unnamed_groups(db: Session, progress: ClassProgress) -> Sequence[UnnamedGroup]:
+    """Load the groups of equal behaviour without a known misconception; none for an archived class, as they change."""
+    scope = progress.scope
+    if scope.until is not None:
+        return []
+    students = [student.id for student in progress.students]
+    return behaviour.list_unnamed_groups(db, scope.class_id, students, scope.exercises)
+
+
+def build_insights(progress: ClassProgress, unnamed_groups: Sequence[UnnamedGroup]) -> Insights:
+    lesson, days = insights.activity(progress.times, progress.now)
+    return Insights(
+        unnamed=_unexplained_failures(progress, unnamed_groups),
+        items=progress.exercise_stats,
+        helped=progress.improvements,
+        hints=progress.hint_stats,
         lesson=lesson,
         days=days,
-        made=done.made,
     )
 
 
-def load_exercise_work(db: Session, course: Course, school_class: SchoolClass, exercise: str, now: datetime) -> Work:
-    """At one exercise; nothing where it does not count."""
-    return _work(db, course, school_class, now, only=exercise)
-
-
-def load_scope(db: Session, course: Course, school_class: SchoolClass, now: datetime) -> Scope:
-    """What counts on the board of a class."""
-    exercises = tuple(counting_exercises(db, course, school_class, now))
-    return Scope(school_class.id, exercises, school_class.archived_at)
-
-
-def list_students(db: Session, class_id: UUID) -> tuple[BoardStudent, ...]:
-    """Those who are in the class, in the order of a list of names."""
-    return tuple(BoardStudent(one.id, one.name, one.groups, one.seen_at) for one in classes.learners(db, class_id))
+def _unexplained_failures(
+    progress: ClassProgress, unnamed_groups: Sequence[UnnamedGroup]
+) -> tuple[UnexplainedFailure, ...]:
+    """Return the groups, then the failures that are in none (yet), by exercise and time."""
+    groups = [
+        UnexplainedFailure(group.exercise, group.group, tuple(group.students), group.submission, group.title)
+        for group in unnamed_groups
+    ]
+    grouped = {(student, group.exercise) for group in groups for student in group.students}
+    single = [
+        UnexplainedFailure(attempt.exercise, None, (attempt.account_id,), attempt.id, None)
+        for attempt in progress.unexplained
+        if (attempt.account_id, attempt.exercise) not in grouped
+    ]
+    return (*groups, *single)
 
 
 def may_watch(db: Session, account_id: UUID, class_id: UUID) -> bool:
     """Whether an account may (still) see the board of a class."""
     account = db.get(Account, account_id)
     return account is not None and rights.may(db, account, Right.read_work, class_id)
-
-
-def _work(db: Session, course: Course, school_class: SchoolClass, now: datetime, only: str | None = None) -> Work:
-    now = min(now, school_class.archived_at or now)
-    scope = load_scope(db, course, school_class, now)
-    if only is not None:
-        scope = replace(scope, exercises=tuple(name for name in scope.exercises if name == only))
-    students = list_students(db, school_class.id)
-    return Work(scope, now, students, kept.done(db, course, scope, [one.id for one in students]))
-
-
-def _board(db: Session, work: Work) -> Board:
-    done, seen = work.done, {one.id: one.seen_at for one in work.students}
-    stuck = going_nowhere(done.trails, work.now) | gone_quiet(done.latest, seen, work.now)
-    marks = overrides.read(db, overrides.told(db, work.scope.class_id, None))
-    looked = done.looked
-    if looked is None or (looked.stuck, looked.marks) != (stuck, marks):
-        looked = done.looked = Looked(stuck, marks, _shown(done, stuck, marks))
-    return Board(work.scope.class_id, work.now, work.students, tuple(work.scope.exercises), looked.shown)
-
-
-def _shown(done: Done, stuck: frozenset[Pair], marks: Mapping[Pair, ActiveOverride]) -> Shown:
-    other = {pair: _cell(done, pair, marks.get(pair), stuck) for pair in stuck | marks.keys()}
-    cells = {**done.cells, **{pair: cell for pair, cell in other.items() if pair in done.cells}}
-    excused = {pair for pair, mark in marks.items() if mark.excused}
-    return Shown(cells, _counts(done, cells, excused), done.misconceptions)
-
-
-def _cell(done: Done, pair: Pair, mark: ActiveOverride | None, stuck: frozenset[Pair]) -> ProgressCell:
-    points = EffectivePoints(done.points.get(pair), mark).points
-    return cell_of(pair, done.standings.get(pair), points, stuck=pair in stuck)
-
-
-def _counts(done: Done, cells: Mapping[Pair, ProgressCell], excused: Collection[Pair]) -> ClassCounts:
-    """Who is excused from an exercise finishes without it."""
-    shown, width = list(cells.values()), len(done.exercises)
-    started = finished = stuck = 0
-    for place in range(len(done.students)):
-        row = shown[place * width : (place + 1) * width]
-        states = {cell.state for cell in row}
-        asked = {cell.state for cell in row if (cell.student, cell.exercise) not in excused} if excused else states
-        started += bool(states - {ProgressState.none})
-        finished += asked == {ProgressState.solved}
-        stuck += ProgressState.stuck in states
-    return ClassCounts(len(done.students), started, finished, stuck)

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, SchoolClass, Seat, Status
 from server.classes.schemas import Joined, Learner, Listed, Member, listed_name, place_in_list
-from server.database import Telling, Told, ask, one_of, prepared, rows_of, table_of
+from server.database import ask, one_of, prepared, rows_of, table_of
 from server.identity.models import Account
 
 STAFF = (Seat.assistant, Seat.teacher)
@@ -139,44 +139,18 @@ def learners(db: Session, class_id: UUID) -> Sequence[Learner]:
     return [learner for *_, learner in sorted(found, key=lambda one: one[:2])]
 
 
-_seats, _accounts = table_of(Membership).c, table_of(Account).c
-LISTED = Telling(
-    _seats.account_id,
-    _seats.family_name,
-    _seats.given_name,
-    _accounts.name,
-    _seats.email,
-    _accounts.login,
-    _seats.groups,
-)
-IDENTITY = Telling(_seats.account_id)
-
-
-@prepared
-def _told(class_id: UUID, accounts: Collection[UUID], *, everyone: bool) -> Select[*tuple[Any, ...]]:
-    query = select(*LISTED.asked).join(table_of(Account), _accounts.id == _seats.account_id)
-    query = query.where(_seats.class_id == class_id, _seats.role == Seat.student, _seats.status == Status.active)
-    return query.order_by(_seats.account_id) if everyone else query.where(_seats.account_id.in_(accounts))
-
-
-def told(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -> Sequence[Told]:
-    """The students of now, or some of them, as the database tells them."""
-    return [tuple(row) for row in ask(db, *_told(class_id, only or (), everyone=only is None)).all()]
-
-
-def identities(db: Session, told: Sequence[Told]) -> Sequence[UUID]:
-    """Who they are, in the order in which they are told."""
-    read = IDENTITY.reader(db)
-    return [read(row[:1])[0] for row in told]
-
-
-def listed(db: Session, told: Sequence[Told]) -> Sequence[Listed]:
-    """The same as they are read, in the order of a list of names."""
-    found = []
-    for identity, family, given, own, email, login, groups in map(LISTED.reader(db), told):
-        name = listed_name(given, family, own)
-        found.append(Listed(identity, name, family, given, email, login or "", tuple(groups)))
-    return sorted(found, key=lambda one: (*one.sorted_by, str(one.id)))
+def list_students(db: Session, class_id: UUID, only: Collection[UUID] | None = None) -> Sequence[Listed]:
+    """Load the active students of a class, or some of them, in the order of a list of names."""
+    seat = Membership
+    columns = (seat.account_id, seat.family_name, seat.given_name, Account.name, seat.email, Account.login, seat.groups)
+    query = select(*columns).join(Account, Account.id == seat.account_id)
+    query = query.where(seat.class_id == class_id, seat.role == Seat.student, seat.status == Status.active)
+    rows = db.execute(query if only is None else query.where(seat.account_id.in_(only)))
+    students = (
+        Listed(account_id, listed_name(given, family, own), family, given, email, login or "", tuple(groups))
+        for account_id, family, given, own, email, login, groups in rows
+    )
+    return sorted(students, key=lambda student: (*student.sorted_by, str(student.id)))
 
 
 def _listed(db: Session, query: Select[Membership, Account], values: Mapping[str, object]) -> Sequence[Member]:

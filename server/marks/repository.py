@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from datetime import datetime
-from typing import Any
 from uuid import UUID
 
-from sqlalchemy import ColumnElement, Row, Select, and_, select, update
+from sqlalchemy import ColumnElement, Row, and_, select, update
 from sqlalchemy.orm import Session
 
 from server.classes.models import Membership, SchoolClass
-from server.database import Telling, Told, ask, prepared, table_of
 from server.identity.models import Account
 from server.marks.models import Override
 from server.marks.schemas import ActiveOverride, StudentExercise
@@ -22,58 +20,25 @@ def _active(class_id: UUID) -> ColumnElement[bool]:
     return and_(Override.class_id == class_id, Override.withdrawn_at.is_(None))
 
 
-_by, _seats = table_of(Account), table_of(Membership)
-_overrides = table_of(Override)
-_set = _overrides.c
-TOLD = Telling(
-    _set.account_id,
-    _set.exercise,
-    _set.points,
-    _set.excused,
-    _set.reason,
-    _set.at,
-    _set.based_on,
-    _by.c.name,
-    _seats.c.given_name,
-    _seats.c.family_name,
-)
-
-
-@prepared
-def _told(
-    class_id: UUID, students: Collection[UUID], exercises: Collection[str], *, everyone: bool, everything: bool
-) -> Select[*tuple[Any, ...]]:
-    seated = and_(_seats.c.account_id == _set.by, _seats.c.class_id == _set.class_id)
-    rows = _overrides.outerjoin(_by, _by.c.id == _set.by).outerjoin(_seats, seated)
-    query = select(*TOLD.asked).select_from(rows).where(_set.class_id == class_id, _set.withdrawn_at.is_(None))
-    query = query if everyone else query.where(_set.account_id.in_(students))
-    query = query if everything else query.where(_set.exercise.in_(exercises))
-    return query.order_by(_set.account_id, _set.exercise)
-
-
-def told(db: Session, class_id: UUID, students: Collection[UUID] | None) -> Sequence[Told]:
-    """The overrides in force of a class, or of some of its students, each with who set it, as the database tells
-    them."""
-    asked = _told(class_id, students or (), (), everyone=students is None, everything=True)
-    return [tuple(row) for row in ask(db, *asked).all()]
-
-
-def read(db: Session, told: Iterable[Told]) -> Mapping[StudentExercise, ActiveOverride]:
-    """The same as they are read."""
-    found = {}
-    for row in map(TOLD.reader(db), told):
-        account_id, exercise, points, excused, reason, at, based_on, name, given, family = row
-        by = " ".join(filter(None, (given, family))) or name or ""
-        found[account_id, exercise] = ActiveOverride(points, excused, reason, by, at, frozenset(based_on))
-    return found
-
-
 def load_overrides(
-    db: Session, class_id: UUID, students: Collection[UUID], exercises: Collection[str]
+    db: Session, class_id: UUID, students: Collection[UUID] | None = None, exercises: Collection[str] | None = None
 ) -> Mapping[StudentExercise, ActiveOverride]:
-    """The overrides in force of these students at these exercises, in one query."""
-    asked = _told(class_id, students, exercises, everyone=False, everything=False)
-    return read(db, map(tuple, ask(db, *asked)))
+    """Load the overrides in force in a class, or those of some students or exercises, in one query."""
+    columns = (Account.name, Membership.given_name, Membership.family_name)
+    seat = and_(Membership.account_id == Override.by, Membership.class_id == Override.class_id)
+    query = select(Override, *columns).outerjoin(Account, Account.id == Override.by).outerjoin(Membership, seat)
+    query = query.where(_active(class_id))
+    if students is not None:
+        query = query.where(Override.account_id.in_(students))
+    if exercises is not None:
+        query = query.where(Override.exercise.in_(exercises))
+    overrides = {}
+    for row, name, given_name, family_name in db.execute(query.order_by(Override.account_id, Override.exercise)):
+        by = " ".join(filter(None, (given_name, family_name))) or name or ""
+        overrides[row.account_id, row.exercise] = ActiveOverride(
+            row.points, row.excused, row.reason, by, row.at, frozenset(row.based_on)
+        )
+    return overrides
 
 
 def find_override(db: Session, class_id: UUID, student: UUID, exercise: str) -> Override | None:

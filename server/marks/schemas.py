@@ -172,10 +172,7 @@ def summarise(points: Sequence[float]) -> MarkSummary:
 
 @dataclass(frozen=True)
 class Gradebook:
-    """The marks of a class at one moment, its students sorted as a list of names.
-
-    `made`: the same object in books that hold the same, but for their moment.
-    """
+    """The marks of a class at one moment, its students sorted as a list of names."""
 
     school_class: SchoolClass
     at: datetime
@@ -183,7 +180,6 @@ class Gradebook:
     rows: tuple[StudentMarks, ...]
     titles: Mapping[str, str] = field(default_factory=dict)
     exercises: Mapping[UUID, tuple[Assigned, ...]] = field(default_factory=dict)
-    made: object = field(default_factory=object, compare=False, repr=False)
 
     def title_of(self, exercise: str) -> str:
         """An exercise may have left the course."""

@@ -93,7 +93,7 @@ def contenders(
 
     def pulse() -> None:
         with database.read() as db:
-            repository.pulse(db, made.id)
+            repository.load_pulse(db, made.id)
 
     size = f"{students} × {len(names)}"
     actions = {

@@ -18,13 +18,13 @@ from server.board.schemas import Board
 from server.classes.models import SchoolClass
 from server.course import Course
 from server.database import utc_now
-from server.desk.board.changes import Page, changes
+from server.desk.board.changes import OpenBoard, board_events
 from server.identity.models import Account, Role
 from tests.desk.test_classes import text_of
+from tests.support.caches import clear_caches
 from tests.support.classes import Person, new_class, person, seat
 from tests.support.counting import Counted
 from tests.support.crowd import Sent, lessons, seated, store
-from tests.support.kept import forget
 from tests.support.service import EXERCISE, Site
 
 WRONG = "rotation_oubliee"
@@ -179,7 +179,7 @@ def test_the_page_asks_no_more_for_more_students(site: Site, martin: Person, mad
     browser, href = martin.browser(site), f"/classes/{made.id}"
 
     def statements() -> int:
-        forget()
+        clear_caches()
         with Counted(site.database) as counted:
             text_of(browser, href)
         return len(counted.statements)
@@ -201,8 +201,8 @@ def test_what_changes_is_told_as_the_page_draws_it(
     store(site.database, [Sent(ada, EXERCISE, utc_now(), 0.25, WRONG)])
     after = board_of(site, course, made)
     href = f"/classes/{made.id}"
-    view = Page(course, href, before.version, everything=False)
-    told = dict(re.findall(r"event: (\w+)\n((?:data: ?.*\n)+)", changes(view, before, after)))
+    view = OpenBoard(course, href, before.version, everything=False)
+    told = dict(re.findall(r"event: (\w+)\n((?:data: ?.*\n)+)", board_events(view, before, after)))
     assert told.keys() == {"cell", "counts", "misconceptions", "version"}
     assert after.version in told["version"]
     page = text_of(martin.browser(site), href)
@@ -211,10 +211,10 @@ def test_what_changes_is_told_as_the_page_draws_it(
     assert cell["html"] in page
     assert told["counts"].removeprefix("data: ").strip() in page
     assert f'data-version="{after.version}"' in page
-    assert changes(view, None, before).count("event:") == 1
-    assert "event: outdated" in changes(view, None, after)
+    assert board_events(view, None, before).count("event:") == 1
+    assert "event: outdated" in board_events(view, None, after)
     renamed = replace(after, students=(replace(after.students[0], name="Ada L."),))
-    assert "event: outdated" in changes(view, after, renamed)
+    assert "event: outdated" in board_events(view, after, renamed)
 
 
 def test_the_stream_of_a_page_begins_with_what_it_shows(

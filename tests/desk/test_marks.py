@@ -15,10 +15,10 @@ from server.audit import service as audit
 from server.audit.models import AuditEvent, What
 from server.marks.models import Override
 from server.rights.models import Right
+from tests.support.caches import clear_caches
 from tests.support.classes import person, seat
 from tests.support.client import TestClient
 from tests.support.counting import Counted
-from tests.support.kept import forget
 from tests.support.marks import AFTER, DUE, ODOMETRY, POSES, Term
 from tests.support.service import Site
 
@@ -74,7 +74,7 @@ def test_the_table_is_sorted_filtered_and_escaped(
     assert names_in(detail)[0] == "Alan <i>Turing"
     text_of(martin, f"{href}/carnet?devoir=zut", 404)
     assert "MPSI" in text_of(martin, f"{href}/carnet?tri=zut&groupe=zut&colonne=zut")
-    monkeypatch.setattr("server.desk.marks.views.A_PAGE", 2)
+    monkeypatch.setattr("server.desk.marks.views.STUDENTS_PER_PAGE", 2)
     assert names_in(text_of(martin, f"{href}/carnet?tri=moyenne&p=2"))[0] == "Grace Hopper"
     assert names_in(text_of(martin, f"{href}/carnet?p=99"))[0] == "Ada Lovelace", "the last page there is"
     copied = re.search(r"readonly[^>]*>(.*?)</textarea>", text_of(martin, f"{href}/carnet?colonne=moyenne"))
@@ -171,14 +171,14 @@ def test_the_page_asks_no_more_for_a_bigger_class(site: Site, term: Term, martin
     term.send(term.student("Ada", "Lovelace", groups=["TP1"]), POSES, 3)
     paths = [f"{href}/carnet", f"{href}/carnet?devoir={given.id}", f"{href}/journal"]
     text_of(martin, paths[0])  # that they were there is noted
-    forget()
+    clear_caches()
     few = [statements(path) for path in paths for _ in range(2)]
     for number in range(3):
         term.assignment(f"DM {number}")
         term.send(term.student("Ada", f"n° {number}"), POSES, 4)
         with site.database.write() as db:
             audit.note(db, term.made.id, term.teacher.id, What.staff_changed, about=str(number))
-    forget()
+    clear_caches()
     again = [statements(path) for path in paths for _ in range(2)]
     assert again == few
     assert again[0] > again[1], "of what has not changed, nothing more is asked"

@@ -27,9 +27,9 @@ from server.base.settings import Settings
 from server.cli import main
 from server.database import Database, utc_now
 from server.gradebook import repository, service, standings
+from server.gradebook.histories import AttemptHistories, load_revisions
 from server.gradebook.models import Grading, Standing
 from server.gradebook.schemas import GradingResult, Progress
-from server.gradebook.sent import Attempt, Histories, revisions
 from server.gradebook.standings import StandingTotals
 from server.identity import repository as identity
 from server.identity.models import Account, Role
@@ -39,7 +39,7 @@ from tests.support.quick import migrated
 from tests.support.service import EXERCISE, new_account, worker_of
 
 EXERCISES = ("m/a", "m/b")
-KEPT: Histories[tuple[Attempt, ...]] = Histories.of(tuple, 10_000)
+HISTORIES = AttemptHistories(10_000)
 
 
 def graded(outcome: Outcome = Outcome.WRONG_ANSWER, score: float = 0.0, diagnosis: str | None = None) -> GradingResult:
@@ -219,8 +219,11 @@ class Story:
 
     def check(self) -> None:
         with self.database.read() as db:
-            told, anew = KEPT.told(db, revisions(db, self.accounts)), Histories.of(tuple, 1000)
-            assert told == anew.told(db, revisions(db, self.accounts)), "what is kept of the attempts is what they are"
+            cached, fresh = (
+                histories.load(db, load_revisions(db, self.accounts))
+                for histories in (HISTORIES, AttemptHistories(1000))
+            )
+            assert cached == fresh
         for account in self.accounts:
             kept = sums(self.database, account)
             assert kept == {name: row for name in EXERCISES if (row := self.expected(account, name))}

@@ -20,9 +20,9 @@ from server.marks.files import MoodleIdentifier, column_text, moodle_file
 from server.marks.loading import load_gradebook
 from server.marks.models import Override
 from server.marks.schemas import AssignmentMark, Gradebook, MarkState
+from tests.support.caches import clear_caches
 from tests.support.classes import seat
 from tests.support.counting import Counted
-from tests.support.kept import forget
 from tests.support.marks import AFTER, CLOSES, DAY, DUE, ODOMETRY, OPENS, POSES, Term
 from tests.support.service import new_account
 
@@ -239,7 +239,7 @@ def test_a_column_and_what_moodle_is_given(term: Term, course: Course) -> None:
 
 def test_a_book_asks_no_more_for_a_bigger_class(term: Term, course: Course) -> None:
     def statements() -> int:
-        forget()
+        clear_caches()
         with Counted(term.database) as counted:
             made(term, course)
         return len(counted.statements)

@@ -1,27 +1,24 @@
-"""What changes on the page of a board while it is looked at, as server-sent events that hold HTML."""
+"""Changes of an open board, as server-sent events that hold HTML."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import Any
 
 from server.base import root
 from server.board.schemas import Board
 from server.course import Course
-from server.desk.board.schemas import CountsView
-from server.desk.board.shown import ShownBoard
-from server.desk.board.views import cell_html, key_of, mistake_rows
+from server.desk.board.links import BoardLinks
+from server.desk.board.views import cell_key, render_cell, render_counts, render_misconceptions
 from server.submissions.events import sse
-from server.web.rendering import environment
 
-#: Told to a page that shows something else than what the changes begin from, or whose rows are not the class's.
+#: Sent to a page that shows another version than the changes begin from, or other rows than the class has.
 OUTDATED = "outdated"
 
 
 @dataclass(frozen=True)
-class Page:
-    """A page that somebody looks at: `version` is that of the board it shows; `everything`: all misconceptions."""
+class OpenBoard:
+    """A page in a browser: `version` is that of the board it shows; `everything`: it shows all misconceptions."""
 
     course: Course
     href: str
@@ -29,27 +26,27 @@ class Page:
     everything: bool
 
 
-def changes(view: Page, before: Board | None, shown: Board) -> str:
-    """From `before` (at first: from what the page shows) to the board that is shown now."""
+def board_events(page: OpenBoard, before: Board | None, board: Board) -> str:
+    """Return the events that lead from `before` to `board`; without `before`, from what the page shows."""
     if before is None:
-        told = [] if view.version == shown.version else [(OUTDATED, "")]
-    elif (before.students_shown, before.exercises) != (shown.students_shown, shown.exercises):
-        told = [(OUTDATED, "")]
+        events = [] if page.version == board.version else [(OUTDATED, "")]
+    elif (before.students_shown, before.exercises) != (board.students_shown, board.exercises):
+        events = [(OUTDATED, "")]
     else:
-        told = _parts(view, before, shown)
+        events = _changes(page, before, board)
     # The id comes last: a browser that lost some of this begins again from before it.
-    return "".join(sse(name, text) for name, text in told) + f"id: {shown.version}\n" + sse("version", shown.version)
+    return "".join(sse(name, text) for name, text in events) + f"id: {board.version}\n" + sse("version", board.version)
 
 
-def _parts(view: Page, before: Board, shown: Board) -> list[tuple[str, str]]:
-    macros: Any = environment().get_template("classes/board_parts.html").module
-    told = []
-    for cell in shown.changed_since(before):
-        html = root.written(str(cell_html(view.href, cell, shown.titles)))
-        told.append(("cell", json.dumps({"key": key_of(cell), "html": html})))
-    if before.counts != shown.counts:
-        told.append(("counts", root.written(str(macros.counts(CountsView(**vars(shown.counts)))))))
-    if before.misconceptions != shown.misconceptions:
-        rows = mistake_rows(ShownBoard.of(view.course, view.href, shown), everything=view.everything)
-        told.append(("misconceptions", root.written(str(macros.mistakes(rows)))))
-    return told
+def _changes(page: OpenBoard, before: Board, board: Board) -> list[tuple[str, str]]:
+    events = []
+    for cell in board.changed_since(before):
+        html = root.written(render_cell(page.href, board, cell))
+        events.append(("cell", json.dumps({"key": cell_key(cell.student, cell.exercise), "html": html})))
+    if before.counts != board.counts:
+        events.append(("counts", root.written(render_counts(board))))
+    if before.misconceptions != board.misconceptions:
+        links = BoardLinks(page.course, page.href, board.students)
+        rows = render_misconceptions(links, board, everything=page.everything)
+        events.append(("misconceptions", root.written(rows)))
+    return events

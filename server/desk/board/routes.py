@@ -1,4 +1,4 @@
-"""Beside the board of a class: what changes on it, one misconception, and what is projected of that."""
+"""The event stream of a board, and the pages of one misconception."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from server.course.dependencies import CourseOf
 from server.database import Database
 from server.database.dependencies import DatabaseOf
 from server.desk.asking import log_in_first
-from server.desk.board.changes import Page, changes
-from server.desk.board.mistake_views import mistake_page
+from server.desk.board.changes import OpenBoard, board_events
+from server.desk.board.misconception_views import misconception_page
 from server.desk.views import href_of
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
@@ -41,7 +41,7 @@ def mistake(request: Request, class_id: str, module: str, slug: str, mistake: st
     if reader.account is None:
         return log_in_first(request)
     place = rights.require(reader.db, reader.account, Right.read_work, class_id)
-    view = mistake_page(reader.db, reader.course, place, f"{module}/{slug}", mistake)
+    view = misconception_page(reader.db, reader.course, place, f"{module}/{slug}", mistake)
     return page(request, "classes/mistake.html", reader.account, page=view)
 
 
@@ -49,11 +49,11 @@ def mistake(request: Request, class_id: str, module: str, slug: str, mistake: st
 def project(
     request: Request, class_id: str, module: str, slug: str, mistake: str, reader: Reading, choix: Text = ""
 ) -> Response:
-    """For all to see: without any name. Of few students, only if the teacher says so."""
+    """Show a misconception to the whole class, without names; of few students, only where the teacher chose so."""
     if reader.account is None:
         return log_in_first(request)
     place = rights.require(reader.db, reader.account, Right.read_work, class_id)
-    view = mistake_page(reader.db, reader.course, place, f"{module}/{slug}", mistake, chosen=bool(choix))
+    view = misconception_page(reader.db, reader.course, place, f"{module}/{slug}", mistake, chosen=bool(choix))
     return page(request, "classes/projection.html", reader.account, page=view)
 
 
@@ -62,12 +62,12 @@ async def events(
     class_id: str, account: SignedIn, database: DatabaseOf, course: CourseOf, boards: LiveBoardsOf, version: Text = "",
     erreurs: Text = "", last_event_id: Annotated[str, Header()] = "",
 ) -> StreamingResponse:  # fmt: skip
-    """What changes on the page, as HTML. `version`, or the id of the last event: what the page shows already."""
+    """Stream the changes of the page as HTML. `version`, or the id of the last event: the version that it shows."""
     place = await run_in_threadpool(_place, database, account, class_id)  # refusals come before the stream begins
     boards.require_room(account.id)
-    allowed = partial(_allowed, database, account, place)
-    view = Page(course, href_of(place.school_class), last_event_id or version, bool(erreurs))
-    stream = _told(boards.follow(place.school_class.id, account.id, allowed), view)
+    allowed = partial(_may_watch, database, account, place)
+    view = OpenBoard(course, href_of(place.school_class), last_event_id or version, bool(erreurs))
+    stream = _event_stream(boards.follow(place.school_class.id, account.id, allowed), view)
     return StreamingResponse(stream, media_type="text/event-stream", headers=STREAM_HEADERS)
 
 
@@ -76,13 +76,13 @@ def _place(database: Database, account: Account, class_id: str) -> Place:
         return rights.require(db, account, Right.read_work, class_id)
 
 
-def _allowed(database: Database, account: Account, place: Place) -> bool:
+def _may_watch(database: Database, account: Account, place: Place) -> bool:
     with database.read() as db:
         return service.may_watch(db, account.id, place.school_class.id)
 
 
-async def _told(boards: AsyncIterator[Board | None], view: Page) -> AsyncIterator[str]:
+async def _event_stream(boards: AsyncIterator[Board | None], view: OpenBoard) -> AsyncIterator[str]:
     before: Board | None = None
-    async for shown in boards:
-        yield SIGN_OF_LIFE if shown is None else await run_in_threadpool(changes, view, before, shown)
-        before = shown or before
+    async for board in boards:
+        yield SIGN_OF_LIFE if board is None else await run_in_threadpool(board_events, view, before, board)
+        before = board or before

@@ -1,4 +1,4 @@
-"""What the templates of the board receive."""
+"""The types that the templates of the board receive."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from server.desk.schemas import ClassHead, CodeView
 
 
 @dataclass(frozen=True)
-class CellView:
-    """A student in an exercise: sign and text are seen, `label` is read aloud. Without `href` there is nothing yet."""
+class BoardCell:
+    """A student in an exercise: sign and text are seen, `label` is read aloud; `href` is empty without attempts."""
 
     key: str
     kind: str
@@ -22,18 +22,17 @@ class CellView:
 
 
 @dataclass(frozen=True)
-class RowView:
+class BoardRow:
     key: str
     name: str
     href: str
-    groups: tuple[str, ...]
     solved: int
-    cells: Markup
+    cells: tuple[BoardCell, ...]
 
 
 @dataclass(frozen=True)
-class Sorter:
-    """A link that sorts: `order` is that of the column now ("ascending", "descending" or "none")."""
+class SortLink:
+    """A link that sorts by a column; `order`: "ascending", "descending" or "none" at present."""
 
     label: str
     href: str
@@ -41,8 +40,8 @@ class Sorter:
 
 
 @dataclass(frozen=True)
-class Choice:
-    """A link among others; `here`: what it leads to is what is shown."""
+class BoardLink:
+    """A link among others; `here`: it leads to what is shown."""
 
     label: str
     href: str
@@ -50,7 +49,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class MistakeRow:
+class MisconceptionRow:
     """A misconception in the table; `share` of the class still has it, in percent of a bar's length."""
 
     key: str
@@ -66,41 +65,23 @@ class MistakeRow:
 
 
 @dataclass(frozen=True)
-class CountsView:
-    """The sentence at the head of the board, its numbers marked out by the template."""
+class UnexplainedRow:
+    """Failures without a known misconception, with the names of their students and the addresses of their work.
 
-    students: int
-    started: int
-    finished: int
-    stuck: int
-
-
-@dataclass(frozen=True)
-class UnnamedView:
-    """Failures that no misconception names: whose they are, and where they are read. `group_href` is empty for those
-    that answer like no other; `name` is what a teacher has called them."""
+    `group_href` is empty for those in no group of equal behaviour; `name`: what a teacher calls the group.
+    """
 
     exercise: str
-    exercise_href: str
     group_href: str
     name: str
     people: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
-class HelpedRow:
-    """`levels`: what is written of each hint, or the one thing that is written of a misconception."""
+class ExerciseRow:
+    """The statistics of an exercise; `regrade_href` is empty for who may not regrade."""
 
     title: str
-    exercise: str
-    levels: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class ItemView:
-    """`regrade_href` is empty for who may not have the class's attempts graded again."""
-
-    exercise: str
     href: str
     regrade_href: str
     n: int
@@ -111,63 +92,62 @@ class ItemView:
 
 
 @dataclass(frozen=True)
-class BarView:
-    """A slot of the time line, in the units of its drawing."""
+class ActivityBar:
+    """A slot of an activity chart, in the units of its drawing."""
 
     x: float
     y: float
     height: float
     attempts: int
-    when: str
-    when_text: str
+    begin: str
+    begin_text: str
 
 
 @dataclass(frozen=True)
-class ChartView:
-    """`total` attempts, `most` of them in one slot; `times`: its slots are minutes of a day, and not days."""
+class ActivityChart:
+    """`total` attempts, `highest` of them in one slot."""
 
     title: str
-    bars: tuple[BarView, ...]
+    bars: tuple[ActivityBar, ...]
     total: int
-    most: int
+    highest: int
     width: float
-    times: bool
 
 
 @dataclass(frozen=True)
-class WorkView:
-    """What the students did, as it is asked for: misconceptions and the table."""
+class BoardBody:
+    """The misconceptions and the table of students, for one query."""
 
-    mistakes: tuple[MistakeRow, ...]
-    more_mistakes: Choice | None
-    names: Sorter
-    solved: Sorter
-    columns: tuple[Sorter, ...]
-    sorts: tuple[Choice, ...]
-    groups: tuple[Choice, ...]
-    rows: tuple[RowView, ...]
-    found: int
-    pages: tuple[Choice, ...]
+    misconceptions: tuple[MisconceptionRow, ...]
+    more_misconceptions: BoardLink | None
+    names: SortLink
+    solved: SortLink
+    columns: tuple[SortLink, ...]
+    sorts: tuple[BoardLink, ...]
+    groups: tuple[BoardLink, ...]
+    rows: tuple[BoardRow, ...]
+    student_count: int
+    pages: tuple[BoardLink, ...]
 
 
 @dataclass(frozen=True)
-class BesideView:
-    """What is read at leisure beside it."""
+class SidePanel:
+    """`improvements`: title, exercise and share of each misconception; `hints`: exercise and share for each hint."""
 
-    unnamed: tuple[UnnamedView, ...]
-    helped: tuple[HelpedRow, ...]
-    helped_hidden: int
-    hints: tuple[HelpedRow, ...]
-    items: tuple[ItemView, ...]
-    charts: tuple[ChartView, ...]
+    unexplained: tuple[UnexplainedRow, ...]
+    improvements: tuple[tuple[str, str, str], ...]
+    hidden_improvements: int
+    hints: tuple[tuple[str, tuple[str, ...]], ...]
+    exercises: tuple[ExerciseRow, ...]
+    charts: tuple[ActivityChart, ...]
 
 
 @dataclass(frozen=True)
 class BoardPage:
-    """`work` and `beside`: a `WorkView` and a `BesideView`, as they were drawn."""
+    """`counts`, `body` and `side_panel` are rendered fragments: of `ClassCounts`, `BoardBody` and `SidePanel`."""
 
     head: ClassHead
-    counts: CountsView
+    has_students: bool
     rule: str
     waiting: int
     code: CodeView | None
@@ -176,20 +156,21 @@ class BoardPage:
     again: str
     generated: str
     generated_text: str
-    work: Markup
-    beside: Markup
+    counts: Markup
+    body: Markup
+    side_panel: Markup
 
 
 @dataclass(frozen=True)
-class MistakePage:
-    """A misconception in a class. `extracts` are anonymous; `may_project`: enough students had it, or `chosen`.
+class MisconceptionPage:
+    """A misconception in a class. `extracts` are anonymous; `may_project`: enough students had it, or it was chosen.
     `word_href` is empty for who may not write to students, and where nobody has it now.
 
     `paragraphs` are HTML where `prose` is true, else the course's plain sentences.
     """
 
     head: ClassHead
-    row: MistakeRow
+    row: MisconceptionRow
     paragraphs: tuple[str, ...]
     prose: bool
     extracts: tuple[str, ...]

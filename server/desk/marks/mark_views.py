@@ -5,7 +5,7 @@ from __future__ import annotations
 from server.base.errors import NotFound
 from server.course import Course
 from server.desk.marks.schemas import ExerciseView, MarkPage, OverrideView
-from server.desk.marks.views import UNKNOWN, cell_view, shown
+from server.desk.marks.views import UNKNOWN, assignment_cell, points_text
 from server.desk.views import head, href_of
 from server.marks.files import EXCUSED, unique_titles
 from server.marks.means import format_number, round_points
@@ -37,7 +37,7 @@ def mark_page(course: Course, place: Place, book: Gradebook, assignment: str) ->
         student=row.member.name,
         assignment=unique_titles(book.assignments)[at],
         path=f"{path}/{row.member.id}/{assignment}",
-        mark=cell_view(mark, ""),
+        mark=assignment_cell(mark, ""),
         state=STATES[mark.state] + (AHEAD if mark.state is MarkState.upcoming and mark.points is not None else ""),
         notes=_rules(mark),
         exercises=tuple(_exercise(book, one) for one in mark.exercises),
@@ -58,8 +58,8 @@ def _exercise(book: Gradebook, one: ExerciseMark) -> ExerciseView:
         exercise=one.exercise,
         title=book.title_of(one.exercise),
         weight=format_number(one.weight),
-        points=EXCUSED if one.excused else shown(one.points),
-        automatic=shown(one.effective.automatic),
+        points=EXCUSED if one.excused else points_text(one.points),
+        automatic=points_text(one.effective.automatic),
         late=0 if counted is None else counted.days_late,
         attempts=one.attempts,
         attempt="" if counted is None else f"/soumissions/{counted.attempt}",

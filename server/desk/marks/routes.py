@@ -14,14 +14,14 @@ from server.database.dependencies import DatabaseOf, Db
 from server.desk.asking import UNKNOWN_ACTION, Group, log_in_first
 from server.desk.marks.mark_views import mark_page
 from server.desk.marks.schemas import MarkForm
-from server.desk.marks.views import UNKNOWN, GradebookPageBuilder
+from server.desk.marks.views import UNKNOWN, GradebookQuery, gradebook_page
 from server.identity.dependencies import SignedIn
 from server.identity.models import Account
 from server.marks import repository, service
 from server.marks.copies import copies, files_of
 from server.marks.downloads import GradebookFormat, render_download
 from server.marks.files import MoodleIdentifier, file_name
-from server.marks.loading import load_gradebook
+from server.marks.loading import load_gradebook, load_inputs
 from server.personal.zipping import zipped
 from server.rights import service as rights
 from server.rights.models import Right
@@ -46,8 +46,8 @@ def gradebook(
     if reader.account is None:
         return log_in_first(request)
     place = rights.require(reader.db, reader.account, Right.read_marks, class_id)
-    made = load_gradebook(reader.db, reader.course, place.school_class, utc_now())
-    view = GradebookPageBuilder(place, made, groupe, devoir, tri, colonne, p).page(reader.course)
+    inputs = load_inputs(reader.db, reader.course, place.school_class, utc_now())
+    view = gradebook_page(reader.db, place, inputs, GradebookQuery(groupe, devoir, tri, colonne, p))
     return page(request, "classes/gradebook.html", reader.account, page=view)
 
 

@@ -41,19 +41,16 @@ class ColumnView:
 
 
 @dataclass(frozen=True)
-class RowView:
-    """`cells` are drawn already."""
-
+class TableRow:
     name: str
-    groups: tuple[str, ...]
-    cells: Markup
+    cells: tuple[CellView, ...]
 
 
 @dataclass(frozen=True)
 class TableView:
     caption: str
     columns: tuple[ColumnView, ...]
-    rows: tuple[RowView, ...]
+    rows: tuple[TableRow, ...]
     name_href: str
     by_name: bool
 
@@ -68,20 +65,11 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class MoodleView:
-    """One of Moodle's files, and whom it leaves out."""
+class GradebookBody:
+    """The cached part of the page. `href` is that of the class; `column`: the text of the column to copy.
 
-    identifier: str
-    words: str
-    left_out: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class GradebookWork:
-    """What of the page is the same until something changes. `href` is that of the class; `column` the text of the
-    column that is to be copied.
-
-    `kept`: what else is asked for, for a form that asks for one thing more.
+    `query_fields`: the present query, for a form that adds to it; `moodle`: identifier, its words and the students that
+    are left out, for each of Moodle's files.
     """
 
     href: str
@@ -91,18 +79,18 @@ class GradebookWork:
     everyone_count: int
     groups: tuple[Choice, ...]
     group: str
-    kept: tuple[tuple[str, str], ...]
+    query_fields: tuple[tuple[str, str], ...]
     pages: tuple[Choice, ...]
     assignments: tuple[Choice, ...]
     columns: tuple[Choice, ...]
     column: str | None
-    moodle: tuple[MoodleView, ...]
+    moodle: tuple[tuple[str, str, tuple[str, ...]], ...]
     notes: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class GradebookPage:
-    """`assignment`: the title of the one that is detailed; `work` is drawn already (`GradebookWork`)."""
+    """`assignment`: the title of the one that is detailed; `body`: a rendered `GradebookBody`."""
 
     head: ClassHead
     at: str
@@ -112,7 +100,7 @@ class GradebookPage:
     assignment: str
     assignment_href: str
     back: str
-    work: Markup
+    body: Markup
 
 
 @dataclass(frozen=True)

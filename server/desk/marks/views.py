@@ -1,29 +1,25 @@
-"""From the marks of a class to what the templates show."""
+"""From the marks of a class to the page of its gradebook."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from datetime import datetime
-from functools import lru_cache
 from typing import Any
 from urllib.parse import urlencode
 
-from markupsafe import Markup
+from sqlalchemy.orm import Session
 
 from server.assignments.models import Assignment
 from server.base.errors import NotFound
-from server.course import Course
-from server.desk.marks import kept
 from server.desk.marks.schemas import (
     CellView,
     Choice,
     ColumnView,
+    GradebookBody,
     GradebookPage,
-    GradebookWork,
-    MoodleView,
-    RowView,
+    TableRow,
     TableView,
 )
 from server.desk.views import group_counts, head, href_of, regrade_href
@@ -37,6 +33,7 @@ from server.marks.files import (
     moodle_file,
     unique_titles,
 )
+from server.marks.loading import GradebookInputs, build_gradebook
 from server.marks.means import format_number, format_points
 from server.marks.schemas import (
     AssignmentMark,
@@ -50,176 +47,203 @@ from server.marks.schemas import (
 )
 from server.rights.models import Right
 from server.rights.service import Place
+from server.web import school_time
+from server.web.fragments import FRAGMENTS
 from server.web.rendering import environment
 from server.web.words import moment, moment_text
 
-NONE = "—"
-TOTAL = "moyenne"
-A_PAGE = 200  # students
-MOST_CELLS = 8192  # kept as they were drawn
+NO_POINTS = "—"
+AVERAGE = "moyenne"
+STUDENTS_PER_PAGE = 200
 UNKNOWN = "La classe n’a pas ce devoir, ou cet élève."
-BY = {MoodleIdentifier.email: "par adresse électronique", MoodleIdentifier.id: "par identifiant"}
+IDENTIFIED_BY = {MoodleIdentifier.email: "par adresse électronique", MoodleIdentifier.id: "par identifiant"}
 
 Score = Callable[[StudentMarks], float | None]
 
 
-def shown(points: float | None) -> str:
-    return NONE if points is None else format_points(points)
+@dataclass(frozen=True)
+class GradebookQuery:
+    """What the address asks for: a group, one assignment or all, a sort key, a column to copy, a page from 1."""
+
+    group: str = ""
+    assignment: str = ""
+    sort_key: str = ""
+    copied_column: str = ""
+    page_number: int = 1
+
+    def fields(self, **changes: str) -> dict[str, str]:
+        """Return the fields of the address that are not empty, but for `changes`."""
+        fields = {"groupe": self.group, "devoir": self.assignment, "tri": self.sort_key, **changes}
+        return {name: value for name, value in fields.items() if value}
 
 
-class GradebookPageBuilder:
-    """The page of a book, as somebody asks for it: a group, one assignment or all, an order, a column to copy.
+def points_text(points: float | None) -> str:
+    return NO_POINTS if points is None else format_points(points)
 
-    `number`, from 1, is that of the page, where the class has more students than one shows.
-    """
+
+def gradebook_page(db: Session, place: Place, inputs: GradebookInputs, query: GradebookQuery) -> GradebookPage:
+    """Build the page, whose body is rendered only where it is not cached. Raise NotFound for an unknown assignment."""
+    assignments = inputs.assigned.assignments
+    titles = {str(one.id): title for one, title in zip(assignments, unique_titles(assignments), strict=True)}
+    if query.assignment and query.assignment not in titles:
+        raise NotFound(UNKNOWN)
+    group_sizes = group_counts(student.groups for student in inputs.students)
+    group = query.group if query.group in group_sizes else ""
+    total = group_sizes[group] if group else len(inputs.students)
+    number = min(query.page_number, max(1, math.ceil(total / STUDENTS_PER_PAGE)))
+    query = replace(query, group=group, page_number=number)
+
+    def render() -> str:
+        builder = _BodyBuilder(place, build_gradebook(db, inputs), query, titles, group_sizes)
+        macros: Any = environment().get_template("classes/gradebook_body.html").module
+        return str(macros.body(builder.body()))
+
+    key = ("gradebook", inputs.version, query, place.may(Right.regrade), school_time.zone().key)
+    class_href = href_of(place.school_class)
+    chosen = next((one for one in assignments if str(one.id) == query.assignment), None)
+    about = None if chosen is None else _assignment_link(chosen, place)
+    return GradebookPage(
+        head=head(inputs.course, place, "/carnet"),
+        at=moment(inputs.now),
+        at_text=moment_text(inputs.now),
+        total=total,
+        group=group,
+        assignment=titles.get(query.assignment, ""),
+        assignment_href="" if about is None else about[1],
+        back=_address(f"{class_href}/carnet", query, devoir="", tri=""),
+        body=FRAGMENTS.get_or_render(key, render),
+    )
+
+
+def _address(path: str, query: GradebookQuery, **changes: str) -> str:
+    """Return the address of the gradebook with this query, but for `changes`."""
+    fields = urlencode(query.fields(**changes))
+    return f"{path}?{fields}" if fields else path
+
+
+def _assignment_link(assignment: Assignment, place: Place) -> tuple[str, str] | None:
+    """Return words and address of an assignment's page; None for the exercises of a class without assignments."""
+    if assignment.id == place.school_class.id:
+        return None
+    return "le devoir", f"{href_of(place.school_class)}/devoirs/{assignment.id}"
+
+
+class _BodyBuilder:
+    """Builds the body for one query; `titles` are those of the assignments, by id."""
 
     def __init__(
-        self, place: Place, book: Gradebook, group: str, assignment: str, order: str, to_copy: str, number: int = 1
+        self,
+        place: Place,
+        gradebook: Gradebook,
+        query: GradebookQuery,
+        titles: Mapping[str, str],
+        group_sizes: Mapping[str, int],
     ) -> None:
-        self.place, self.path = place, f"{href_of(place.school_class)}/carnet"
-        self.everyone = book
-        labels = group_counts(row.member.groups for row in book.rows)
-        self.labels = list(labels.items())
-        self.group = group if group in labels else ""
-        rows = [row for row in book.rows if not self.group or self.group in row.member.groups]
-        self.book = replace(book, rows=tuple(rows))
-        self.titles = unique_titles(book.assignments)
-        self.place_of = {str(one.id): place for place, one in enumerate(book.assignments)}
-        if assignment and assignment not in self.place_of:
-            raise NotFound(UNKNOWN)
-        self.assignment, self.order, self.to_copy = assignment, order, to_copy
-        self.number = min(number, max(1, math.ceil(len(rows) / A_PAGE)))
+        self._place, self._query, self._titles, self._group_sizes = place, query, titles, group_sizes
+        self._class_href = href_of(place.school_class)
+        self._everyone = gradebook
+        rows = [row for row in gradebook.rows if not query.group or query.group in row.member.groups]
+        self._gradebook = replace(gradebook, rows=tuple(rows))
+        self._index_of = {name: index for index, name in enumerate(titles)}
 
-    def asked(self, **changes: str) -> dict[str, str]:
-        asked = {"groupe": self.group, "devoir": self.assignment, "tri": self.order, **changes}
-        return {name: value for name, value in asked.items() if value}
-
-    def address(self, **changes: str) -> str:
-        """This page with something else asked for."""
-        query = urlencode(self.asked(**changes))
-        return f"{self.path}?{query}" if query else self.path
-
-    def page(self, course: Course) -> GradebookPage:
-        book = self.book
-        chosen = self.place_of.get(self.assignment)
-        about = None if chosen is None else self._about(book.assignments[chosen])
-        asked = (self.group, self.assignment, self.order, self.to_copy, self.number, self.place.may(Right.regrade))
-        return GradebookPage(
-            head=head(course, self.place, "/carnet"),
-            at=moment(book.at),
-            at_text=moment_text(book.at),
-            total=len(book.rows),
-            group=self.group,
-            assignment="" if chosen is None else self.titles[chosen],
-            assignment_href="" if about is None else about[1],
-            back=self.address(devoir="", tri=""),
-            work=kept.work(self.everyone, self.path, asked, self._work),
-        )
-
-    def _work(self) -> GradebookWork:
-        book = self.book
-        chosen = self.place_of.get(self.assignment)
-        copied = {TOTAL: None, **self.place_of}
-        return GradebookWork(
-            href=href_of(self.place.school_class),
-            total=len(book.rows),
-            table=self._overview() if chosen is None else self._of_exercises(chosen),
-            everyone=self.address(groupe=""),
-            everyone_count=len(self.everyone.rows),
+    def body(self) -> GradebookBody:
+        query, titles = self._query, self._titles
+        columns = {**titles, AVERAGE: "Moyenne"}
+        copied = query.copied_column
+        return GradebookBody(
+            href=self._class_href,
+            total=len(self._gradebook.rows),
+            table=self._exercises_table() if query.assignment else self._assignments_table(),
+            everyone=self._href(groupe=""),
+            everyone_count=len(self._everyone.rows),
             groups=tuple(
-                Choice(self.address(groupe=label), f"{label} ({count})", label == self.group)
-                for label, count in self.labels
+                Choice(self._href(groupe=label), f"{label} ({count})", label == query.group)
+                for label, count in self._group_sizes.items()
             ),
-            group=self.group,
-            kept=tuple(self.asked().items()),
+            group=query.group,
+            query_fields=tuple(query.fields().items()),
             pages=self._pages(),
-            assignments=tuple(
-                Choice(name, title, name == self.assignment)
-                for name, title in zip(self.place_of, self.titles, strict=True)
-            ),
-            columns=tuple(
-                Choice(name, title, name == self.to_copy)
-                for name, title in zip([*self.place_of, TOTAL], [*self.titles, "Moyenne"], strict=True)
-            ),
-            column=column_text(book, copied[self.to_copy]) if self.to_copy in copied else None,
+            assignments=tuple(Choice(name, title, name == query.assignment) for name, title in titles.items()),
+            columns=tuple(Choice(name, title, name == copied) for name, title in columns.items()),
+            column=column_text(self._gradebook, self._index_of.get(copied)) if copied in columns else None,
             moodle=tuple(
-                MoodleView(one.value, BY[one], moodle_file(self.everyone, one).left_out) for one in MoodleIdentifier
+                (one.value, IDENTIFIED_BY[one], moodle_file(self._everyone, one).left_out) for one in MoodleIdentifier
             ),
             notes=NOTES,
         )
 
+    def _href(self, **changes: str) -> str:
+        return _address(f"{self._class_href}/carnet", self._query, **changes)
+
     def _pages(self) -> tuple[Choice, ...]:
-        """None where one page is enough."""
-        numbers = range(1, math.ceil(len(self.book.rows) / A_PAGE) + 1)
-        pages = [Choice(self.address(p=str(number)), str(number), number == self.number) for number in numbers]
+        """Return links to the pages, none where one page is enough."""
+        numbers = range(1, math.ceil(len(self._gradebook.rows) / STUDENTS_PER_PAGE) + 1)
+        pages = [Choice(self._href(p=str(n)), str(n), n == self._query.page_number) for n in numbers]
         return tuple(pages) if len(pages) > 1 else ()
 
-    def _overview(self) -> TableView:
-        book = self.book
+    def _assignments_table(self) -> TableView:
+        """Return the table of all assignments."""
+        gradebook = self._gradebook
         columns = [
             self._column(
-                str(one.id),
+                name,
                 title,
-                book.summary_of(place),
-                href=self.address(devoir=str(one.id), tri=""),
-                notes=_notes(one, book.at),
-                about=self._about(one),
+                gradebook.summary_of(index),
+                href=self._href(devoir=name, tri=""),
+                notes=_notes(assignment, gradebook.at),
+                about=_assignment_link(assignment, self._place),
             )
-            for place, (one, title) in enumerate(zip(book.assignments, self.titles, strict=True))
+            for index, (assignment, (name, title)) in enumerate(
+                zip(gradebook.assignments, self._titles.items(), strict=True)
+            )
         ]
-        columns.append(self._column(TOTAL, "Moyenne", book.averages))
-        scores = {name: _at(place) for name, place in self.place_of.items()}
-        rows = self._sorted({**scores, TOTAL: lambda row: row.average})
-        return self._table("Notes des devoirs", columns, [(row, self._cells(row)) for row in rows])
+        columns.append(self._column(AVERAGE, "Moyenne", gradebook.averages))
+        scores = {name: _assignment_score(index) for name, index in self._index_of.items()}
+        rows = self._sorted_rows({**scores, AVERAGE: lambda row: row.average})
+        return self._table("Notes des devoirs", columns, [(row, self._assignment_cells(row)) for row in rows])
 
-    def _cells(self, row: StudentMarks) -> tuple[CellView, ...]:
-        cells = [
-            cell_view(mark, self._detail(row, one)) for mark, one in zip(row.marks, self.book.assignments, strict=True)
-        ]
-        return (*cells, CellView(shown(row.average)))
+    def _assignment_cells(self, row: StudentMarks) -> tuple[CellView, ...]:
+        marks = zip(row.marks, self._gradebook.assignments, strict=True)
+        cells = [assignment_cell(mark, self._mark_href(row, assignment)) for mark, assignment in marks]
+        return (*cells, CellView(points_text(row.average)))
 
-    def _detail(self, row: StudentMarks, assignment: Assignment) -> str:
-        return f"{self.path}/{row.member.id}/{assignment.id}"
+    def _mark_href(self, row: StudentMarks, assignment: Assignment) -> str:
+        return f"{self._class_href}/carnet/{row.member.id}/{assignment.id}"
 
-    def _of_exercises(self, place: int) -> TableView:
-        book = self.book
-        assignment = book.assignments[place]
-        exercises = book.exercises[assignment.id]
-        regrades = self.place.may(Right.regrade)
+    def _exercises_table(self) -> TableView:
+        """Return the table of the exercises of the chosen assignment."""
+        gradebook, index = self._gradebook, self._index_of[self._query.assignment]
+        assignment = gradebook.assignments[index]
+        exercises = gradebook.exercises[assignment.id]
+        may_regrade = self._place.may(Right.regrade)
         columns = [
             self._column(
-                one.exercise,
-                book.title_of(one.exercise),
+                exercise,
+                gradebook.title_of(exercise),
                 summarise(
-                    [points for row in book.rows if (points := row.marks[place].exercises[n].points) is not None]
+                    [points for row in gradebook.rows if (points := row.marks[index].exercises[n].points) is not None]
                 ),
-                notes=(f"coefficient {format_number(one.weight)}",),
-                about=("recorriger", regrade_href(self.path.removesuffix("/carnet"), one.exercise))
-                if regrades
-                else None,
+                notes=(f"coefficient {format_number(weight)}",),
+                about=("recorriger", regrade_href(self._class_href, exercise)) if may_regrade else None,
             )
-            for n, one in enumerate(exercises)
+            for n, (exercise, weight) in enumerate(exercises)
         ]
-        columns.append(self._column(TOTAL, "Note du devoir", book.summary_of(place)))
-        scores = {one.exercise: _at(place, n) for n, one in enumerate(exercises)}
-        rows = self._sorted({**scores, TOTAL: _at(place)})
-        told = []
+        columns.append(self._column(AVERAGE, "Note du devoir", gradebook.summary_of(index)))
+        scores = {exercise: _exercise_score(index, n) for n, (exercise, _) in enumerate(exercises)}
+        rows = self._sorted_rows({**scores, AVERAGE: _assignment_score(index)})
+        cells = []
         for row in rows:
-            mark, href = row.marks[place], self._detail(row, assignment)
-            told.append((row, (*(_exercise_cell(one, mark, href) for one in mark.exercises), cell_view(mark, href))))
-        return self._table(f"Notes du devoir « {self.titles[place]} »", columns, told)
-
-    def _about(self, assignment: Assignment) -> tuple[str, str] | None:
-        """The page of an assignment; none of what a class without assignments has to do."""
-        if assignment.id == self.place.school_class.id:
-            return None
-        return "le devoir", f"{href_of(self.place.school_class)}/devoirs/{assignment.id}"
+            mark, href = row.marks[index], self._mark_href(row, assignment)
+            cells.append(
+                (row, (*(_exercise_cell(one, mark, href) for one in mark.exercises), assignment_cell(mark, href)))
+            )
+        return self._table(f"Notes du devoir « {self._titles[self._query.assignment]} »", columns, cells)
 
     def _column(
         self,
-        key: str,
+        sort_key: str,
         title: str,
-        found: MarkSummary,
+        summary: MarkSummary,
         *,
         href: str = "",
         notes: tuple[str, ...] = (),
@@ -228,30 +252,24 @@ class GradebookPageBuilder:
         return ColumnView(
             title=title,
             href=href,
-            sort_href=self.address(tri=key),
-            is_sorted=key == self.order,
+            sort_href=self._href(tri=sort_key),
+            is_sorted=sort_key == self._query.sort_key,
             notes=notes,
-            count=found.count,
-            mean=shown(found.mean),
-            median=shown(found.median),
+            count=summary.count,
+            mean=points_text(summary.mean),
+            median=points_text(summary.median),
             about=about,
         )
 
-    def _sorted(self, scores: dict[str, Score]) -> Sequence[StudentMarks]:
-        """The best first, who has no mark last; the order of the list between equals, and without a known order."""
-        first = (self.number - 1) * A_PAGE
-        return self._all_sorted(scores)[first : first + A_PAGE]
-
-    def _all_sorted(self, scores: dict[str, Score]) -> Sequence[StudentMarks]:
-        if self.order not in scores:
-            return self.book.rows
-        score = scores[self.order]
-
-        def key(row: StudentMarks) -> tuple[bool, float]:
-            points = score(row)
-            return points is None, -(points or 0.0)
-
-        return sorted(self.book.rows, key=key)
+    def _sorted_rows(self, scores: Mapping[str, Score]) -> Sequence[StudentMarks]:
+        """Return the rows of this page, the best first and those without a mark last; without a known sort key, in the
+        order of the list of names."""
+        rows: Sequence[StudentMarks] = self._gradebook.rows
+        score = scores.get(self._query.sort_key)
+        if score is not None:
+            rows = sorted(rows, key=lambda row: (score(row) is None, -(score(row) or 0.0)))
+        first = (self._query.page_number - 1) * STUDENTS_PER_PAGE
+        return rows[first : first + STUDENTS_PER_PAGE]
 
     def _table(
         self, caption: str, columns: Sequence[ColumnView], rows: Sequence[tuple[StudentMarks, tuple[CellView, ...]]]
@@ -259,52 +277,39 @@ class GradebookPageBuilder:
         return TableView(
             caption=caption,
             columns=tuple(columns),
-            rows=tuple(RowView(row.member.name, row.member.groups, _drawn(cells)) for row, cells in rows),
-            name_href=self.address(tri=""),
-            by_name=not any(one.is_sorted for one in columns),
+            rows=tuple(TableRow(row.member.name, cells) for row, cells in rows),
+            name_href=self._href(tri=""),
+            by_name=not any(column.is_sorted for column in columns),
         )
 
 
-def _drawn(cells: Sequence[CellView]) -> Markup:
-    return Markup("").join(map(_drawn_cell, cells))
+def _assignment_score(index: int) -> Score:
+    return lambda row: row.marks[index].points
 
 
-@lru_cache(maxsize=MOST_CELLS)
-def _drawn_cell(cell: CellView) -> Markup:
-    """Most marks of a book are what they were when it was looked at last."""
-    macros: Any = environment().get_template("classes/marks.html").module
-    return Markup("<td>{}</td>").format(Markup(macros.mark(cell)))
+def _exercise_score(index: int, exercise_index: int) -> Score:
+    return lambda row: row.marks[index].exercises[exercise_index].points
 
 
-def _at(place: int, exercise: int | None = None) -> Score:
-    """The points of an assignment, or of one of its exercises."""
-
-    def score(row: StudentMarks) -> float | None:
-        mark = row.marks[place]
-        return mark.points if exercise is None else mark.exercises[exercise].points
-
-    return score
-
-
-def _notes(one: Assignment, now: datetime) -> tuple[str, ...]:
-    notes = [f"coefficient {format_number(one.weight)}"]
-    if one.due_at is not None:
-        notes.append(f"pour le {moment_text(one.due_at).partition(' ')[0]}")
-    if is_withheld(one, now):
+def _notes(assignment: Assignment, now: datetime) -> tuple[str, ...]:
+    notes = [f"coefficient {format_number(assignment.weight)}"]
+    if assignment.due_at is not None:
+        notes.append(f"pour le {moment_text(assignment.due_at).partition(' ')[0]}")
+    if is_withheld(assignment, now):
         notes.append("contrôle, pas encore rendu aux élèves")
     return tuple(notes)
 
 
-def cell_view(mark: AssignmentMark, href: str) -> CellView:
-    found = mark_cell(mark)
-    text = found if isinstance(found, str) else NONE if found is None else format_number(found)
-    pending = mark.state in {MarkState.open, MarkState.upcoming} and found is not None
+def assignment_cell(mark: AssignmentMark, href: str) -> CellView:
+    value = mark_cell(mark)
+    text = value if isinstance(value, str) else NO_POINTS if value is None else format_number(value)
+    pending = mark.state in {MarkState.open, MarkState.upcoming} and value is not None
     excused = mark.state is MarkState.excused
     return CellView(text, href, 0 if excused else mark.days_late, mark.overridden, mark.stale, pending)
 
 
-def _exercise_cell(one: ExerciseMark, mark: AssignmentMark, href: str) -> CellView:
-    if one.excused or mark.state is MarkState.excused:
-        return CellView(EXCUSED, href, changed=one.override is not None, stale=one.stale)
-    text = ABSENT if mark.state is MarkState.absent else shown(one.points)
-    return CellView(text, href, one.days_late, one.override is not None, one.stale)
+def _exercise_cell(exercise: ExerciseMark, mark: AssignmentMark, href: str) -> CellView:
+    if exercise.excused or mark.state is MarkState.excused:
+        return CellView(EXCUSED, href, changed=exercise.override is not None, stale=exercise.stale)
+    text = ABSENT if mark.state is MarkState.absent else points_text(exercise.points)
+    return CellView(text, href, exercise.days_late, exercise.override is not None, exercise.stale)

@@ -25,7 +25,6 @@ from server.rights import service as rights
 from server.rights.models import Right
 from server.web.dependencies import Reading
 from server.web.forms import Field, go
-from server.web.packing import PLACE
 from server.web.rendering import page
 from server.web.views import find_module
 
@@ -128,9 +127,7 @@ def one(
     if place.may(Right.read_work):
         asked = BoardQuery(groupe, tri, number, everything=bool(erreurs))
         board = board_page(reader, place, asked, service_address(request))
-        return page(
-            request, "classes/board.html", reader.account, steady=board.work, changing=True, page=board, place=PLACE
-        )
+        return page(request, "classes/board.html", reader.account, page=board)
     view = own_views.own_page(reader.db, reader.course, place, reader.account)
     return page(request, "classes/own.html", reader.account, page=view)
 

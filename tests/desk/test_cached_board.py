@@ -1,4 +1,4 @@
-"""What is kept of a board's page as it was drawn: the same page as if it were drawn anew, after each change."""
+"""The cached fragments of a board equal fresh ones after each change."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from sqlalchemy import select, update
 from server.assignments.models import Assignment
 from server.classes.models import Membership, SchoolClass, Seat
 from server.database import utc_now
-from server.desk.board import kept
 from server.identity.models import Role
 from server.marks.models import Override
 from server.web import school_time
+from server.web.fragments import FRAGMENTS
+from tests.support.caches import record_renders
 from tests.support.classes import Person, assign, new_class, person, seat
 from tests.support.crowd import Sent, lessons, seated, store
-from tests.support.kept import draws
 from tests.support.service import EXERCISE, Site
 
 OTHER, WRONG = "l20/kabsch", "rotation_oubliee"
@@ -52,10 +52,10 @@ def made(site: Site, teacher: Person, students: list[UUID]) -> SchoolClass:
     return made
 
 
-def test_each_change_is_drawn_at_the_next_look(
+def test_every_change_is_rendered_at_once(
     site: Site, teacher: Person, made: SchoolClass, students: list[UUID], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    drawn = draws(kept, monkeypatch)
+    rendered = record_renders(monkeypatch)
 
     def sent() -> None:
         store(site.database, [Sent(students[0], OTHER, utc_now(), 0.0, code=f"{place}") for place in range(4)])
@@ -80,17 +80,16 @@ def test_each_change_is_drawn_at_the_next_look(
     for change in changes:
         change()
         after = page(site, teacher, made)
-        count = len(drawn)
+        count = len(rendered)
         assert page(site, teacher, made) == after
-        assert len(drawn) == count, "nothing is drawn again of what is as it was"
-        kept._KEPT.clear()
-        kept._KNOWN.clear()
+        assert len(rendered) == count, "nothing is rendered again that has not changed"
+        FRAGMENTS.clear()
         assert page(site, teacher, made) == after, change.__name__
         assert after != before, change.__name__
         before = after
 
 
-def test_it_is_drawn_for_who_asks_as_they_ask(site: Site, teacher: Person, made: SchoolClass) -> None:
+def test_each_query_and_reader_has_their_own_fragment(site: Site, teacher: Person, made: SchoolClass) -> None:
     asked = ["", "?tri=bloques", "?tri=-nom", "?groupe=TP1", "?erreurs=toutes"]
     pages = [page(site, teacher, made, one) for one in asked]
     assert len(set(pages)) == 5
@@ -103,14 +102,13 @@ def test_it_is_drawn_for_who_asks_as_they_ask(site: Site, teacher: Person, made:
     )
 
 
-def test_times_are_told_on_the_clock_of_the_school(
+def test_times_follow_the_time_zone_of_the_school(
     site: Site, teacher: Person, made: SchoolClass, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = page(site, teacher, made).split('id="activite"')[1]
     monkeypatch.setattr(school_time, "_zones", list(school_time._zones))
     school_time.use("America/Martinique")
     elsewhere = page(site, teacher, made).split('id="activite"')[1]
-    kept._KEPT.clear()
-    kept._KNOWN.clear()
+    FRAGMENTS.clear()
     assert page(site, teacher, made).split('id="activite"')[1] == elsewhere
     assert elsewhere != before

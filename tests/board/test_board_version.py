@@ -1,16 +1,18 @@
-"""What is kept of a class between two looks is never what it was: each look tells what a first one would."""
+"""A board cached by its version equals a fresh one after every kind of change."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import replace
 from datetime import timedelta
 
 from sqlalchemy import delete, select, update
+from sqlalchemy.orm import Session
 
-from server.board import kept, repository, service
-from server.board.repository import Scope
+from server.board import repository, service
+from server.board.insights import slot_begin
 from server.board.schemas import Board, Insights
+from server.board.service import BoardInputs
 from server.classes.models import Membership, SchoolClass, Status
 from server.course import Course
 from server.database import Database, utc_now
@@ -18,9 +20,9 @@ from server.gradebook.models import Grading
 from server.identity.models import Role
 from server.marks.models import Override
 from server.submissions.models import Submission
+from tests.support.caches import clear_caches
 from tests.support.classes import assign, new_class, seat
 from tests.support.crowd import Sent, lessons, seated, store
-from tests.support.kept import forget
 from tests.support.service import EXERCISE, new_account
 
 OTHER, LATER = "l20/kabsch", "l20/predire2d"
@@ -28,14 +30,32 @@ WRONG = "rotation_oubliee"
 NOW = utc_now() + timedelta(minutes=1)
 
 
+#: Boards and insights by version, as fragments of pages are cached.
+CACHE: dict[Hashable, Board | Insights] = {}
+
+
+def load(db: Session, course: Course, made: SchoolClass) -> BoardInputs:
+    school_class = db.get(SchoolClass, made.id)
+    assert school_class is not None
+    return service.load_inputs(db, course, school_class, NOW)
+
+
 def read(database: Database, course: Course, made: SchoolClass) -> tuple[Board, Insights]:
     with database.read() as db:
-        school_class = db.get(SchoolClass, made.id)
-        assert school_class is not None
-        return service.load_dashboard(db, course, school_class, NOW)
+        inputs = load(db, course, made)
+        groups = tuple(service.load_unnamed_groups(db, inputs.progress))
+        side_key = (inputs.progress.version, groups, slot_begin(inputs.progress.now))
+        if inputs.version not in CACHE:
+            CACHE[inputs.version] = inputs.board
+        if side_key not in CACHE:
+            CACHE[side_key] = service.build_insights(inputs.progress, groups)
+        board, insights = CACHE[inputs.version], CACHE[side_key]
+        assert isinstance(board, Board)
+        assert isinstance(insights, Insights)
+        return board, insights
 
 
-def test_each_change_is_seen_at_the_next_look(database: Database, course: Course) -> None:
+def test_every_change_is_shown_at_once(database: Database, course: Course) -> None:
     made = new_class(database, new_account(database, Role.teacher))
     assign(database, made, EXERCISE, OTHER, opened=timedelta(days=3))
     students = seated(database, made, 6, NOW)
@@ -92,48 +112,43 @@ def test_each_change_is_seen_at_the_next_look(database: Database, course: Course
     for change in changes:
         change()
         again = read(database, course, made)
-        forget()
+        CACHE.clear()
+        clear_caches()
         assert again == read(database, course, made), change.__name__
         assert again[0].version != before[0].version, change.__name__
         before = again
 
 
-def test_what_is_the_same_is_not_reckoned_again(database: Database, course: Course) -> None:
+def test_version_and_attempts_stay_until_something_changes(database: Database, course: Course) -> None:
     made = new_class(database, new_account(database, Role.teacher))
     students = seated(database, made, 3)
     store(database, [Sent(one, EXERCISE, NOW - timedelta(hours=1), 0.5, WRONG) for one in students])
 
-    def done() -> kept.Done:
+    def inputs(course: Course) -> BoardInputs:
         with database.read() as db:
-            school_class = db.get(SchoolClass, made.id)
-            assert school_class is not None
-            return kept.done(db, course, service.load_scope(db, course, school_class, NOW), students)
+            return load(db, course, made)
 
-    first = done()
-    assert done() is first
+    first = inputs(course)
+    assert inputs(course).version == first.version
+    assert inputs(replace(course)).version != first.version, "another edition of the course"
     store(database, [Sent(students[0], EXERCISE, NOW, 1.0)])
-    second = done()
-    assert [second.trails[one, EXERCISE] is first.trails[one, EXERCISE] for one in students] == [False, True, True]
-    with database.read() as db:
-        school_class = db.get(SchoolClass, made.id)
-        assert school_class is not None
-        scope = service.load_scope(db, course, school_class, NOW)
-        assert kept.done(db, replace(course), scope, students) is not second, "another edition of the course"
-        assert kept.done(db, course, scope, students[:1]).students == (students[0],)
+    second = inputs(course)
+    assert second.version != first.version
+    before, after = first.progress.attempts, second.progress.attempts
+    assert [after[one, EXERCISE] is before[one, EXERCISE] for one in students] == [False, True, True]
 
 
-def test_what_a_database_tells_is_read_by_its_own_types(database: Database, course: Course) -> None:
+def test_columns_of_attempts_are_read_with_their_types(database: Database, course: Course) -> None:
     made = new_class(database, new_account(database, Role.teacher))
     (ada,) = seated(database, made, 1)
     (submission,) = store(database, [Sent(ada, EXERCISE, NOW, 0.5, WRONG, "x = 2\n")])
     with database.read() as db:
-        (trail,) = kept.done(db, course, Scope(made.id, [EXERCISE], None), [ada]).trails.values()
-    (sent,) = trail
-    assert (sent.account, sent.exercise, sent.sent_at, sent.submission) == (ada, EXERCISE, NOW, submission)
-    assert (sent.outcome, sent.score, sent.diagnosis) == ("wrong_answer", 0.5, WRONG)
+        ((attempt,),) = load(db, course, made).progress.attempts.values()
+    assert (attempt.account_id, attempt.exercise, attempt.sent_at, attempt.id) == (ada, EXERCISE, NOW, submission)
+    assert (attempt.outcome, attempt.score, attempt.diagnosis) == ("wrong_answer", 0.5, WRONG)
 
 
-def test_its_pulse_is_another_one_whenever_the_board_may_be(database: Database, course: Course) -> None:
+def test_the_pulse_changes_whenever_the_board_may_change(database: Database, course: Course) -> None:
     made = new_class(database, new_account(database, Role.teacher))
     ada, alan = seated(database, made, 2)
     (submission,) = store(database, [Sent(ada, EXERCISE, NOW, 0.5, WRONG)])
@@ -141,7 +156,7 @@ def test_its_pulse_is_another_one_whenever_the_board_may_be(database: Database, 
 
     def pulse() -> str:
         with database.read() as db:
-            return str(repository.pulse(db, made.id))
+            return str(repository.load_pulse(db, made.id))
 
     def graded_anew() -> None:
         """Of as many points."""

@@ -1,5 +1,4 @@
-"""What is kept of a gradebook's page as it was drawn: the same page as if it were drawn anew, after each change, for
-whoever asks, as they ask."""
+"""The cached body of a gradebook equals a fresh one after each change, for every query."""
 
 from __future__ import annotations
 
@@ -12,12 +11,12 @@ from sqlalchemy import update
 from server.assignments.models import Assignment, Mode
 from server.classes.models import Membership, Seat
 from server.database import utc_now
-from server.desk.marks import kept
 from server.identity.models import Role
 from server.marks.models import Override
 from server.web import school_time
+from server.web.fragments import FRAGMENTS
+from tests.support.caches import record_renders
 from tests.support.classes import Person, person, seat
-from tests.support.kept import draws
 from tests.support.marks import POSES, Term
 from tests.support.service import Site
 
@@ -41,10 +40,10 @@ def martin(site: Site, term: Term) -> Person:
     return person(site, account=term.teacher)
 
 
-def test_each_change_is_drawn_at_the_next_look(
+def test_every_change_is_rendered_at_once(
     site: Site, term: Term, martin: Person, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    drawn = draws(kept, monkeypatch)
+    rendered = record_renders(monkeypatch)
     term.assignment()
     test = term.assignment("Contrôle", {POSES: 1.0}, mode=Mode.test)
     ada = term.student("Ada", "Lovelace", groups=["TP1"])
@@ -76,16 +75,16 @@ def test_each_change_is_drawn_at_the_next_look(
     for name, change in changes.items():
         change()
         after = page(site, martin, term)
-        count = len(drawn)
+        count = len(rendered)
         assert page(site, martin, term) == after
-        assert len(drawn) == count, "nothing is drawn again of what is as it was"
-        kept._KEPT.clear()
+        assert len(rendered) == count, "nothing is rendered again that has not changed"
+        FRAGMENTS.clear()
         assert page(site, martin, term) == after, name
         assert after != before, name
         before = after
 
 
-def test_it_is_drawn_for_who_asks_as_they_ask(site: Site, term: Term, martin: Person) -> None:
+def test_each_query_and_reader_has_their_own_fragment(site: Site, term: Term, martin: Person) -> None:
     given = term.assignment()
     for number, points in enumerate((8, 14)):
         term.send(term.student("Ada", f"Lovelace {number}", groups=[f"TP{number}"]), POSES, points)
@@ -102,7 +101,7 @@ def test_it_is_drawn_for_who_asks_as_they_ask(site: Site, term: Term, martin: Pe
     )
 
 
-def test_dates_are_told_on_the_clock_of_the_school(
+def test_dates_follow_the_time_zone_of_the_school(
     site: Site, term: Term, martin: Person, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     term.assignment(due_at=utc_now().replace(hour=2))
@@ -110,6 +109,6 @@ def test_dates_are_told_on_the_clock_of_the_school(
     monkeypatch.setattr(school_time, "_zones", list(school_time._zones))
     school_time.use("America/Martinique")
     elsewhere = page(site, martin, term)
-    kept._KEPT.clear()
+    FRAGMENTS.clear()
     assert page(site, martin, term) == elsewhere
     assert elsewhere != before

@@ -1,17 +1,24 @@
-"""What attempts come to, case by case; and against a second reckoning of the definitions, on simulated classes."""
+"""Statistics of attempts, case by case."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from uuid import UUID
 
 import pytest
 
 from graders.core.contract.outcomes import Outcome
-from server.board.insights import item_rest
-from server.board.repository import Sent
-from server.board.states import going_nowhere, gone_quiet, latest_of
-from server.board.trails import MisconceptionEpisode, Trail, after_hints, first_success, misconceptions, unexplained
+from server.board.attempts import (
+    MisconceptionEpisode,
+    first_success,
+    improvements_after_hints,
+    is_unexplained,
+    misconception_episodes,
+)
+from server.board.insights import ScoreSum, item_rest_correlation
+from server.board.stuck import failing_repeatedly, fallen_silent
+from server.gradebook.histories import Attempts, GradedAttempt
 from server.gradebook.schemas import HINT_OPENS_AFTER
 
 NOW = datetime(2026, 11, 23, 10, 0, tzinfo=UTC)
@@ -19,7 +26,7 @@ ADA = UUID(int=1)
 EXERCISE = "l20/poses"
 
 
-def trail(*attempts: str) -> Trail:
+def attempts_of(*attempts: str) -> Attempts:
     """Each `minutes ago, points[, code[, misconception]]`; 20 points are a success."""
     found = []
     for number, text in enumerate(attempts):
@@ -27,8 +34,9 @@ def trail(*attempts: str) -> Trail:
         outcome = Outcome.OK if points == "20" else Outcome.WRONG_ANSWER
         sent_at = NOW - timedelta(minutes=float(ago))
         score, digest = int(points) / 20, code or f"#{number}"
-        found.append(Sent(ADA, EXERCISE, sent_at, digest, outcome.value, score, name or None, UUID(int=number)))
-    return Trail(found)
+        id, grading = UUID(int=number), UUID(int=1000 + number)
+        found.append(GradedAttempt(id, sent_at, score, ADA, EXERCISE, digest, outcome.value, name or None, grading))
+    return tuple(found)
 
 
 STUCK = {
@@ -46,8 +54,8 @@ STUCK = {
 
 
 @pytest.mark.parametrize(("attempts", "stuck"), STUCK.values(), ids=STUCK.keys())
-def test_who_goes_nowhere(attempts: list[str], stuck: bool) -> None:
-    found = going_nowhere({(ADA, EXERCISE): trail(*attempts)}, NOW)
+def test_repeated_failures_are_stuck(attempts: list[str], stuck: bool) -> None:
+    found = failing_repeatedly({(ADA, EXERCISE): attempts_of(*attempts)}, NOW)
     assert found == (frozenset({(ADA, EXERCISE)}) if stuck else frozenset())
 
 
@@ -55,12 +63,12 @@ def test_who_goes_nowhere(attempts: list[str], stuck: bool) -> None:
     ("sent", "seen", "quiet"),
     [(7, 1, False), (9, 1, True), (39, 14, True), (39, 16, False), (41, 1, False), (9, None, False)],
 )
-def test_who_has_gone_quiet_after_a_failure(sent: int, seen: int | None, quiet: bool) -> None:
-    standings = {(ADA, EXERCISE): trail(f"{sent},5").sums}
-    there = {ADA: None if seen is None else NOW - timedelta(minutes=seen)}
-    assert bool(gone_quiet(latest_of(standings), there, NOW)) is quiet
-    elsewhere = {**standings, (ADA, "l20/kabsch"): trail("1,5").sums}
-    assert not gone_quiet(latest_of(elsewhere), there, NOW), "who works at something else is not held up here"
+def test_silent_students_are_stuck(sent: int, seen: int | None, quiet: bool) -> None:
+    attempts = {(ADA, EXERCISE): attempts_of(f"{sent},5")}
+    seen_at = {ADA: None if seen is None else NOW - timedelta(minutes=seen)}
+    assert bool(fallen_silent(attempts, seen_at, NOW)) is quiet
+    elsewhere = {**attempts, (ADA, "l20/kabsch"): attempts_of("1,5")}
+    assert not fallen_silent(elsewhere, seen_at, NOW), "who works at something else is not held up here"
 
 
 @pytest.mark.parametrize(
@@ -77,29 +85,32 @@ def test_who_has_gone_quiet_after_a_failure(sent: int, seen: int | None, quiet: 
     ],
 )
 def test_misconceptions_had_and_overcome(attempts: list[str], expected: dict[str, MisconceptionEpisode]) -> None:
-    assert dict(misconceptions(trail(*attempts))) == expected
+    assert dict(misconception_episodes(attempts_of(*attempts))) == expected
 
 
 def test_the_first_success_is_counted_and_timed() -> None:
-    assert first_success(trail("30,0", "20,20", "10,0", "5,20")) == (2, 10.0)
-    assert first_success(trail("30,0")) is None
+    assert first_success(attempts_of("30,0", "20,20", "10,0", "5,20")) == (2, 10.0)
+    assert first_success(attempts_of("30,0")) is None
 
 
 def test_hints_open_after_different_failures_and_only_what_followed_is_told() -> None:
-    codes = trail("9,0,start", "8,0,a", "7,0,a", "6,5,b", "5,4,c", "4,9,d")
-    assert list(after_hints(codes, "start", HINT_OPENS_AFTER)) == [(1, False), (2, False)]
-    assert list(after_hints(trail("9,0,a", "8,5,b", "7,20,c"), None, HINT_OPENS_AFTER)) == [(1, True), (2, True)]
+    codes = attempts_of("9,0,start", "8,0,a", "7,0,a", "6,5,b", "5,4,c", "4,9,d")
+    assert list(improvements_after_hints(codes, "start", HINT_OPENS_AFTER)) == [(1, False), (2, False)]
+    assert list(improvements_after_hints(attempts_of("9,0,a", "8,5,b", "7,20,c"), None, HINT_OPENS_AFTER)) == [
+        (1, True),
+        (2, True),
+    ]
 
 
 def test_a_failure_is_unexplained_when_it_runs_and_has_no_name() -> None:
-    assert unexplained(trail("9,5"))
-    assert not unexplained(trail("9,5,,a"))
-    assert not unexplained(trail("9,20"))
-    (one,) = trail("9,5")
-    assert not unexplained((one._replace(outcome=Outcome.SYNTAX_ERROR.value),)), "it says of itself what it is"
+    assert is_unexplained(attempts_of("9,5"))
+    assert not is_unexplained(attempts_of("9,5,,a"))
+    assert not is_unexplained(attempts_of("9,20"))
+    (one,) = attempts_of("9,5")
+    assert not is_unexplained((replace(one, outcome=Outcome.SYNTAX_ERROR.value),)), "it says of itself what it is"
 
 
-def test_the_item_rest_correlation_is_hidden_under_twenty() -> None:
+def test_the_item_rest_correlation_correlation_is_hidden_under_twenty() -> None:
     people = [UUID(int=number) for number in range(20)]
     rising = {one: number / 20 for number, one in enumerate(people)}
     falling = {one: 1 - score for one, score in rising.items()}
@@ -108,7 +119,7 @@ def test_the_item_rest_correlation_is_hidden_under_twenty() -> None:
     def beside(*others: dict[UUID, float]) -> tuple[float | None, int]:
         scores = [rising, *others]
         there = {one: [score[one] for score in scores if one in score] for one in people}
-        return item_rest(rising, {one: (sum(found), len(found)) for one, found in there.items()})
+        return item_rest_correlation(rising, {one: ScoreSum(sum(found), len(found)) for one, found in there.items()})
 
     assert beside(rising, rising) == (1.0, 20)
     assert beside(falling) == (-1.0, 20)

@@ -1,4 +1,4 @@
-"""A class, and where things of it are: what its board's pages share."""
+"""Titles and addresses of what the pages of a board name."""
 
 from __future__ import annotations
 
@@ -7,47 +7,36 @@ from dataclasses import dataclass
 from urllib.parse import quote
 from uuid import UUID
 
-from server.board.schemas import Board, BoardStudent
+from server.board.schemas import BoardStudent
 from server.course import Course
 
 
 @dataclass(frozen=True)
-class Shown:
-    """The students of a class, with what pages need to name things: the course, and where the class is."""
+class BoardLinks:
+    """`href`: the address of the class; `students`: those on its board."""
 
     course: Course
     href: str
     students: Sequence[BoardStudent]
 
     def title(self, exercise: str) -> str:
-        found = self.course.exercises.get(exercise)
-        return found.title if found else exercise
+        known = self.course.exercises.get(exercise)
+        return known.title if known else exercise
 
     def exercise_href(self, exercise: str) -> str:
-        """Empty for an exercise that has left the course."""
+        """Return the address of an exercise, empty for one that has left the course."""
         return f"/{exercise.replace('/', '/exercices/', 1)}" if exercise in self.course.exercises else ""
 
     def people(self, students: Collection[UUID], exercise: str) -> tuple[tuple[str, str], ...]:
-        """Name, and address of what they did at the exercise, in the order of the list."""
+        """Return the names of students, in the order of the list, with the addresses of their work at an exercise."""
         wanted = set(students)
         return tuple((one.name, work_href(self.href, one.id, exercise)) for one in self.students if one.id in wanted)
 
 
-@dataclass(frozen=True)
-class ShownBoard(Shown):
-    """With its board."""
-
-    board: Board
-
-    @classmethod
-    def of(cls, course: Course, href: str, board: Board) -> ShownBoard:
-        return cls(course, href, board.students, board)
-
-
 def work_href(class_href: str, student: UUID, exercise: str) -> str:
-    """What a student of a class has sent to an exercise."""
+    """Return the address of what a student of a class has sent to an exercise."""
     return f"{class_href}/eleves/{student}/{exercise}"
 
 
-def mistake_href(class_href: str, exercise: str, misconception: str) -> str:
+def misconception_href(class_href: str, exercise: str, misconception: str) -> str:
     return f"{class_href}/erreurs/{exercise}/{quote(misconception, safe='')}"

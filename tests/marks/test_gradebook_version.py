@@ -1,9 +1,8 @@
-"""What is kept of a gradebook between two looks is never what it was: each look tells what a first one would, after
-whatever has changed, and at whatever time."""
+"""A page cached by the version of the class equals a fresh one, after every kind of change and at every time."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from contextlib import closing
 from dataclasses import replace
 from datetime import datetime, timedelta
@@ -26,12 +25,12 @@ from server.database import Database
 from server.gradebook import service as gradebook
 from server.gradebook.models import Grading
 from server.identity.models import Account
-from server.marks.loading import load_gradebook
+from server.marks.loading import GradebookInputs, build_gradebook, load_inputs
 from server.marks.models import Override
-from server.marks.schemas import Gradebook
+from server.marks.schemas import Gradebook, is_withheld
 from server.personal.joining import adopt
 from server.submissions.models import Submission
-from tests.support.kept import forget
+from tests.support.caches import clear_caches
 from tests.support.marks import AFTER, DAY, ODOMETRY, OPENS, POSES, Term
 from tests.support.quick import migrated, the_course
 from tests.support.service import new_account
@@ -39,25 +38,47 @@ from tests.support.service import new_account
 HOUR, INSTANT = timedelta(hours=1), timedelta(microseconds=1)
 
 
-def read(term: Term, course: Course, now: datetime = AFTER, only: list[UUID] | None = None) -> Gradebook:
-    with term.database.read() as db:
-        return inside(db, term, course, now, only)
+#: The contents of gradebooks by version, as fragments of pages are cached.
+CACHE: dict[Hashable, list[object]] = {}
 
 
-def inside(db: Session, term: Term, course: Course, now: datetime = AFTER, only: list[UUID] | None = None) -> Gradebook:
+def load(db: Session, term: Term, course: Course, now: datetime, only: list[UUID] | None = None) -> GradebookInputs:
     school_class = db.get(SchoolClass, term.made.id)
     assert school_class is not None
-    return load_gradebook(db, course, school_class, now, only)
+    return load_inputs(db, course, school_class, now, only)
 
 
-def told(found: Gradebook) -> list[object]:
-    """All that a book holds."""
+def read(term: Term, course: Course, now: datetime = AFTER) -> list[object]:
+    with term.database.read() as db:
+        return inside(db, term, course, now)
+
+
+def inside(db: Session, term: Term, course: Course, now: datetime = AFTER) -> list[object]:
+    """Return the contents of a gradebook, from the cache where its version is there, and its name, which is not."""
+    inputs = load(db, term, course, now)
+    if inputs.version not in CACHE:
+        CACHE[inputs.version] = contents(build_gradebook(db, inputs))
+    return [*CACHE[inputs.version], inputs.school_class.name]
+
+
+def contents(gradebook: Gradebook) -> list[object]:
     columns = Assignment.__table__.columns.keys()
-    given = [[getattr(one, name) for name in columns] for one in found.assignments]
-    return [given, found.rows, found.titles, found.exercises, found.at, found.school_class.name]
+    assignments = [[getattr(one, name) for name in columns] for one in gradebook.assignments]
+    withheld = [is_withheld(one, gradebook.at) for one in gradebook.assignments]
+    return [assignments, withheld, gradebook.rows, gradebook.titles, gradebook.exercises]
 
 
-def test_each_change_is_seen_at_the_next_look(database: Database, course: Course) -> None:
+def forget() -> None:
+    CACHE.clear()
+    clear_caches()
+
+
+def version(term: Term, course: Course, now: datetime = AFTER, only: list[UUID] | None = None) -> Hashable:
+    with term.database.read() as db:
+        return load(db, term, course, now, only).version
+
+
+def test_every_change_is_shown_at_once(database: Database, course: Course) -> None:
     term = Term.begin(database)
     given = term.assignment(exercises={POSES: 1.0, ODOMETRY: 2.0})
     test = term.assignment("Contrôle", {POSES: 1.0}, mode=Mode.test, duration_minutes=60)
@@ -138,41 +159,35 @@ def test_each_change_is_seen_at_the_next_look(database: Database, course: Course
         "no assignment": doing(lambda db: db.execute(delete(Assignment))),
         "another module": setting(SchoolClass, module="aucun"),
     }
-    before = told(read(term, course))
+    before = read(term, course)
     for name, change in changes.items():
         change()
-        after = told(read(term, course))
-        assert told(read(term, course)) == after
+        after = read(term, course)
+        assert read(term, course) == after
         forget()
-        assert told(read(term, course)) == after, name
+        assert read(term, course) == after, name
         assert after != before, name
         before = after
 
 
-def test_what_has_not_changed_is_not_made_again(database: Database, course: Course) -> None:
+def test_version_stays_until_something_changes(database: Database, course: Course) -> None:
     term = Term.begin(database)
     term.assignment()
     ada, alan = term.student("Ada", "Lovelace"), term.student("Alan", "Turing")
     term.send(ada, POSES, 8)
-    first = read(term, course)
-    again = read(term, course, AFTER + DAY)
-    assert again.rows is first.rows
-    assert again.made is first.made
-    assert again.at == AFTER + DAY, "but its moment"
-    assert read(term, course, only=[ada.id]).rows == first.rows[:1]
-    assert read(term, course, only=[alan.id]).rows == first.rows[1:]
-    assert read(term, replace(course)).made is not first.made, "another edition of the course"
+    first = version(term, course)
+    assert version(term, course, AFTER + DAY) == first, "time alone changes nothing between two instants"
+    assert len({first, version(term, course, only=[ada.id]), version(term, course, only=[alan.id])}) == 3
+    assert version(term, replace(course)) != first, "another edition of the course"
     term.send(alan, POSES, 5)
-    second = read(term, course)
-    assert second.made is not first.made
-    assert second.rows[0].marks[0] is first.rows[0].marks[0]
+    assert version(term, course) != first
 
 
-def test_what_was_seen_in_a_transaction_that_is_undone_is_told_to_nobody(database: Database, course: Course) -> None:
+def test_uncommitted_changes_are_never_shown_to_others(database: Database, course: Course) -> None:
     term = Term.begin(database)
     given = term.assignment()
     term.send(term.student("Ada", "Lovelace"), POSES, 8)
-    before = told(read(term, course))
+    before = read(term, course)
     for change in (
         update(Grading).values(score=1.0),
         update(Assignment).where(Assignment.id == given.id).values(weight=9.0),
@@ -180,9 +195,9 @@ def test_what_was_seen_in_a_transaction_that_is_undone_is_told_to_nobody(databas
     ):
         with database.write() as db:
             db.execute(change)
-            assert told(inside(db, term, course)) != before
+            assert inside(db, term, course) != before
             db.rollback()
-        assert told(read(term, course)) == before
+        assert read(term, course) == before
 
 
 def test_two_transactions_side_by_side(database: Database, course: Course) -> None:
@@ -190,14 +205,14 @@ def test_two_transactions_side_by_side(database: Database, course: Course) -> No
     term = Term.begin(database)
     term.assignment()
     term.send(term.student("Ada", "Lovelace"), POSES, 8)
-    before = told(read(term, course))
+    before = read(term, course)
     with database.write() as db:
         db.execute(update(Grading).values(score=1.0))
-        mine = told(inside(db, term, course))
+        mine = inside(db, term, course)
         assert mine != before
-        assert told(read(term, course)) == before
-        assert told(inside(db, term, course)) == mine
-    assert told(read(term, course)) == mine
+        assert read(term, course) == before
+        assert inside(db, term, course) == mine
+    assert read(term, course) == mine
 
 
 #: Of half hours after the opening of the earliest.
@@ -243,7 +258,7 @@ def give(term: Term, wanted: dict[str, Any], students: list[Account]) -> None:
 
 @given(st.lists(GIVEN, min_size=1, max_size=3), st.randoms(use_true_random=False))
 @settings(max_examples=12, deadline=None, database=None)
-def test_a_kept_book_is_that_of_every_time(wanted: list[dict[str, Any]], draw: Any) -> None:
+def test_a_cached_gradebook_is_right_at_every_time(wanted: list[dict[str, Any]], draw: Any) -> None:
     """At each time on which something may depend, just before it, and just after; in whatever order one looks."""
     course = the_course()
     with TemporaryDirectory() as folder, closing(migrated(Settings(data_dir=Path(folder), workers=0))) as database:
@@ -254,11 +269,11 @@ def test_a_kept_book_is_that_of_every_time(wanted: list[dict[str, Any]], draw: A
         # Times that were extended by a half, of a half hour, fall on quarters.
         times = [OPENS + place * HOUR / 4 + near * INSTANT for place, near in product(range(-1, 42), (-1, 0, 1))]
         forget()
-        kept = [told(read(term, course, now)) for now in times]
+        cached = [read(term, course, now) for now in times]
         mixed = draw.sample(range(len(times)), 40)
-        again = {place: told(read(term, course, times[place])) for place in mixed}
+        again = {place: read(term, course, times[place]) for place in mixed}
         for place, now in enumerate(times):
             forget()
-            fresh = told(read(term, course, now))
-            assert kept[place] == fresh, now
+            fresh = read(term, course, now)
+            assert cached[place] == fresh, now
             assert again.get(place, fresh) == fresh, now

@@ -1,25 +1,25 @@
-"""What is kept of what accounts have sent is what the database holds, whatever is done to it, and undone."""
+"""Cached histories equal what the database holds, whatever is changed and rolled back."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import chain
 from uuid import UUID, uuid4
 
 import pytest
 from sqlalchemy import delete, insert, select, text, update
+from sqlalchemy.orm import Session
 
 from graders.core.contract.outcomes import Outcome
 from server.database import Database, table_of, utc_now
 from server.gradebook import service
+from server.gradebook.histories import AccountHistory, AttemptHistories, GradedAttempt, Revision, load_revisions
 from server.gradebook.models import Grading
-from server.gradebook.sent import Attempt, Histories, Revision, revisions
 from server.identity.models import Account
 from server.personal.joining import adopt
 from server.submissions.models import Submission
 from tests.gradebook.test_gradebook import graded, record, sent
 from tests.support.service import new_account
-
-Kept = Histories[tuple[Attempt, ...]]
 
 
 @pytest.fixture
@@ -37,19 +37,24 @@ def ada(database: Database) -> UUID:
 
 def revision(database: Database, account: UUID) -> Revision | None:
     with database.read() as db:
-        return revisions(db, [account]).get(account)
+        return load_revisions(db, [account]).get(account)
 
 
-def look(database: Database, kept: Kept, *accounts: UUID) -> dict[UUID, tuple[Attempt, ...]]:
+def attempts_in(db: Session, histories: AttemptHistories, *accounts: UUID) -> dict[UUID, tuple[GradedAttempt, ...]]:
+    loaded = histories.load(db, load_revisions(db, accounts))
+    return {one: tuple(chain.from_iterable(history.attempts.values())) for one, history in loaded.items()}
+
+
+def look(database: Database, histories: AttemptHistories, *accounts: UUID) -> dict[UUID, tuple[GradedAttempt, ...]]:
     with database.read() as db:
-        return {one: known.value for one, known in kept.told(db, revisions(db, accounts)).items()}
+        return attempts_in(db, histories, *accounts)
 
 
-def anew() -> Kept:
-    return Histories.of(tuple, 1000)
+def anew() -> AttemptHistories:
+    return AttemptHistories(1000)
 
 
-def test_each_change_is_seen_at_the_next_look(database: Database, ada: UUID) -> None:
+def test_every_change_is_loaded_at_once(database: Database, ada: UUID) -> None:
     alan, kept = new_account(database).id, anew()
     with database.read() as db:
         first, last = db.execute(select(Submission.id).order_by(Submission.created_at)).scalars()
@@ -119,7 +124,7 @@ def test_each_change_is_seen_at_the_next_look(database: Database, ada: UUID) -> 
     assert len(seen) == 1 + len(changes) - 3, "after the purge it is what it was before; who has none has no other"
 
 
-def test_what_is_not_read_changes_nothing(database: Database, ada: UUID) -> None:
+def test_columns_that_are_not_read_keep_the_revision(database: Database, ada: UUID) -> None:
     before = revision(database, ada)
     with database.write() as db:
         db.execute(update(Submission).values(source=b"y = 2\n", seed=7))
@@ -129,66 +134,64 @@ def test_what_is_not_read_changes_nothing(database: Database, ada: UUID) -> None
     assert revision(database, ada) == before
 
 
-def test_what_is_rolled_back_has_never_been(database: Database, ada: UUID) -> None:
+def test_rolled_back_changes_are_never_loaded(database: Database, ada: UUID) -> None:
     """Whoever looks in a transaction that is undone keeps what it saw, and nobody else is ever shown it."""
     kept, before = anew(), look(database, anew(), ada)
     for score in (0.5, 0.75):
         with database.write() as db:
             db.execute(update(Grading).values(score=score))
-            inside = kept.told(db, revisions(db, [ada]))[ada].value
+            inside = attempts_in(db, kept, ada)[ada]
             assert {one.score for one in inside} == {score}
             db.rollback()
         assert look(database, kept, ada) == before
     with database.write() as db:
         with db.begin_nested() as nested:
             db.execute(update(Grading).values(score=0.1))
-            assert {one.score for one in kept.told(db, revisions(db, [ada]))[ada].value} == {0.1}
+            assert {one.score for one in attempts_in(db, kept, ada)[ada]} == {0.1}
             nested.rollback()
-        assert kept.told(db, revisions(db, [ada]))[ada].value == before[ada]
+        assert attempts_in(db, kept, ada)[ada] == before[ada]
         db.execute(update(Grading).values(score=0.2))
-        assert {one.score for one in kept.told(db, revisions(db, [ada]))[ada].value} == {0.2}
+        assert {one.score for one in attempts_in(db, kept, ada)[ada]} == {0.2}
     assert {one.score for one in look(database, kept, ada)[ada]} == {0.2}
 
 
-def test_what_changes_while_somebody_looks(database: Database, ada: UUID) -> None:
+def test_concurrent_changes(database: Database, ada: UUID) -> None:
     """Of two transactions side by side: what is kept is what was read together, whatever was told before. SQLite shows
     a transaction what was there when it began, PostgreSQL what is there when it asks."""
     kept = anew()
     with database.read() as db:
-        told = revisions(db, [ada])
+        told = load_revisions(db, [ada])
         with_file = database.engine.dialect.name == "sqlite"
         record(database, sent(database, ada), graded(Outcome.OK))
-        known = kept.told(db, told)[ada]
-        assert len(known.value) == 2 if with_file else 3
+        known = kept.load(db, told)[ada]
+        assert sum(map(len, known.attempts.values())) == (2 if with_file else 3)
         assert (known.revision == told[ada]) is with_file
-        assert (revisions(db, [ada])[ada] == told[ada]) is with_file
+        assert (load_revisions(db, [ada])[ada] == told[ada]) is with_file
     assert look(database, kept, ada) == look(database, anew(), ada)
     with database.write() as writing:
         writing.execute(update(Grading).values(score=0.3))
-        inside = kept.told(writing, revisions(writing, [ada]))[ada].value
+        inside = attempts_in(writing, kept, ada)[ada]
         outside = look(database, kept, ada)[ada]
         assert {one.score for one in inside} == {0.3}
         assert {one.score for one in outside} == {0.25, 1.0}, "nobody sees what is not committed"
-        assert kept.told(writing, revisions(writing, [ada]))[ada].value == inside
+        assert attempts_in(writing, kept, ada)[ada] == inside
     assert look(database, kept, ada)[ada] == inside
 
 
-def test_only_who_has_changed_is_read_again(database: Database, ada: UUID) -> None:
-    alan, made = new_account(database).id, list[UUID]()
+def test_only_changed_accounts_are_read_again(database: Database, ada: UUID) -> None:
+    alan, kept = new_account(database).id, anew()
     record(database, sent(database, alan), graded())
 
-    def make(attempts: object) -> tuple[Attempt, ...]:
-        found = tuple(attempts)  # type: ignore[arg-type]
-        made.append(found[0].account)
-        return found
+    def load() -> dict[UUID, AccountHistory]:
+        with database.read() as db:
+            return dict(kept.load(db, load_revisions(db, [ada, alan])))
 
-    kept = Histories.of(make, 1000)
-    look(database, kept, ada, alan)
-    first = look(database, kept, ada, alan)
-    assert sorted(made) == sorted([ada, alan])
+    first = load()
+    again = load()
+    assert all(again[one] is first[one] for one in (ada, alan))
     record(database, sent(database, alan), graded(Outcome.OK))
-    second = look(database, kept, ada, alan)
-    assert made[2:] == [alan]
+    second = load()
+    assert second[alan] is not first[alan]
     assert second[ada] is first[ada]
 
 

@@ -1,0 +1,84 @@
+"""Load all assignments of a class at once, with what differs for some of its students."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import chain
+from uuid import UUID
+
+from sqlalchemy import inspect, select
+from sqlalchemy.orm import Session
+
+from server.assignments.models import Assigned, AssignedExercise, Assignment, Exemption, Mode, Sitting
+from server.database import Base
+
+
+@dataclass(frozen=True, eq=False)
+class ClassAssignments:
+    """The assignments of a class in the order in which they open, and by assignment: its exercises, the exemptions in
+    force, and for tests the sittings by student."""
+
+    assignments: Sequence[Assignment]
+    exercises: Mapping[UUID, Sequence[Assigned]]
+    exemptions: Mapping[UUID, Sequence[Exemption]]
+    sittings: Mapping[UUID, Mapping[UUID, Sitting]]
+
+    @cached_property
+    def version(self) -> Hashable:
+        """Every value that was loaded: equal versions mean equal assignments."""
+        sittings = chain.from_iterable(by_student.values() for by_student in self.sittings.values())
+        return (
+            _values(self.assignments),
+            tuple((name, tuple(exercises)) for name, exercises in self.exercises.items()),
+            _values(chain.from_iterable(self.exemptions.values())),
+            _values(sittings),
+        )
+
+
+def _values(rows: Iterable[Base]) -> Hashable:
+    return tuple(tuple(getattr(row, name) for name in inspect(type(row)).column_attrs.keys()) for row in rows)  # noqa: SIM118
+
+
+def load_class_assignments(db: Session, class_id: UUID) -> ClassAssignments:
+    """Load them in two queries, three where there are tests."""
+    query = (
+        select(Assignment, AssignedExercise.exercise, AssignedExercise.weight)
+        .outerjoin(AssignedExercise, AssignedExercise.assignment_id == Assignment.id)
+        .where(Assignment.class_id == class_id)
+        .order_by(Assignment.opens_at, Assignment.title, Assignment.id, AssignedExercise.position)
+    )
+    exercises: dict[UUID, list[Assigned]] = {}
+    assignments: dict[UUID, Assignment] = {}
+    for assignment, exercise, weight in db.execute(query):
+        assignments[assignment.id] = assignment
+        rows = exercises.setdefault(assignment.id, [])
+        if exercise is not None:
+            rows.append(Assigned(exercise, weight))
+    has_tests = any(assignment.mode == Mode.test for assignment in assignments.values())
+    return ClassAssignments(
+        assignments=list(assignments.values()),
+        exercises=exercises,
+        exemptions=_load_exemptions(db, class_id),
+        sittings=_load_sittings(db, class_id) if has_tests else {},
+    )
+
+
+def _load_exemptions(db: Session, class_id: UUID) -> Mapping[UUID, Sequence[Exemption]]:
+    query = select(Exemption).join(Assignment, Assignment.id == Exemption.assignment_id)
+    query = query.where(Assignment.class_id == class_id, Exemption.revoked_at.is_(None))
+    exemptions: dict[UUID, list[Exemption]] = defaultdict(list)
+    for exemption in db.execute(query.order_by(Exemption.created_at, Exemption.id)).scalars():
+        exemptions[exemption.assignment_id].append(exemption)
+    return exemptions
+
+
+def _load_sittings(db: Session, class_id: UUID) -> Mapping[UUID, Mapping[UUID, Sitting]]:
+    query = select(Sitting).join(Assignment, Assignment.id == Sitting.assignment_id)
+    query = query.where(Assignment.class_id == class_id, Assignment.mode == Mode.test)
+    sittings: dict[UUID, dict[UUID, Sitting]] = defaultdict(dict)
+    for sitting in db.execute(query.order_by(Sitting.assignment_id, Sitting.account_id)).scalars():
+        sittings[sitting.assignment_id][sitting.account_id] = sitting
+    return sittings

@@ -1,0 +1,83 @@
+"""Properties of one student's attempts at one exercise: pure. Attempts are in the order in which they were sent."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+from uuid import UUID
+
+from graders.core.contract.outcomes import Blame, Outcome, blamed_on
+from server.gradebook.histories import Attempts
+
+FAILURES = frozenset(outcome.value for outcome in blamed_on(Blame.STUDENT))
+#: Failures of programs that run and answer wrongly.
+WRONG_ANSWERS = frozenset((Outcome.WRONG_ANSWER.value, Outcome.INVALID_OUTPUT.value, Outcome.RUNTIME_ERROR.value))
+
+Pair = tuple[UUID, str]
+
+
+@dataclass(frozen=True, slots=True)
+class MisconceptionEpisode:
+    """A student's misconception at an exercise.
+
+    `attempts`: from the first attempt that shows it to the first that shows it no more for good, None while the last
+    one shows it. `followed`: another attempt came after the first that shows it; `improved`: and scored more.
+    """
+
+    account: UUID
+    attempts: int | None
+    followed: bool
+    improved: bool
+
+
+class FirstSuccess(NamedTuple):
+    """The number of the first successful attempt, from 1, and the minutes from the first attempt to it."""
+
+    attempts: int
+    minutes: float
+
+
+def misconception_episodes(attempts: Attempts) -> Iterator[tuple[str, MisconceptionEpisode]]:
+    """Yield each misconception that some attempt shows, with its episode."""
+    indices: dict[str, list[int]] = {}
+    for index, attempt in enumerate(attempts):
+        if attempt.diagnosis is not None:
+            indices.setdefault(attempt.diagnosis, []).append(index)
+    for misconception, (first, *later) in indices.items():
+        last = later[-1] if later else first
+        overcome = last < len(attempts) - 1
+        followed = first < len(attempts) - 1
+        improved = followed and attempts[first + 1].score > attempts[first].score
+        episode = MisconceptionEpisode(
+            attempts[first].account_id, last - first + 1 if overcome else None, followed, improved
+        )
+        yield misconception, episode
+
+
+def first_success(attempts: Attempts) -> FirstSuccess | None:
+    for number, attempt in enumerate(attempts, 1):
+        if attempt.outcome == Outcome.OK:
+            return FirstSuccess(number, (attempt.sent_at - attempts[0].sent_at).total_seconds() / 60)
+    return None
+
+
+def improvements_after_hints(
+    attempts: Attempts, starter: str | None, opens_after: Collection[int]
+) -> Iterator[tuple[int, bool]]:
+    """Yield each number of different failures that opened a hint, and whether the next attempt scored more.
+
+    A hint that no attempt followed is left out. `starter`: the digest of the starter code, which opens nothing.
+    """
+    failed: set[str] = set()
+    for attempt, following in pairwise(attempts):
+        if attempt.outcome in FAILURES and attempt.digest != starter and attempt.digest not in failed:
+            failed.add(attempt.digest)
+            if len(failed) in opens_after:
+                yield len(failed), following.score > attempt.score
+
+
+def is_unexplained(attempts: Attempts) -> bool:
+    """Whether the latest attempt answers wrongly without a known misconception."""
+    return attempts[-1].diagnosis is None and attempts[-1].outcome in WRONG_ANSWERS

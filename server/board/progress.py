@@ -1,0 +1,107 @@
+"""What the students of a class have sent to the exercises that count, and what follows from it: pure."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from functools import cached_property
+from uuid import UUID
+
+from server.board import insights
+from server.board.attempts import MisconceptionEpisode, Pair, is_unexplained, misconception_episodes
+from server.board.catalogue import find_misconception
+from server.board.repository import Scope
+from server.board.schemas import BoardStudent, ExerciseStats, HintStats, ImprovementStats, MisconceptionStats
+from server.board.stuck import failing_repeatedly, fallen_silent, median_or_none
+from server.course import Course
+from server.gradebook.histories import AttemptsByPair, GradedAttempt, Revisions
+from server.gradebook.standings import StandingTotals, compute_totals
+
+
+@dataclass(frozen=True, eq=False)
+class ClassProgress:
+    """The attempts of the present students of a class, as of `now`."""
+
+    course: Course
+    scope: Scope
+    now: datetime
+    students: tuple[BoardStudent, ...]
+    attempts: AttemptsByPair
+    revisions: Revisions
+
+    @property
+    def version(self) -> Hashable:
+        """Equal versions mean equal progress, but for what changes with time alone: `stuck`, and recent activity."""
+        students = tuple((student.id, student.name, student.groups) for student in self.students)
+        return self.course, self.scope, students, frozenset(self.revisions.items())
+
+    @cached_property
+    def standings(self) -> Mapping[Pair, StandingTotals]:
+        return {pair: compute_totals(attempts) for pair, attempts in self.attempts.items()}
+
+    @cached_property
+    def stuck(self) -> frozenset[Pair]:
+        seen_at = {student.id: student.seen_at for student in self.students}
+        return failing_repeatedly(self.attempts, self.now) | fallen_silent(self.attempts, seen_at, self.now)
+
+    @cached_property
+    def times(self) -> Sequence[datetime]:
+        """When attempts were sent, the oldest first."""
+        return sorted(attempt.sent_at for attempts in self.attempts.values() for attempt in attempts)
+
+    @cached_property
+    def unexplained(self) -> Sequence[GradedAttempt]:
+        """The latest attempts that answer wrongly without a known misconception, by exercise and time."""
+        latest = [attempts[-1] for attempts in self.attempts.values() if is_unexplained(attempts)]
+        return sorted(latest, key=lambda attempt: (attempt.exercise, attempt.sent_at))
+
+    @cached_property
+    def misconceptions(self) -> tuple[MisconceptionStats, ...]:
+        """By how many students still have it, then by how many ever had it, then in the order of the course."""
+        episodes: dict[tuple[str, str], list[MisconceptionEpisode]] = defaultdict(list)
+        for (_, exercise), attempts in self.attempts.items():
+            for misconception, episode in misconception_episodes(attempts):
+                episodes[exercise, misconception].append(episode)
+        order = {name: index for index, name in enumerate(self.course.exercises)}
+        stats = [_misconception_stats(self.course, *key, own) for key, own in episodes.items()]
+        return tuple(sorted(stats, key=lambda one: (-one.now, -one.ever, order.get(one.exercise, len(order)), one.id)))
+
+    @property
+    def exercise_stats(self) -> tuple[ExerciseStats, ...]:
+        return insights.exercise_stats(self.scope.exercises, self.standings, self.attempts)
+
+    @property
+    def improvements(self) -> tuple[ImprovementStats, ...]:
+        return insights.improvements(self.misconceptions)
+
+    @property
+    def hint_stats(self) -> tuple[HintStats, ...]:
+        return insights.hint_stats(self.course, self.scope.exercises, self.attempts)
+
+    def students_who_had(self, exercise: str, misconception: str) -> frozenset[UUID]:
+        return frozenset(
+            account_id
+            for (account_id, name), attempts in self.attempts.items()
+            if name == exercise and any(attempt.diagnosis == misconception for attempt in attempts)
+        )
+
+
+def _misconception_stats(
+    course: Course, exercise: str, misconception: str, episodes: Sequence[MisconceptionEpisode]
+) -> MisconceptionStats:
+    still = sorted((episode.account for episode in episodes if episode.attempts is None), key=str)
+    overcome = [episode.attempts for episode in episodes if episode.attempts is not None]
+    return MisconceptionStats(
+        exercise=exercise,
+        id=misconception,
+        title=find_misconception(course, exercise, misconception).diagnosis.title,
+        now=len(still),
+        ever=len(episodes),
+        overcome=len(overcome),
+        median_attempts=median_or_none(overcome),
+        students=tuple(still),
+        followed=sum(episode.followed for episode in episodes),
+        improved=sum(episode.improved for episode in episodes),
+    )

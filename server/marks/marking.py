@@ -1,0 +1,117 @@
+"""Compute the marks of an assignment from what its students sent: pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from uuid import UUID
+
+from server.assignments.class_assignments import ClassAssignments
+from server.assignments.counting import in_sitting, result
+from server.assignments.feedback import Stage, stage_of
+from server.assignments.models import Assigned, Assignment, Counts, Mode, Sitting
+from server.assignments.rules import Rules, in_force
+from server.classes.schemas import Listed
+from server.gradebook.histories import Attempts, AttemptsByPair
+from server.marks.schemas import ActiveOverride, AssignmentMark, ExerciseMark, MarkState, StudentExercise
+
+ENDED_STAGES = frozenset((Stage.over, Stage.missed, Stage.shown))
+
+
+@dataclass(frozen=True, eq=False)
+class AssignmentMarker:
+    """Marks one assignment of a class. `rules` are those in force, by student."""
+
+    assignment: Assignment
+    exercises: Sequence[Assigned]
+    sittings: Mapping[UUID, Sitting]
+    rules: Mapping[UUID, Rules]
+
+    @classmethod
+    def for_assignment(
+        cls, assignment: Assignment, assigned: ClassAssignments, students: Sequence[Listed]
+    ) -> AssignmentMarker:
+        exemptions = assigned.exemptions.get(assignment.id, ())
+        common = in_force(assignment, (), assignment.class_id, ())
+        rules = {
+            student.id: in_force(assignment, exemptions, student.id, student.groups) if exemptions else common
+            for student in students
+        }
+        exercises = assigned.exercises.get(assignment.id, ())
+        return cls(assignment, exercises, assigned.sittings.get(assignment.id, {}), rules)
+
+    def instants(self) -> Iterator[datetime | None]:
+        """Yield every time at which a mark may change by itself: all that `mark` and `is_withheld` compare with now."""
+        yield self.assignment.released_at
+        for student, rules in self.rules.items():
+            yield from (rules.opens_at, rules.due_at, rules.closes_at)
+            if sitting := self.sittings.get(student):
+                yield rules.end_of_sitting(sitting.began_at)
+
+    def mark(
+        self,
+        student: UUID,
+        attempts: AttemptsByPair,
+        overrides: Mapping[StudentExercise, ActiveOverride],
+        now: datetime,
+    ) -> AssignmentMark:
+        """Return the mark of one student."""
+        rules, sitting = self.rules[student], self.sittings.get(student)
+        is_test, counts = self.assignment.mode == Mode.test, Counts(self.assignment.counts)
+        marks = []
+        for exercise, weight in self.exercises:
+            pair = student, exercise
+            sent: Attempts = attempts.get(pair, ())
+            if is_test:
+                sent = in_sitting(sent, sitting.began_at, sitting.handed_in_at) if sitting else ()
+            marks.append(mark_exercise(exercise, weight, sent, rules, counts, overrides.get(pair)))
+        # A test ends for a student who has handed in, whose time is over, or once its results are out.
+        ended = is_test and stage_of(self.assignment, rules, sitting, now) in ENDED_STAGES
+        state = mark_state(rules, marks, now, has_begun_test=sitting is not None, ended=ended)
+        return AssignmentMark(rules, state, tuple(marks), ended)
+
+
+def mark_exercise(
+    exercise: str, weight: float, attempts: Attempts, rules: Rules, counts: Counts, override: ActiveOverride | None
+) -> ExerciseMark:
+    """Return the mark of one student at one exercise, from the attempts and the override in force."""
+    found = result(rules, counts, attempts)
+    counted = None if found.counted is None else next(one for one in attempts if one.id == found.counted.attempt)
+    return ExerciseMark(
+        exercise=exercise,
+        weight=weight,
+        counted=found.counted,
+        grading=None if counted is None else str(counted.grading_id),
+        sent_at=None if counted is None else counted.sent_at,
+        attempts=found.attempts,
+        override=override,
+    )
+
+
+def mark_state(
+    rules: Rules,
+    marks: Sequence[ExerciseMark],
+    now: datetime,
+    *,
+    has_begun_test: bool = False,
+    ended: bool = False,
+) -> MarkState:
+    """Return the state of an assignment for a student. An override counts as something sent.
+
+    A test is open to a student who has begun it, whatever its dates have become. `ended`: the student can send nothing
+    more, whatever the dates.
+    """
+    if rules.excused or (marks and all(mark.excused for mark in marks)):
+        return MarkState.excused
+    begun = any(mark.points is not None for mark in marks)
+    if ended:
+        return MarkState.done if begun else MarkState.absent
+    if now < rules.opens_at and not has_begun_test:
+        return MarkState.upcoming
+    end = rules.last_moment or rules.due_at
+    if end is None:
+        return MarkState.done if begun else MarkState.open
+    if now <= end:
+        return MarkState.open
+    return MarkState.done if begun else MarkState.absent
