@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import gc
 import os
+import re
 import sys
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: the processes of xdist share the processors already
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # thirty processes are started: what one compiles serves all
 
 from collections.abc import Generator, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -20,7 +22,11 @@ if TYPE_CHECKING:
     from server.sandbox import Sandbox
 
 #: What tests of several rooms ask for: the service with the real course, and a small course that is written.
-SHARED = ("tests.support.service", "tests.support.small_course", "tests.support.cluster")
+SHARED = ("tests.support.service", "tests.support.small_course")
+
+TESTS = Path(__file__).parent
+#: The folders whose tests carry the marker of their name; all the others are the platform's.
+PARTS = ("content", "contract")
 
 sys.dont_write_bytecode = False
 gc.disable()  # until all is imported and collected
@@ -39,14 +45,31 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 #: Processes of xdist, where a machine has many processors: each collects all tests, and most of them start servers.
-MOST_PROCESSES = 8
+MAX_WORKERS = 8
+#: A selection of so few files is run in this process: starting others would take longer than it does.
+SMALL_SELECTION_FILES = 5
 
 
-def pytest_xdist_auto_num_workers() -> int | None:
-    """One more than there are processors: some tests wait, for a fifth of the time."""
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
+    """None for a small selection; else one more than there are processors, as tests wait for a fifth of the time."""
     if "PYTEST_XDIST_AUTO_NUM_WORKERS" in os.environ:
         return None
-    return min(len(os.sched_getaffinity(0)) + 1, MOST_PROCESSES)
+    if _selected_files(config) <= SMALL_SELECTION_FILES:
+        config.option.dist = "no"
+        return 0
+    return min(len(os.sched_getaffinity(0)) + 1, MAX_WORKERS)
+
+
+def _selected_files(config: pytest.Config) -> int:
+    paths = {config.invocation_params.dir / argument.split("::")[0] for argument in config.args}
+    return sum(1 if path.is_file() else sum(1 for _ in path.rglob("test_*.py")) for path in paths)
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Skip the folder of a part that the selection leaves out (`-m "not content"`): nothing of it is imported."""
+    is_part = collection_path.parent == TESTS and collection_path.name in PARTS
+    left_out = re.findall(r"\bnot (\w+)", config.option.markexpr) if " or " not in config.option.markexpr else []
+    return True if is_part and collection_path.name in left_out else None
 
 
 @pytest.hookimpl(wrapper=True)
@@ -76,10 +99,6 @@ GRADING = (
 )
 
 
-#: The folders whose tests carry the marker of their name; all the others are the platform's.
-PARTS = ("content", "contract")
-
-
 @pytest.hookimpl(tryfirst=True)
 def pytest_itemcollected(item: pytest.Item) -> None:
     """Mark each test by the part of the suite in which its folder lies."""
@@ -88,12 +107,18 @@ def pytest_itemcollected(item: pytest.Item) -> None:
         item.add_marker(part)
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Each process of xdist begins with a part of the list, in one piece: what grades is in few of them.
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out slow tests, unless they are asked for, and put in order.
+
+    Each process of xdist begins with a part of the list, in one piece: what grades is in few of them.
 
     Of the others, what is long comes first: begun last, it would keep one processor busy while the other has nothing to
     do.
     """
+    if "slow" not in config.option.markexpr:
+        slow = [item for item in items if item.get_closest_marker("slow")]
+        config.hook.pytest_deselected(items=slow)
+        items[:] = [item for item in items if not item.get_closest_marker("slow")]
     items.sort(key=lambda item: (not item.nodeid.startswith(GRADING), item.get_closest_marker("long") is None))
 
 

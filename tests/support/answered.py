@@ -8,14 +8,15 @@ from typing import Any
 from graders.core.answers import AnswersGrader
 from graders.core.contract.findings import Judgement
 from tests.support.quick import the_course
+from tests.support.shipped import exercises_of_kind
 
-EXERCISES = {name: one for name, one in the_course().exercises.items() if one.kind == "answers"}
+EXERCISES = exercises_of_kind("answers")
 ODOMETRY, QUIZ, PROOF = (f"l20/{slug}" for slug in ("calcul_odometrie", "verification", "demo_1"))
 SEEDS = range(0, 4000, 97)
 
 
 def grader_of(name: str) -> AnswersGrader:
-    grader = EXERCISES[name].answers
+    grader = the_course().exercises[name].answers
     assert grader is not None
     return grader
 

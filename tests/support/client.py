@@ -17,7 +17,7 @@ from typing import Any, Self
 from urllib.parse import unquote
 
 import anyio
-import httpx
+import httpx2 as httpx
 from anyio.from_thread import BlockingPortal
 from starlette import testclient
 from starlette.types import Message

@@ -7,23 +7,23 @@ import tempfile
 from collections.abc import Coroutine, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 from unittest.mock import patch
 
 import pytest
-from fastapi import FastAPI
-from pwdlib import PasswordHash
-from pwdlib.hashers.argon2 import Argon2Hasher
 
-from graders.core.code.grading import CodeGrader
-from server.app import Services, create_app
 from server.base.settings import Settings
-from server.course import Course, Exercise, load
-from server.database import Database
-from server.database.migrate import upgrade
-from tests.support.reenactments import steady
+from tests.support.shipped import shipped_grader
+
+if TYPE_CHECKING:
+    from fastapi import FastAPI
+    from pwdlib import PasswordHash
+
+    from server.app import Services
+    from server.course import Course, Exercise
+    from server.database import Database
 
 T = TypeVar("T")
 
@@ -51,21 +51,21 @@ def _slow(case: Any) -> Any:
 @cache
 def the_course() -> Course:
     """The real course, its texts left as they are, its graders of code steady (see `tests.support.reenactments`)."""
+    from server.course import load
+
     course = load(render=False)
     modules = {name: replace(one, exercises=tuple(map(_steady, one.exercises))) for name, one in course.modules.items()}
     return replace(course, modules=modules)
 
 
 def _steady(exercise: Exercise) -> Exercise:
-    grader = exercise.grader
-    if not isinstance(grader, CodeGrader):
-        return exercise
-    steadied = steady(grader)
-    return replace(exercise, make=lambda: steadied)
+    return replace(exercise, make=partial(shipped_grader, exercise.id)) if exercise.kind == "code" else exercise
 
 
 def migrated(settings: Settings) -> Database:
     """A database at the current schema; a new one in an SQLite file is a copy of one that was migrated."""
+    from server.database import Database
+
     if settings.database_url is None:
         path = Path(settings.url.removeprefix("sqlite:///"))
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -87,19 +87,23 @@ def _sqlite_file() -> bytes:
 
 @cache
 def _upgrade_once(url: str) -> None:
+    from server.database import Database
+    from server.database.migrate import upgrade
+
     database = Database(url)
     upgrade(database.engine)
     database.close()
 
 
+@cache
+def _services_without_first_look() -> type[Services]:
+    """It looks for nothing that an earlier service has left: there was none, and the look takes a dozen queries."""
+    from server.app import Services
+
+    return type("BlindServices", (Services,), {"first_look": lambda _services: None})
+
+
 _standing: dict[tuple[int, int, str], FastAPI] = {}
-
-
-class _Blind(Services):
-    """Does not look for what an earlier service has left: there was none. The look is a dozen queries."""
-
-    def first_look(self) -> None:
-        pass
 
 
 def standing_app(settings: Settings, course: Course) -> FastAPI:
@@ -108,7 +112,9 @@ def standing_app(settings: Settings, course: Course) -> FastAPI:
     All that it holds is new: what it was built with, what runs while it serves, and nothing is overridden. It does not
     look, as it starts, for what was left behind.
     """
-    with patch("server.app.Services", _Blind):
+    from server.app import create_app
+
+    with patch("server.app.Services", _services_without_first_look()):
         new = create_app(settings, course=course)
     told = settings.body_bytes, settings.session_days, settings.root_path  # what its middleware was
     app = _standing.setdefault(told, new)
@@ -121,6 +127,9 @@ def standing_app(settings: Settings, course: Course) -> FastAPI:
 @cache
 def weak_hasher() -> PasswordHash:
     """Argon2id at its weakest, where a test is about something else than hashing."""
+    from pwdlib import PasswordHash
+    from pwdlib.hashers.argon2 import Argon2Hasher
+
     return PasswordHash((Argon2Hasher(time_cost=1, memory_cost=8, parallelism=1),))
 
 

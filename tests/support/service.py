@@ -9,34 +9,35 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
-from fastapi import FastAPI
 from sqlalchemy import Engine, create_engine, text
 
 from graders.core.contract.findings import Judgement
 from graders.core.contract.outcomes import Outcome
 from graders.core.contract.verdict import CheckResult, Verdict
-from server.base.provided import provide, provided_to
 from server.base.settings import Settings
-from server.classes.service import Classes
-from server.course import Course
 from server.database import Database
 from server.database import engine as engines
-from server.grading.task import Grade, GradingTask, SentFile
-from server.identity import secrets, tokens
+from server.identity import secrets
 from server.identity.models import Account, Role
-from server.identity.service import Accounts
 from server.queue.port import NoSignals, Queue
 from server.queue.service import TableQueue
-from server.queue.worker import Worker
-from server.submissions.service import GRADE, Submissions
 from server.tables import metadata
-from tests.support.client import TestClient
 from tests.support.postgres import postgres_of_the_wheel
 from tests.support.quick import migrated, standing_app, the_course, weak_hasher
 from tests.support.shared import shared
+
+if TYPE_CHECKING:
+    from fastapi import FastAPI
+
+    from server.course import Course
+    from server.grading.task import Grade, SentFile
+    from server.identity.service import Accounts
+    from server.queue.worker import Worker
+    from server.submissions.service import Submissions
+    from tests.support.client import TestClient
 
 EXERCISE = "l20/poses"
 ADDRESS = "192.0.2.1"
@@ -62,6 +63,10 @@ QUIET = TableQueue(NoSignals())
 
 def worker_of(database: Database, settings: Settings, grade: Grade = fake_grade, queue: Queue = QUIET) -> Worker:
     """A worker that grades, to be stepped by hand."""
+    from server.grading.task import GradingTask
+    from server.queue.worker import Worker
+    from server.submissions.service import GRADE
+
     return Worker(database, queue, settings, {GRADE: GradingTask(the_course(), grade)})
 
 
@@ -137,7 +142,7 @@ def postgres_url(postgres_server: str) -> Iterator[str]:
     administration.dispose()
 
 
-@pytest.fixture(params=["sqlite", "postgresql"])
+@pytest.fixture(params=["sqlite", pytest.param("postgresql", marks=pytest.mark.contract)])
 def database_url(request: pytest.FixtureRequest, tmp_path: Path) -> str | None:
     """None for the default, SQLite in the data folder."""
     return None if request.param == "sqlite" else str(request.getfixturevalue("postgres_url"))
@@ -195,6 +200,8 @@ def new_account(database: Database, role: Role = Role.student, name: str = "Ada"
 
 @pytest.fixture
 def store(both: Settings) -> Submissions:
+    from server.submissions.service import Submissions
+
     return Submissions(both, QUIET)
 
 
@@ -213,14 +220,23 @@ class Site:
 
     @cached_property
     def database(self) -> Database:
+        from server.base.provided import provided_to
+
         return provided_to(self.app, Database)
 
     @property
     def accounts(self) -> Accounts:
+        from server.base.provided import provided_to
+        from server.identity.service import Accounts
+
         return provided_to(self.app, Accounts)
 
     def tighten(self, **limits: float) -> None:
         """Other settings from now on."""
+        from server.base.provided import provide, provided_to
+        from server.classes.service import Classes
+        from server.submissions.service import Submissions
+
         settings = self.settings.model_copy(update=limits)
         store = provided_to(self.app, Submissions)
         provide(self.app, Classes(self.database, settings))
@@ -231,10 +247,15 @@ class Site:
         return self.worker_with(fake_grade)
 
     def worker_with(self, grade: Grade) -> Worker:
+        from server.base.provided import provided_to
+        from server.submissions.service import Submissions
+
         return worker_of(self.database, self.settings, grade, provided_to(self.app, Submissions)._queue)
 
     def token(self, role: Role = Role.student) -> dict[str, str]:
         """The headers of a new account's API token."""
+        from server.identity import tokens
+
         account = new_account(self.database, role)
         with self.database.write() as db:
             _, secret = tokens.create(db, account, "essai", self.settings)
@@ -249,6 +270,8 @@ class Site:
 
 @pytest.fixture
 def site(sqlite: Database, settings: Settings, course: Course) -> Iterator[Site]:
+    from tests.support.client import TestClient
+
     app = standing_app(settings, course)
     with TestClient(app, follow_redirects=False, raise_server_exceptions=False) as client:
         yield Site(app, client, settings)

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
-from graders.core.code.checks import Trial
-from graders.core.code.exercise import CodeDefinition
-from graders.core.contract.program import KitSettings
-from graders.discovery import Discovery
 from server.base.settings import Settings
-from server.course import Course, load
-from tests.support.client import TestClient
 from tests.support.quick import migrated, standing_app
-from tests.support.small_site import SmallSite
+
+if TYPE_CHECKING:
+    from graders.core.code.exercise import CodeDefinition
+    from graders.discovery import Discovery
+    from server.course import Course
+    from tests.support.small_site import SmallSite
 
 MODULE = 'title = "Un module"\nnumber = "M9"\nsummary = "De quoi essayer."\n'
 EXERCISE = """title = "Doubler"
@@ -59,14 +59,22 @@ class CourseFolder:
         self.write(f"graders/m9/{slug}/solution.py", SOLUTION)
 
     def load(self, discovery: Discovery | None = None, **options: bool) -> Course:
+        from server.course import load
+
         return load(self.curriculum, code=self.root, discovery=discovery or self.graders("a", "b"), **options)
 
     def graders(self, *slugs: str) -> Discovery:
         """What discovery would find: a definition for each."""
+        from graders.discovery import Discovery
+
         return Discovery({f"m9/{slug}": definition(self.root / "graders" / "m9" / slug) for slug in slugs}, ())
 
 
 def definition(folder: Path, solution: str = SOLUTION) -> CodeDefinition:
+    from graders.core.code.checks import Trial
+    from graders.core.code.exercise import CodeDefinition
+    from graders.core.contract.program import KitSettings
+
     check = Trial(id="t", title="T", points=20, functions=("double",), hint="?", protocol=lambda bench: None)
     return CodeDefinition(folder, (check,), lambda _: KitSettings("m9", {}), solution)
 
@@ -86,6 +94,9 @@ def course_folder(tmp_path: Path) -> CourseFolder:
 
 @pytest.fixture
 def small_site(course_folder: CourseFolder, tmp_path: Path) -> Iterator[SmallSite]:
+    from tests.support.client import TestClient
+    from tests.support.small_site import SmallSite
+
     settings = Settings(data_dir=tmp_path / "data", workers=0, submission_burst=8, submission_refill_seconds=1000)
     database = migrated(settings)
     app = standing_app(settings, course_folder.load())
